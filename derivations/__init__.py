@@ -1,0 +1,1 @@
+"""Derivations with sympy: what the paper prints, re-derived and judged."""

@@ -1,0 +1,1 @@
+"""The inelastic Lorentz equation on a discretised velocity space."""

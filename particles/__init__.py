@@ -1,0 +1,1 @@
+"""Event-driven particles: the collisions, followed one after another."""
