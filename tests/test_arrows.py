@@ -29,7 +29,9 @@ def is_court(path: str) -> bool:
     return path in COURT or path.startswith("kinetics/crosscheck/")
 
 
-MODULES = sorted(p.relative_to(ROOT).as_posix() for w in WITNESSES for p in (ROOT / w).rglob("*.py"))
+MODULES = sorted(
+    p.relative_to(ROOT).as_posix() for w in WITNESSES for p in (ROOT / w).rglob("*.py")
+)
 
 
 @pytest.mark.parametrize("path", MODULES)
