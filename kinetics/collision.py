@@ -1,0 +1,214 @@
+"""One collision, as averages over the impact parameter: the only place that knows how e enters.
+
+A tracer meets a disk with impact parameter ``y d``, y uniform on [-1, 1]. In units of its speed
+before the bounce (paper, label ``vchange``) it leaves with
+
+    speed                 s(y)     = sqrt(e^2 + (1 - e^2) y^2)
+    parallel component    s cos(chi) = -e + (1 + e) y^2
+    deflection            chi(y), of the sign of y
+
+Everything that the kinetic equation needs is an average of s^p cos(m chi) over y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.errors import InputError, check_restitution
+
+FloatArray = NDArray[np.float64]
+
+# Gauss-Legendre points on each panel of length 1 in the variable u below. The integrands are
+# analytic up to Im u = pi/2, so 20 points leave an error below 1e-24 for s^p with |p| < 15.
+_POINTS = 20
+# Where e = 0 the variable is ln(1/s) itself; what lies beyond weighs exp(-_DEEPEST).
+_DEEPEST = 40.0
+
+
+@lru_cache(maxsize=8)
+def _gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return 0.5 * (x + 1.0), 0.5 * w
+
+
+def composite_gauss(length: float, points: int = _POINTS) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on [0, length], in equal panels no longer than 1."""
+    panels = max(1, int(np.ceil(length)))
+    width = length / panels
+    x, w = _gauss_legendre(points)
+    nodes = (np.arange(panels)[:, None] + x[None, :]).ravel() * width
+    return nodes, np.tile(w, panels) * width
+
+
+@dataclass(frozen=True)
+class ImpactQuadrature:
+    """Averages over the impact parameter as weighted sums: E[f] = sum_k weight_k f_k.
+
+    Attributes, each of shape ``(n_nodes,)``
+    ----------------------------------------
+    weight : positive, sums to 1
+    log_loss : xi = -ln s >= 0, accurate relative to itself
+    ratio : s = exp(-xi)
+    parallel : s cos(chi)
+    """
+
+    weight: FloatArray
+    log_loss: FloatArray
+    ratio: FloatArray
+    parallel: FloatArray
+
+    @cached_property
+    def cosine(self) -> FloatArray:
+        """cos(chi), shape (n_nodes,)."""
+        return np.clip(self.parallel / self.ratio, -1.0, 1.0)
+
+    def harmonic(self, m: int) -> FloatArray:
+        """cos(m chi), shape (n_nodes,): what angular harmonic m keeps of itself in a bounce."""
+        if m == 0:
+            return np.ones_like(self.weight)
+        return np.asarray(np.cos(m * np.arccos(self.cosine)))
+
+
+def impact_quadrature(restitution: float, points: int = _POINTS) -> ImpactQuadrature:
+    """Quadrature over the impact parameter, graded so that no e is special.
+
+    s(y) has branch points at y = +-i e/sqrt(1-e^2), near the real axis for small e. With
+    y = (e/b) sinh u, b = sqrt(1-e^2), they leave: s = e cosh u, 0 <= u <= U = asinh(b/e).
+    ln s is taken from 1 - s^2 = b^2 (1-y^2) = e^2 sinh(U-u) sinh(U+u) where s is near 1, so
+    that -ln s keeps its digits as e -> 1.
+    """
+    e = restitution
+    if e == 1.0:
+        # nothing is lost, but the deflection remains: cos(chi) = 2 y^2 - 1
+        y, w = _gauss_legendre(points)
+        one = np.ones_like(y)
+        return ImpactQuadrature(w, np.zeros_like(y), one, 2.0 * y * y - 1.0)
+    if e == 0.0:
+        xi, w = composite_gauss(_DEEPEST, points)
+        s = np.exp(-xi)
+        return ImpactQuadrature(w * s, xi, s, s * s)
+    b2 = (1.0 - e) * (1.0 + e)
+    b = np.sqrt(b2)
+    top = float(np.arcsinh(b / e))
+    u, w = composite_gauss(top, points)
+    rest, _ = composite_gauss(top, points)
+    rest = rest[::-1]  # U - u without cancellation: the nodes are symmetric
+    lost = e * e * np.sinh(rest) * np.sinh(top + u)  # 1 - s^2
+    s_small = e * np.cosh(u)
+    near_one = lost < 0.5
+    xi = np.where(near_one, -0.5 * np.log1p(-np.where(near_one, lost, 0.0)), -np.log(s_small))
+    s = np.exp(-xi)
+    y2 = ((e / b) * np.sinh(u)) ** 2
+    # near y = 1 this is 1 - (1+e)(1-y^2), which loses nothing
+    parallel = np.where(near_one, 1.0 - lost / (1.0 - e), -e + (1.0 + e) * y2)
+    return ImpactQuadrature(w * (e / b) * np.cosh(u), xi, s, parallel)
+
+
+@dataclass(frozen=True)
+class CollisionLaw:
+    """The inelastic bounce off a fixed disk, averaged over a uniform impact parameter.
+
+    Parameters
+    ----------
+    restitution : e in [0, 1], constant
+
+    Raises
+    ------
+    InputError (a ValueError) : restitution outside [0, 1] or not a number
+
+    All results are dimensionless. Relative accuracy 1e-13 or better for every e, those near 0
+    and 1 included: each is a sum of terms of one sign.
+
+    >>> law = CollisionLaw(restitution=0.7)
+    >>> bool(abs(law.decay_rate(2) - 2 / 3 * (1 - 0.7**2)) < 1e-15)
+    True
+    """
+
+    restitution: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "restitution", check_restitution(self.restitution))
+
+    @cached_property
+    def quadrature(self) -> ImpactQuadrature:
+        """The average over the impact parameter as a weighted sum."""
+        return impact_quadrature(self.restitution)
+
+    def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
+        """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
+
+        Closed form: e^p 2F1(-p/2, 1/2; 3/2; -(1-e^2)/e^2), and 1/(1+p) at e = 0, where it
+        exists for Re p > -1 only.
+        """
+        p_ = self._exponents(p)
+        if self.restitution == 0.0:
+            return (1.0 / (1.0 + p_))[()]
+        q = self.quadrature
+        with np.errstate(over="ignore", invalid="ignore"):
+            mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight
+        return self._finite(p, mean)[()]
+
+    def decay_rate(self, p: ArrayLike) -> Any:
+        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
+
+        Same shapes as :meth:`mean_speed_ratio_power`; accurate relative to itself also where
+        it vanishes (p -> 0, e -> 1). Negative for p < 0.
+        """
+        p_ = self._exponents(p)
+        if self.restitution == 0.0:
+            return (p_ / (1.0 + p_))[()]
+        q = self.quadrature
+        with np.errstate(over="ignore", invalid="ignore"):
+            rate = -np.expm1(-np.multiply.outer(p_, q.log_loss)) @ q.weight
+        return self._finite(p, rate)[()]
+
+    @cached_property
+    def mean_log_loss(self) -> float:
+        """kappa = E[-ln s] = 1 - e arccos(e)/sqrt(1-e^2); 0 at e = 1, 1 at e = 0."""
+        if self.restitution == 0.0:
+            return 1.0
+        return float(self.quadrature.weight @ self.quadrature.log_loss)
+
+    @cached_property
+    def mean_cosine(self) -> float:
+        """<cos chi>: 1/2 at e = 0, -1/3 at e = 1 (hard disks scatter backwards on average)."""
+        if self.restitution == 0.0:
+            return 0.5
+        return float(self.quadrature.weight @ self.quadrature.cosine)
+
+    def harmonic_decay_rate(self, p: float, m: int) -> float:
+        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l."""
+        if isinstance(m, bool) or m != int(m):
+            raise InputError(f"m: got {m!r}; it must be an integer")
+        if m == 0:
+            return float(self.decay_rate(p))
+        if self.restitution == 0.0 and p <= -1.0:
+            raise InputError(f"p: got {p!r}; at restitution 0 it must be above -1")
+        q = self.quadrature
+        half = np.sin(0.5 * m * np.arccos(q.cosine))
+        # 1 - s^p cos = (1 - s^p) + s^p 2 sin^2(m chi/2): no cancellation
+        terms = -np.expm1(-p * q.log_loss) + np.exp(-p * q.log_loss) * 2.0 * half**2
+        return float(q.weight @ terms)
+
+    def _exponents(self, p: ArrayLike) -> NDArray[Any]:
+        p_ = np.asarray(p)
+        if p_.dtype.kind not in "iufc":
+            raise InputError(f"p: got {p!r}; it must be a number or an array of numbers")
+        p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
+        if not np.all(np.isfinite(p_)):
+            raise InputError(f"p: got {p!r}; it must be finite")
+        if self.restitution == 0.0 and np.any(p_.real <= -1.0):
+            raise InputError(f"p: got {p!r}; at restitution 0 it must be above -1")
+        return p_
+
+    @staticmethod
+    def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
+        if not np.all(np.isfinite(value)):
+            raise InputError(f"p: got {p!r}; E[s^p] overflows double precision there")
+        return value

@@ -1,0 +1,1 @@
+"""The court: holds the three witnesses against each other and writes the reports."""

@@ -1,0 +1,174 @@
+"""Figures: the data of one, as it stands in the JSON file, drawn on an axis, and nothing else.
+
+A figure's data are plain lists and strings (`figure_data` builds them):
+
+    {"title", "description", "x": {"label", "unit", "scale", "limits"}, "y": {...},
+     "series": [{"source", "restitution", "x", "y", "error"}]}
+
+`source` is who says so and decides the stroke; `restitution` decides the colour, None is ink.
+"""
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FigureData = Mapping[str, Any]
+
+# Matplotlib draws these stand-ins; the page maps them to CSS variables, so that one SVG serves
+# light, dark and paper. The palette itself stands in the template (after Okabe and Ito).
+INK = "#0a0b0c"
+FAINT = "#0a0b0d"
+COLOURS = ("#0a0b10", "#0a0b11", "#0a0b12", "#0a0b13", "#0a0b14", "#0a0b15")
+CSS_VARIABLE = {INK: "var(--ink)", FAINT: "var(--faint)"} | {
+    stand_in: f"var(--series-{i})" for i, stand_in in enumerate(COLOURS)
+}
+
+_LINE = {"linewidth": 1.5}
+_DOTS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
+STROKES: dict[str, dict[str, Any]] = {
+    "kinetic equation": {"linestyle": "-", **_LINE},
+    "exact": {"linestyle": "-", **_LINE},
+    "solver": {"linestyle": "none", "marker": "x", "markersize": 5.5},
+    "Boltzmann-Grad": {"marker": "o", "markersize": 3.6, **_DOTS},
+    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_DOTS},
+    "Sonine": {"linestyle": (0, (4, 2)), **_LINE},
+    "Sonine, unstable root": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "paper's fit": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
+    "paper, tail": {"linestyle": (0, (4, 2)), **_LINE},
+    "paper, peak": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
+    "paper's integral": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "exact tail": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "Gaussian": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
+    "zero": {"linestyle": "-", "linewidth": 0.8},
+}
+
+STYLE = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "inelastic-lorentz",
+    "font.family": "sans-serif",
+    "font.size": 10.5,
+    "mathtext.default": "it",
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.grid": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.fontsize": 9.5,
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+    "savefig.facecolor": "none",
+}
+
+
+def draw(data: FigureData, axis: "Axes") -> None:
+    """Draw every series of one figure on the axis, and label the axis with its units."""
+    for series, colour in zip(data["series"], _colours(data), strict=True):
+        stroke = STROKES[series["source"]]
+        x, y = _with_gaps(series["x"]), _with_gaps(series["y"])
+        if "elinewidth" in stroke:
+            error = None if series["error"] is None else _with_gaps(series["error"])
+            axis.errorbar(x, y, yerr=error, color=colour, **stroke)
+        else:
+            axis.plot(x, y, color=colour, **stroke)
+    for name in ("x", "y"):
+        spec = data[name]
+        unit = f"  [{spec['unit']}]" if spec["unit"] else ""
+        axis.set(**{f"{name}label": spec["label"] + unit, f"{name}scale": spec["scale"]})
+        if spec["limits"] is not None:
+            axis.set(**{f"{name}lim": tuple(spec["limits"])})
+
+
+def legend_entries(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
+    """Label and stroke of each entry: every source once in ink, then every restitution once."""
+    entries: dict[str, dict[str, Any]] = {}
+    for series in data["series"]:
+        stroke = {k: v for k, v in STROKES[series["source"]].items() if k in _LEGEND_KEYS}
+        entries.setdefault(series["source"], {"color": INK, **stroke})
+    for series, colour in zip(data["series"], _colours(data), strict=True):
+        if series["restitution"] is not None:
+            label = f"e = {series['restitution']:g}"
+            entries.setdefault(label, {"color": colour, "linewidth": 5})
+    return list(entries.items())
+
+
+_LEGEND_KEYS = {"linestyle", "linewidth", "marker", "markersize", "markerfacecolor"}
+
+
+def _colours(data: FigureData) -> list[str]:
+    """The colour of each series: restitutions take theirs in the order in which they appear."""
+    order = list(
+        dict.fromkeys(
+            s["restitution"] for s in data["series"] if s["restitution"] is not None
+        )
+    )
+    return [
+        INK
+        if s["restitution"] is None
+        else COLOURS[order.index(s["restitution"]) % len(COLOURS)]
+        for s in data["series"]
+    ]
+
+
+def _with_gaps(values: Sequence[float | None]) -> list[float]:
+    """JSON has no NaN: None marks where a formula has no value, and the line is broken there."""
+    return [float("nan") if v is None else float(v) for v in values]
+
+
+def svg(name: str, data: FigureData) -> str:
+    """One figure as an `<svg>` element that can stand in a page beside others.
+
+    Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
+    is the title and description of the data, and the same data give the same text.
+    """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    buffer = io.StringIO()
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.0, 4.4), layout="constrained")
+        FigureCanvasSVG(figure)
+        draw(data, figure.add_subplot())
+        entries = legend_entries(data)
+        figure.legend(
+            handles=[Line2D([], [], **stroke) for _, stroke in entries],
+            labels=[label for label, _ in entries],
+            loc="outside upper left",
+            ncols=3,
+            handlelength=2.4,
+            columnspacing=1.2,
+        )
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return _embeddable(buffer.getvalue(), name, data["title"], data["description"])
+
+
+def _embeddable(text: str, name: str, title: str, description: str) -> str:
+    """Matplotlib's file as an element: own ids, own colours, no metadata, a text alternative."""
+    prefix = f"fig-{name}-"
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href=", "href=")
+    text = re.sub(r'\b(id="|href="#)(?=[^"])', rf"\1{prefix}", text)
+    text = text.replace("url(#", f"url(#{prefix}")
+    for stand_in, variable in CSS_VARIABLE.items():
+        text = text.replace(stand_in, variable)
+    head, body = text.split(">", 1)
+    # The page gives the size; the view box keeps the proportions.
+    head = re.sub(r'\s(width|height)="[^"]*"', "", head)
+    return (
+        f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
+        f'<title id="{prefix}title">{escape(title)}</title>'
+        f'<desc id="{prefix}desc">{escape(description)}</desc>{body.strip()}'
+    )

@@ -1,0 +1,84 @@
+"""What a report is asked to compare: the paper's own system unless told otherwise."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from kinetics.errors import InputError, check_positive, check_restitution, check_rtol
+
+PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
+"""Final time in d/U of each restitution in the paper (captions of inelasticposi and scalev)."""
+OTHER_FINAL_TIME = 1000.0
+"""Final time in d/U of a restitution that the paper does not have."""
+
+
+@dataclass(frozen=True)
+class ReportSettings:
+    """The system, the sample sizes and the accuracy of one report.
+
+    Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2.
+    `final_times` has one entry per restitution. `media` times `tracers` is the number of hard-disk
+    samples; `free_tracers` that of the Boltzmann-Grad run, which has no configurations. InputError
+    for anything that cannot be used.
+    """
+
+    restitutions: tuple[float, ...] = tuple(PAPER_FINAL_TIME)
+    final_times: tuple[float, ...] = tuple(PAPER_FINAL_TIME.values())
+    number_density: float = 0.04
+    count: int = 40_000
+    media: int = 100
+    tracers: int = 100
+    free_tracers: int = 200_000
+    n_times: int = 24
+    rtol: float = 1e-10
+    seed: int = 1
+    workers: int | None = None
+
+    def __post_init__(self) -> None:
+        restitutions = tuple(check_restitution(e) for e in _items("restitutions", self.restitutions))
+        times = tuple(check_positive("final_times", t) for t in _items("final_times", self.final_times))
+        if len(set(restitutions)) != len(restitutions):
+            raise InputError(f"restitutions: got {restitutions}; each may stand only once")
+        if len(times) != len(restitutions):
+            raise InputError(
+                f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
+                "there must be one for each"
+            )
+        object.__setattr__(self, "restitutions", restitutions)
+        object.__setattr__(self, "final_times", times)
+        check_positive("number_density", self.number_density)
+        check_rtol(self.rtol)
+        for name, least in (
+            ("count", 1),
+            ("media", 2),
+            ("tracers", 1),
+            ("free_tracers", 2),
+            ("n_times", 2),
+            ("seed", 0),
+        ):
+            check_whole(name, getattr(self, name), least)
+        if self.workers is not None:
+            check_whole("workers", self.workers, 1)
+
+    def quick(self) -> "ReportSettings":
+        """The same system with fewer samples."""
+        return replace(self, media=min(self.media, 10), free_tracers=min(self.free_tracers, 10_000))
+
+
+def final_time(restitution: float) -> float:
+    """The default final time of a restitution, in d/U."""
+    return PAPER_FINAL_TIME.get(restitution, OTHER_FINAL_TIME)
+
+
+def check_whole(name: str, value: Any, least: int) -> int:
+    """A whole number not below `least`; InputError otherwise."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise InputError(f"{name}: got {value!r}; it must be a whole number, at least {least}")
+    return value
+
+
+def _items(name: str, values: Iterable[Any]) -> list[Any]:
+    items = list(values)
+    if not items:
+        raise InputError(f"{name}: got none; at least one is needed")
+    return items
