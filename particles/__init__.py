@@ -1,1 +1,46 @@
 """Event-driven particles: the collisions, followed one after another."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from particles.configuration import OBSERVABLES
+    from particles.ensemble import Ensemble, Statuses
+    from particles.estimators import Estimate, Histogram
+    from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson
+    from particles.simulate import simulate
+
+_HOMES = {
+    "OBSERVABLES": "configuration",
+    "BoltzmannGrad": "media",
+    "Ensemble": "ensemble",
+    "Estimate": "estimators",
+    "HardDisks": "media",
+    "Histogram": "estimators",
+    "Medium": "media",
+    "Poisson": "media",
+    "Statuses": "ensemble",
+    "simulate": "simulate",
+}
+
+__all__ = [
+    "OBSERVABLES",
+    "BoltzmannGrad",
+    "Ensemble",
+    "Estimate",
+    "HardDisks",
+    "Histogram",
+    "Medium",
+    "Poisson",
+    "Statuses",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded at first use: `import particles` costs neither numpy nor numba.
+    if name not in _HOMES:
+        raise AttributeError(f"module 'particles' has no attribute {name!r}")
+    value = getattr(import_module(f"particles.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

@@ -1,0 +1,180 @@
+"""One configuration of scatterers and the tracers in it: the unit of work of an ensemble."""
+
+from dataclasses import dataclass, field
+from math import ceil, log2
+
+import numpy as np
+
+from particles.media import BoltzmannGrad, Medium
+
+SCALARS = (
+    "thermal_speed",
+    "a2",
+    "msd",
+    "kurtosis",
+    "collisions",
+    "velocity_autocorrelation",
+    "mean_free_path",
+)
+HISTOGRAMS = (
+    "speed_histogram",
+    "velocity_component_histogram",
+    "displacement_histogram",
+    "free_path_histogram",
+)
+RAW = ("positions", "velocities", "finals")
+OBSERVABLES = SCALARS + HISTOGRAMS + RAW
+
+# Bins of a histogram: 16 per octave, each 4.4 % wide.
+PER_OCTAVE = 16
+# Tracers per kernel call: what is kept per tracer stays small whatever their number.
+BLOCK = 4096
+# A flight of so many mean free paths meets nothing any more.
+ESCAPE_PATHS = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is to be run, checked. velocities (media or none, tracers, 2), or None to draw them."""
+
+    medium: Medium
+    restitution: float
+    monoenergetic: bool
+    velocities: np.ndarray | None
+    times: np.ndarray
+    media: int
+    tracers: int
+    max_collisions: int | None
+    seed: int
+    observables: frozenset[str]
+
+    def grids(self) -> np.ndarray:
+        """Return log2 of the first edge, bins per octave and bins of each histogram, (4, 3).
+
+        Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
+        from 2**-12 d up to what the fastest start can fly, 2**40 d at most.
+        """
+        fastest = 4.0
+        if self.velocities is not None:
+            fastest = float(np.hypot(self.velocities[..., 0], self.velocities[..., 1]).max())
+        last = float(self.times[-1]) if self.times.size else 1.0
+        top = ceil(log2(fastest)) + 2
+        bottom = -ceil(log2(max(last, 1.0))) - 20
+        far = min(max(ceil(log2(fastest) + log2(max(last, 1.0))) + 2, 4), 40)
+        rows = ((bottom, top), (bottom, top), (-12, far), (-12, 40))
+        return np.array([(low, PER_OCTAVE, (high - low) * PER_OCTAVE) for low, high in rows], float)
+
+
+@dataclass(frozen=True, eq=False)
+class Tally:
+    """Sums over the tracers of one configuration (columns: particles.kernels).
+
+    moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps (n, 4) tracer,
+    time, x, y; histograms name -> (n_times, bins + 2); raw name -> arrays, time first.
+    """
+
+    configuration: int
+    moments: np.ndarray
+    totals: np.ndarray
+    statuses: np.ndarray
+    traps: np.ndarray
+    histograms: dict[str, np.ndarray] = field(default_factory=dict)
+    raw: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+def time_scales(times: np.ndarray) -> np.ndarray:
+    """Return the power of 2 by which velocities are multiplied in sums at each time.
+
+    v t stays near the mean free path for ever; v^4 alone would underflow.
+    """
+    return 2.0 ** np.round(np.log2(np.maximum(times, 1.0)))
+
+
+def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
+    """Run configurations start to stop - 1, one after another."""
+    return [run_configuration(plan, c) for c in range(start, stop)]
+
+
+def run_configuration(plan: Plan, configuration: int) -> Tally:
+    """Place the scatterers of one configuration and follow its tracers."""
+    from particles import cells as index
+    from particles import kernels
+
+    medium, d = plan.medium, plan.medium.diameter
+    density = medium.number_density * d * d
+    times = plan.times / d
+    scales = time_scales(times)
+    grids = plan.grids()
+    n_times = times.size
+    tally = Tally(
+        configuration,
+        np.zeros((n_times, kernels.MOMENTS)),
+        np.zeros(2),
+        np.zeros(4, np.int64),
+        np.empty((0, 4)),
+        {
+            name: np.zeros(
+                (1 if name == "free_path_histogram" else n_times, int(grids[row, 2]) + 2), np.int64
+            )
+            for row, name in enumerate(HISTOGRAMS)
+            if name in plan.observables
+        },
+    )
+    histograms = [tally.histograms.get(name, np.zeros((0, 0), np.int64)) for name in HISTOGRAMS]
+    speeds, components, distances, paths = histograms
+    most = plan.max_collisions or 0
+    seed = np.uint64(plan.seed)
+    if not isinstance(medium, BoltzmannGrad):
+        cells = index.empty_cells(medium.box / d, density, medium.count)
+        placed = index.place_at_random(
+            medium.count, medium.overlapping, seed, configuration, *cells
+        )
+        if placed < medium.count:
+            raise ValueError(
+                f"number_density = {medium.number_density}: only {placed} of {medium.count} disks "
+                f"could be placed; the largest density reached is "
+                f"{medium.number_density * placed / medium.count:.3g}"
+            )
+    traps: list[np.ndarray] = []
+    raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
+    for first in range(0, plan.tracers, BLOCK):
+        n = min(BLOCK, plan.tracers - first)
+        given = np.full((n, 2), np.nan)
+        if plan.velocities is not None:
+            own = plan.velocities if plan.velocities.ndim == 2 else plan.velocities[configuration]
+            given[:] = own[first : first + n]
+        block = {
+            "positions": np.empty((n_times, n, 2) if "positions" in raw else (0, 0, 0)),
+            "velocities": np.empty((n_times, n, 2) if "velocities" in raw else (0, 0, 0)),
+            "finals": np.empty((n, 5) if "finals" in raw else (0, 0)),
+        }
+        for array in block.values():
+            array.fill(np.nan)
+        start = (first, given, plan.monoenergetic, seed, configuration, plan.restitution, most)
+        records = (grids[:, :2].copy(), speeds, components, distances, paths, *block.values())
+        if isinstance(medium, BoltzmannGrad):
+            kernels.follow_free_paths(
+                *start, 0.5 / density, times, scales,
+                tally.moments, tally.totals, tally.statuses, *records,
+            )  # fmt: skip
+        else:
+            caught = np.empty((n, 4))
+            n_caught = kernels.follow(
+                *start, ESCAPE_PATHS * 0.5 / density, times, scales, *cells,
+                tally.moments, tally.totals, tally.statuses, caught, *records,
+            )  # fmt: skip
+            traps.append(caught[:n_caught])
+        for name, pieces in raw.items():
+            pieces.append(block[name])
+    return Tally(
+        configuration,
+        tally.moments,
+        tally.totals,
+        tally.statuses,
+        np.concatenate(traps) if traps else tally.traps,
+        tally.histograms,
+        {
+            name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
+            for name, pieces in raw.items()
+        },
+    )

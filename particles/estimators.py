@@ -1,0 +1,86 @@
+"""Estimates with standard errors, from sums kept per configuration.
+
+Tracers of one configuration share their scatterers and are not independent; configurations are.
+So every error is the spread over configurations: the delete-one jackknife for functions of sums,
+and the ratio estimator's variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9).
+With one configuration there is no spread to see and the error is infinite, not small.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A value and its standard error, arrays of one shape; time is the first axis.
+
+    The value is NaN where nothing was sampled, the error infinite where it is unknown.
+    """
+
+    value: np.ndarray
+    error: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"Estimate(value={self.value!r}, error={self.error!r})"
+
+
+@dataclass(frozen=True, eq=False)
+class Histogram:
+    """Share of the samples in each bin.
+
+    edges (n_bins + 1,), the same at every time. probability: Estimate (n_times, n_bins) of the
+    share in a bin, not divided by its width; below, above (n_times,): the shares outside.
+    """
+
+    edges: np.ndarray
+    probability: Estimate
+    below: np.ndarray
+    above: np.ndarray
+
+    @property
+    def density(self) -> Estimate:
+        """Probability per unit of the variable, (n_times, n_bins)."""
+        width = np.diff(self.edges)
+        return Estimate(self.probability.value / width, self.probability.error / width)
+
+
+def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) -> Estimate:
+    """Return function(total) with its delete-one error.
+
+    sums (n_configurations, ...); function maps a sum over configurations to an array.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total = sums.sum(axis=0)
+        value = np.asarray(function(total), dtype=float)
+        n = len(sums)
+        if n < 2:
+            return Estimate(value, np.full(value.shape, np.inf))
+        mean = np.zeros(value.shape)
+        square = np.zeros(value.shape)
+        # Deviations from the value: no cancellation in the squares.
+        for part in sums:
+            deviation = np.asarray(function(total - part), dtype=float) - value
+            mean += deviation
+            square += deviation * deviation
+        variance = (n - 1) / n * np.maximum(square - mean * mean / n, 0.0)
+        error = np.sqrt(variance)
+    return Estimate(value, np.where(np.isnan(error), np.inf, error))
+
+
+def share(
+    counts: np.ndarray, squares: np.ndarray, cross: np.ndarray, samples: np.ndarray, n: int
+) -> Estimate:
+    """Return counts / samples with its error over n configurations.
+
+    counts, squares, cross (n_times, n_bins): sums over configurations of the count c in a bin, of
+    c^2 and of c m, where m is the configuration's number of samples; samples (2, n_times): sums of
+    m and of m^2.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total = samples[0][:, None]
+        p = counts / total
+        spread = np.maximum(squares - 2.0 * p * cross + p * p * samples[1][:, None], 0.0)
+        error = np.sqrt(spread * (n / (n - 1))) / total if n > 1 else np.full(p.shape, np.inf)
+    return Estimate(p, np.where(np.isnan(error), np.inf, error))

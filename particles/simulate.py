@@ -1,0 +1,198 @@
+"""simulate(): from a medium and a start to an Ensemble."""
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from typing import Any, Literal
+
+import numpy as np
+
+from particles.configuration import OBSERVABLES, Plan, Tally, run_configurations
+from particles.ensemble import Ensemble, Totals
+from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson
+
+LARGEST_TIME = 1e300
+
+
+def simulate(
+    medium: Medium,
+    restitution: float,
+    initial: Literal["gaussian", "monoenergetic"] | np.ndarray = "gaussian",
+    times: Sequence[float] | np.ndarray | None = None,
+    media: int = 100,
+    tracers: int = 100,
+    max_collisions: int | None = None,
+    seed: int = 1,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    observables: Iterable[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Ensemble:
+    """Follow `tracers` tracers in each of `media` configurations of a medium.
+
+    medium: HardDisks, Poisson or BoltzmannGrad. restitution in [0, 1].
+    initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U) or an
+        array (tracers, 2) or (media, tracers, 2) of velocities in U.
+    times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
+        the last one, or after max_collisions collisions if that comes first. Without times,
+        max_collisions is needed.
+    seed: a whole number from 0 to 2**64 - 1. The result depends on it alone, bit for bit, and not
+        on workers or executor.
+    workers: threads; all processors if None. executor: any concurrent.futures.Executor to run on
+        instead (a process pool, a Dask client's get_executor()).
+    observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
+    progress: called as progress(done, total), in configurations, from the calling thread.
+
+    Raises ValueError for bad input and where the disks cannot be placed.
+    """
+    plan = make_plan(
+        medium, restitution, initial, times, media, tracers, max_collisions, seed, observables
+    )
+    workers = check_workers(workers)
+    totals = Totals(plan)
+    if progress is not None:
+        progress(0, plan.media)
+    for tally in run(plan, range(plan.media), workers, executor):
+        totals.add(tally)
+        if progress is not None:
+            progress(totals.configurations, plan.media)
+    return totals.ensemble()
+
+
+def check_workers(workers: int | None) -> int:
+    """Return the number of threads to use."""
+    if workers is None:
+        return (
+            len(os.sched_getaffinity(0))
+            if hasattr(os, "sched_getaffinity")
+            else os.cpu_count() or 1
+        )
+    if isinstance(workers, bool) or not isinstance(workers, (int, np.integer)) or workers < 1:
+        raise ValueError(f"workers = {workers!r}: must be a positive whole number")
+    return int(workers)
+
+
+def make_plan(
+    medium: Medium,
+    restitution: float,
+    initial: Any,
+    times: Any,
+    media: int,
+    tracers: int,
+    max_collisions: int | None,
+    seed: int,
+    observables: Iterable[str] | None,
+) -> Plan:
+    """Check every argument of `simulate` and return what is to be run."""
+    if not isinstance(medium, (HardDisks, Poisson, BoltzmannGrad)):
+        raise ValueError(f"medium = {medium!r}: must be HardDisks, Poisson or BoltzmannGrad")
+    if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
+        raise ValueError(f"restitution = {restitution!r}: must be a number from 0 to 1")
+    for name, value in (("media", media), ("tracers", tracers)):
+        _check_whole(name, value, 1, 2**31)
+    _check_whole("seed", seed, 0, 2**64 - 1)
+    if max_collisions is not None:
+        _check_whole("max_collisions", max_collisions, 1, 2**62)
+    if times is None and max_collisions is None:
+        raise ValueError("times = None: give output times, or max_collisions, or both")
+    return Plan(
+        medium=medium,
+        restitution=float(restitution),
+        monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
+        velocities=_check_initial(initial, int(media), int(tracers)),
+        times=_check_times(times),
+        media=int(media),
+        tracers=int(tracers),
+        max_collisions=max_collisions,
+        seed=int(seed),
+        observables=_check_observables(observables),
+    )
+
+
+def _check_whole(name: str, value: Any, low: int, high: int) -> None:
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not whole or not low <= value <= high:
+        raise ValueError(f"{name} = {value!r}: must be a whole number from {low} to {high}")
+
+
+def _check_times(times: Any) -> np.ndarray:
+    if times is None:
+        return np.empty(0)
+    try:
+        array = np.array(times, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"times = {times!r}: must be a sequence of numbers") from None
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"times = {times!r}: must be a sequence of at least one time")
+    if not (np.isfinite(array).all() and array[0] >= 0 and array[-1] <= LARGEST_TIME):
+        raise ValueError(
+            f"times = {times!r}: must be finite, not negative, at most {LARGEST_TIME:g}"
+        )
+    if (np.diff(array) <= 0).any():
+        raise ValueError(f"times = {times!r}: must increase")
+    return array
+
+
+def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
+    if isinstance(initial, str):
+        if initial not in ("gaussian", "monoenergetic"):
+            raise ValueError(
+                f"initial = {initial!r}: must be 'gaussian', 'monoenergetic' or velocities"
+            )
+        return None
+    try:
+        velocities = np.array(initial, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError("initial: must be a name or an array of velocities") from None
+    if velocities.shape not in ((tracers, 2), (media, tracers, 2)):
+        raise ValueError(
+            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, 2) = "
+            f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
+        )
+    speeds = np.hypot(velocities[..., 0], velocities[..., 1])
+    if not (np.isfinite(speeds).all() and (speeds > 1e-100).all() and (speeds < 1e100).all()):
+        bad = velocities[~((speeds > 1e-100) & (speeds < 1e100))][0]
+        raise ValueError(f"initial holds the velocity {bad}: must be finite and not zero")
+    return velocities
+
+
+def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
+    if observables is None:
+        return frozenset()
+    names = frozenset([observables] if isinstance(observables, str) else observables)
+    for name in sorted(names - set(OBSERVABLES), key=str):
+        raise ValueError(f"observables: no {name!r}; there are {', '.join(OBSERVABLES)}")
+    return names
+
+
+def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Tally]:
+    """Yield the tallies of these configurations in order, whatever order they are done in."""
+    if executor is None and (workers == 1 or len(which) == 1):
+        for c in which:
+            yield from run_configurations(plan, c, c + 1)
+        return
+    if executor is not None:
+        # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
+        size = max(1, len(which) // 64)
+        yield from _in_order(executor, plan, which, size, 256)
+        return
+    with ThreadPoolExecutor(workers) as pool:
+        yield from _in_order(pool, plan, which, 1, 4 * workers)
+
+
+def _in_order(pool: Executor, plan: Plan, which: range, size: int, ahead: int) -> Iterator[Tally]:
+    """Submit blocks of `size` configurations, at most `ahead` at a time; yield them in order."""
+    pending: deque[Future[list[Tally]]] = deque()
+    starts = iter(range(which.start, which.stop, size))
+    try:
+        while True:
+            while len(pending) < ahead and (start := next(starts, None)) is not None:
+                stop = min(start + size, which.stop)
+                pending.append(pool.submit(run_configurations, plan, start, stop))
+            if not pending:
+                return
+            yield from pending.popleft().result()
+    finally:
+        for future in pending:
+            future.cancel()

@@ -1,0 +1,54 @@
+"""Counter-based random streams: one per (seed, purpose, configuration, tracer or cell).
+
+A stream is a pair (state, gamma) hashed from its key; draw number k is a hash of
+state + k gamma. Nothing is carried between streams, so results do not depend on the order in
+which tracers, cells or configurations are visited. The hash is the SplitMix64 finaliser, with
+an odd gamma of its own for each stream (Steele, Lea & Flood, OOPSLA 2014), which keeps streams
+from being shifted copies of one another.
+"""
+
+from typing import Any
+
+from numba import njit, uint64
+
+# Purposes keep the streams of one (configuration, tracer) apart.
+START = 1
+PLACEMENT = 2
+FLIGHTS = 3
+CELLS = 4
+EQUILIBRATION = 5
+
+_GOLDEN = 0x9E3779B97F4A7C15
+_TO_UNIT = 2.0**-53
+
+
+@njit(inline="always")
+def mix(z: Any) -> Any:
+    """Return the SplitMix64 finaliser of a 64-bit integer, a bijection."""
+    z = uint64(z)
+    z = (z ^ (z >> uint64(30))) * uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> uint64(27))) * uint64(0x94D049BB133111EB)
+    return z ^ (z >> uint64(31))
+
+
+@njit(inline="always")
+def open_stream(seed: Any, purpose: int, first: int, second: int) -> tuple[Any, Any]:
+    """Return (state, odd gamma) of the stream with this key, each a 64-bit integer."""
+    golden = uint64(_GOLDEN)
+    key = mix(uint64(seed) + golden)
+    key = mix(key + uint64(purpose) * golden)
+    key = mix(key ^ (uint64(first) * golden))
+    key = mix(key + uint64(second) * golden)
+    return key, mix(key ^ golden) | uint64(1)
+
+
+@njit(inline="always")
+def bits(state: Any, gamma: Any, counter: int) -> Any:
+    """Return draw number `counter` of a stream as 64 random bits."""
+    return mix(uint64(state) + uint64(counter) * uint64(gamma))
+
+
+@njit(inline="always")
+def uniform(state: Any, gamma: Any, counter: int) -> float:
+    """Return draw number `counter` as a double in (0, 1), ends excluded."""
+    return (float(bits(state, gamma, counter) >> uint64(11)) + 0.5) * _TO_UNIT

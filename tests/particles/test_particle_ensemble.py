@@ -1,0 +1,204 @@
+"""simulate(): reproducible, within known laws, clear about bad input."""
+
+import re
+
+import numpy as np
+import pytest
+
+import particles
+from particles import BoltzmannGrad, HardDisks, Poisson, simulate
+
+TIMES = [0.0, 1.0, 30.0, 1000.0]
+EVERYTHING = particles.OBSERVABLES
+
+
+def assert_same(a: particles.Ensemble, b: particles.Ensemble) -> None:
+    assert a.moments.tobytes() == b.moments.tobytes()
+    assert a.path_sums.tobytes() == b.path_sums.tobytes()
+    for name, (sums, samples) in a.histogram_sums.items():
+        assert np.array_equal(sums, b.histogram_sums[name][0])
+        assert np.array_equal(samples, b.histogram_sums[name][1])
+    for name, array in a.raw.items():
+        assert array.tobytes() == b.raw[name].tobytes()
+    assert a.statuses.trap_times.tobytes() == b.statuses.trap_times.tobytes()
+
+
+@pytest.mark.parametrize("medium", [HardDisks(0.04, 4000), Poisson(0.1, 4000), BoltzmannGrad(0.04)])
+def test_the_same_bits_on_any_number_of_threads(medium: particles.Medium) -> None:
+    def run(workers: int, seed: int = 5) -> particles.Ensemble:
+        return simulate(
+            medium, 0.4, times=TIMES, media=7, tracers=30, seed=seed, workers=workers,
+            observables=EVERYTHING,
+        )  # fmt: skip
+
+    one = run(1)
+    assert_same(one, run(2))
+    assert_same(one, run(3))
+    assert one.moments.tobytes() != run(1, seed=6).moments.tobytes()
+
+
+def test_the_initial_state_is_the_gaussian_asked_for() -> None:
+    ensemble = simulate(
+        BoltzmannGrad(0.04), 0.5, times=[0.0], media=100, tracers=1000, seed=2,
+        observables=["velocities", "speed_histogram", "velocity_component_histogram"],
+    )  # fmt: skip
+    v = ensemble.velocities[0]
+    assert v.shape == (100_000, 2)
+    # 4 sigma: of the mean 1/sqrt(n), of the variance sqrt(2/n), of the correlation 1/sqrt(n).
+    assert np.all(abs(v.mean(axis=0)) < 4 / np.sqrt(len(v)))
+    assert np.all(abs(v.var(axis=0) - 1) < 4 * np.sqrt(2 / len(v)))
+    assert abs(np.mean(v[:, 0] * v[:, 1])) < 4 / np.sqrt(len(v))
+    assert abs(ensemble.thermal_speed.value[0] - np.sqrt(2)) < 4 * ensemble.thermal_speed.error[0]
+    assert abs(ensemble.a2.value[0]) < 4 * ensemble.a2.error[0]
+    # Rayleigh and half-normal laws, bin by bin where 100 counts are expected.
+    for histogram, law in (
+        (ensemble.speed_histogram, lambda x: 1 - np.exp(-x * x / 2)),
+        (ensemble.velocity_component_histogram, np.vectorize(lambda x: erf(x / np.sqrt(2)))),
+    ):
+        p = np.diff(law(histogram.edges))
+        seen = histogram.probability.value[0]
+        busy = p * len(v) > 100
+        sigma = np.sqrt(p * (1 - p) / len(v))
+        assert busy.sum() > 50
+        assert np.all(abs(seen - p)[busy] < 4.5 * sigma[busy])
+        total = seen.sum() + histogram.below[0] + histogram.above[0]
+        assert total == pytest.approx(1, abs=1e-12)
+
+
+def erf(x: float) -> float:
+    from math import erf as f
+
+    return f(x)
+
+
+def test_errors_come_from_configurations() -> None:
+    # The spread of the estimate over independent runs is what the stated error must predict.
+    # 40 runs: the ratio of the two has a relative standard error of about 1/sqrt(80) = 0.11.
+    runs = [
+        simulate(
+            Poisson(0.2, 2000), 0.7, times=[5.0, 50.0], media=30, tracers=30, seed=s, workers=1,
+            observables=["displacement_histogram"],
+        )
+        for s in range(40)
+    ]  # fmt: skip
+    for name in ("thermal_speed", "a2", "msd", "kurtosis", "collisions"):
+        values = np.array([getattr(r, name).value for r in runs])
+        stated = np.array([getattr(r, name).error for r in runs])
+        ratio = np.sqrt((stated**2).mean(axis=0)) / values.std(axis=0, ddof=1)
+        assert np.all((ratio > 0.6) & (ratio < 1.6)), (name, ratio)
+    histograms = [r.displacement_histogram.probability for r in runs]
+    values = np.array([h.value for h in histograms])
+    stated = np.array([h.error for h in histograms])
+    busy = values.mean(axis=0) > 0.02
+    ratio = np.sqrt((stated**2).mean(axis=0))[busy] / values.std(axis=0, ddof=1)[busy]
+    assert 0.85 < np.median(ratio) < 1.15
+
+
+def test_one_configuration_has_no_error_bar() -> None:
+    ensemble = simulate(Poisson(0.1, 1000), 0.7, times=[1.0], media=1, tracers=10)
+    assert np.isinf(ensemble.msd.error).all()
+    assert np.isfinite(ensemble.msd.value).all()
+
+
+@pytest.mark.parametrize("density", [0.01, 0.04, 0.2])
+def test_mean_free_path_of_overlapping_scatterers(density: float) -> None:
+    # Santalo: 1/(2 d rho0) at any density. 3 sigma here, 0.1 % in the slow test. One long path in
+    # each of many configurations: those that share one agree too much to tell more.
+    ensemble = simulate(
+        Poisson(density, 2000), 1.0, "monoenergetic", times=[300 / density], media=400, tracers=1
+    )
+    path = ensemble.mean_free_path
+    assert path.error < 0.01 * path.value
+    assert abs(path.value - 0.5 / density) < 3 * path.error
+
+
+def test_boltzmann_grad_free_paths_are_exponential() -> None:
+    ensemble = simulate(
+        BoltzmannGrad(0.04), 1.0, media=100, tracers=100, max_collisions=20,
+        observables=["free_path_histogram"],
+    )  # fmt: skip
+    assert abs(ensemble.mean_free_path.value - 12.5) < 3 * ensemble.mean_free_path.error
+    histogram = ensemble.free_path_histogram
+    p = -np.diff(np.exp(-histogram.edges / 12.5))
+    n = ensemble.collision_total
+    assert n == 200_000
+    busy = p * n > 100
+    sigma = np.sqrt(p * (1 - p) / n)
+    assert busy.sum() > 50
+    assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
+
+
+def test_a_collision_cap_says_whom_it_leaves_out() -> None:
+    ensemble = simulate(
+        HardDisks(0.04, 4000), 0.9, times=TIMES, media=5, tracers=50, max_collisions=9
+    )
+    assert ensemble.samples[0] == 250
+    assert ensemble.samples[-1] < 250
+    assert np.array_equal(ensemble.samples + ensemble.missing, [250] * 4)
+    statuses = ensemble.statuses
+    assert statuses.finished == ensemble.samples[-1]
+    assert statuses.collision_cap == ensemble.missing[-1]
+
+
+def test_observables_not_asked_for_are_named() -> None:
+    ensemble = simulate(BoltzmannGrad(0.04), 0.5, times=[1.0], media=2, tracers=2)
+    with pytest.raises(AttributeError, match="positions was not asked for"):
+        _ = ensemble.positions
+    with pytest.raises(AttributeError, match="speed_histogram was not asked for"):
+        _ = ensemble.speed_histogram
+
+
+def test_diameter_only_sets_the_unit_of_length() -> None:
+    names = ["positions", "displacement_histogram", "finals"]
+    a = simulate(Poisson(0.1, 500), 0.5, times=[1, 20], media=3, tracers=9, observables=names)
+    b = simulate(
+        Poisson(0.1 / 4, 500, diameter=2.0), 0.5, times=[2, 40], media=3, tracers=9,
+        observables=names,
+    )  # fmt: skip
+    np.testing.assert_allclose(b.positions, 2 * a.positions, rtol=1e-12)
+    np.testing.assert_allclose(b.msd.value, 4 * a.msd.value, rtol=1e-12)
+    np.testing.assert_allclose(b.thermal_speed.value, a.thermal_speed.value, rtol=1e-12)
+    np.testing.assert_allclose(b.mean_free_path.value, 2 * a.mean_free_path.value, rtol=1e-12)
+
+
+BAD = [
+    (dict(restitution=1.2), "restitution = 1.2: must be a number from 0 to 1"),
+    (dict(restitution=float("nan")), "restitution = nan"),
+    (dict(times=[]), "times = []: must be a sequence of at least one time"),
+    (dict(times=[1.0, 1.0]), "times = [1.0, 1.0]: must increase"),
+    (dict(times=[-1.0]), "times = [-1.0]: must be finite, not negative"),
+    (dict(times=None), "times = None: give output times, or max_collisions"),
+    (dict(initial="maxwell"), "initial = 'maxwell': must be 'gaussian', 'monoenergetic'"),
+    (dict(initial=np.ones((3, 2))), "initial of shape (3, 2)"),
+    (dict(initial=np.full((2, 2), np.nan)), "initial holds the velocity [nan nan]"),
+    (dict(media=0), "media = 0: must be a whole number from 1"),
+    (dict(tracers=2.5), "tracers = 2.5: must be a whole number"),
+    (dict(max_collisions=0), "max_collisions = 0"),
+    (dict(seed=-1), "seed = -1: must be a whole number from 0"),
+    (dict(workers=0), "workers = 0: must be a positive whole number"),
+    (dict(observables=["speed"]), "observables: no 'speed'; there are thermal_speed"),
+    (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson or BoltzmannGrad"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD, ids=[m[:24] for _, m in BAD])
+def test_bad_input_gets_one_clear_line(changes: dict, message: str) -> None:
+    good = dict(
+        medium=Poisson(0.1, 100), restitution=0.5, times=[1.0], media=2, tracers=2, workers=1
+    )
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        simulate(**(good | changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_media_say_what_is_allowed() -> None:
+    with pytest.raises(ValueError, match=r"number_density = -1: must be a positive finite number"):
+        Poisson(-1, 10)
+    with pytest.raises(ValueError, match=r"count = 1: the box would be 1 d wide .* at least 4 d"):
+        Poisson(1.0, 1)
+    with pytest.raises(ValueError, match=r"number_density = 0.9: .* at most 0.65"):
+        HardDisks(0.9, 1000)
+    with pytest.raises(ValueError, match=r"count = 0: must be a positive whole number"):
+        HardDisks(0.1, 0)
+    with pytest.raises(ValueError, match=r"diameter = nan"):
+        BoltzmannGrad(0.1, diameter=float("nan"))
