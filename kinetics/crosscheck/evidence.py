@@ -31,13 +31,13 @@ class ParticleEvidence:
     thermal_speed, a2, msd : shape (n_times,)
     cooling_rate : h from 1/v0 at two of the times, shape ()
     free_path : path travelled over collisions, shape ()
-    vdf : F(c) averaged over the bins `speed_edges` of c = v/v0, shape (n_bins,), at the last time;
-        a density in the plane, v0 being that of `speed_unit`
+    vdf : F(c) averaged over the bins `speed_edges` of c = v/v0, shape (n_bins,), at the last time,
+        v0 being the run's own; a density in the plane
     position : G(R) averaged over `position_edges` of R = r/sqrt(<r^2>), shape (n_bins,), at the
         last time; a density over R
-    position_kurtosis : <r^4>/<r^2>^2 at the last time, shape ()
     mean_collisions, most_collisions : per tracer, until the last time
     above_cap : fraction of tracers with more collisions than the paper's cap
+    statuses : how many tracers ended in each way
     """
 
     name: str
@@ -50,7 +50,6 @@ class ParticleEvidence:
     free_path: Measured
     vdf: Measured
     position: Measured
-    position_kurtosis: Measured
     mean_collisions: float
     most_collisions: int
     above_cap: float
@@ -62,8 +61,9 @@ class Case:
     """Every witness on one restitution.
 
     `kinetic` is the time-dependent solution with l = 1/(2 d rho0); `rescaled` the same with the
-    free path that the hard-disk run measured. `exact` and `scaled` are None at e = 1, where there
-    is no scaling state.
+    free path that the hard-disk run measured. Of that comparison, `rescaled_errors` holds the
+    standard errors of data minus theory, both of which move with the run: by observable, of the
+    shape of `disks`'. `exact` and `scaled` are None at e = 1, where there is no scaling state.
     """
 
     restitution: float
@@ -77,3 +77,4 @@ class Case:
     rescaled: "Solution"
     free: ParticleEvidence
     disks: ParticleEvidence
+    rescaled_errors: dict[str, Array]

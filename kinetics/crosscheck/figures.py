@@ -47,7 +47,7 @@ STROKES: dict[str, dict[str, Any]] = {
     "zero": {"linestyle": "-", "linewidth": 0.8},
 }
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "inelastic-lorentz",
     "font.family": "sans-serif",
@@ -108,14 +108,10 @@ _LEGEND_KEYS = {"linestyle", "linewidth", "marker", "markersize", "markerfacecol
 def _colours(data: FigureData) -> list[str]:
     """The colour of each series: restitutions take theirs in the order in which they appear."""
     order = list(
-        dict.fromkeys(
-            s["restitution"] for s in data["series"] if s["restitution"] is not None
-        )
+        dict.fromkeys(s["restitution"] for s in data["series"] if s["restitution"] is not None)
     )
     return [
-        INK
-        if s["restitution"] is None
-        else COLOURS[order.index(s["restitution"]) % len(COLOURS)]
+        INK if s["restitution"] is None else COLOURS[order.index(s["restitution"]) % len(COLOURS)]
         for s in data["series"]
     ]
 

@@ -65,4 +65,3 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
 def _missing(folder: Path) -> list[Path]:
     """The folders that mkdir would create, innermost first."""
     return [p for p in (folder, *folder.parents) if not p.exists()]
-

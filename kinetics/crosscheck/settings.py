@@ -35,8 +35,12 @@ class ReportSettings:
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(check_restitution(e) for e in _items("restitutions", self.restitutions))
-        times = tuple(check_positive("final_times", t) for t in _items("final_times", self.final_times))
+        restitutions = tuple(
+            check_restitution(e) for e in _items("restitutions", self.restitutions)
+        )
+        times = tuple(
+            check_positive("final_times", t) for t in _items("final_times", self.final_times)
+        )
         if len(set(restitutions)) != len(restitutions):
             raise InputError(f"restitutions: got {restitutions}; each may stand only once")
         if len(times) != len(restitutions):

@@ -2,10 +2,12 @@
 
 Three kinds of comparison have three kinds of verdict:
 
-- *statistical*: an estimate with a standard error against a theory without one. A row that looks
-  at `looks` times or bins takes the worst of them, and a report holds `rows` such rows, so that the
-  two-sided p-value of the worst is multiplied by `looks * rows` (Bonferroni, which holds under any
-  correlation between the looks) and turned back into sigmas before the thresholds are applied;
+- *statistical*: an estimate with a standard error against a theory without one. The error is a
+  jackknife over independent groups of tracers, so that the deviation in sigmas has Student's
+  distribution with one degree of freedom less than there are groups. A row that looks at several
+  times or bins takes the worst of them, and a report holds many rows, so that the two-sided p-value
+  of the worst is multiplied by the number of looks in all rows of its kind (Bonferroni, which holds
+  under any correlation between them). The thresholds look at the Gaussian sigmas of that p-value;
 - *numerical*: a solver against a closed form, within the tolerance that was asked for;
 - *approximation*: a printed formula against the exact value. It claims no error of its own, so the
   verdict only says how far off it is.
@@ -56,37 +58,38 @@ MEANING: dict[Verdict, str] = {
 
 @dataclass(frozen=True)
 class Worst:
-    """The look of a row that deviates most: its index, its sigmas and the corrected sigmas."""
+    """The look of a row that deviates most: its index, its sigmas, and out of how many looks."""
 
     index: int
     sigmas: float
-    corrected: float
     looks: int
 
 
-def corrected_sigmas(sigmas: float, trials: int) -> float:
-    """Two-sided sigmas after multiplying the p-value by the number of trials (Bonferroni)."""
-    from scipy.special import log_ndtr, ndtri_exp
+def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> Worst | None:
+    """The most deviating look of one row, None if there is none.
 
-    log_p = log_ndtr(-abs(sigmas)) + math.log(trials)
-    # log(1/2) is the p-value 1 of a two-sided test: nothing is left of the deviation.
-    return 0.0 if log_p >= math.log(0.5) else float(-ndtri_exp(log_p))
-
-
-def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike, rows: int = 1) -> Worst:
-    """The most deviating of the looks of one row, among `rows` rows.
-
-    A look whose error is not positive (no sample has moved yet) cannot deviate and is left out.
-    ValueError if no look is left.
+    A look without a positive error (no sample has moved yet), a value or a theory is left out.
     """
     v, s, t = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (values, errors, theory)))
-    usable = np.flatnonzero((s > 0) & np.isfinite(v) & np.isfinite(t))
+    usable = np.flatnonzero((s > 0) & np.isfinite(s) & np.isfinite(v) & np.isfinite(t))
     if not usable.size:
-        raise ValueError("no value with a positive standard error to compare")
+        return None
     z = (v[usable] - t[usable]) / s[usable]
     k = int(np.argmax(np.abs(z)))
-    looks = int(usable.size)
-    return Worst(int(usable[k]), float(z[k]), corrected_sigmas(float(z[k]), looks * rows), looks)
+    return Worst(int(usable[k]), float(z[k]), int(usable.size))
+
+
+def corrected_sigmas(sigmas: float, groups: int, trials: int) -> float:
+    """Two-sided Gaussian sigmas of a deviation, the worst of `trials`, with errors from `groups`.
+
+    0 where the corrected p-value reaches 1.
+    """
+    from scipy.special import betainc, ndtri
+
+    freedom = groups - 1
+    p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2))) * trials
+    # Below 1e-300 doubles end: 37 sigma is then a lower bound.
+    return 0.0 if p >= 1 else float(-ndtri(max(p, 1e-300) / 2))
 
 
 def judge_sigmas(corrected: float) -> Verdict:

@@ -1,0 +1,146 @@
+"""The equations that a report states, as MathML: no script and no font has to be loaded."""
+
+from typing import NamedTuple
+
+from markupsafe import Markup
+
+
+class Equation(NamedTuple):
+    """One equation, and the sentence that introduces it."""
+
+    text: str
+    mathml: Markup
+
+
+def _row(*parts: str) -> str:
+    return f"<mrow>{''.join(parts)}</mrow>"
+
+
+def _i(name: str) -> str:
+    return f"<mi>{name}</mi>"
+
+
+def _vector(name: str) -> str:
+    return f'<mi mathvariant="bold">{name}</mi>'
+
+
+def _n(number: str) -> str:
+    return f"<mn>{number}</mn>"
+
+
+def _o(sign: str) -> str:
+    return f"<mo>{sign}</mo>"
+
+
+def _over(top: str, bottom: str) -> str:
+    return f"<mfrac>{_row(top)}{_row(bottom)}</mfrac>"
+
+
+def _power(base: str, exponent: str) -> str:
+    return f"<msup>{_row(base)}{_row(exponent)}</msup>"
+
+
+def _sub(base: str, index: str) -> str:
+    return f"<msub>{_row(base)}{_row(index)}</msub>"
+
+
+def _root(*inside: str) -> str:
+    return f"<msqrt>{''.join(inside)}</msqrt>"
+
+
+def _paren(*inside: str) -> str:
+    return _row(_o("("), *inside, _o(")"))
+
+
+def _math(*parts: str) -> Markup:
+    # Every part is a literal of this module: nothing of a user's goes in unescaped.
+    return Markup(f'<math display="block">{_row(*parts)}</math>')
+
+
+_E, _F, _H, _T, _L, _Y = (_i(name) for name in "efhtly")
+_V, _SIGMA = _vector("v"), f"<mover>{_vector('σ')}{_o('^')}</mover>"
+_STAR = _power(_V, _o("*"))
+_MINUS, _PLUS, _EQUALS, _DOT = _o("−"), _o("+"), _o("="), _o("·")
+_E2 = _power(_E, _n("2"))
+_LAMBDA1 = _row(_i("λ"), _paren(_n("1")))
+
+
+def _mean(*inside: str) -> str:
+    return _row(_o("⟨"), *inside, _o("⟩"))
+
+
+def _collision() -> Markup:
+    return _math(
+        _power(_V, _o("′")), _EQUALS, _V, _MINUS,
+        _paren(_n("1"), _PLUS, _E), _paren(_V, _DOT, _SIGMA), _SIGMA,
+    )  # fmt: skip
+
+
+def _lorentz() -> Markup:
+    domain = _row(_V, _DOT, _SIGMA, _o("&gt;"), _n("0"))
+    gain = _over(_row(_F, _paren(_STAR, _o(","), _T)), _E2)
+    return _math(
+        _over(_row(_o("∂"), _F, _paren(_V, _o(","), _T)), _row(_o("∂"), _T)), _EQUALS,
+        _i("d"), _sub(_i("ρ"), _n("0")),
+        f"<munder>{_o('∫')}{domain}</munder>", _paren(_V, _DOT, _SIGMA),
+        _row(_o("["), gain, _MINUS, _F, _paren(_V, _o(","), _T), _o("]")),
+        _row(_o("d"), _SIGMA),
+    )  # fmt: skip
+
+
+def _average() -> Markup:
+    s = _i("s")
+    y2 = _power(_Y, _n("2"))
+    return _math(
+        _power(s, _n("2")), _EQUALS, _E2, _PLUS, _paren(_n("1"), _MINUS, _E2), y2, _o(","),
+        _i("λ"), _paren(_i("p")), _EQUALS, _n("1"), _MINUS, _mean(_power(s, _i("p"))), _o(","),
+        _i("κ"), _EQUALS, _mean(_MINUS, _i("ln"), s),
+    )  # fmt: skip
+
+
+def _cooling() -> Markup:
+    return _math(
+        _over(_row(_i("d"), _sub(_i("v"), _n("0"))), _row(_i("d"), _T)), _EQUALS, _MINUS,
+        _i("d"), _sub(_i("ρ"), _n("0")), _H, _paren(_E),
+        f"<msubsup>{_i('v')}{_n('0')}{_n('2')}</msubsup>", _o(","),
+        _H, _paren(_E), _EQUALS, _n("2"), _root(_i("κ"), _LAMBDA1),
+    )  # fmt: skip
+
+
+def _diffusion() -> Markup:
+    cosine = _mean(_i("cos"), _i("χ"))
+    return _math(
+        _over(_row(_i("d"), _mean(_power(_i("r"), _n("2")))), _row(_i("d"), _i("ln"), _T)),
+        _o("→"),
+        _over(
+            _row(_n("2"), _power(_L, _n("2"))), _row(_i("κ"), _paren(_n("1"), _MINUS, cosine))
+        ),
+    )  # fmt: skip
+
+
+def report_equations() -> list[Equation]:
+    """The equations of the report, in its order."""
+    return [
+        Equation(
+            "A bounce reverses the velocity component along the line of centres and multiplies it "
+            "by the restitution e (label vchange).",
+            _collision(),
+        ),
+        Equation(
+            "Between scatterers of density ρ0 placed at random, the velocity distribution obeys "
+            "the inelastic Lorentz equation (label inelaslorentz2), which the solver discretises "
+            "and the Boltzmann-Grad particles sample.",
+            _lorentz(),
+        ),
+        Equation(
+            "A bounce with impact parameter y d, y uniform on [-1, 1], multiplies the speed by s. "
+            "All that cooling needs are averages over y.",
+            _average(),
+        ),
+        Equation("The cooling rate of the scaling state, exactly.", _cooling()),
+        Equation(
+            "The mean square displacement at long times; χ is the angle of deflection and "
+            "l = 1/(2 d ρ0) the mean free path.",
+            _diffusion(),
+        ),
+    ]

@@ -1,0 +1,149 @@
+"""The report's document as one HTML page with nothing beside it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from markupsafe import Markup
+
+from kinetics.crosscheck.equations import report_equations
+from kinetics.crosscheck.figures import svg
+from kinetics.crosscheck.rows import TITLES, scale_of
+
+SHORT = {
+    "free_path": "mean free path",
+    "cooling_rate": "h(e)",
+    "a2": "a2",
+    "thermal_speed": "v0(t)",
+    "scaled_vdf": "F(c)",
+    "msd": "<r^2(t)>",
+}
+"""The name of each observable where space is short."""
+
+
+def render(document: Mapping[str, Any]) -> str:
+    """The page. Every text of the document is escaped."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("kinetics.crosscheck"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    return environment.get_template("report.html.j2").render(
+        doc=document,
+        svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
+        equations=report_equations(),
+        matrix=matrix(document),
+        groups=_groups(document["rows"]),
+        algebra=[_algebra(check) for check in document["algebra"]],
+        method=_method(document),
+    )
+
+
+def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The short table: one line per comparison, one cell (or None) per restitution."""
+    restitutions = document["settings"]["restitutions"]
+    lines: dict[tuple[str, str, str], dict[float, Mapping[str, Any]]] = {}
+    for row in document["rows"]:
+        key = (row["observable"], row["source"], row["against"])
+        lines.setdefault(key, {})[row["restitution"]] = row
+    order = list(SHORT)
+    return [
+        {
+            "quantity": SHORT[observable],
+            "comparison": f"{source} / {against}",
+            "cells": [
+                {"verdict": cells[e]["verdict"], "deviation": deviation(cells[e])}
+                if e in cells
+                else None
+                for e in restitutions
+            ],
+        }
+        for (observable, source, against), cells in sorted(
+            lines.items(), key=lambda item: order.index(item[0][0])
+        )
+    ]
+
+
+def deviation(row: Mapping[str, Any]) -> str:
+    """A row's relative deviation, with its standard error where it has one."""
+    value = row["deviation"]
+    if value is None:
+        return "–"
+    if row["kind"] == "numerical":
+        return f"{value:.0e}"
+    if row["error"] is None:
+        return f"{100 * value:+.1f} %"
+    error = 100 * row["error"] / scale_of(row["observable"], row["theory"])
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{100 * value:+.{digits}f} ± {error:.{digits}f} %"
+
+
+def number(value: float | None, error: float | None = None) -> str:
+    """A number to 6 digits, or to the second digit of its standard error."""
+    if value is None:
+        return "–"
+    if not error:
+        return f"{value:.6g}"
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
+
+
+def _groups(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    return [
+        {"title": title, "rows": [_shown(row) for row in rows if row["observable"] == name]}
+        for name, title in TITLES.items()
+    ]
+
+
+def _shown(row: Mapping[str, Any]) -> dict[str, str]:
+    at = ""
+    if row["time"] is not None:
+        at = f"t = {row['time']:.4g}"
+    elif row["c"] is not None:
+        at = f"c = {row['c']:.3g}"
+    if row["looks"] > 1:
+        at += f", worst of {row['looks']}"
+    return {
+        "restitution": f"{row['restitution']:g}",
+        "source": row["source"],
+        "against": row["against"],
+        "at": at,
+        "value": number(row["value"], row["error"]),
+        "theory": number(row["theory"]),
+        "deviation": deviation(row),
+        "sigmas": "" if row["sigmas"] is None else f"{row['sigmas']:+.1f}",
+        "corrected": ("" if row["corrected_sigmas"] is None else f"{row['corrected_sigmas']:.1f}"),
+        "verdict": row["verdict"],
+        "note": row["note"],
+    }
+
+
+def _algebra(check: Mapping[str, Any]) -> dict[str, Any]:
+    """A check with its formulas as MathML where sympy gave it, as escaped text otherwise."""
+    shown = dict(check)
+    for side in ("printed", "derived"):
+        mathml = check.get(f"{side}_mathml")
+        # Written by sympy's printer from the package's own formulas, not from anybody's data.
+        shown[side] = Markup(mathml) if mathml else check[side]
+    return shown
+
+
+def _method(document: Mapping[str, Any]) -> dict[str, str]:
+    settings = document["settings"]
+    times = ", ".join(f"{t:g}" for t in settings["final_times"])
+    return {
+        "solver": f"relative tolerance asked for {settings['rtol']:g}",
+        "hard disks": (
+            f"{settings['media']} configurations of {settings['count']} disks times "
+            f"{settings['tracers']} velocities, starting at the centre of the periodic box"
+        ),
+        "Boltzmann-Grad": f"{settings['free_tracers']} tracers with exponential free paths",
+        "last times": f"{times} d/U, in the order of the restitutions",
+        "standard errors": "jackknife over independent configurations",
+        "seed": str(settings["seed"]),
+        "versions": ", ".join(f"{k} {v}" for k, v in document["software"].items()),
+    }

@@ -1,0 +1,211 @@
+"""The report: asks the witnesses, compares what they say, and writes it down.
+
+`make_report` gives the document, one tree of plain data that JSON can hold; `write_report` writes
+it as `report.json` and, drawn and set, as `report.html`. Nothing is in the page that the document
+lacks.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, fields
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from kinetics.crosscheck.algebra import AlgebraProcess
+from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence
+from kinetics.crosscheck.figure_data import all_figures
+from kinetics.crosscheck.files import write_together
+from kinetics.crosscheck.page import render
+from kinetics.crosscheck.plain import dumps, plain
+from kinetics.crosscheck.rows import Row, compare_case, contact_value, counts, judged, scale_of
+from kinetics.crosscheck.settings import ReportSettings
+from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING
+from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case
+
+SCHEMA = "inelastic-lorentz/report/1"
+UNITS = (
+    "Lengths in d, the diameter of a scatterer and of the tracer; speeds in U, the standard "
+    "deviation of one component of the initial velocity, so that v0(0) = sqrt(2) U; times in d/U. "
+    "F(c) is a density in the plane (integral 1, <c^2> = 1), G(R) one over R (integral 1)."
+)
+
+Document = dict[str, Any]
+Progress = Callable[[str], None]
+
+
+def make_report(settings: ReportSettings, progress: Progress | None = None) -> Document:
+    """Run the three witnesses on the settings and compare them; returns the document.
+
+    `progress` is called with the name of each stage when it begins (`stages` lists them).
+    ValueError for what cannot be simulated; RuntimeError if the derivations fail.
+    """
+    tell = progress or (lambda stage: None)
+    with AlgebraProcess() as algebra:
+        cases = []
+        for e, last in zip(settings.restitutions, settings.final_times, strict=True):
+            cases.append(gather_case(e, last, settings, tell))
+        tell(COMPARISON)
+        rows = judged(row for case in cases for row in compare_case(case, settings))
+        tell(ALGEBRA)
+        checks = algebra.rows()
+    return _document(settings, cases, rows, checks)
+
+
+COMPARISON, ALGEBRA, WRITING = "comparing", "derivations", "writing"
+
+
+def stages(settings: ReportSettings) -> int:
+    """How often `make_report` and `write_report` together report progress."""
+    return 3 * len(settings.restitutions) + 3
+
+
+def write_report(document: Document, folder: Path, progress: Progress | None = None) -> list[Path]:
+    """Write report.html and report.json into the folder, both or neither; returns their paths."""
+    if progress is not None:
+        progress(WRITING)
+    return write_together(folder, {"report.json": dumps(document), "report.html": render(document)})
+
+
+def _document(
+    settings: ReportSettings,
+    cases: Sequence[Case],
+    rows: Sequence[Row],
+    checks: Sequence[Mapping[str, Any]],
+) -> Document:
+    statistical = [row for row in rows if row.kind == "statistical"]
+    looks = sum(row.looks for row in statistical)
+    document: Document = plain(
+        {
+            "schema": SCHEMA,
+            "title": "The inelastic Lorentz gas: three witnesses compared",
+            "summary": _summary(settings, rows, checks),
+            "units": UNITS,
+            "software": _versions(),
+            "settings": asdict(settings),
+            "verdicts": {word.value: text for word, text in MEANING.items()},
+            "verdict_counts": counts(rows),
+            "multiple_comparisons": (
+                f"{len(statistical)} rows are statistical; each shows the worst of its times or "
+                f"bins, {looks} in all. Its two-sided p-value (Student's, errors being jackknifed "
+                f"over independent groups) is multiplied by {looks} (Bonferroni) and turned back "
+                "into the corrected sigmas, at which the verdict looks: agrees below "
+                f"{AGREES_BELOW}, differs from {DIFFERS_ABOVE} on."
+            ),
+            "findings": _findings(settings, cases, rows),
+            "rows": [asdict(row) for row in rows],
+            "algebra": list(checks),
+            "cases": [_case(case) for case in cases],
+            "figures": all_figures(cases, settings),
+        }
+    )
+    return document
+
+
+def _versions() -> dict[str, str]:
+    names = ("inelastic-lorentz", "numpy", "scipy", "numba", "sympy", "matplotlib")
+    return {name: version(name) for name in names}
+
+
+def _case(case: Case) -> dict[str, Any]:
+    scaled = None
+    if case.exact is not None and case.scaled is not None:
+        scaled = {
+            "cooling_rate": {"exact": case.exact.cooling_rate, "solver": case.scaled.cooling_rate},
+            "a2": {"exact": case.exact.a2, "solver": case.scaled.a2},
+            "diffusion_slope": case.exact.diffusion_slope,
+            "tail_rate": case.exact.tail_rate,
+        }
+    return {
+        "restitution": case.restitution,
+        "times": case.times,
+        "scaled": scaled,
+        "kinetic": {name: getattr(case.kinetic, name) for name in ("thermal_speed", "a2", "msd")},
+        "rescaled": {name: getattr(case.rescaled, name) for name in ("thermal_speed", "a2", "msd")},
+        "speed_edges": case.speed_edges,
+        "position_edges": case.position_edges,
+        "particles": [_particles(run) for run in (case.free, case.disks)],
+    }
+
+
+def _particles(run: ParticleEvidence) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for field in fields(run):
+        value = getattr(run, field.name)
+        if isinstance(value, Measured):
+            value = {"value": value.value, "error": value.error}
+        out[field.name] = value
+    return out
+
+
+def _summary(
+    settings: ReportSettings, rows: Sequence[Row], checks: Sequence[Mapping[str, Any]]
+) -> str:
+    strict = [row for row in rows if row.kind == "statistical" and row.source == "Boltzmann-Grad"]
+    agree = sum(row.verdict == "agrees" for row in strict)
+    solver = [row for row in rows if row.kind == "numerical"]
+    errata = [check["label"] for check in checks if check["status"] == "erratum"]
+    text = (
+        f"Restitution {', '.join(f'{e:g}' for e in settings.restitutions)}; "
+        f"{settings.count} scatterers at number density {settings.number_density:g} per d^2; "
+        f"a Gaussian start; {settings.media * settings.tracers} hard-disk and "
+        f"{settings.free_tracers} Boltzmann-Grad samples for each restitution. "
+        f"Boltzmann-Grad particles, which sample the kinetic equation itself, agree with its "
+        f"solution in {agree} of {len(strict)} comparisons"
+    )
+    if solver:
+        right = sum(row.verdict == "agrees" for row in solver)
+        text += f"; the solver meets the closed forms in {right} of {len(solver)}"
+    text += f". Of {len(checks)} printed formulas re-derived, {len(errata)} do not follow"
+    return text + (f": {', '.join(errata)}." if errata else ".")
+
+
+def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Row]) -> list[str]:
+    """What explains the differences, one sentence each, with numbers and errors."""
+    out = []
+    dilute = 1 / (2 * settings.number_density)
+    g = contact_value(settings.number_density)
+    for case in cases:
+        path = case.disks.free_path
+        value, error = float(path.value), float(path.error)
+        out.append(
+            f"e = {case.restitution:g}: hard disks have the mean free path {value:.3f} ± "
+            f"{error:.3f} d, {100 * (value / dilute - 1):+.1f} ± {100 * error / dilute:.1f} % from "
+            f"1/(2 d rho0) = {dilute:.4g} d (1/(2 d rho0 g) = {dilute / g:.4g} d). "
+            + _remaining(case, rows)
+        )
+    capped = max(max(case.free.above_cap, case.disks.above_cap) for case in cases)
+    most = max(max(case.free.most_collisions, case.disks.most_collisions) for case in cases)
+    out.append(
+        f"Tracers are followed until the last time, without the paper's cap of {PAPER_CAP} "
+        f"collisions. The most that any had is {most}; "
+        + (
+            f"up to {capped:.2%} had more than {PAPER_CAP}, which the cap would have cut."
+            if capped
+            else "the cap would have cut none."
+        )
+    )
+    trapped = sum(case.disks.statuses.get("trapped", 0) for case in cases)
+    if trapped:
+        out.append(f"{trapped} tracers were trapped in corners and count as at rest there.")
+    return out
+
+
+def _remaining(case: Case, rows: Sequence[Row]) -> str:
+    """What the free path does not explain, from the rows that have it put in."""
+    left = [
+        row
+        for row in rows
+        if row.restitution == case.restitution
+        and row.against.endswith("measured free path")
+        and row.observable != "scaled_vdf"
+    ]
+    parts = [
+        f"{row.observable.replace('_', ' ')} {100 * row.deviation:+.1f} ± "
+        f"{100 * (row.error or 0) / scale_of(row.observable, row.theory):.1f} % ({row.verdict})"
+        for row in left
+    ]
+    return (
+        "With it put into the kinetic equation there remains, at the worst time: "
+        + ", ".join(parts)
+        + "."
+    )

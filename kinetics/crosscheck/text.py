@@ -1,0 +1,32 @@
+"""Tables of plain text for the terminal."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from kinetics.crosscheck.page import matrix
+
+
+def verdict_table(document: Mapping[str, Any]) -> str:
+    """One line per comparison, one column per restitution: the verdict and the deviation."""
+    lines = [["", "", *(f"e = {e:g}" for e in document["settings"]["restitutions"])]]
+    for line in matrix(document):
+        cells = [
+            f"{cell['verdict']} {cell['deviation']}" if cell else "-" for cell in line["cells"]
+        ]
+        lines.append([line["quantity"], line["comparison"], *cells])
+    return _aligned(lines, right=False)
+
+
+def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
+    """A table of numbers, one column per head."""
+    rows = zip(*values, strict=True)
+    return _aligned([list(heads), *([f"{v:.6g}" for v in row] for row in rows)], right=True)
+
+
+def _aligned(lines: Sequence[Sequence[str]], right: bool) -> str:
+    widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
+    align = str.rjust if right else str.ljust
+    return "\n".join(
+        "  ".join(align(cell, width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
+    )

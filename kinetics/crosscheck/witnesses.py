@@ -1,0 +1,213 @@
+"""Asks the witnesses: solves and simulates one restitution, and reduces the runs to evidence."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kinetics.crosscheck.evidence import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.rows import cooling_rate_between
+from kinetics.crosscheck.settings import ReportSettings
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+    from particles.ensemble import Ensemble
+    from particles.estimators import Estimate
+
+PAPER_CAP = 100
+"""Collisions after which the paper stops a sample."""
+GROUPS = 100
+"""Independent groups that a Boltzmann-Grad run is split into for its jackknife."""
+OUTPUTS = ("thermal_speed", "a2", "msd")
+SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
+"""Bins of c = v/v0 for F(c)."""
+POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
+"""Bins of R = r/sqrt(<r^2>) for G(R)."""
+
+
+def output_times(last: float, count: int) -> Array:
+    """`count` times up to the last, evenly spaced in ln t from 1 d/U (or a tenth of the last)."""
+    return np.geomspace(min(1.0, last / 10), last, count)
+
+
+def gather_case(
+    restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
+) -> Case:
+    """Every witness on one restitution, until the last time (in d/U). Calls `tell` three times."""
+    from kinetics import ScalingSolution, Scene, solve, solve_scaled
+    from particles import BoltzmannGrad, HardDisks, simulate
+
+    e = restitution
+    times = output_times(last, settings.n_times)
+
+    def equation(number_density: float) -> "Solution":
+        scene = Scene(
+            restitution=e,
+            number_density=number_density,
+            initial="gaussian",
+            times=times,
+            outputs=OUTPUTS,
+        )
+        return solve(scene, rtol=settings.rtol)
+
+    tell(f"e = {e:g}: kinetic equation")
+    kinetic = equation(settings.number_density)
+    exact = ScalingSolution(e) if e < 1 else None
+    scaled = solve_scaled(restitution=e, rtol=settings.rtol) if e < 1 else None
+
+    early = int(np.searchsorted(times, last / 10))
+    index = settings.restitutions.index(e)
+    tell(f"e = {e:g}: Boltzmann-Grad particles")
+    groups = min(GROUPS, settings.free_tracers // 2)
+    free = simulate(
+        BoltzmannGrad(number_density=settings.number_density),
+        restitution=e,
+        times=times,
+        media=groups,
+        tracers=settings.free_tracers // groups,
+        seed=settings.seed + 2 * index,
+        workers=settings.workers,
+        observables=("finals",),
+    )
+    tell(f"e = {e:g}: hard disks")
+    disks = simulate(
+        HardDisks(number_density=settings.number_density, count=settings.count),
+        restitution=e,
+        times=times,
+        media=settings.media,
+        tracers=settings.tracers,
+        seed=settings.seed + 2 * index + 1,
+        workers=settings.workers,
+        observables=("finals",),
+    )
+    rescaled = equation(1 / (2 * float(disks.mean_free_path.value)))
+    return Case(
+        restitution=e,
+        times=times,
+        early=early,
+        speed_edges=SPEED_EDGES,
+        position_edges=POSITION_EDGES,
+        exact=exact,
+        scaled=scaled,
+        kinetic=kinetic,
+        rescaled=rescaled,
+        free=_evidence("Boltzmann-Grad", free, early, settings.number_density),
+        disks=_evidence("hard disks", disks, early, settings.number_density),
+        rescaled_errors=_rescaled_errors(disks, rescaled, early, settings.number_density),
+    )
+
+
+def _evidence(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleEvidence:
+    """The run reduced to arrays; every error is a jackknife over its configurations."""
+    by_group = run.finals.reshape(run.media, run.tracers, -1)
+    log_speed, _, x, y, collisions = np.moveaxis(by_group, -1, 0)
+    speeds = np.exp(log_speed)
+    # What was caught in a corner is at rest there.
+    caught = run.statuses.trap_tracers
+    speeds[caught[:, 0], caught[:, 1]] = 0.0
+
+    def cooling_rate(part: "Ensemble") -> Array:
+        slope = cooling_rate_between(run.times, part.thermal_speed.value, early, number_density)
+        return np.asarray(slope)
+
+    replicates = np.array([cooling_rate(part) for part in _without_each(run)])
+    return ParticleEvidence(
+        name=name,
+        samples=run.media * run.tracers,
+        groups=run.media,
+        thermal_speed=_measured(run.thermal_speed),
+        a2=_measured(run.a2),
+        msd=_measured(run.msd),
+        cooling_rate=Measured(cooling_rate(run), jackknife_error(replicates)),
+        free_path=_measured(run.mean_free_path),
+        vdf=scaled_density(speeds, SPEED_EDGES, np.pi * np.diff(SPEED_EDGES**2)),
+        position=scaled_density(np.hypot(x, y), POSITION_EDGES, np.diff(POSITION_EDGES)),
+        mean_collisions=float(np.mean(collisions)),
+        most_collisions=int(np.max(collisions)),
+        above_cap=float(np.mean(collisions > PAPER_CAP)),
+        statuses={
+            "finished": run.statuses.finished,
+            "trapped": run.statuses.trapped,
+            "escaped": run.statuses.escaped,
+        },
+    )
+
+
+def _measured(estimate: "Estimate") -> Measured:
+    return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
+
+
+def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
+    """The ensemble without one of its configurations, for each: their sums just add up."""
+    moments, paths = run.moments.sum(axis=0), run.path_sums.sum(axis=0)
+    for moment, path in zip(run.moments, run.path_sums, strict=True):
+        yield replace(run, moments=(moments - moment)[None], path_sums=(paths - path)[None])
+
+
+def jackknife_error(replicates: Array) -> Array:
+    """Standard error from delete-one replicates, shape (n, ...) with n >= 2."""
+    n = len(replicates)
+    return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
+
+
+def _rescaled_errors(
+    run: "Ensemble", rescaled: "Solution", early: int, number_density: float
+) -> dict[str, Array]:
+    """Errors of data minus theory where the theory has the run's own mean free path l put in.
+
+    Both move when a configuration is left out. The theory moves by its derivative in ln l, which
+    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> on l^2 times such a function.
+    """
+    log_path = np.log(float(run.mean_free_path.value))
+    times = run.times
+
+    def per_log_path(values: Array, power: int) -> Array:
+        return np.asarray(power * values - np.gradient(values, np.log(times)))
+
+    speed_slope = per_log_path(rescaled.thermal_speed, 0)
+    shifts = {
+        "thermal_speed": speed_slope,
+        "a2": per_log_path(rescaled.a2, 0),
+        "msd": per_log_path(rescaled.msd, 2),
+    }
+    replicates: dict[str, list[Array]] = {name: [] for name in (*shifts, "cooling_rate")}
+    for part in _without_each(run):
+        moved = np.log(float(part.mean_free_path.value)) - log_path
+        for name, shift in shifts.items():
+            replicates[name].append(getattr(part, name).value - moved * shift)
+        data, theory = (
+            cooling_rate_between(times, speed, early, number_density)
+            for speed in (
+                part.thermal_speed.value,
+                rescaled.thermal_speed + moved * speed_slope,
+            )
+        )
+        replicates["cooling_rate"].append(np.asarray(data - theory))
+    return {name: jackknife_error(np.array(values)) for name, values in replicates.items()}
+
+
+def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
+    """Density of samples over their own root mean square, per bin, with its jackknife error.
+
+    samples (n_groups, n_in_group): absolute values; edges (n_bins + 1,) of the scaled variable;
+    measure (n_bins,): length or area of each bin. The scale is the sample's, also when a group is
+    left out.
+    """
+    groups, size = samples.shape
+    everything = np.sort(samples, axis=None)
+    by_group = np.sort(samples, axis=1)
+    squares = np.sum(samples**2, axis=1)
+
+    def density(without: int | None) -> Array:
+        n, total = groups * size, float(np.sum(squares))
+        if without is not None:
+            n, total = n - size, total - float(squares[without])
+        at = edges * np.sqrt(total / n)
+        below = np.searchsorted(everything, at)
+        if without is not None:
+            below = below - np.searchsorted(by_group[without], at)
+        return np.asarray(np.diff(below) / (n * measure))
+
+    replicates = np.array([density(group) for group in range(groups)])
+    return Measured(density(None), jackknife_error(replicates))
