@@ -1,11 +1,11 @@
 """One configuration of scatterers and the tracers in it: the unit of work of an ensemble."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, log2
 
 import numpy as np
 
-from particles.media import BoltzmannGrad, Medium
+from particles.media import Medium
 
 SCALARS = (
     "thermal_speed",
@@ -97,83 +97,69 @@ def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
 
 def run_configuration(plan: Plan, configuration: int) -> Tally:
     """Place the scatterers of one configuration and follow its tracers."""
-    from particles import cells as index
-    from particles import kernels
+    from particles import kernels, records
+    from particles.build import build
 
-    medium, d = plan.medium, plan.medium.diameter
-    density = medium.number_density * d * d
+    d = plan.medium.diameter
+    density = plan.medium.number_density * d * d
     times = plan.times / d
-    scales = time_scales(times)
     grids = plan.grids()
-    n_times = times.size
     tally = Tally(
         configuration,
-        np.zeros((n_times, kernels.MOMENTS)),
+        np.zeros((times.size, records.MOMENTS)),
         np.zeros(2),
         np.zeros(4, np.int64),
         np.empty((0, 4)),
         {
             name: np.zeros(
-                (1 if name == "free_path_histogram" else n_times, int(grids[row, 2]) + 2), np.int64
+                (1 if name == "free_path_histogram" else times.size, int(grids[row, 2]) + 2),
+                np.int64,
             )
             for row, name in enumerate(HISTOGRAMS)
             if name in plan.observables
         },
     )
-    histograms = [tally.histograms.get(name, np.zeros((0, 0), np.int64)) for name in HISTOGRAMS]
-    speeds, components, distances, paths = histograms
-    most = plan.max_collisions or 0
-    seed = np.uint64(plan.seed)
-    if not isinstance(medium, BoltzmannGrad):
-        cells = index.empty_cells(medium.box / d, density, medium.count)
-        placed = index.place_at_random(
-            medium.count, medium.overlapping, seed, configuration, *cells
-        )
-        if placed < medium.count:
-            raise ValueError(
-                f"number_density = {medium.number_density}: only {placed} of {medium.count} disks "
-                f"could be placed; the largest density reached is "
-                f"{medium.number_density * placed / medium.count:.3g}"
-            )
+    nothing = np.zeros((0, 0), np.int64)
+    histograms = [tally.histograms.get(name, nothing) for name in HISTOGRAMS]
+    grid = np.ascontiguousarray(grids[:, :2])
+    cells = build(plan.medium, np.uint64(plan.seed), configuration)
     traps: list[np.ndarray] = []
-    raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
+    raw: dict[str, list[np.ndarray]] = {name: [] for name in RAW if name in plan.observables}
     for first in range(0, plan.tracers, BLOCK):
         n = min(BLOCK, plan.tracers - first)
-        given = np.full((n, 2), np.nan)
+        given = np.empty((0, 2))
         if plan.velocities is not None:
             own = plan.velocities if plan.velocities.ndim == 2 else plan.velocities[configuration]
-            given[:] = own[first : first + n]
-        block = {
-            "positions": np.empty((n_times, n, 2) if "positions" in raw else (0, 0, 0)),
-            "velocities": np.empty((n_times, n, 2) if "velocities" in raw else (0, 0, 0)),
-            "finals": np.empty((n, 5) if "finals" in raw else (0, 0)),
+            given = own[first : first + n]
+        start = kernels.Start(
+            first, n, given, plan.monoenergetic, np.uint64(plan.seed), configuration,
+            plan.restitution, plan.max_collisions or 0,
+        )  # fmt: skip
+        shapes = {
+            "positions": (times.size, n, 2),
+            "velocities": (times.size, n, 2),
+            "finals": (n, 5),
         }
-        for array in block.values():
-            array.fill(np.nan)
-        start = (first, given, plan.monoenergetic, seed, configuration, plan.restitution, most)
-        records = (grids[:, :2].copy(), speeds, components, distances, paths, *block.values())
-        if isinstance(medium, BoltzmannGrad):
-            kernels.follow_free_paths(
-                *start, 0.5 / density, times, scales,
-                tally.moments, tally.totals, tally.statuses, *records,
-            )  # fmt: skip
+        block = {
+            name: np.full(shape if name in raw else (0,) * len(shape), np.nan)
+            for name, shape in shapes.items()
+        }
+        record = records.Records(
+            times, time_scales(times), tally.moments, tally.totals, tally.statuses, grid,
+            *histograms, *block.values(),
+        )  # fmt: skip
+        if cells is None:
+            kernels.follow_free_paths(start, 0.5 / density, record)
         else:
             caught = np.empty((n, 4))
-            n_caught = kernels.follow(
-                *start, ESCAPE_PATHS * 0.5 / density, times, scales, *cells,
-                tally.moments, tally.totals, tally.statuses, caught, *records,
-            )  # fmt: skip
+            n_caught = kernels.follow(start, cells, ESCAPE_PATHS * 0.5 / density, caught, record)
             traps.append(caught[:n_caught])
         for name, pieces in raw.items():
             pieces.append(block[name])
-    return Tally(
-        configuration,
-        tally.moments,
-        tally.totals,
-        tally.statuses,
-        np.concatenate(traps) if traps else tally.traps,
-        tally.histograms,
-        {
+    return replace(
+        tally,
+        traps=np.concatenate(traps) if traps else tally.traps,
+        raw={
             name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
             for name, pieces in raw.items()
         },

@@ -19,7 +19,7 @@ CELLS = 4
 EQUILIBRATION = 5
 
 _GOLDEN = 0x9E3779B97F4A7C15
-_TO_UNIT = 2.0**-53
+_TO_UNIT = 2.0**-52
 
 
 @njit(inline="always")
@@ -50,5 +50,5 @@ def bits(state: Any, gamma: Any, counter: int) -> Any:
 
 @njit(inline="always")
 def uniform(state: Any, gamma: Any, counter: int) -> float:
-    """Return draw number `counter` as a double in (0, 1), ends excluded."""
-    return (float(bits(state, gamma, counter) >> uint64(11)) + 0.5) * _TO_UNIT
+    """Return draw number `counter` as an odd multiple of 2**-53 in (0, 1)."""
+    return (float(bits(state, gamma, counter) >> uint64(12)) + 0.5) * _TO_UNIT

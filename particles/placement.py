@@ -1,0 +1,63 @@
+"""Placing scatterers in a periodic box: at random, or where the user says."""
+
+from math import floor
+
+import numpy as np
+from numba import njit
+
+from particles.cells import Cells, insert, is_free
+from particles.streams import PLACEMENT, open_stream, uniform
+
+# Attempts per disk after which random sequential addition is given up.
+ATTEMPTS = 20_000
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_at_random(
+    cells: Cells, count: int, overlapping: bool, seed: np.uint64, configuration: int
+) -> int:
+    """Fill an empty box with `count` scatterers at random; return how many were placed.
+
+    Each is uniform in the box and rejected within 1 of the box's centre, where tracers start, and,
+    unless overlapping, of one placed before (random sequential addition).
+    """
+    n, side = cells.n, cells.side
+    middle = n // 2
+    state, gamma = open_stream(seed, PLACEMENT, configuration, 0)
+    draws = 0
+    spare = 0
+    for placed in range(count):
+        attempts = 0
+        while True:
+            if attempts == ATTEMPTS:
+                return placed
+            attempts += 1
+            x = uniform(state, gamma, draws) * n
+            y = uniform(state, gamma, draws + 1) * n
+            draws += 2
+            # A draw next to 1 times n may round up to n.
+            i = min(floor(x), n - 1)
+            j = min(floor(y), n - 1)
+            x = (x - i - 0.5) * side
+            y = (y - j - 0.5) * side
+            dx = (i - middle) * side + x
+            dy = (j - middle) * side + y
+            if dx * dx + dy * dy < 1.0:
+                continue
+            if overlapping or is_free(cells, i * n + j, x, y):
+                break
+        spare = insert(cells, i, j, x, y, spare)
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_given(cells: Cells, positions: np.ndarray) -> None:
+    """Fill an empty box with scatterers at given positions (count, 2), in d from a corner."""
+    n, side = cells.n, cells.side
+    spare = 0
+    for k in range(positions.shape[0]):
+        i = floor(positions[k, 0] / side)
+        j = floor(positions[k, 1] / side)
+        x = positions[k, 0] - (i + 0.5) * side
+        y = positions[k, 1] - (j + 0.5) * side
+        spare = insert(cells, i % n, j % n, x, y, spare)
