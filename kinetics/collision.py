@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, check_restitution
+from kinetics.errors import short as _short
 
 FloatArray = NDArray[np.float64]
 
@@ -199,16 +200,16 @@ class CollisionLaw:
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = np.asarray(p)
         if p_.dtype.kind not in "iufc":
-            raise InputError(f"p: got {p!r}; it must be a number or an array of numbers")
+            raise InputError(f"p: got {_short(p)}; it must be a number or an array of numbers")
         p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
         if not np.all(np.isfinite(p_)):
-            raise InputError(f"p: got {p!r}; it must be finite")
+            raise InputError(f"p: got {_short(p)}; it must be finite")
         if self.restitution == 0.0 and np.any(p_.real <= -1.0):
-            raise InputError(f"p: got {p!r}; at restitution 0 it must be above -1")
+            raise InputError(f"p: got {_short(p)}; at restitution 0 it must be above -1")
         return p_
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
-            raise InputError(f"p: got {p!r}; E[s^p] overflows double precision there")
+            raise InputError(f"p: got {_short(p)}; E[s^p] overflows double precision there")
         return value

@@ -10,13 +10,19 @@ class InputError(ValueError):
     """An argument that cannot be used: its name, its value and what is allowed, in one line."""
 
 
+def short(value: Any, limit: int = 60) -> str:
+    """The repr of a bad value, cut so that a message stays on one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
 def _real(name: str, value: Any, allowed: str) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(f"{name}: got {value!r}; {allowed}") from None
+        raise InputError(f"{name}: got {short(value)}; {allowed}") from None
     if not math.isfinite(number):
-        raise InputError(f"{name}: got {value!r}; {allowed}")
+        raise InputError(f"{name}: got {short(value)}; {allowed}")
     return number
 
 
@@ -25,7 +31,7 @@ def check_restitution(value: Any) -> float:
     allowed = "it must be a number from 0 (all normal velocity lost) to 1 (elastic)"
     number = _real("restitution", value, allowed)
     if not 0.0 <= number <= 1.0:
-        raise InputError(f"restitution: got {value!r}; {allowed}")
+        raise InputError(f"restitution: got {short(value)}; {allowed}")
     return number
 
 
@@ -34,7 +40,7 @@ def check_positive(name: str, value: Any) -> float:
     allowed = "it must be a finite number above 0"
     number = _real(name, value, allowed)
     if number <= 0.0:
-        raise InputError(f"{name}: got {value!r}; {allowed}")
+        raise InputError(f"{name}: got {short(value)}; {allowed}")
     return number
 
 
@@ -43,5 +49,5 @@ def check_rtol(value: Any) -> float:
     allowed = "it must be a number from 1e-14 to 0.1"
     number = _real("rtol", value, allowed)
     if not 1e-14 <= number <= 0.1:
-        raise InputError(f"rtol: got {value!r}; {allowed}")
+        raise InputError(f"rtol: got {short(value)}; {allowed}")
     return number

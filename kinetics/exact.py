@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, composite_gauss
-from kinetics.errors import InputError, check_restitution
+from kinetics.errors import InputError, check_restitution, short
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -155,7 +155,7 @@ class ScalingSolution:
         """
         c_ = np.asarray(c, dtype=float)
         if not np.all(np.isfinite(c_)) or np.any(c_ < 0.0):
-            raise InputError(f"c: got {c!r}; a scaled speed must be finite and not negative")
+            raise InputError(f"c: got {short(c)}; a scaled speed must be finite and not negative")
         if self.restitution == 1.0:
             raise InputError("restitution: got 1.0; the scaled VDF exists for 0 <= e < 1 only")
         if self.restitution == 0.0:
@@ -247,10 +247,13 @@ class ScalingSolution:
 
     def _integral(self, low: float, high: float) -> float:
         """Integral of rho from low to high on the real axis, both at least _START."""
-        span = abs(high - low)
-        nodes, weights = composite_gauss(span / _START, 24)
-        total = float(self._rho(low + math.copysign(_START, high - low) * nodes) @ weights)
-        return total * math.copysign(_START, high - low)
+        # rho is analytic within about _START of the path, or 2 pi/|ln e| if that is further
+        unit = float(_START)
+        if self.restitution > 0.0:
+            unit = max(unit, 2.0 / abs(math.log(self.restitution)))
+        signed = math.copysign(unit, high - low)
+        nodes, weights = composite_gauss(abs(high - low) / unit, 24)
+        return float(self._rho(low + signed * nodes) @ weights) * signed
 
     # -- Mellin inversion through the saddle ------------------------------------------------
 

@@ -1,0 +1,46 @@
+"""The collision operator of one angular harmonic, as the symbol that a log-speed grid needs.
+
+On e^(z x) with x = ln(speed) a bounce acts as multiplication by E[s^z cos(m chi)]: the operator
+is diagonal in z, and everything else is built from these numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+
+
+def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """lambda(z) = 1 - E[s^z], shape of z; no range checks, for the solvers' inner loops."""
+    if law.restitution == 0.0:
+        return np.asarray(z / (1.0 + z))
+    q = law.quadrature
+    return np.asarray(-np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight)
+
+
+def flux_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """lambda(z)/(kappa z), 1 at z = 0: the flux of losses past a speed, relative to v at it."""
+    zero = z == 0.0
+    safe = np.where(zero, 1.0, z)
+    return np.asarray(np.where(zero, 1.0, decay_symbol(law, safe) / (law.mean_log_loss * safe)))
+
+
+def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """rho(z) = ln(kappa z/lambda(z)) = ln A(z+1) - ln A(z), A(z) = E[(kappa v t/l)^z]."""
+    return np.asarray(-np.log(flux_symbol(law, z)))
+
+
+def peak_position(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """Where e^(z x) g(x) peaks in the scaling state, x = ln(kappa v t/l); an estimate.
+
+    The mean of x is the derivative of ln A, rho(z - 1/2) up to third differences of rho. For
+    complex z it tells how fast the phase of A turns. It only sizes windows and spacings.
+    """
+    if law.restitution == 0.0:
+        # the digamma function at 1 + z, nearly
+        return np.asarray(np.log(z + 1.5) - 1.0 / (z + 1.0))
+    return drift_log(law, z - 0.5)

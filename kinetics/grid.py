@@ -1,0 +1,64 @@
+"""The discretised speed axis: equidistant nodes in the logarithm of the speed.
+
+On such a grid the losses at a bounce, v -> s v, are shifts, so that the collision operator is a
+convolution, and the trapezoid rule is spectrally accurate for every density that vanishes at both
+ends of the window.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class LogGrid:
+    """Nodes x_j = start + j h, j = 0 ... nodes-1, of a periodic window of length nodes*h.
+
+    Attributes
+    ----------
+    start : left end of the window in x = ln(speed)
+    spacing : h
+    nodes : how many; even
+    """
+
+    start: float
+    spacing: float
+    nodes: int
+
+    @cached_property
+    def x(self) -> FloatArray:
+        """The nodes, shape (nodes,)."""
+        return self.start + self.spacing * np.arange(self.nodes)
+
+    @property
+    def end(self) -> float:
+        """Right end of the window."""
+        return self.start + self.spacing * self.nodes
+
+    @cached_property
+    def wave_numbers(self) -> FloatArray:
+        """Of a real transform, shape (nodes/2 + 1,)."""
+        return np.asarray(2.0 * np.pi * np.fft.rfftfreq(self.nodes, self.spacing))
+
+    def circulant(self, symbol: ComplexArray) -> FloatArray:
+        """Matrix, shape (nodes, nodes), of the convolution with this symbol at wave_numbers."""
+        column = np.fft.irfft(symbol, self.nodes)
+        i = np.arange(self.nodes)
+        return np.asarray(column[i[:, None] - i[None, :]])  # a negative index wraps round
+
+    def interpolate(self, values: FloatArray, x: FloatArray) -> FloatArray:
+        """The trigonometric interpolant; values (..., nodes), x (n,) in the window: (..., n)."""
+        spectrum = np.fft.rfft(values, axis=-1) / self.nodes
+        spectrum[..., 1:] *= 2.0
+        spectrum[..., -1] *= 0.5
+        # exp(i k_n x) = exp(i k_1 x)^n: one power each costs less than an exponential each
+        base = np.exp(1j * self.wave_numbers[1] * (x - self.start))
+        powers = np.cumprod(np.broadcast_to(base, (self.wave_numbers.size - 1, x.size)), axis=0)
+        return np.asarray(spectrum[..., :1].real + (spectrum[..., 1:] @ powers).real)

@@ -1,0 +1,205 @@
+r"""The stationary scaled equation, solved through a tilt of the logarithmic speed axis.
+
+The paper's scaled equation (label ``ifmu2``), for the density g of x = ln(kappa v t/l), reads
+
+    dg/dx = -e^x g/kappa + E[ e^(x+xi) g(x+xi) ]/kappa,     xi = -ln s >= 0 :
+
+a constant drift to larger v t against the losses at bounces. Integrated once it says that the flux
+upwards, g, equals the flux of losses downwards past x. For G = e^(theta x) g on a periodic window
+of equidistant x this is a convolution W (symbol lambda(z)/(kappa z), z = theta - i k):
+
+    G = W (e^x G).
+
+G is the null vector of a dense matrix of 50 to 200 rows. The tilt theta moves the weight of the
+unknown along the axis: each tilt resolves g, to rounding relative to g itself, around the peak of
+e^(theta x) g.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.generator import drift_log, flux_symbol, peak_position
+from kinetics.grid import LogGrid
+
+FloatArray = NDArray[np.float64]
+
+MAX_NODES = 4096
+SMALLEST_NODES = 8
+# The window ends, and the spectrum, where the density is e^-_MARGIN rtol of its peak.
+_MARGIN = 8.0
+# A tilt is used this many standard deviations of ln v to either side: g is e^-3.4 of the peak
+# there, and loses that much of the rounding. Found by experiment.
+SPAN = 2.6
+# Below this restitution few bounces carry a tracer from the bulk (x near 0) to low speeds, and a
+# tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of the rounding.
+_FEW_BOUNCES = 0.6
+_BULK_DROP = 5.0
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """The solution seen through e^(theta x).
+
+    Attributes
+    ----------
+    theta : the tilt
+    grid : nodes in x = ln(kappa v t/l)
+    values : e^(theta x) g(x)/A(theta) at the nodes, shape (nodes,); sums to 1/h
+    centre, deviation : mean and standard deviation of x under that density
+    defect : what the discrete equation is short of being singular, relative; edges, spectrum :
+        largest value at the ends and in the highest modes relative to the maximum
+    """
+
+    theta: float
+    grid: LogGrid
+    values: FloatArray
+    centre: float
+    deviation: float
+    defect: float
+    edges: float
+    spectrum: float
+
+    @property
+    def error(self) -> float:
+        """Estimate of the discretisation error relative to the maximum."""
+        return max(self.defect, self.edges, self.spectrum)
+
+    @cached_property
+    def landmarks(self) -> tuple[float, float, float]:
+        """Log g, up to the tilt's own scale, SPAN deviations below the centre, at it, and above."""
+        x = self.centre + np.array([-SPAN, 0.0, SPAN]) * self.deviation
+        low, middle, high = self.log_density(x)
+        return float(low), float(middle), float(high)
+
+    @property
+    def bottom(self) -> float:
+        """Lowest x at which the tilt is used."""
+        return self.centre - SPAN * self.deviation
+
+    @property
+    def top(self) -> float:
+        """Highest x at which the tilt is used."""
+        return self.centre + SPAN * self.deviation
+
+    def log_density(self, x: FloatArray) -> FloatArray:
+        """Log g(x) up to the tilt's own scale, x (n,) in the window; -inf where it is not > 0."""
+        value = self.grid.interpolate(self.values, x)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(np.maximum(value, 0.0)) - self.theta * x)
+
+
+def _window(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
+    """Ends of the window beyond which the tilted density weighs e^-depth, and its width.
+
+    Chernoff's bound on either side. The cumulants K(theta + n) it needs are sums of
+    rho(z) = ln(kappa z/lambda(z)), taken in steps of about half a standard deviation.
+    """
+    around = theta + np.array([-0.01, 0.01])
+    deviation = math.sqrt(float(np.diff(peak_position(law, around))[0]) / 0.02)
+    stride = max(1, round(0.5 / deviation))
+    n = np.arange(1, 51)
+    # sum of rho over stride integers, from its middle: exact at stride 1
+    up = np.cumsum(drift_log(law, theta + (n - 0.5) * stride - 0.5)) * stride
+    # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
+    right = float(np.min((up + depth + 5.0) / (n * stride)))
+    if law.restitution == 0.0:
+        return _left_at_zero(theta, depth), right, deviation
+    down_at = theta - (n - 0.5) * stride - 0.5
+    down_at = down_at[down_at > -600.0 / float(law.quadrature.log_loss.max())]
+    down = -np.cumsum(drift_log(law, down_at)) * stride
+    left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
+    return left, right, deviation
+
+
+def _left_at_zero(theta: float, depth: float) -> float:
+    """Left end of the window at e = 0, where the tilted density is e^((1 + theta) x) there."""
+    return -(depth + 2.0) / (1.0 + theta)
+
+
+def _band(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
+    """The wave number at which the transform A(theta + i k) has fallen to e^-depth.
+
+    From Re z >= 1/2 upwards ln A turns as rho(z - 1/2) does; what lies lower is carried there
+    by ln A(z) = ln A(z + 1) - rho(z).
+    """
+    # lower down only wide densities need the care: the branches are unwrapped
+    shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.5 else 0
+    for reach in (14.0, 60.0, 300.0):
+        k = np.linspace(0.0, reach / deviation, 64)
+        turn = np.unwrap(peak_position(law, theta + shift + 1j * k).imag)
+        fall = np.concatenate([[0.0], np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k))])
+        for j in range(shift):
+            # the real part has no branches
+            rho = drift_log(law, theta + j + 1j * k).real
+            fall += rho - rho[0]
+        past = np.nonzero(fall > depth)[0]
+        if past.size:
+            return float(k[past[0]])
+    return float(k[-1])
+
+
+def next_tilt(law: CollisionLaw, known: Tilt, *, above: bool) -> float | None:
+    """The tilt whose centre is 2 SPAN deviations up or down from a known one's.
+
+    None where there is none: at low e the cascade to low speeds starts in the bulk, which the
+    tilt must still resolve.
+    """
+    sign = 1.0 if above else -1.0
+    lowest = -0.45 if law.restitution == 0.0 else -500.0 / float(law.quadrature.log_loss.max())
+    shares = np.array([2.0, 1.6, 1.3, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3])
+    thetas = known.theta + sign * shares * 2.0 * SPAN / known.deviation
+    thetas = thetas[thetas > lowest]
+    if thetas.size == 0:
+        return None
+    centre = peak_position(law, thetas)
+    slope = (peak_position(law, thetas + 0.05) - centre) / 0.05
+    distance = sign * (centre - known.centre)
+    near = distance <= SPAN * (known.deviation + np.sqrt(np.abs(slope)))
+    if not above and law.restitution < _FEW_BOUNCES:
+        near &= (centre > 0.0) | (centre**2 < 2.0 * _BULK_DROP * np.abs(slope))
+    return float(thetas[near][0]) if np.any(near) else None
+
+
+def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None = None) -> Tilt:
+    """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
+    depth = math.log(1.0 / rtol) + _MARGIN
+    left, right, deviation = _window(law, theta, depth)
+    if nodes is None:
+        band = _band(law, theta, depth, deviation)
+        nodes = min(MAX_NODES, max(SMALLEST_NODES, int((right - left) * band / math.pi) + 2))
+    nodes += nodes % 2
+    grid = LogGrid(left, (right - left) / nodes, nodes)
+    flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers))
+    # bordered, so that it is regular: the last row fixes the sum, the last column takes up what
+    # the discrete equation is short of being singular
+    matrix = np.empty((nodes + 1, nodes + 1))
+    matrix[:nodes, :nodes] = flux * -np.exp(grid.x)
+    matrix[np.arange(nodes), np.arange(nodes)] += 1.0
+    matrix[:nodes, nodes] = 1.0
+    matrix[nodes, :nodes] = 1.0
+    matrix[nodes, nodes] = 0.0
+    right_side = np.zeros(nodes + 1)
+    right_side[nodes] = 1.0 / grid.spacing
+    solution = np.linalg.solve(matrix, right_side)
+    values = solution[:nodes]
+    top = float(np.max(np.abs(values)))
+    spectrum = np.abs(np.fft.rfft(values))
+    centre = float(grid.x @ values) * grid.spacing
+    variance = float((grid.x - centre) ** 2 @ values) * grid.spacing
+    return Tilt(
+        theta=theta,
+        grid=grid,
+        values=values,
+        centre=centre,
+        deviation=math.sqrt(max(variance, grid.spacing**2)),
+        defect=abs(float(solution[nodes])) / top,
+        edges=float(np.max(np.abs(values[[0, 1, -2, -1]]))) / top,
+        spectrum=float(np.max(spectrum[-2:])) / float(spectrum[0]),
+    )
