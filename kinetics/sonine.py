@@ -162,11 +162,13 @@ def msd_sonine(
     `THRESHOLD_RESTITUTION`.
     """
     e = np.asarray(restitution, dtype=float)
-    cooled = (1 - e**2) * (1 + 3 / 8 * a2(e))
+    correction = 1 + 3 / 8 * a2(e)
     rho = diameter * number_density
-    scale = 8 / (math.pi * rho**2) / ((1 + e) ** 2 * (1 + 3 / 8 * a2(e)))
-    growth = np.log1p(math.sqrt(math.pi / 2) * rho * cooled * np.asarray(time, dtype=float))
-    return scale * growth / cooled
+    slow = math.sqrt(math.pi / 2) * rho * np.asarray(time, dtype=float)
+    argument = slow * (1 - e**2) * correction
+    # ln(1 + x)/x, so that the elastic limit, linear in time, is there too.
+    growth = np.where(argument == 0, 1.0, np.log1p(argument) / np.where(argument == 0, 1, argument))
+    return 8 / (math.pi * rho**2) * slow * growth / ((1 + e) ** 2 * correction)
 
 
 def position_given_speed(r: ArrayLike, eta: float, speed: float) -> Array:

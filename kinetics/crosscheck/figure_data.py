@@ -84,7 +84,7 @@ def _all_restitutions() -> Array:
 
 def cooling_rate(cases: Sequence[Case]) -> Data:
     """h(e)/(1-e): every witness, and both printed formulas (labels hetomu2, hsimu)."""
-    from kinetics import ScalingSolution
+    from kinetics.exact import ScalingSolution
 
     e = _all_restitutions()
     exact = [ScalingSolution(float(x)).cooling_rate for x in e]
@@ -120,7 +120,7 @@ def _by_run(cases: Sequence[Case]) -> list[tuple[str, list[ParticleEvidence]]]:
 
 def a2(cases: Sequence[Case]) -> Data:
     """Second Sonine coefficient: exact, solver, printed roots (sonine11), particles at the end."""
-    from kinetics import ScalingSolution
+    from kinetics.exact import ScalingSolution
 
     e = _all_restitutions()
     at = [case.restitution for case in cases]

@@ -20,7 +20,7 @@ from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.rows import Row, compare_case, contact_value, counts, judged, scale_of
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING
-from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case
+from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
 
 SCHEMA = "inelastic-lorentz/report/1"
 UNITS = (
@@ -40,6 +40,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
     ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
     tell = progress or (lambda stage: None)
+    media(settings)  # a system that cannot be simulated is refused before anything is solved
     with AlgebraProcess() as algebra:
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
@@ -48,7 +49,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         rows = judged(row for case in cases for row in compare_case(case, settings))
         tell(ALGEBRA)
         checks = algebra.rows()
-    return _document(settings, cases, rows, checks)
+    return build_document(settings, cases, rows, checks)
 
 
 COMPARISON, ALGEBRA, WRITING = "comparing", "derivations", "writing"
@@ -66,12 +67,13 @@ def write_report(document: Document, folder: Path, progress: Progress | None = N
     return write_together(folder, {"report.json": dumps(document), "report.html": render(document)})
 
 
-def _document(
+def build_document(
     settings: ReportSettings,
     cases: Sequence[Case],
     rows: Sequence[Row],
     checks: Sequence[Mapping[str, Any]],
 ) -> Document:
+    """The tree of plain data that both files are made from."""
     statistical = [row for row in rows if row.kind == "statistical"]
     looks = sum(row.looks for row in statistical)
     document: Document = plain(

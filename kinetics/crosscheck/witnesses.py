@@ -12,6 +12,7 @@ from kinetics.crosscheck.settings import ReportSettings
 
 if TYPE_CHECKING:
     from kinetics import Solution
+    from particles import BoltzmannGrad, HardDisks
     from particles.ensemble import Ensemble
     from particles.estimators import Estimate
 
@@ -31,15 +32,24 @@ def output_times(last: float, count: int) -> Array:
     return np.geomspace(min(1.0, last / 10), last, count)
 
 
+def media(settings: ReportSettings) -> "tuple[BoltzmannGrad, HardDisks]":
+    """The media of both particle runs. ValueError for a density at which disks cannot be placed."""
+    from particles import BoltzmannGrad, HardDisks
+
+    density = settings.number_density
+    return BoltzmannGrad(density), HardDisks(density, settings.count)
+
+
 def gather_case(
     restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
 ) -> Case:
     """Every witness on one restitution, until the last time (in d/U). Calls `tell` three times."""
     from kinetics import ScalingSolution, Scene, solve, solve_scaled
-    from particles import BoltzmannGrad, HardDisks, simulate
+    from particles import simulate
 
     e = restitution
     times = output_times(last, settings.n_times)
+    free_medium, disk_medium = media(settings)
 
     def equation(number_density: float) -> "Solution":
         scene = Scene(
@@ -61,7 +71,7 @@ def gather_case(
     tell(f"e = {e:g}: Boltzmann-Grad particles")
     groups = min(GROUPS, settings.free_tracers // 2)
     free = simulate(
-        BoltzmannGrad(number_density=settings.number_density),
+        free_medium,
         restitution=e,
         times=times,
         media=groups,
@@ -72,7 +82,7 @@ def gather_case(
     )
     tell(f"e = {e:g}: hard disks")
     disks = simulate(
-        HardDisks(number_density=settings.number_density, count=settings.count),
+        disk_medium,
         restitution=e,
         times=times,
         media=settings.media,

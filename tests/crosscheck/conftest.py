@@ -1,0 +1,101 @@
+"""A made-up case whose truth is known: a Gaussian VDF, a cooling law and an msd by formula."""
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence
+from kinetics.crosscheck.rows import bin_average, cooling_rate_between, last_vdf
+from kinetics.crosscheck.settings import ReportSettings
+
+TIMES = np.geomspace(1.0, 1000.0, 12)
+EDGES = np.linspace(0.0, 4.0, 21)
+EARLY = 8
+
+
+def gaussian_vdf(c: Any) -> Any:
+    return np.exp(-np.square(c)) / math.pi
+
+
+def made_up_solution(rate: float = 0.4) -> Any:
+    """A solution with v0 = 1/(1/sqrt(2) + 0.04 rate t), a2 = 0.1 and a Gaussian VDF."""
+    speed = 1 / (1 / math.sqrt(2) + 0.04 * rate * TIMES)
+
+    def speed_density(v: Any) -> Any:
+        c = np.asarray(v)[None, :] / speed[:, None]
+        return 2 * c * np.exp(-(c**2)) / speed[:, None]
+
+    return SimpleNamespace(
+        times=TIMES,
+        thermal_speed=speed,
+        a2=np.full(TIMES.size, 0.1),
+        msd=800 * np.log1p(TIMES / 30),
+        speed_density=speed_density,
+    )
+
+
+def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> ParticleEvidence:
+    """A run that deviates from a solution by so many standard errors, each 1 % of the value."""
+
+    def off(theory: Any) -> Measured:
+        theory = np.asarray(theory, dtype=float)
+        error = 0.01 * np.abs(theory) + 1e-300
+        return Measured(theory + sigmas * error, error)
+
+    rate = cooling_rate_between(TIMES, solution.thermal_speed, EARLY, 0.04)
+    return ParticleEvidence(
+        name=name,
+        samples=10_000,
+        groups=100,
+        thermal_speed=off(solution.thermal_speed),
+        a2=off(solution.a2),
+        msd=off(solution.msd),
+        cooling_rate=off(rate),
+        free_path=Measured(np.asarray(free_path + sigmas * 0.02), np.asarray(0.02)),
+        vdf=off(bin_average(last_vdf(solution), EDGES)),
+        position=off(np.exp(-EDGES[1:])),
+        mean_collisions=12.5,
+        most_collisions=40,
+        above_cap=0.0,
+        statuses={"finished": 10_000, "trapped": 0, "escaped": 0},
+    )
+
+
+def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7) -> Case:
+    """A case whose Boltzmann-Grad and hard-disk runs deviate by so many standard errors."""
+    solution = made_up_solution()
+    scaled: Any = SimpleNamespace(
+        cooling_rate=0.4, a2=0.1, vdf=gaussian_vdf, diffusion_slope=9.0, tail_rate=5.0
+    )
+    run = made_up_run("hard disks", solution, disks, 12.5)
+    return Case(
+        restitution=restitution,
+        times=TIMES,
+        early=EARLY,
+        speed_edges=EDGES,
+        position_edges=EDGES,
+        exact=scaled if restitution < 1 else None,
+        scaled=scaled if restitution < 1 else None,
+        kinetic=solution,
+        rescaled=solution,
+        free=made_up_run("Boltzmann-Grad", solution, free, 12.5),
+        disks=run,
+        rescaled_errors={
+            name: getattr(run, name).error
+            for name in ("thermal_speed", "a2", "msd", "cooling_rate")
+        },
+    )
+
+
+@pytest.fixture
+def make_case() -> Callable[..., Case]:
+    return made_up_case
+
+
+@pytest.fixture
+def settings() -> ReportSettings:
+    return ReportSettings(restitutions=(0.7,), final_times=(1000.0,))

@@ -1,0 +1,187 @@
+"""The page and the JSON file: nothing external, nothing unescaped, nothing that the other lacks."""
+
+import json
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kinetics.crosscheck.evidence import Case
+from kinetics.crosscheck.page import deviation, number, render
+from kinetics.crosscheck.plain import dumps, plain
+from kinetics.crosscheck.report import build_document, write_report
+from kinetics.crosscheck.rows import compare_case, judged
+from kinetics.crosscheck.settings import ReportSettings
+from kinetics.crosscheck.text import columns, verdict_table
+
+MakeCase = Callable[..., Case]
+CHECKS = [
+    {
+        "label": "sonine9",
+        "title": "M2",
+        "status": "verified",
+        "proof": "exact",
+        "printed": "Eq(M_2, 1)",
+        "derived": "Eq(M_2, 1)",
+        "note": "",
+        "numbers": {},
+    }
+]
+
+
+@pytest.fixture
+def document(make_case: MakeCase, settings: ReportSettings) -> dict[str, Any]:
+    cases = [make_case()]
+    rows = judged(row for case in cases for row in compare_case(case, settings))
+    return build_document(settings, cases, rows, CHECKS)
+
+
+class Page(HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.references: list[str] = []
+        self.ids: list[str] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(text)
+
+    VOID = frozenset({"meta", "br", "use", "path"})
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        if tag not in self.VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name in ("href", "src", "srcset", "data", "action", "poster"):
+                self.references.append(value or "")
+            if name == "id":
+                self.ids.append(value or "")
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in self.VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_needs_nothing_beside_it(document: dict[str, Any]) -> None:
+    text = render(document)
+    page = Page(text)
+    assert page.open == []
+    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(page.tags)
+    assert all(r.startswith("#") for r in page.references)
+    assert {r.removeprefix("#") for r in page.references} <= set(page.ids)
+    assert len(page.ids) == len(set(page.ids))
+    assert "@import" not in text
+    assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)\)", text))
+    assert not re.findall(r"https?:|//[a-z]", text)
+
+
+def test_every_figure_of_the_document_is_in_the_page(document: dict[str, Any]) -> None:
+    page = Page(render(document))
+    assert page.tags.count("svg") == len(document["figures"]) == page.tags.count("figure")
+    for name, data in document["figures"].items():
+        assert f"figure-{name}" in page.ids
+        assert data["title"] in page.text
+    assert page.tags.count("math") == 5
+
+
+def test_every_row_is_in_the_page_with_its_verdict_and_numbers(document: dict[str, Any]) -> None:
+    page = Page(render(document))
+    text = " ".join(page.text.split())
+    for row in document["rows"]:
+        assert number(row["value"], row["error"]) in text
+        assert deviation(row) in text
+        assert row["verdict"] in text
+        assert row["note"] in text
+
+
+def test_texts_are_escaped(document: dict[str, Any]) -> None:
+    evil = "<script>alert('x')</script>&\""
+    document["title"] = document["summary"] = evil
+    document["findings"] = [evil]
+    document["rows"][0]["note"] = document["rows"][0]["source"] = evil
+    document["algebra"] = [CHECKS[0] | {"label": evil, "note": evil, "printed": evil}]
+    document["figures"]["msd"]["title"] = evil
+    document["figures"]["msd"]["description"] = evil
+    document["software"]["numpy"] = evil
+    text = render(document)
+    assert "<script" not in text
+    assert Page(text).text.count(evil) >= 10
+
+
+def test_the_json_is_strict_and_round_trips(document: dict[str, Any]) -> None:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} in the JSON")
+
+    text = dumps(document)
+    assert json.loads(text, parse_constant=refuse) == document
+    assert document["schema"] == "inelastic-lorentz/report/1"
+
+
+def test_the_document_names_what_it_needs(document: dict[str, Any]) -> None:
+    assert set(document) == {
+        "schema", "title", "summary", "units", "software", "settings", "verdicts",
+        "verdict_counts", "multiple_comparisons", "findings", "rows", "algebra", "cases", "figures",
+    }  # fmt: skip
+    names = {
+        "observable", "restitution", "kind", "source", "against", "value", "theory", "deviation",
+        "error", "time", "c", "sigmas", "corrected_sigmas", "looks", "groups", "verdict", "note",
+    }  # fmt: skip
+    for row in document["rows"]:
+        assert set(row) == names
+        assert row["verdict"] in document["verdicts"]
+        assert row["note"] is not None
+    assert sum(document["verdict_counts"].values()) == len(document["rows"])
+    for data in document["figures"].values():
+        for series in data["series"]:
+            assert len(series["x"]) == len(series["y"])
+            assert series["error"] is None or len(series["error"]) == len(series["x"])
+
+
+def test_both_files_are_written(document: dict[str, Any], tmp_path: Path) -> None:
+    stages: list[str] = []
+    paths = write_report(document, tmp_path / "out", stages.append)
+    assert [p.name for p in paths] == ["report.json", "report.html"]
+    assert json.loads(paths[0].read_text(encoding="utf-8")) == document
+    assert paths[1].read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert stages == ["writing"]
+
+
+def test_the_printed_table_has_a_verdict_per_comparison(document: dict[str, Any]) -> None:
+    lines = verdict_table(document).splitlines()
+    assert len(lines) == 1 + len(document["rows"])  # one restitution
+    assert all(any(w in line for w in document["verdicts"]) for line in lines[1:])
+    assert max(len(line) for line in lines) <= 120
+
+
+def test_numbers_show_their_error() -> None:
+    assert number(12.34567, 0.0123) == "12.346 ± 0.012"
+    assert number(1234.5, 123.0) == "1234 ± 123"
+    assert number(None) == "–"
+    assert number(0.123456789) == "0.123457"
+
+
+def test_columns_are_aligned() -> None:
+    assert columns(["t", "v0"], [[1.0, 10.0], [0.5, 123456.0]]).splitlines() == [
+        " t      v0",
+        " 1     0.5",
+        "10  123456",
+    ]
+
+
+def test_plain_leaves_no_numpy_and_no_nan() -> None:
+    import numpy as np
+
+    value = {"a": np.array([1.0, np.nan]), "b": (np.float64(2), np.int32(3)), "c": float("inf")}
+    assert plain(value) == {"a": [1.0, None], "b": [2.0, 3], "c": None}
