@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from .formal import Formal, linear
 from .symbols import pm
 
 
@@ -24,7 +25,7 @@ def is_zero(expression: sp.Expr) -> bool:
         return True
     if pm in expression.free_symbols:
         return all(is_zero(expression.subs(pm, branch)) for branch in (1, -1))
-    expanded = sp.expand(expression.doit(integrals=False), func=False)
+    expanded = sp.expand(linear(expression))
     if expanded == 0:
         return True
     if _clearly_nonzero(expanded):
@@ -37,12 +38,9 @@ def is_zero(expression: sp.Expr) -> bool:
 
 def _clearly_nonzero(expression: sp.Expr) -> bool:
     """A value that is far from zero at a generic point spares the slow simplifications."""
-    atoms = expression.atoms(sp.Function, sp.Derivative, sp.Integral, sp.Symbol)
-    opaque = [
-        a
-        for a in atoms
-        if isinstance(a, sp.Symbol | sp.Derivative | sp.Integral | sp.core.function.AppliedUndef)
-    ]
+    opaque = expression.atoms(
+        sp.Symbol, sp.Derivative, sp.Integral, sp.Sum, Formal, sp.core.function.AppliedUndef
+    )
     outer = sorted(opaque, key=lambda a: (-a.count_ops(), sp.default_sort_key(a)))
     value = expression
     for index, atom in enumerate(outer):

@@ -49,3 +49,9 @@ def diffusion_slope_value(restitution: float | str) -> mp.mpf:
             return (-ratio + (1 + ratio) * y * y) / mp.sqrt(ratio**2 + (1 - ratio**2) * y * y)
 
         return 2 / (log_loss_value(restitution) * (1 - mp.quad(cosine, [0, 1])))
+
+
+def mean_scaled_speed_value(restitution: float | str) -> mp.mpf:
+    """<c> of the scaling solution: E[Y]/sqrt(E[Y^2]) = sqrt(lambda(1)/kappa)."""
+    with mp.workdps(DIGITS):
+        return mp.sqrt(loss_value(1, restitution) / log_loss_value(restitution))

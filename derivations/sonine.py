@@ -12,9 +12,10 @@ from .collision_integrals import (
     sonine_average,
     speed_ratio_squared,
 )
-from .record import Derived, Number, Step
+from .formal import Avg, Int, chain, eq
+from .record import Derived, Number, Status, Step
 from .registry import derives
-from .symbols import M2, M4, H, a2, a2bar, a2t, d, da2, e, p, pm, rho0, t, v0
+from .symbols import M2, M4, F, S, a, a1, a2, a2bar, bc, c, e, p, phi, pm, pprime, x
 
 
 @cache
@@ -41,9 +42,127 @@ def polynomial(order: int, x: sp.Symbol) -> sp.Expr:
     return sp.expand(result / result.subs(x, 0))
 
 
-def eq(left: sp.Expr, right: sp.Expr) -> sp.Eq:
-    """An equation that sympy does not try to decide."""
-    return sp.Eq(left, right, evaluate=False)
+@derives("sonine1")
+def _sonine1() -> Derived:
+    rate, reach = sp.symbols("rate reach", positive=True)
+    weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
+    return Derived(
+        None,
+        (Step("F^2/phi for an exponential tail", weighted),),
+        "The coefficients a_p = <S_p> exist, but the series does not converge to F for any e in "
+        "[0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 the "
+        "VDF tends to a ring, not to the Gaussian that the series starts from.",
+        Status.ASSUMPTION,
+        holds=False,
+    )
+
+
+@derives("sonine1.5")
+def _sonine1_5() -> Derived:
+    return Derived(
+        sp.Tuple(*(eq(S(order, x), polynomial(order, x)) for order in (0, 1))),
+        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1, x)),),
+    )
+
+
+@derives("sonine2")
+def _sonine2() -> Derived:
+    return Derived(
+        eq(S(2, x), polynomial(2, x)),
+        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2, x)),),
+    )
+
+
+@cache
+def generating_function() -> tuple[sp.Expr, sp.Expr]:
+    """(generating function of the S_p, integral of a product of two against exp(-x)).
+
+    The integral depends on u w alone: the polynomials are orthogonal, with the coefficients of
+    its series as norms.
+    """
+    u, w = sp.symbols("u w", positive=True)
+    single = sp.exp(-x * u / (1 - u)) / (1 - u)
+    decay = sp.together(1 + u / (1 - u) + w / (1 - w))
+    product = sp.simplify(1 / ((1 - u) * (1 - w) * decay))
+    return single, product
+
+
+@cache
+def squared_norm() -> sp.Expr:
+    """int S_p^2 exp(-x) dx for every p: the coefficient of (u w)^p."""
+    u, w, z = sp.symbols("u w z", positive=True)
+    in_product = sp.simplify(generating_function()[1].subs(w, z / u))
+    ratio = sp.simplify(sp.diff(in_product, z) / in_product**2)
+    if in_product.has(u) or ratio != 1 or in_product.subs(z, 0) != 1:
+        raise ArithmeticError("the product of generating functions is not 1/(1 - u w)")
+    return sp.Integer(1)  # 1/(1 - z) = 1 + z + z^2 + ...
+
+
+@derives("sonine3")
+def _sonine3() -> Derived:
+    single, product = generating_function()
+    u = sp.Symbol("u", positive=True)
+    series = sp.series(single, u, 0, 4).removeO()
+    for order in range(4):
+        if sp.expand(series.coeff(u, order) - polynomial(order, x)) != 0:
+            raise ArithmeticError(f"the generating function misses S_{order}")
+    return Derived(
+        eq(
+            Int(phi(bc) * S(p, c**2) * S(pprime, c**2), bc),
+            squared_norm() * sp.KroneckerDelta(p, pprime),
+        ),
+        (
+            Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-x)),
+            Step("generating function", single),
+            Step("product of two of them, integrated: a function of u w alone", product),
+        ),
+        "For all orders at once, by the generating function. The norm is 1 in the plane.",
+    )
+
+
+@derives("sonine4")
+def _sonine4() -> Derived:
+    # int S_p phi sum_q a_q S_q = a_p norm
+    norm = squared_norm()
+    return Derived(
+        chain(a(p), Int(S(p, c**2) * F(bc), bc) / norm, Avg(S(p, c**2)) / norm),
+        (Step("squared norm of S_p", norm),),
+    )
+
+
+def _averaged(order: int) -> sp.Expr:
+    """<S_order(c^2)> in the moments <c^2>, <c^4>."""
+    terms = sp.Poly(polynomial(order, x), x).terms()
+    return sum(
+        (k * (Avg(c ** (2 * power)) if power else 1) for (power,), k in terms), sp.Integer(0)
+    )
+
+
+@derives("sonine4.5")
+def _sonine4_5() -> Derived:
+    first = _averaged(1)
+    return Derived(
+        chain(a1, first, first.subs(Avg(c**2), 1)),
+        (Step("<S_1>", first), Step("<c^2> = 1 by the definition of v0", None)),
+    )
+
+
+@derives("sonine5")
+def _sonine5() -> Derived:
+    second = _averaged(2)
+    return Derived(
+        chain(a2, second, second.subs(Avg(c**2), 1)),
+        (Step("<S_2>", second), Step("<c^2> = 1 by the definition of v0", None)),
+    )
+
+
+@derives("sonine6")
+def _sonine6() -> Derived:
+    general = M2 / 2 * p * Avg(c**p)
+    return Derived(
+        eq(M4, general.subs(p, 4)),
+        (Step("moments of the scaled equation (mueq)", general),),
+    )
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -121,7 +240,8 @@ def roots() -> tuple[sp.Expr, sp.Expr]:
     return lower, upper
 
 
-def _at(expression: sp.Expr, value: float) -> float:
+def at_restitution(expression: sp.Expr, value: float) -> float:
+    """A function of e at one restitution."""
     return float(expression.subs(e, sp.Rational(str(value))))
 
 
@@ -138,9 +258,9 @@ def _sonine11() -> Derived:
         ),
         "At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 there.",
         numbers=(
-            Number("lower root at e = 0.9", _at(lower, 0.9)),
-            Number("lower root as e -> 1", _at(lower, 1)),
-            Number("upper root at e = 0.9", _at(upper, 0.9)),
+            Number("lower root at e = 0.9", at_restitution(lower, 0.9)),
+            Number("lower root as e -> 1", at_restitution(lower, 1)),
+            Number("upper root at e = 0.9", at_restitution(upper, 0.9)),
         ),
     )
 
@@ -171,9 +291,9 @@ def _sonine12() -> Derived:
         "The stable root of the truncated equation, but far from the exact a_2, which exists for "
         "every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=(
-            Number("Sonine a_2 at e = 0.9", _at(chosen, 0.9)),
+            Number("Sonine a_2 at e = 0.9", at_restitution(chosen, 0.9)),
             Number("exact a_2 at e = 0.9", exact_a2(0.9)),
-            Number("Sonine a_2 at e = 0.6", _at(chosen, 0.6)),
+            Number("Sonine a_2 at e = 0.6", at_restitution(chosen, 0.6)),
             Number("exact a_2 at e = 0.6", exact_a2(0.6)),
         ),
     )
@@ -184,98 +304,6 @@ def exact_a2(value: float) -> float:
     from .scaling import a2_value
 
     return float(a2_value(value))
-
-
-@derives("ac3")
-def _ac3() -> Derived:
-    # (1/(d rho0 v0)) d<c^p>/dt = (p/2) M_2 <c^p> - M_p, with p = 4 and <c^4> = 2 (1 + a_2)
-    rate = sp.Symbol("adot")
-    fourth = sonine_average(4)
-    balance = sp.diff(fourth, a2) * rate / (d * rho0 * v0(t)) - (
-        p / 2 * M2 * fourth.subs(a2, a2t(t)) - M4
-    ).subs(p, 4)
-    (solution,) = sp.solve(balance, rate)
-    return Derived(
-        eq(sp.Derivative(a2t(t), t), sp.factor(solution)),
-        (
-            Step("moment equation of the time-dependent scaled VDF, p = 4", eq(balance, 0)),
-            Step("solved for the derivative of a_2", solution),
-        ),
-        "M_2 and M_4 stand for their values at a_2(t).",
-    )
-
-
-@derives("ac5")
-def _ac5() -> Derived:
-    prefactor = d * rho0 * v0(t) / 2
-    right = prefactor * sp.sqrt(sp.pi) * (1 - e**2) * quadratic()
-    linear = sp.diff(right, a2).subs(a2, a2bar)
-    scale = linear / (v0(t) * growth())
-    return Derived(
-        eq(sp.Derivative(da2(t), t), tidy(scale) * H * v0(t) * da2(t)),
-        (
-            Step("right-hand side of the equation for a_2 with M_2 and M_4 inserted", right),
-            Step("its derivative at the stationary a_2", sp.factor(linear)),
-            Step("H(e) collects the bracket", eq(H, growth())),
-        ),
-    )
-
-
-@derives("ac7")
-def _ac7() -> Derived:
-    lower, upper = (sp.expand(growth(root)) for root in roots())
-    return Derived(
-        eq(H, growth()),
-        (
-            Step("derivative of the a_2 equation", eq(H, growth())),
-            Step("at the lower root", lower),
-            Step("at the upper root", upper),
-        ),
-        "At the two roots H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8: the lower root is "
-        "stable and the upper one unstable for every e above the threshold, where both meet.",
-        numbers=(
-            Number("H at the lower root, e = 0.9", _at(lower, 0.9)),
-            Number("H at the upper root, e = 0.9", _at(upper, 0.9)),
-        ),
-    )
-
-
-@derives("compare1")
-def _compare1() -> Derived:
-    discriminant = sp.expand(sp.discriminant(8 * quadratic(), a2))
-    square = sp.Symbol("e2", positive=True)
-    (positive,) = sp.solve(discriminant.subs(e, sp.sqrt(square)), square)
-    threshold = sp.sqrt(positive)
-    return Derived(
-        sp.Le(threshold, e, evaluate=False),
-        (
-            Step("discriminant of the a_2 equation", discriminant),
-            Step("its only positive zero in e^2", positive),
-        ),
-        "A failure of the truncation, not of the gas: the exact a_2 exists for every e in [0, 1).",
-        numbers=(
-            Number("threshold restitution", float(threshold)),
-            Number("exact a_2 at e = 0.4", exact_a2(0.4)),
-        ),
-    )
-
-
-@derives("compare3", "compare3#2")
-def _compare3() -> Derived:
-    lower, _ = roots()
-    inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - e**2)).subs(a2, lower))
-    return Derived(
-        eq(M2, (1 - e**2) * inserted),
-        (
-            Step("M_2 at symbolic a_2", collision_moment(2)),
-            Step("the stable root", eq(a2, lower)),
-        ),
-        "Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
-        numbers=tuple(
-            Number(f"M_2/2 over (1 - e) at e = {value}", _at(inserted * (1 + e) / 2, value))
-            for value in (0.6, 0.7, 0.9)
-        ),
-    )
 
 
 @cache

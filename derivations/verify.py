@@ -6,7 +6,19 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from . import chapman_enskog, scaling, sonine  # noqa: F401  (they register their derivations)
+from . import (  # noqa: F401  (they register their derivations)
+    chapman_enskog,
+    cooling,
+    figures,
+    flux,
+    kinetic_equation,
+    position,
+    random_walk,
+    scaling,
+    sonine,
+    speed_resolved,
+    stability,
+)
 from .compare import agree
 from .printed import PRINTED
 from .record import Check, Status

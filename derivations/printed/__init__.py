@@ -7,15 +7,35 @@ corrected: what the paper gets wrong is wrong here.
 
 from __future__ import annotations
 
-from .appendix_b import SECTION as _appendix_b
-from .appendix_c import SECTION as _appendix_c
-from .entry import Printed, chain, eq
-from .transport import SECTION as _transport
+from . import (
+    appendix_a,
+    appendix_b,
+    appendix_c,
+    appendix_d,
+    cooling,
+    figures,
+    position,
+    random_walk,
+    stability,
+    transport,
+)
+from .entry import Printed
 
 PRINTED: dict[str, Printed] = {
     entry.label: entry
-    for section in (_transport, _appendix_b, _appendix_c)
-    for entry in section.entries
+    for part in (
+        cooling,
+        random_walk,
+        transport,
+        position,
+        appendix_a,
+        appendix_b,
+        stability,
+        appendix_c,
+        appendix_d,
+        figures,
+    )
+    for entry in part.SECTION.entries
 }
 
-__all__ = ["PRINTED", "Printed", "chain", "eq"]
+__all__ = ["PRINTED", "Printed"]

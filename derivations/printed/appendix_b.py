@@ -1,21 +1,129 @@
-"""Section 3 (compare3) and Appendix B: the Sonine expansion of the scaled VDF."""
+"""Appendix B, first part: the scaled equation and its Sonine expansion."""
 
 from __future__ import annotations
 
 import sympy as sp
 
-from ..symbols import M2, M4, H, a2, a2bar, a2t, d, da2, e, pm, rho0, t, v0
-from .entry import Section, eq
+from ..formal import Avg, Int, Partial, chain, dot, eq
+from ..symbols import (
+    I_,
+    M2,
+    M4,
+    F,
+    Mp,
+    S,
+    a,
+    a1,
+    a2,
+    bc,
+    c,
+    cp,
+    d,
+    e,
+    hemi_c,
+    p,
+    phi,
+    pm,
+    pprime,
+    rho0,
+    sigma,
+    t,
+    v0,
+    x,
+)
+from .entry import Section
 
 SECTION = Section("Appendix B: cooling rate")
 _add = SECTION.add
 _root = sp.sqrt(-383 + 828 * e**2 + 900 * e**4)
 
 _add(
+    "rearramu2",
+    "thermal velocity by the second moment",
+    r"\frac{\mathrm{d}\mathit{v_{\mathrm{0}}( t)}}{\mathrm{d}\mathit{t}}=-\frac{\rho_{0}d "
+    r"\mathit{M}_{\mathrm{2}} \mathit{v}_{\mathrm{0}}^{\mathrm{2}}(\mathit{t}) }"
+    r"{\mathrm{2}}",
+    eq(sp.Derivative(v0(t), t), -rho0 * d * M2 * v0(t) ** 2 / 2),
+)
+_add(
+    "ifmu2",
+    "scaled equation",
+    r"I(F)=\frac{ M_{2}}{2}( 2+{\bf c} \cdot \frac{\partial}{\partial {\bf c}}) F({\bf c})",
+    eq(I_(F(bc)), M2 / 2 * (2 * F(bc) + dot(bc, Partial(F(bc), bc)))),
+)
+_add(
+    "mueq",
+    "its moments",
+    r"M_{p}=\frac{M_{2}}{2}p\langle c^{p}\rangle",
+    eq(Mp, M2 / 2 * p * Avg(c**p)),
+)
+_add(
+    "sonine1",
+    "Sonine expansion",
+    r"F({\bf c})=\phi({\bf c})\{1+\sum_{p=1}^{\infty}a_{p}S_{p}({\bf c}^{2})\}",
+    eq(F(bc), phi(bc) * (1 + sp.Sum(a(p) * S(p, c**2), (p, 1, sp.oo)))),
+)
+_add(
+    "sonine1.5",
+    "Sonine polynomials of order 0 and 1",
+    r"S_{0}(x)=1 ,\quad S_{1}(x)=-x+1",
+    sp.Tuple(eq(S(0, x), sp.Integer(1)), eq(S(1, x), -x + 1)),
+)
+_add(
+    "sonine2",
+    "Sonine polynomial of order 2",
+    r"S_{2}(x)=\frac{1}{2}x^{2}-2x+1",
+    eq(S(2, x), sp.Rational(1, 2) * x**2 - 2 * x + 1),
+)
+_add(
+    "sonine3",
+    "orthogonality",
+    r"\int \mathrm{d}{\bf c} \phi({\bf c}) \mathit{S_{p}}({\bf c}^{\mathrm{2}})\mathit{S}"
+    r"_{p^{\prime}}({\bf c}^{\mathrm{2}})=\delta_{pp^{\prime}}",
+    eq(
+        Int(phi(bc) * S(p, c**2) * S(pprime, c**2), bc),
+        sp.KroneckerDelta(p, pprime),
+    ),
+)
+_add(
+    "sonine4",
+    "Sonine coefficients as averages",
+    r"a_{p}=\int \mathrm{d}{\bf c} \mathit{S_{\mathit{p}}}({\bf c}^{\mathrm{2}})\mathit{F}"
+    r"({\bf c})=\langle S_{p}({\bf c}^{\mathrm{2}})\rangle",
+    chain(a(p), Int(S(p, c**2) * F(bc), bc), Avg(S(p, c**2))),
+)
+_add(
+    "sonine4.5",
+    "first Sonine coefficient",
+    r"a_{1}=-\langle{\bf c}^{2}\rangle+1=0",
+    chain(a1, -Avg(c**2) + 1, sp.Integer(0)),
+)
+_add(
+    "sonine5",
+    "second Sonine coefficient",
+    r"a_{2}=\frac{\langle{\bf c}^{4}\rangle}{2}-2\langle{\bf c}^{2}"
+    r"\rangle+1=\frac{\langle{\bf c}^{4}\rangle}{2}-1",
+    chain(a2, Avg(c**4) / 2 - 2 * Avg(c**2) + 1, Avg(c**4) / 2 - 1),
+)
+_add(
+    "sonine6",
+    "fourth moment by the second",
+    r"M_{4}=2 M_{2}\langle{\bf c}^{4}\rangle",
+    eq(M4, 2 * M2 * Avg(c**4)),
+)
+_add(
     "sonine7",
     "the equation for a_2",
     r"4 M_{2}(a_{2}+1)-M_{4}=0",
     eq(4 * M2 * (a2 + 1) - M4, sp.Integer(0)),
+)
+_add(
+    "sonine8",
+    "moments of the collision integral",
+    r"M_{p} = \int \mathrm{d}{\bf c} \int_{{\bf c} \cdot {\bf \hat{\sigma}}>0} \mathrm{d}"
+    r"{\bf \hat{\sigma}} ({\bf c} \cdot {\bf \hat{\sigma}}) \mathit{F}({\bf c}) (c^{p}"
+    r"-c^{\prime p})",
+    eq(Mp, Int(Int(dot(bc, sigma) * F(bc) * (c**p - cp**p), sigma, hemi_c), bc)),
 )
 _add(
     "sonine9",
@@ -32,8 +140,8 @@ _add(
 _add(
     "sonine11",
     "both roots for a_2",
-    r"a_{2}=\frac{1}{24}(1+30e^{2}\pm\sqrt{-383+828e^{2}+900e^{4}})"
-    r" \quad \mathrm{if} \quad  \mathit{e} \mathrm{\ne 1}",
+    r"a_{2}=\frac{1}{24}(1+30e^{2}\pm\sqrt{-383+828e^{2}+900e^{4}}) \quad \mathrm{if} "
+    r"\quad \mathit{e} \mathrm{\ne 1}",
     eq(a2, sp.Rational(1, 24) * (1 + 30 * e**2 + pm * _root)),
 )
 _add(
@@ -42,48 +150,3 @@ _add(
     r"a_{2}=\frac{1}{24}(1+30e^{2}-\sqrt{-383+828e^{2}+900e^{4}})",
     eq(a2, sp.Rational(1, 24) * (1 + 30 * e**2 - _root)),
 )
-_add(
-    "ac3",
-    "evolution of a_2",
-    r"\frac{\partial a_{2}(t)}{\partial t}=\frac{d \rho_{0}v_{0}(t)}{2}"
-    r"\{4M_{2}(a_{2}(t)+1)-M_{4}\}",
-    eq(sp.Derivative(a2t(t), t), d * rho0 * v0(t) / 2 * (4 * M2 * (a2t(t) + 1) - M4)),
-)
-_add(
-    "ac5",
-    "linearised evolution of a_2",
-    r"\frac{\partial \delta a_{2}(t)}{\partial t}=\frac{d \rho_{0}}{2}\sqrt{\pi}(1-e^{2})H(e)"
-    r"v_{0}(t)\delta a_{2}(t)",
-    eq(
-        sp.Derivative(da2(t), t),
-        d * rho0 / 2 * sp.sqrt(sp.pi) * (1 - e**2) * H * v0(t) * da2(t),
-    ),
-)
-_add(
-    "ac7",
-    "growth rate H(e) of a perturbation of a_2",
-    r"H(e)\equiv 3\bar{a}_{2}-(\frac{15}{4}e^{2}+\frac{1}{8})",
-    eq(H, 3 * a2bar - (sp.Rational(15, 4) * e**2 + sp.Rational(1, 8))),
-)
-_add(
-    "compare1",
-    "restitution below which the Sonine a_2 is not real",
-    r"\sqrt{-\frac{23}{50}+\frac{16 \sqrt{14}}{75}}\leq e \quad( < 1)",
-    sp.Le(sp.sqrt(-sp.Rational(23, 50) + 16 * sp.sqrt(14) / 75), e, evaluate=False),
-)
-_M2_source = (
-    r"M_{2}=\sqrt{\pi}(1-e^{2})(\frac{65}{64}+\frac{15}{32}e^{2}-\frac{1}{64}"
-    r"\sqrt{-383+828e^{2}+900e^{4}})"
-)
-for _label in ("compare3", "compare3#2"):
-    _add(
-        _label,
-        "M_2 as a function of e, Sonine",
-        _M2_source,
-        eq(
-            M2,
-            sp.sqrt(sp.pi)
-            * (1 - e**2)
-            * (sp.Rational(65, 64) + sp.Rational(15, 32) * e**2 - sp.Rational(1, 64) * _root),
-        ),
-    )

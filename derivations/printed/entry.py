@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import sympy as sp
 
@@ -33,13 +32,3 @@ class Section:
     def add(self, label: str, title: str, source: str, formula: sp.Basic | None = None) -> None:
         """Record one labelled equation."""
         self.entries.append(Printed(label, title, self.name, source, formula))
-
-
-def eq(left: sp.Expr, right: sp.Expr) -> sp.Eq:
-    """An equation that sympy does not try to decide."""
-    return sp.Eq(left, right, evaluate=False)
-
-
-def chain(*sides: sp.Expr) -> sp.Tuple:
-    """``a = b = c`` as the equations (a = b, b = c)."""
-    return sp.Tuple(*(eq(a, b) for a, b in pairwise(sides)))

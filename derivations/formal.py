@@ -1,0 +1,143 @@
+"""Formal pieces of equations: integrals, operators and averages that are not evaluated.
+
+They let an operator equation be a sympy object whose every coefficient can be compared. Each is
+linear in its first argument, and :func:`linear` writes that out: an integral or operator becomes
+its image on each term, with what it does not act on pulled out.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+
+class Formal(sp.Function):
+    """A formal function that prints itself."""
+
+    def _template(self, *args: str) -> str:
+        raise NotImplementedError
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = self._template(*(printer._print(arg) for arg in self.args))
+        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
+
+
+class Int(Formal):
+    """Int(f, x): the integral of f over all x; Int(f, x, D): over the domain D."""
+
+    nargs = (2, 3)
+
+    def _template(self, *args: str) -> str:
+        domain = f"_{{{args[2]}}}" if len(args) == 3 else ""
+        return rf"\int{domain} \left[{args[0]}\right] \mathrm{{d}}{args[1]}"
+
+
+class Dot(Formal):
+    """The scalar product of two vectors; build it with :func:`dot`."""
+
+    nargs = 2
+
+    def _template(self, *args: str) -> str:
+        return rf"\left({args[0]} \cdot {args[1]}\right)"
+
+
+class Partial(Formal):
+    """Partial(X, T): the derivative of X with respect to T."""
+
+    nargs = 2
+
+    def _template(self, *args: str) -> str:
+        return rf"\frac{{\partial {args[0]}}}{{\partial {args[1]}}}"
+
+
+class Lam(Formal):
+    """Lam(X): the collision operator Lambda applied to X."""
+
+    nargs = 1
+
+    def _template(self, *args: str) -> str:
+        return rf"\Lambda {args[0]}"
+
+
+class Dt(Formal):
+    """Dt(j, X): the j-th order part of the time derivative of X."""
+
+    nargs = 2
+
+    def _template(self, *args: str) -> str:
+        return rf"\partial_t^{{({args[0]})}} {args[1]}"
+
+
+class Avg(Formal):
+    """Avg(X): the average of X over the scaled VDF."""
+
+    nargs = 1
+
+    def _template(self, *args: str) -> str:
+        return rf"\left\langle {args[0]} \right\rangle"
+
+
+class Measure(Formal):
+    """Measure(x): the volume element dx, where it stands as a factor."""
+
+    nargs = 1
+
+    def _template(self, *args: str) -> str:
+        return rf"\mathrm{{d}}{args[0]}"
+
+
+class Second(Formal):
+    """Second(X, x, x0): the second derivative of X with respect to x at x = x0."""
+
+    nargs = 3
+
+    def _template(self, *args: str) -> str:
+        return (
+            rf"\left.\frac{{\partial^2 {args[0]}}}{{\partial {args[1]}^2}}"
+            rf"\right|_{{{args[1]}={args[2]}}}"
+        )
+
+
+def dot(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The scalar product, with its two vectors in a fixed order (it is symmetric)."""
+    return Dot(*sorted((one, other), key=sp.default_sort_key))
+
+
+def eq(left: sp.Expr, right: sp.Expr) -> sp.Eq:
+    """An equation that sympy does not try to decide."""
+    return sp.Eq(left, right, evaluate=False)
+
+
+def chain(*sides: sp.Expr) -> sp.Tuple:
+    """``a = b = c`` as the equations (a = b, b = c)."""
+    return sp.Tuple(*(eq(a, b) for a, b in pairwise(sides)))
+
+
+def linear(expression: sp.Basic) -> sp.Basic:
+    """Every ``Int`` as the sum of its terms, with its constant factors pulled out."""
+    return expression.replace(lambda node: isinstance(node, Int), _expand_integral)
+
+
+def _expand_integral(integral: sp.Expr) -> sp.Expr:
+    variable = integral.args[1]
+    total = sp.Integer(0)
+    for term in sp.Add.make_args(sp.expand(integral.args[0])):
+        inside = [factor for factor in sp.Mul.make_args(term) if _varies(factor, variable)]
+        outside = [factor for factor in sp.Mul.make_args(term) if not _varies(factor, variable)]
+        total += sp.Mul(*outside) * Int(sp.Mul(*inside), *integral.args[1:])
+    return total
+
+
+def _varies(factor: sp.Expr, variable: sp.Symbol) -> bool:
+    """Whether a factor may depend on the variable: all vectors and speeds of one collision may."""
+    if isinstance(factor, Measure):
+        return factor.args[0] == variable
+    symbols = factor.free_symbols
+    return variable in symbols or any(
+        symbol.is_real is None or symbol.name in DEPENDENT for symbol in symbols
+    )
+
+
+DEPENDENT = frozenset({"v^{*}", "c'"})

@@ -1,0 +1,56 @@
+"""A verified row says something: change any one coefficient of the printed formula and it turns."""
+
+from collections.abc import Iterator
+
+import pytest
+import sympy as sp
+
+from derivations import Status, verify
+from derivations.printed import PRINTED
+from derivations.verify import check
+
+
+def mutants(node: sp.Basic) -> Iterator[sp.Basic]:
+    """Every formula with one number changed, or with one term (coefficient 1) doubled."""
+    if isinstance(node, sp.Number):
+        yield node + 1
+        return
+    for index, argument in enumerate(node.args):
+        changed = list(mutants(argument))
+        if isinstance(node, sp.Add | sp.Eq | sp.Le) and argument != 0:
+            changed.append(2 * argument)
+        for mutant in changed:
+            arguments = list(node.args)
+            arguments[index] = mutant
+            options = {"evaluate": False} if isinstance(node, sp.Eq | sp.Le) else {}
+            yield node.func(*arguments, **options)
+
+
+VERIFIED = [row.label for row in verify() if row.status is Status.VERIFIED]
+
+
+def test_the_mutants_are_those_of_every_number_and_term() -> None:
+    a, b = sp.symbols("a b")
+    formula = sp.Eq(a, 3 * a**2 + b, evaluate=False)
+    found = {str(mutant) for mutant in mutants(formula)}
+    assert found == {
+        "Eq(2*a, 3*a**2 + b)",
+        "Eq(a, 6*a**2 + 2*b)",
+        "Eq(a, 4*a**2 + b)",
+        "Eq(a, 3*a**3 + b)",
+        "Eq(a, 6*a**2 + b)",
+        "Eq(a, 3*a**2 + 2*b)",
+    }
+
+
+@pytest.mark.parametrize("label", VERIFIED)
+def test_a_changed_coefficient_turns_a_verified_row_to_erratum(label: str) -> None:
+    formula = PRINTED[label].formula
+    assert formula is not None
+    tried = 0
+    for mutant in mutants(formula):
+        if mutant == formula:
+            continue
+        tried += 1
+        assert check(label, mutant).status is Status.ERRATUM, f"{label} accepts {mutant}"
+    assert tried >= 2
