@@ -6,13 +6,22 @@ Units: lengths in scatterer diameters d, speeds in U, times in d/U.
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.exact import ScalingSolution
+from kinetics.initial import SpeedSamples, SpeedTable
 from kinetics.scaled import ScaledVDF, SolverStatus, solve_scaled
+from kinetics.scene import Scene
+from kinetics.solution import Solution
+from kinetics.solve import solve
 
 __all__ = [
     "CollisionLaw",
     "InputError",
     "ScaledVDF",
     "ScalingSolution",
+    "Scene",
+    "Solution",
     "SolverStatus",
+    "SpeedSamples",
+    "SpeedTable",
+    "solve",
     "solve_scaled",
 ]

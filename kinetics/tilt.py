@@ -95,7 +95,7 @@ class Tilt:
             return np.asarray(np.log(np.maximum(value, 0.0)) - self.theta * x)
 
 
-def _window(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
+def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
     """Ends of the window beyond which the tilted density weighs e^-depth, and its width.
 
     Chernoff's bound on either side. The cumulants K(theta + n) it needs are sums of
@@ -123,7 +123,7 @@ def _left_at_zero(theta: float, depth: float) -> float:
     return -(depth + 2.0) / (1.0 + theta)
 
 
-def _band(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
+def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
     """The wave number at which the transform A(theta + i k) has fallen to e^-depth.
 
     From Re z >= 1/2 upwards ln A turns as rho(z - 1/2) does; what lies lower is carried there
@@ -170,9 +170,9 @@ def next_tilt(law: CollisionLaw, known: Tilt, *, above: bool) -> float | None:
 def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None = None) -> Tilt:
     """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
     depth = math.log(1.0 / rtol) + _MARGIN
-    left, right, deviation = _window(law, theta, depth)
+    left, right, deviation = window_of(law, theta, depth)
     if nodes is None:
-        band = _band(law, theta, depth, deviation)
+        band = band_of(law, theta, depth, deviation)
         nodes = min(MAX_NODES, max(SMALLEST_NODES, int((right - left) * band / math.pi) + 2))
     nodes += nodes % 2
     grid = LogGrid(left, (right - left) / nodes, nodes)
