@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from particles.configuration import OBSERVABLES
     from particles.ensemble import Ensemble, Statuses
     from particles.estimators import Estimate, Histogram
-    from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson
+    from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
     from particles.simulate import simulate
 
 _HOMES = {
@@ -19,6 +19,7 @@ _HOMES = {
     "Histogram": "estimators",
     "Medium": "media",
     "Poisson": "media",
+    "Positions": "media",
     "Statuses": "ensemble",
     "simulate": "simulate",
 }
@@ -32,6 +33,7 @@ __all__ = [
     "Histogram",
     "Medium",
     "Poisson",
+    "Positions",
     "Statuses",
     "simulate",
 ]

@@ -2,20 +2,28 @@
 
 import numpy as np
 
-from particles.cells import Cells, empty_box
-from particles.media import BoltzmannGrad, Medium
-from particles.placement import place_at_random
+from particles.cells import Cells, empty_box, plane
+from particles.media import BoltzmannGrad, HardDisks, Medium, Positions
+from particles.placement import place_at_random, place_given
 
 
 def build(medium: Medium, seed: np.uint64, configuration: int) -> Cells | None:
     """Return the scatterers of one configuration, or None where the medium has none.
 
-    Raises ValueError if the disks do not all find room.
+    Tracers start at the centre of the middle cell. Raises ValueError if the disks do not all
+    find room.
     """
     if isinstance(medium, BoltzmannGrad):
         return None
     d = medium.diameter
-    cells = empty_box(medium.box / d, medium.number_density * d * d, medium.count)
+    density = medium.number_density * d * d
+    if isinstance(medium, Positions):
+        own = medium.positions if medium.positions.ndim == 2 else medium.positions[configuration]
+        return _place(own / d, np.array(medium.start) / d, medium.box_side / d)
+    if medium.box is None:
+        return plane(density, not medium.overlapping, seed, configuration)
+    side = medium.box_side / d
+    cells = empty_box(side, density, medium.count)
     placed = place_at_random(cells, medium.count, medium.overlapping, seed, configuration)
     if placed < medium.count:
         raise ValueError(
@@ -23,4 +31,15 @@ def build(medium: Medium, seed: np.uint64, configuration: int) -> Cells | None:
             f"could be placed; the largest density reached is "
             f"{medium.number_density * placed / medium.count:.3g}"
         )
+    if isinstance(medium, HardDisks) and medium.equilibrate:
+        from particles.equilibrate import equilibrate
+
+        positions = equilibrate(cells, medium.count, medium.equilibrate, seed, configuration)
+        return _place(positions, np.zeros(2), side)
+    return cells
+
+
+def _place(positions: np.ndarray, start: np.ndarray, box: float) -> Cells:
+    cells = empty_box(box, len(positions) / box**2, len(positions))
+    place_given(cells, positions, start)
     return cells

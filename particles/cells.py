@@ -10,13 +10,22 @@ makes a cell anew when a tracer enters it: its scatterers are drawn from the str
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from particles.lanes import SLOTS
-from particles.plane import disks_of_cell
+from particles.plane import (
+    Law,
+    candidate,
+    candidates,
+    is_clear,
+    is_kept,
+    make_law,
+    open_region,
+)
+from particles.streams import uniform
 
 EMPTY = 1e150  # far away, and its square is still finite
 # The unbounded plane keeps 2**WINDOW by 2**WINDOW cells, each with room for CHAIN beyond SLOTS.
@@ -30,8 +39,8 @@ class Cells(NamedTuple):
 
     side: of a cell. slots (n_cells, 2 * SLOTS): x of each slot, then y; EMPTY where free.
     fill (n_cells,): scatterers in each cell. head (n_cells,), links, nodes (, 2): chains of those
-    beyond SLOTS, -1 ends one. keys (n_cells, 2): which cell of the plane is stored there.
-    seed, configuration, intensity, hard: what the plane is drawn from.
+    beyond SLOTS, -1 ends one. Of the plane only: keys (n_cells, 2): which cell is stored there;
+    law: what it is drawn from.
     """
 
     side: float
@@ -42,18 +51,15 @@ class Cells(NamedTuple):
     links: np.ndarray
     nodes: np.ndarray
     keys: np.ndarray
-    seed: Any
-    configuration: int
-    intensity: float
-    hard: bool
+    law: Law
 
 
 def cell_side(number_density: float) -> float:
-    """Return the side of a cell that lists 4 scatterers on average, measured to be fastest.
+    """Return the side of a cell that lists 5 scatterers on average, measured to be fastest.
 
     Not below 1.5: a scatterer reaches into no cell but its own and its neighbours.
     """
-    return max(sqrt(4.0 / number_density) - 2.0, 1.5)
+    return max(sqrt(5.0 / number_density) - 2.0, 1.5)
 
 
 def empty_box(box: float, number_density: float, count: int) -> Cells:
@@ -64,56 +70,49 @@ def empty_box(box: float, number_density: float, count: int) -> Cells:
     n = max(int(box / cell_side(number_density)), 1)
     n -= n % 2 == 0
     # A scatterer is listed at most 4 times where cells are wider than 2, 9 times otherwise.
-    return _allocate(box / n, n, n * n, 9 * count, np.uint64(0), 0, 0.0, False)
+    law = make_law(box / n, 0.0, False, np.uint64(0), 0)
+    return _allocate(law, n, n * n, 9 * count)
 
 
-def plane(
-    number_density: float, intensity: float, hard: bool, seed: np.uint64, configuration: int
-) -> Cells:
-    """Return the unbounded plane, nothing of it made yet.
-
-    intensity: candidates per unit area, of which `hard` disks keep those that find room.
-    """
+def plane(number_density: float, hard: bool, seed: np.uint64, configuration: int) -> Cells:
+    """Return the unbounded plane, nothing of it made yet."""
+    side = max(cell_side(number_density), 3.0)
     n_cells = 4**WINDOW
-    side = cell_side(number_density)
-    return _allocate(
-        side, 0, n_cells, n_cells * CHAIN, seed, configuration, intensity * side * side, hard
-    )
+    law = make_law(side, number_density, hard, seed, configuration)
+    return _allocate(law, 0, n_cells, n_cells * CHAIN)
 
 
-def _allocate(
-    side: float, n: int, n_cells: int, room: int, seed: Any, configuration: int,
-    intensity: float, hard: bool,
-) -> Cells:  # fmt: skip
+def _allocate(law: Law, n: int, n_cells: int, room: int) -> Cells:
+    window = 0 if n else n_cells
     return Cells(
-        side=side,
+        side=law.side,
         n=n,
         slots=np.full((n_cells, 2 * SLOTS), EMPTY),
         fill=np.zeros(n_cells, np.int32),
         head=np.full(n_cells, -1, np.int32),
         links=np.empty(room, np.int32),
         nodes=np.empty((room, 2)),
-        keys=np.full((0 if n else n_cells, 2), _NOWHERE),
-        seed=seed,
-        configuration=configuration,
-        intensity=intensity,
-        hard=hard,
+        keys=np.full((window, 2), _NOWHERE),
+        law=law,
     )
 
 
-@njit(error_model="numpy", inline="always")
-def _list(cells: Cells, cell: int, x: float, y: float, spare: int) -> int:
+@njit(error_model="numpy", forceinline=True)
+def _list(
+    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    cell: int, x: float, y: float, spare: int,
+) -> int:  # fmt: skip
     """Enter a scatterer in a cell, in node `spare` if its slots are full; return the next spare."""
-    k = cells.fill[cell]
-    cells.fill[cell] = k + 1
+    k = fill[cell]
+    fill[cell] = k + 1
     if k < SLOTS:
-        cells.slots[cell, k] = x
-        cells.slots[cell, SLOTS + k] = y
+        slots[cell, k] = x
+        slots[cell, SLOTS + k] = y
         return spare
-    cells.nodes[spare, 0] = x
-    cells.nodes[spare, 1] = y
-    cells.links[spare] = cells.head[cell]
-    cells.head[cell] = spare
+    nodes[spare, 0] = x
+    nodes[spare, 1] = y
+    links[spare] = head[cell]
+    head[cell] = spare
     return spare + 1
 
 
@@ -127,63 +126,75 @@ def _reaches(x: float, y: float, half: float) -> bool:
 
 
 @njit(error_model="numpy")
-def insert(cells: Cells, i: int, j: int, x: float, y: float, spare: int) -> int:
+def insert(
+    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    n: int, side: float, i: int, j: int, x: float, y: float, spare: int,
+) -> int:  # fmt: skip
     """List a scatterer at (x, y) from the centre of cell (i, j) of a box wherever it reaches."""
-    n, side = cells.n, cells.side
+    half = 0.5 * side
     for di in range(-1, 2):
+        if di * x < abs(di) * (half - 1.0 - 1e-9):
+            continue
         for dj in range(-1, 2):
+            if dj * y < abs(dj) * (half - 1.0 - 1e-9):
+                continue
             rx, ry = x - di * side, y - dj * side
-            if _reaches(rx, ry, 0.5 * side):
+            if _reaches(rx, ry, half):
                 cell = (i + di) % n * n + (j + dj) % n
-                spare = _list(cells, cell, rx, ry, spare)
+                spare = _list(slots, fill, head, links, nodes, cell, rx, ry, spare)
     return spare
 
 
 @njit(error_model="numpy")
-def is_free(cells: Cells, cell: int, x: float, y: float) -> bool:
+def is_free(
+    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    cell: int, x: float, y: float,
+) -> bool:  # fmt: skip
     """Tell whether no listed scatterer is nearer than 1 to (x, y) of this cell."""
-    for k in range(min(cells.fill[cell], SLOTS)):
-        dx = cells.slots[cell, k] - x
-        dy = cells.slots[cell, SLOTS + k] - y
+    for k in range(min(fill[cell], SLOTS)):
+        dx, dy = slots[cell, k] - x, slots[cell, SLOTS + k] - y
         if dx * dx + dy * dy < 1.0:
             return False
-    node = cells.head[cell]
+    node = head[cell]
     while node >= 0:
-        dx = cells.nodes[node, 0] - x
-        dy = cells.nodes[node, 1] - y
+        dx, dy = nodes[node, 0] - x, nodes[node, 1] - y
         if dx * dx + dy * dy < 1.0:
             return False
-        node = cells.links[node]
+        node = links[node]
     return True
 
 
 @njit(error_model="numpy")
-def _make(cells: Cells, cell: int, i: int, j: int) -> None:
+def make(
+    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    keys: np.ndarray, law: Law, cell: int, i: int, j: int,
+) -> None:  # fmt: skip
     """Make cell (i, j) of the plane in this place of the window."""
-    side = cells.side
-    cells.keys[cell, 0], cells.keys[cell, 1] = i, j
-    cells.slots[cell] = EMPTY
-    cells.fill[cell] = 0
-    cells.head[cell] = -1
+    half = 0.5 * law.side
+    keys[cell, 0], keys[cell, 1] = i, j
+    slots[cell] = EMPTY
+    fill[cell] = 0
+    head[cell] = -1
     spare = cell * CHAIN
-    disks = np.empty((256, 2))
-    for di in range(-1, 2):
-        for dj in range(-1, 2):
-            n = disks_of_cell(
-                disks, i + di, j + dj, side, cells.intensity, cells.hard, cells.seed,
-                cells.configuration,
-            )  # fmt: skip
-            for k in range(n):
-                rx, ry = disks[k, 0] + di * side, disks[k, 1] + dj * side
-                if _reaches(rx, ry, 0.5 * side):
-                    spare = _list(cells, cell, rx, ry, spare)
+    # 1 is the farthest that the origin's clearing reaches: only cells around it need look.
+    near = abs(i) + abs(j) < 3
+    for dp in range(-1, 2):
+        for dq in range(-1, 2):
+            p, q = 2 * i + dp, 2 * j + dq
+            state, gamma = open_region(law, p, q)
+            for k in range(candidates(law, p, q, state)):
+                x, y = candidate(law, p, q, state, gamma, k)
+                if near and not is_clear(law, p, q, x, y):
+                    continue
+                if law.hard and not is_kept(law, p, q, x, y, uniform(state, gamma, 3 * k + 3)):
+                    continue
+                spare = _list(
+                    slots, fill, head, links, nodes, cell, x + dp * half, y + dq * half, spare
+                )
 
 
 @njit(error_model="numpy", inline="always")
-def find(cells: Cells, i: int, j: int) -> int:
-    """Return where cell (i, j) of the plane is stored, made if need be."""
+def place(i: int, j: int) -> int:
+    """Return where the window stores cell (i, j); cells less than its width apart never collide."""
     inside = 2**WINDOW - 1
-    cell = ((i & inside) << WINDOW) | (j & inside)
-    if cells.keys[cell, 0] != i or cells.keys[cell, 1] != j:
-        _make(cells, cell, i, j)
-    return cell
+    return ((i & inside) << WINDOW) | (j & inside)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells, find
+from particles.cells import Cells, make, place
 from particles.events import contact, scatter, touch
 from particles.lanes import SLOTS, strike
 from particles.records import SHIFT, Records, count_path, finish, fly, rest
@@ -50,7 +50,7 @@ class Start(NamedTuple):
     most: int
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _launch(
     start: Start, records: Records, tracer: int, lane: np.ndarray, whole: np.ndarray
 ) -> None:
@@ -72,10 +72,9 @@ def _launch(
     whole[TRACER] = tracer
 
 
-@njit(error_model="numpy", inline="always")
-def _slow_down(records: Records, lane: np.ndarray, whole: np.ndarray, ratio: float) -> None:
-    """Divide the speed of a lane, shifting its clock before it can overflow."""
-    lane[SLOW] /= ratio
+@njit(error_model="numpy", forceinline=True)
+def _shift(records: Records, lane: np.ndarray, whole: np.ndarray) -> None:
+    """Shift the clock of a lane that has become slow, before it can overflow."""
     while lane[SLOW] > SHIFT:
         lane[SLOW] /= SHIFT
         lane[TIME] /= SHIFT
@@ -85,7 +84,7 @@ def _slow_down(records: Records, lane: np.ndarray, whole: np.ndarray, ratio: flo
             lane[DUE] = records.times[whole[OUTPUT]] * lane[UNIT]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _outputs(
     records: Records, lane: np.ndarray, whole: np.ndarray, end: float, x: float, y: float
 ) -> bool:
@@ -102,7 +101,7 @@ def _outputs(
     return True
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _end(
     records: Records, lane: np.ndarray, whole: np.ndarray, status: int, x: float, y: float
 ) -> None:
@@ -120,7 +119,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     x, y of each trapped one; their number is returned.
     """
     slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
-    side, n = cells.side, cells.n
+    side, n, keys = cells.side, cells.n, cells.keys
     half, middle = 0.5 * side, n // 2
     lanes = np.empty((LANES, 11))
     wholes = np.empty((LANES, 9), np.int64)
@@ -134,18 +133,22 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     while active:
         if a >= active:
             a = 0
-        lane, whole = lanes[a], wholes[a]
-        x, y, ux, uy = lane[X], lane[Y], lane[UX], lane[UY]
-        i, j, w, v = whole[CI], whole[CJ], whole[W], whole[V]
+        x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
+        i, j, w, v = wholes[a, CI], wholes[a, CJ], wholes[a, W], wholes[a, V]
         # March through the cells. x, y stay at the beginning of the flight, seen from the
         # cell that the march has reached; next_x, next_y: path to the next wall of each kind.
         step_x, step_y = 1 if ux > 0.0 else -1, 1 if uy > 0.0 else -1
-        move_x, move_y = step_x * side, step_y * side
         pace_x, pace_y = 1.0 / max(abs(ux), 1e-300), 1.0 / max(abs(uy), 1e-300)
+        gain_x, gain_y = side * pace_x, side * pace_y
         next_x = max((half - step_x * x) * pace_x, 0.0)
         next_y = max((half - step_y * y) * pace_y, 0.0)
         while True:
-            cell = w * n + v if n else find(cells, i, j)
+            if n:
+                cell = w * n + v
+            else:
+                cell = place(i, j)
+                if keys[cell, 0] != i or keys[cell, 1] != j:
+                    make(slots, cells.fill, head, links, nodes, keys, cells.law, cell, i, j)
             path, slot = strike(slots, cell, x, y, ux, uy)
             cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             node = head[cell]
@@ -157,69 +160,73 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             wall = min(next_x, next_y)
             if path <= wall or wall > limit:
                 break
-            if next_x <= next_y:
-                i += step_x
-                w += step_x
-                w = n - 1 if w < 0 else 0 if w == n else w
-                x -= move_x
-                next_x += side * pace_x
-            else:
-                j += step_y
-                v += step_y
-                v = n - 1 if v < 0 else 0 if v == n else v
-                y -= move_y
-                next_y += side * pace_y
+            # Selected, not branched upon: which wall comes first cannot be predicted.
+            across = next_x <= next_y
+            di, dj = (step_x if across else 0), (0 if across else step_y)
+            i, w = i + di, w + di
+            j, v = j + dj, v + dj
+            w = n - 1 if w < 0 else 0 if w == n else w
+            v = n - 1 if v < 0 else 0 if v == n else v
+            x -= di * side
+            y -= dj * side
+            next_x += gain_x if across else 0.0
+            next_y += 0.0 if across else gain_y
         # By rounding, a tracer in a corner may touch the next scatterer already.
         path = max(path, 0.0)
         escaped = path > wall
         if escaped:
             path = limit
-        end = lane[TIME] + path * lane[SLOW]
+        end = lanes[a, TIME] + path * lanes[a, SLOW]
         status = RUNNING
-        if end >= lane[DUE] and _outputs(records, lane, whole, end, i * side + x, j * side + y):
+        if end >= lanes[a, DUE] and _outputs(
+            records, lanes[a], wholes[a], end, i * side + x, j * side + y
+        ):
             status = FINISHED
-            last = records.times[records.times.size - 1] * lane[UNIT]
-            path = max((last - lane[TIME]) / lane[SLOW], 0.0)
-            end = lane[TIME] + path * lane[SLOW]
+            last = records.times[records.times.size - 1] * lanes[a, UNIT]
+            path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
+            end = lanes[a, TIME] + path * lanes[a, SLOW]
         elif escaped:
             status = ESCAPED
-        lane[PATHS] += path
-        lane[TIME] = end
+        lanes[a, PATHS] += path
+        lanes[a, TIME] = end
         if status == RUNNING:
             if records.paths.size:
                 count_path(records, path)
             impact = (cx - x) * uy - (cy - y) * ux
             x, y = touch(cx, cy, ux, uy, impact)
             ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
-            whole[N_COLLISIONS] += 1
-            whole[SHORT] = whole[SHORT] + 1 if path < TRAP_LENGTH else 0
-            if whole[SHORT] == TRAP_FLIGHTS or ratio == 0.0:
+            wholes[a, N_COLLISIONS] += 1
+            wholes[a, SHORT] = wholes[a, SHORT] + 1 if path < TRAP_LENGTH else 0
+            if wholes[a, SHORT] == TRAP_FLIGHTS or ratio == 0.0:
                 status = TRAPPED
                 px, py = i * side + x, j * side + y
                 rest(
-                    records, whole[OUTPUT], whole[TRACER], px, py, lane[OX], lane[OY],
-                    whole[N_COLLISIONS],
+                    records, wholes[a, OUTPUT], wholes[a, TRACER], px, py,
+                    lanes[a, OX], lanes[a, OY], wholes[a, N_COLLISIONS],
                 )  # fmt: skip
-                traps[caught, 0] = start.first + whole[TRACER]
-                traps[caught, 1] = end / lane[UNIT]
+                traps[caught, 0] = start.first + wholes[a, TRACER]
+                traps[caught, 1] = end / lanes[a, UNIT]
                 traps[caught, 2] = px
                 traps[caught, 3] = py
                 caught += 1
             else:
-                _slow_down(records, lane, whole, ratio)
-                if whole[N_COLLISIONS] == start.most:
+                slow = lanes[a, SLOW] / ratio
+                lanes[a, SLOW] = slow
+                if slow > SHIFT:
+                    _shift(records, lanes[a], wholes[a])
+                if wholes[a, N_COLLISIONS] == start.most:
                     status = COLLISION_CAP
-            lane[X], lane[Y], lane[UX], lane[UY] = x, y, ux, uy
-            whole[CI], whole[CJ], whole[W], whole[V] = i, j, w, v
+            lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY] = x, y, ux, uy
+            wholes[a, CI], wholes[a, CJ], wholes[a, W], wholes[a, V] = i, j, w, v
         else:
             x, y = x + path * ux, y + path * uy
         if status == RUNNING:
             a += 1
             continue
-        _end(records, lane, whole, status, i * side + x, j * side + y)
+        _end(records, lanes[a], wholes[a], status, i * side + x, j * side + y)
         if launched < start.n:
-            _launch(start, records, launched, lane, whole)
-            whole[W] = whole[V] = middle
+            _launch(start, records, launched, lanes[a], wholes[a])
+            wholes[a, W] = wholes[a, V] = middle
             launched += 1
             a += 1
         else:
@@ -247,37 +254,39 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
     while active:
         if a >= active:
             a = 0
-        lane, whole = lanes[a], wholes[a]
-        x, y, ux, uy = lane[X], lane[Y], lane[UX], lane[UY]
+        x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
         state, gamma = keys[a, 0], keys[a, 1]
-        path = -mean_path * log(uniform(state, gamma, 2 * whole[N_COLLISIONS]))
-        end = lane[TIME] + path * lane[SLOW]
+        path = -mean_path * log(uniform(state, gamma, 2 * wholes[a, N_COLLISIONS]))
+        end = lanes[a, TIME] + path * lanes[a, SLOW]
         status = RUNNING
-        if end >= lane[DUE] and _outputs(records, lane, whole, end, x, y):
+        if end >= lanes[a, DUE] and _outputs(records, lanes[a], wholes[a], end, x, y):
             status = FINISHED
-            last = records.times[records.times.size - 1] * lane[UNIT]
-            path = max((last - lane[TIME]) / lane[SLOW], 0.0)
-            end = lane[TIME] + path * lane[SLOW]
-        lane[PATHS] += path
-        lane[TIME] = end
+            last = records.times[records.times.size - 1] * lanes[a, UNIT]
+            path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
+            end = lanes[a, TIME] + path * lanes[a, SLOW]
+        lanes[a, PATHS] += path
+        lanes[a, TIME] = end
         x, y = x + path * ux, y + path * uy
-        lane[X], lane[Y] = x, y
+        lanes[a, X], lanes[a, Y] = x, y
         if status == RUNNING:
             if records.paths.size:
                 count_path(records, path)
             # Odd multiples of 2**-53 less 1: never 0, so the speed ratio never is.
-            impact = 2.0 * uniform(state, gamma, 2 * whole[N_COLLISIONS] + 1) - 1.0
-            lane[UX], lane[UY], ratio = scatter(ux, uy, impact, start.restitution)
-            whole[N_COLLISIONS] += 1
-            _slow_down(records, lane, whole, ratio)
-            if whole[N_COLLISIONS] == start.most:
+            impact = 2.0 * uniform(state, gamma, 2 * wholes[a, N_COLLISIONS] + 1) - 1.0
+            lanes[a, UX], lanes[a, UY], ratio = scatter(ux, uy, impact, start.restitution)
+            wholes[a, N_COLLISIONS] += 1
+            slow = lanes[a, SLOW] / ratio
+            lanes[a, SLOW] = slow
+            if slow > SHIFT:
+                _shift(records, lanes[a], wholes[a])
+            if wholes[a, N_COLLISIONS] == start.most:
                 status = COLLISION_CAP
         if status == RUNNING:
             a += 1
             continue
-        _end(records, lane, whole, status, x, y)
+        _end(records, lanes[a], wholes[a], status, x, y)
         if launched < start.n:
-            _launch(start, records, launched, lane, whole)
+            _launch(start, records, launched, lanes[a], wholes[a])
             keys[a, 0], keys[a, 1] = open_stream(
                 start.seed, FLIGHTS, start.configuration, start.first + launched
             )

@@ -22,6 +22,8 @@ def place_at_random(
     unless overlapping, of one placed before (random sequential addition).
     """
     n, side = cells.n, cells.side
+    slots, fill, head = cells.slots, cells.fill, cells.head
+    links, nodes = cells.links, cells.nodes
     middle = n // 2
     state, gamma = open_stream(seed, PLACEMENT, configuration, 0)
     draws = 0
@@ -44,20 +46,26 @@ def place_at_random(
             dy = (j - middle) * side + y
             if dx * dx + dy * dy < 1.0:
                 continue
-            if overlapping or is_free(cells, i * n + j, x, y):
+            if overlapping or is_free(slots, fill, head, links, nodes, i * n + j, x, y):
                 break
-        spare = insert(cells, i, j, x, y, spare)
+        spare = insert(slots, fill, head, links, nodes, n, side, i, j, x, y, spare)
     return count
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_given(cells: Cells, positions: np.ndarray) -> None:
-    """Fill an empty box with scatterers at given positions (count, 2), in d from a corner."""
+def place_given(cells: Cells, positions: np.ndarray, start: np.ndarray) -> None:
+    """Fill an empty box with scatterers at given positions (count, 2), in d.
+
+    `start` (2,) becomes the centre of the middle cell.
+    """
     n, side = cells.n, cells.side
+    slots, fill, head = cells.slots, cells.fill, cells.head
+    links, nodes = cells.links, cells.nodes
     spare = 0
     for k in range(positions.shape[0]):
-        i = floor(positions[k, 0] / side)
-        j = floor(positions[k, 1] / side)
-        x = positions[k, 0] - (i + 0.5) * side
-        y = positions[k, 1] - (j + 0.5) * side
-        spare = insert(cells, i % n, j % n, x, y, spare)
+        x, y = positions[k, 0] - start[0], positions[k, 1] - start[1]
+        i, j = floor(x / side + 0.5), floor(y / side + 0.5)
+        spare = insert(
+            slots, fill, head, links, nodes, n, side,
+            (i + n // 2) % n, (j + n // 2) % n, x - i * side, y - j * side, spare,
+        )  # fmt: skip

@@ -45,12 +45,12 @@ class Records(NamedTuple):
     finals: np.ndarray
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _log2(value: float) -> float:
     return log2(value) if value > 0.0 else -NEVER
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray) -> None:
     """Add one to the bin of a value; the first and last bins hold what is below and above."""
     last = histogram.shape[1] - 1
@@ -63,13 +63,13 @@ def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray)
         histogram[row, int(place)] += 1
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def count_path(records: Records, path: float) -> None:
     """Enter a completed flight in the free-path histogram."""
     _count(records.paths, 0, _log2(path), records.grids[PATH])
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _record(
     records: Records, k: int, tracer: int, x: float, y: float, vx: float, vy: float,
     ox: float, oy: float, collisions: int, caught: int,
@@ -101,7 +101,7 @@ def _record(
         records.velocities[k, tracer, 1] = vy / scale
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def fly(
     records: Records, k: int, tracer: int, end: float, time: float, slowness: float, unit: float,
     x: float, y: float, ux: float, uy: float, ox: float, oy: float, collisions: int,
@@ -122,7 +122,7 @@ def fly(
     return k
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def rest(
     records: Records, k: int, tracer: int, x: float, y: float, ox: float, oy: float, collisions: int
 ) -> None:
@@ -132,7 +132,7 @@ def rest(
         k += 1
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def finish(
     records: Records, tracer: int, status: int, travelled: float, collisions: int,
     x: float, y: float, slowness: float, time: float, shifts: int,

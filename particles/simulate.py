@@ -10,7 +10,7 @@ import numpy as np
 
 from particles.configuration import OBSERVABLES, Plan, Tally, run_configurations
 from particles.ensemble import Ensemble, Totals
-from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson
+from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
 
 LARGEST_TIME = 1e300
 
@@ -31,7 +31,7 @@ def simulate(
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson or BoltzmannGrad. restitution in [0, 1].
+    medium: HardDisks, Poisson, BoltzmannGrad or Positions. restitution in [0, 1].
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U) or an
         array (tracers, 2) or (media, tracers, 2) of velocities in U.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
@@ -85,12 +85,19 @@ def make_plan(
     observables: Iterable[str] | None,
 ) -> Plan:
     """Check every argument of `simulate` and return what is to be run."""
-    if not isinstance(medium, (HardDisks, Poisson, BoltzmannGrad)):
-        raise ValueError(f"medium = {medium!r}: must be HardDisks, Poisson or BoltzmannGrad")
+    if not isinstance(medium, (HardDisks, Poisson, BoltzmannGrad, Positions)):
+        raise ValueError(
+            f"medium = {medium!r}: must be HardDisks, Poisson, BoltzmannGrad or Positions"
+        )
     if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
         raise ValueError(f"restitution = {restitution!r}: must be a number from 0 to 1")
     for name, value in (("media", media), ("tracers", tracers)):
         _check_whole(name, value, 1, 2**31)
+    if isinstance(medium, Positions) and medium.positions.ndim == 3:
+        if medium.positions.shape[0] != media:
+            raise ValueError(
+                f"media = {media}: must be {medium.positions.shape[0]}, the sets of positions given"
+            )
     _check_whole("seed", seed, 0, 2**64 - 1)
     if max_collisions is not None:
         _check_whole("max_collisions", max_collisions, 1, 2**62)

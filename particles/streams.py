@@ -49,6 +49,18 @@ def bits(state: Any, gamma: Any, counter: int) -> Any:
 
 
 @njit(inline="always")
+def to_unit(word: Any) -> float:
+    """Return 64 random bits as an odd multiple of 2**-53 in (0, 1)."""
+    return (float(uint64(word) >> uint64(12)) + 0.5) * _TO_UNIT
+
+
+@njit(inline="always")
 def uniform(state: Any, gamma: Any, counter: int) -> float:
     """Return draw number `counter` as an odd multiple of 2**-53 in (0, 1)."""
-    return (float(bits(state, gamma, counter) >> uint64(12)) + 0.5) * _TO_UNIT
+    return to_unit(bits(state, gamma, counter))
+
+
+@njit(cache=True)
+def plane_key(seed: Any, configuration: int) -> Any:
+    """Return the key of the streams of an unbounded plane's regions, a 64-bit integer."""
+    return open_stream(seed, CELLS, configuration, 0)[0]

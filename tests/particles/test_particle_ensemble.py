@@ -177,7 +177,7 @@ BAD = [
     (dict(seed=-1), "seed = -1: must be a whole number from 0"),
     (dict(workers=0), "workers = 0: must be a positive whole number"),
     (dict(observables=["speed"]), "observables: no 'speed'; there are thermal_speed"),
-    (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson or BoltzmannGrad"),
+    (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson,"),
 ]
 
 
