@@ -85,7 +85,7 @@ def cli(context: click.Context) -> None:
     default=Path("lorentz-report"),
     help="Folder for report.html and report.json.",
 )
-@click.option("--quick", is_flag=True, help="A tenth of the samples, or less.")
+@click.option("--quick", is_flag=True, help="A tenth of the samples.")
 @click.option(
     "-e",
     "--restitution",
@@ -387,6 +387,8 @@ class _Bar:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command: 0, or 2 for bad input (one line on standard error), 130 after Ctrl-C."""
     signal.signal(signal.SIGTERM, _terminate)
+    if hasattr(sys.stdout, "reconfigure"):  # a terminal that lacks a sign shows ? for it
+        sys.stdout.reconfigure(errors="replace")
     try:
         cli.main(arguments, prog_name="lorentz", standalone_mode=False)
     except click.ClickException as error:

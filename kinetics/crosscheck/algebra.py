@@ -90,7 +90,8 @@ class AlgebraProcess:
     def __exit__(self, *exception: object) -> None:
         if self._process.poll() is None:
             self._process.kill()
-            self._process.communicate()
+        with self._process:  # waits, and closes the pipes
+            pass
 
 
 if __name__ == "__main__":

@@ -21,7 +21,10 @@ def _i(name: str) -> str:
 
 
 def _vector(name: str) -> str:
-    return f'<mi mathvariant="bold">{name}</mi>'
+    # MathML Core has no bold but the letters themselves.
+    return _i(
+        {"v": "\N{MATHEMATICAL BOLD SMALL V}", "σ": "\N{MATHEMATICAL BOLD SMALL SIGMA}"}[name]
+    )
 
 
 def _n(number: str) -> str:
@@ -60,6 +63,8 @@ def _math(*parts: str) -> Markup:
 _E, _F, _H, _T, _L, _Y = (_i(name) for name in "efhtly")
 _V, _SIGMA = _vector("v"), f"<mover>{_vector('σ')}{_o('^')}</mover>"
 _STAR = _power(_V, _o("*"))
+_COMMA = _o(",") + '<mspace width="1.2em"/>'
+_THIN = '<mspace width="0.17em"/>'
 _MINUS, _PLUS, _EQUALS, _DOT = _o("−"), _o("+"), _o("="), _o("·")
 _E2 = _power(_E, _n("2"))
 _LAMBDA1 = _row(_i("λ"), _paren(_n("1")))
@@ -92,9 +97,9 @@ def _average() -> Markup:
     s = _i("s")
     y2 = _power(_Y, _n("2"))
     return _math(
-        _power(s, _n("2")), _EQUALS, _E2, _PLUS, _paren(_n("1"), _MINUS, _E2), y2, _o(","),
-        _i("λ"), _paren(_i("p")), _EQUALS, _n("1"), _MINUS, _mean(_power(s, _i("p"))), _o(","),
-        _i("κ"), _EQUALS, _mean(_MINUS, _i("ln"), s),
+        _power(s, _n("2")), _EQUALS, _E2, _PLUS, _paren(_n("1"), _MINUS, _E2), y2, _COMMA,
+        _i("λ"), _paren(_i("p")), _EQUALS, _n("1"), _MINUS, _mean(_power(s, _i("p"))), _COMMA,
+        _i("κ"), _EQUALS, _mean(_MINUS, _i("ln"), _THIN, s),
     )  # fmt: skip
 
 
@@ -102,20 +107,18 @@ def _cooling() -> Markup:
     return _math(
         _over(_row(_i("d"), _sub(_i("v"), _n("0"))), _row(_i("d"), _T)), _EQUALS, _MINUS,
         _i("d"), _sub(_i("ρ"), _n("0")), _H, _paren(_E),
-        f"<msubsup>{_i('v')}{_n('0')}{_n('2')}</msubsup>", _o(","),
+        f"<msubsup>{_i('v')}{_n('0')}{_n('2')}</msubsup>", _COMMA,
         _H, _paren(_E), _EQUALS, _n("2"), _root(_i("κ"), _LAMBDA1),
     )  # fmt: skip
 
 
 def _diffusion() -> Markup:
-    cosine = _mean(_i("cos"), _i("χ"))
-    return _math(
-        _over(_row(_i("d"), _mean(_power(_i("r"), _n("2")))), _row(_i("d"), _i("ln"), _T)),
-        _o("→"),
-        _over(
-            _row(_n("2"), _power(_L, _n("2"))), _row(_i("κ"), _paren(_n("1"), _MINUS, cosine))
-        ),
-    )  # fmt: skip
+    slope = _over(
+        _row(_i("d"), _mean(_power(_i("r"), _n("2")))),
+        _row(_i("d"), _THIN, _i("ln"), _THIN, _T),
+    )
+    left = _paren(_n("1"), _MINUS, _mean(_i("cos"), _THIN, _i("χ")))
+    return _math(slope, _o("→"), _over(_row(_n("2"), _power(_L, _n("2"))), _row(_i("κ"), left)))
 
 
 def report_equations() -> list[Equation]:
@@ -127,7 +130,7 @@ def report_equations() -> list[Equation]:
             _collision(),
         ),
         Equation(
-            "Between scatterers of density ρ0 placed at random, the velocity distribution obeys "
+            "Between scatterers of density ρ₀ placed at random, the velocity distribution obeys "
             "the inelastic Lorentz equation (label inelaslorentz2), which the solver discretises "
             "and the Boltzmann-Grad particles sample.",
             _lorentz(),
@@ -140,7 +143,7 @@ def report_equations() -> list[Equation]:
         Equation("The cooling rate of the scaling state, exactly.", _cooling()),
         Equation(
             "The mean square displacement at long times; χ is the angle of deflection and "
-            "l = 1/(2 d ρ0) the mean free path.",
+            "l = 1/(2dρ₀) the mean free path.",
             _diffusion(),
         ),
     ]

@@ -8,9 +8,13 @@ from numpy.typing import ArrayLike
 
 from kinetics import sonine
 from kinetics.crosscheck.evidence import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.rows import last_vdf
 from kinetics.crosscheck.settings import ReportSettings
 
 Data = dict[str, Any]
+
+LARGEST_SLOPE_ERROR = 0.2
+"""Standard error of (1/v0 - 1/v0(0))/((1-e) d rho0 t) above which a point says nothing."""
 
 
 def all_figures(cases: Sequence[Case], settings: ReportSettings) -> dict[str, Data]:
@@ -78,8 +82,8 @@ def _positive(measured: Measured) -> Measured:
 
 
 def _all_restitutions() -> Array:
-    """0 <= e < 1, closer where h(e)/(1-e) bends; the limit e = 1 itself is left out."""
-    return np.concatenate([np.linspace(0.0, 0.96, 49), [0.98, 0.99, 0.995, 0.999]])
+    """0 <= e < 1, with the threshold from which on the printed a2 is real."""
+    return np.sort([*np.linspace(0.0, 0.99, 100), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
 
 
 def cooling_rate(cases: Sequence[Case]) -> Data:
@@ -102,10 +106,10 @@ def cooling_rate(cases: Sequence[Case]) -> Data:
         series.append(_series(name, at, h / (1 - at), error / (1 - at)))
     return _figure(
         "Cooling rate",
-        "h(e)/(1 - e) over the restitution e. Exactly, it falls from the square root of 2 at "
-        "e = 0 to 4/3 as e approaches 1; the paper's fit is the constant 1.45, and its Sonine "
-        "expression exists only above e = 0.58. Particle values are the slope of 1/v0 over a "
-        "finite time, with l = 1/(2 d rho0); the bars are one standard error.",
+        "h(e)/(1 − e) over the restitution e. Exactly, it is √2 at "
+        "e = 0 and 4/3 as e approaches 1; the paper's fit is the constant 1.45, and its Sonine "
+        "expression exists only above e = 0.58. Particle values are the slope of 1/v₀ over a "
+        "finite time, with l = 1/(2dρ₀); the bars are one standard error.",
         _axis("restitution $e$", limits=(0.0, 1.0)),
         _axis("$h(e)/(1-e)$"),
         series,
@@ -136,7 +140,7 @@ def a2(cases: Sequence[Case]) -> Data:
         series.append(_series(name, at, values, [run.a2.error[-1] for run in runs]))
     return _figure(
         "Second Sonine coefficient",
-        "a2(e) = <c^4>/2 - 1. Exactly, it falls from 2 at e = 0 to -1/2 as e approaches 1; the two "
+        "a₂(e) = ⟨c⁴⟩/2 − 1. Exactly, it falls from 2 at e = 0 to −1/2 as e approaches 1; the two "
         "printed roots exist only above e = 0.58. Particle values are those of the last time, when "
         "the Gaussian start is not quite forgotten; the bars are one standard error.",
         _axis("restitution $e$", limits=(0.0, 1.0)),
@@ -169,8 +173,8 @@ def thermal_speed(cases: Sequence[Case], settings: ReportSettings) -> Data:
         ]
     return _figure(
         "Thermal speed",
-        "v0(t) from a Gaussian start for each restitution e, on logarithmic axes. The paper's fit "
-        "is 1/v0 = 1/v0(0) + d rho0 h t with h = 1.45 (1 - e).",
+        "v₀(t) from a Gaussian start for each restitution e, on logarithmic axes. The paper's fit "
+        "is 1/v₀ = 1/v₀(0) + dρ₀ht with h = 1.45 (1 − e).",
         _axis("time $t$", "d/U", "log"),
         _axis("thermal speed $v_0$", "U", "log"),
         series,
@@ -187,16 +191,19 @@ def inverse_speed(cases: Sequence[Case], settings: ReportSettings) -> Data:
         series.append(_series("kinetic equation", case.times, (1 / v - start) / scale, None, e))
         for run in _both_runs(case):
             v, dv = run.thermal_speed.value, run.thermal_speed.error
-            shown = (1 / v - start) / scale, dv / v**2 / scale
-            series.append(_series(run.name, case.times, *shown, e))
+            error = dv / v**2 / scale
+            shown = error < LARGEST_SLOPE_ERROR
+            j = (1 / v - start) / scale
+            series.append(_series(run.name, case.times[shown], j[shown], error[shown], e))
     ends = [min(case.times[0] for case in cases), max(case.times[-1] for case in cases)]
     series.append(_series("paper's fit", ends, [sonine.FITTED_COOLING_FACTOR] * 2))
     return _figure(
         "Inverse thermal speed",
-        "The paper's Figure v0re divided by its abscissa: (1/v0(t) - 1/v0(0))/((1 - e) d rho0 t), "
+        "The paper's Figure v0re divided by its abscissa: (1/v₀(t) − 1/v₀(0))/((1 − e) dρ₀t), "
         "which the paper reads as the constant 1.45. The kinetic equation starts near the Gaussian "
         "value and comes down to the exact h(e)/(1 - e); hard disks lie above, their free path "
-        "being shorter. The bars are one standard error, the spread of the start included.",
+        "being shorter. The bars are one standard error, the spread of the start included; points "
+        f"with a larger one than {LARGEST_SLOPE_ERROR:g} are left out.",
         _axis("time $t$", "d/U", "log"),
         _axis(r"$(1/v_0 - 1/v_0(0))\,/\,((1-e)\,d\rho_0 t)$"),
         series,
@@ -212,7 +219,8 @@ def scaled_vdf(cases: Sequence[Case]) -> Data:
         assert case.exact is not None
         e = case.restitution
         vdf = np.asarray(case.exact.vdf(c))
-        series.append(_series("exact", c, vdf, None, e))
+        series.append(_series("kinetic equation", c, last_vdf(case.kinetic)(c), None, e))
+        series.append(_series("scaling state", c, vdf, None, e))
         # The tail c^(1/(1-e^2) - 2) exp(-2 c/h), joined to the exact curve where c ends.
         power = 1 / (1 - e**2) - 2
         tail = c**power * np.exp(-2 * c / case.exact.cooling_rate)
@@ -223,15 +231,15 @@ def scaled_vdf(cases: Sequence[Case]) -> Data:
             shown = _positive(run.vdf)
             series.append(_series(run.name, centres, shown.value, shown.error, e))
     series.append(_series("Gaussian", c, sonine.vdf(c, 0.0)))
-    smallest = min(v for s in series for v in s["y"] if v)
+    smallest = min(v for s in series if s["error"] for v in s["y"] if v)
     return _figure(
         "Scaled velocity distribution",
-        "F(c) over the scaled speed c = v/v0, a density in the plane. The exact curve has an "
-        "exponential tail and, for e above 0, vanishes at c = 0; the Maxwell-Boltzmann "
-        "distribution that the paper fits is the broken line. Particles are averages over a bin "
-        "of c at the last time; the bars are one standard error.",
+        "F(c) over the scaled speed c = v/v₀, a density in the plane, at the last time: the "
+        "kinetic equation, and particles averaged over a bin of c with one standard error. The "
+        "scaling state, exact, is what they tend to; it has an exponential tail and, for e above "
+        "0, vanishes at c = 0. The paper fits the Gaussian.",
         _axis("scaled speed $c = v/v_0$"),
-        _axis("$F(c)$", "", "log", (max(smallest / 2, 1e-8), 2.0)),
+        _axis("$F(c)$", "", "log", (smallest / 3, 2.0)),
         series,
     )
 
@@ -250,8 +258,8 @@ def msd(cases: Sequence[Case], settings: ReportSettings) -> Data:
         ]
     return _figure(
         "Mean square displacement",
-        "The tracer is localised: <r^2> grows with the logarithm of time. The paper's fit is its "
-        "random walk with l = 13.5 d and h = 1.45 (1 - e); its Sonine result exists only for e "
+        "The tracer is localised: ⟨r²⟩ grows with the logarithm of time. The paper's fit is its "
+        "random walk with l = 13.5 d and h = 1.45 (1 − e); its Sonine result exists only for e "
         "above 0.58. The bars are one standard error.",
         _axis("time $t$", "d/U", "log"),
         _axis(r"$\langle r^2\rangle$", "d²"),
@@ -275,9 +283,9 @@ def position(cases: Sequence[Case]) -> Data:
     ]
     return _figure(
         "Scaled position distribution",
-        "G(R) over the scaled distance R = r/sqrt(<r^2>) at the last time. The paper's peak form "
-        "has eta = 0.75, its tail form eta = 0.25 and gamma = 7.39, both fitted; its integral is "
-        "drawn with eta = 1/2, which <R^2> = 1 demands. The bars are one standard error.",
+        "G(R) over the scaled distance R = r/√⟨r²⟩ at the last time. The paper's peak form "
+        "has η = 0.75, its tail form η = 0.25 and γ = 7.39, both fitted; its integral is "
+        "drawn with η = 1/2, which ⟨R²⟩ = 1 demands. The bars are one standard error.",
         _axis(r"scaled distance $R$"),
         _axis("$G(R)$", "", "log", (1e-4, 2.0)),
         series,

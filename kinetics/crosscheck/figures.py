@@ -42,9 +42,10 @@ STROKES: dict[str, dict[str, Any]] = {
     "paper, tail": {"linestyle": (0, (4, 2)), **_LINE},
     "paper, peak": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
     "paper's integral": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "scaling state": {"linestyle": "--", "linewidth": 0.9},
     "exact tail": {"linestyle": (0, (1, 1.5)), **_LINE},
     "Gaussian": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
-    "zero": {"linestyle": "-", "linewidth": 0.8},
+    "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }
 
 STYLE: dict[Any, Any] = {
@@ -93,6 +94,8 @@ def legend_entries(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
     """Label and stroke of each entry: every source once in ink, then every restitution once."""
     entries: dict[str, dict[str, Any]] = {}
     for series in data["series"]:
+        if series["source"] == "zero":
+            continue
         stroke = {k: v for k, v in STROKES[series["source"]].items() if k in _LEGEND_KEYS}
         entries.setdefault(series["source"], {"color": INK, **stroke})
     for series, colour in zip(data["series"], _colours(data), strict=True):

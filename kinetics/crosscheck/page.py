@@ -13,10 +13,10 @@ from kinetics.crosscheck.rows import TITLES, scale_of
 SHORT = {
     "free_path": "mean free path",
     "cooling_rate": "h(e)",
-    "a2": "a2",
-    "thermal_speed": "v0(t)",
+    "a2": "a₂",
+    "thermal_speed": "v₀(t)",
     "scaled_vdf": "F(c)",
-    "msd": "<r^2(t)>",
+    "msd": "⟨r²(t)⟩",
 }
 """The name of each observable where space is short."""
 
@@ -54,6 +54,7 @@ def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [
         {
             "quantity": SHORT[observable],
+            "title": TITLES[observable],
             "comparison": f"{source} / {against}",
             "cells": [
                 {"verdict": cells[e]["verdict"], "deviation": deviation(cells[e])}

@@ -22,4 +22,4 @@ def plain(value: Any) -> Any:
 
 def dumps(value: Any) -> str:
     """Strict JSON of a value (see `plain`) and a newline."""
-    return json.dumps(plain(value), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"

@@ -17,7 +17,15 @@ from kinetics.crosscheck.figure_data import all_figures
 from kinetics.crosscheck.files import write_together
 from kinetics.crosscheck.page import render
 from kinetics.crosscheck.plain import dumps, plain
-from kinetics.crosscheck.rows import Row, compare_case, contact_value, counts, judged, scale_of
+from kinetics.crosscheck.rows import (
+    RESCALED,
+    Row,
+    compare_case,
+    contact_value,
+    counts,
+    judged,
+    scale_of,
+)
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING
 from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
@@ -25,8 +33,8 @@ from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
 SCHEMA = "inelastic-lorentz/report/1"
 UNITS = (
     "Lengths in d, the diameter of a scatterer and of the tracer; speeds in U, the standard "
-    "deviation of one component of the initial velocity, so that v0(0) = sqrt(2) U; times in d/U. "
-    "F(c) is a density in the plane (integral 1, <c^2> = 1), G(R) one over R (integral 1)."
+    "deviation of one component of the initial velocity, so that v₀(0) = √2 U; times in d/U. "
+    "F(c) is a density in the plane (integral 1, ⟨c²⟩ = 1), G(R) one over R (integral 1)."
 )
 
 Document = dict[str, Any]
@@ -75,7 +83,6 @@ def build_document(
 ) -> Document:
     """The tree of plain data that both files are made from."""
     statistical = [row for row in rows if row.kind == "statistical"]
-    looks = sum(row.looks for row in statistical)
     document: Document = plain(
         {
             "schema": SCHEMA,
@@ -88,8 +95,9 @@ def build_document(
             "verdict_counts": counts(rows),
             "multiple_comparisons": (
                 f"{len(statistical)} rows are statistical; each shows the worst of its times or "
-                f"bins, {looks} in all. Its two-sided p-value (Student's, errors being jackknifed "
-                f"over independent groups) is multiplied by {looks} (Bonferroni) and turned back "
+                "bins. Its two-sided p-value (Student's, errors being jackknifed over independent "
+                "groups) is multiplied by the number of its times or bins and by "
+                f"{len(statistical)} (Bonferroni) and turned back "
                 "into the corrected sigmas, at which the verdict looks: agrees below "
                 f"{AGREES_BELOW}, differs from {DIFFERS_ABOVE} on."
             ),
@@ -148,7 +156,7 @@ def _summary(
     errata = [check["label"] for check in checks if check["status"] == "erratum"]
     text = (
         f"Restitution {', '.join(f'{e:g}' for e in settings.restitutions)}; "
-        f"{settings.count} scatterers at number density {settings.number_density:g} per d^2; "
+        f"{settings.count} scatterers at number density {settings.number_density:g} per d²; "
         f"a Gaussian start; {settings.media * settings.tracers} hard-disk and "
         f"{settings.free_tracers} Boltzmann-Grad samples for each restitution. "
         f"Boltzmann-Grad particles, which sample the kinetic equation itself, agree with its "
@@ -172,8 +180,7 @@ def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Ro
         out.append(
             f"e = {case.restitution:g}: hard disks have the mean free path {value:.3f} ± "
             f"{error:.3f} d, {100 * (value / dilute - 1):+.1f} ± {100 * error / dilute:.1f} % from "
-            f"1/(2 d rho0) = {dilute:.4g} d (1/(2 d rho0 g) = {dilute / g:.4g} d). "
-            + _remaining(case, rows)
+            f"1/(2dρ₀) = {dilute:.4g} d (1/(2dρ₀g) = {dilute / g:.4g} d). " + _remaining(case, rows)
         )
     capped = max(max(case.free.above_cap, case.disks.above_cap) for case in cases)
     most = max(max(case.free.most_collisions, case.disks.most_collisions) for case in cases)
@@ -198,7 +205,7 @@ def _remaining(case: Case, rows: Sequence[Row]) -> str:
         row
         for row in rows
         if row.restitution == case.restitution
-        and row.against.endswith("measured free path")
+        and row.against == RESCALED
         and row.observable != "scaled_vdf"
     ]
     parts = [

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kinetics import Solution
 
 KINETIC = "kinetic equation"
-RESCALED = "kinetic equation, measured free path"
+RESCALED = "kinetic equation, measured l"
 EXACT = "exact"
 
 LEAST_EXPECTED = 50
@@ -33,10 +33,10 @@ LEAST_EXPECTED = 50
 TITLES = {
     "free_path": "Mean free path l / d",
     "cooling_rate": "Cooling rate h(e)",
-    "a2": "Second Sonine coefficient a2 (deviations relative to 1 + a2)",
-    "thermal_speed": "Thermal speed v0(t) / U",
+    "a2": "Second Sonine coefficient a₂ (deviations relative to 1 + a₂)",
+    "thermal_speed": "Thermal speed v₀(t) / U",
     "scaled_vdf": "Scaled velocity distribution F(c)",
-    "msd": "Mean square displacement <r^2(t)> / d^2",
+    "msd": "Mean square displacement ⟨r²(t)⟩ / d²",
 }
 """Every observable that a row can have, in the order of the report."""
 
@@ -85,14 +85,14 @@ def compare_case(case: Case, settings: ReportSettings) -> list[Row]:
 def judged(rows: Iterable[Row]) -> list[Row]:
     """The rows with their statistical verdicts, corrected for how many of them there are."""
     rows = list(rows)
-    trials = sum(row.looks for row in rows if row.kind == "statistical")
-    return [_judge(row, trials) if row.kind == "statistical" else row for row in rows]
+    total = sum(row.kind == "statistical" for row in rows)
+    return [_judge(row, total) if row.kind == "statistical" else row for row in rows]
 
 
-def _judge(row: Row, trials: int) -> Row:
+def _judge(row: Row, total: int) -> Row:
     assert row.sigmas is not None
     assert row.groups is not None
-    corrected = corrected_sigmas(row.sigmas, row.groups, trials)
+    corrected = corrected_sigmas(row.sigmas, row.groups, row.looks * total)
     return replace(row, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
 
 
@@ -200,14 +200,14 @@ def _free_path(case: Case, settings: ReportSettings) -> list[Row]:
     dilute = 1 / (2 * settings.number_density)
     dense = dilute / contact_value(settings.number_density)
     return [
-        *_statistical(case, "free_path", case.free, case.free.free_path, dilute, "1/(2 d rho0)"),
+        *_statistical(case, "free_path", case.free, case.free.free_path, dilute, "1/(2dρ₀)"),
         *_statistical(
             case,
             "free_path",
             case.disks,
             case.disks.free_path,
             dilute,
-            "1/(2 d rho0)",
+            "1/(2dρ₀)",
             note="disks that exclude each other are met sooner; not in the kinetic equation",
         ),
         *_statistical(
@@ -216,7 +216,7 @@ def _free_path(case: Case, settings: ReportSettings) -> list[Row]:
             case.disks,
             case.disks.free_path,
             dense,
-            "1/(2 d rho0 g)",
+            "1/(2dρ₀g)",
             note="g: Henderson's contact value of hard disks in equilibrium",
         ),
     ]

@@ -66,7 +66,12 @@ class ReportSettings:
 
     def quick(self) -> "ReportSettings":
         """The same system with fewer samples."""
-        return replace(self, media=min(self.media, 10), free_tracers=min(self.free_tracers, 10_000))
+        return replace(
+            self,
+            media=min(self.media, 40),
+            tracers=min(self.tracers, 25),
+            free_tracers=min(self.free_tracers, 20_000),
+        )
 
 
 def final_time(restitution: float) -> float:

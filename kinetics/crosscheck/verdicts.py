@@ -6,8 +6,9 @@ Three kinds of comparison have three kinds of verdict:
   jackknife over independent groups of tracers, so that the deviation in sigmas has Student's
   distribution with one degree of freedom less than there are groups. A row that looks at several
   times or bins takes the worst of them, and a report holds many rows, so that the two-sided p-value
-  of the worst is multiplied by the number of looks in all rows of its kind (Bonferroni, which holds
-  under any correlation between them). The thresholds look at the Gaussian sigmas of that p-value;
+  of the worst is multiplied by the number of its looks and by the number of statistical rows
+  (Bonferroni, which holds under any correlation between them). The thresholds look at the Gaussian
+  sigmas of that p-value;
 - *numerical*: a solver against a closed form, within the tolerance that was asked for;
 - *approximation*: a printed formula against the exact value. It claims no error of its own, so the
   verdict only says how far off it is.

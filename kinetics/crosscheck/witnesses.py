@@ -20,7 +20,7 @@ PAPER_CAP = 100
 """Collisions after which the paper stops a sample."""
 GROUPS = 100
 """Independent groups that a Boltzmann-Grad run is split into for its jackknife."""
-OUTPUTS = ("thermal_speed", "a2", "msd")
+OUTPUTS = ("thermal_speed", "a2", "msd", "speed_density")
 SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
 """Bins of c = v/v0 for F(c)."""
 POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])

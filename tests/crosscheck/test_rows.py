@@ -33,7 +33,7 @@ def rows_of(case: Case, settings: ReportSettings) -> list[Row]:
 def test_runs_that_follow_the_theory_agree(make_case: MakeCase, settings: ReportSettings) -> None:
     rows = [row for row in rows_of(make_case(), settings) if row.kind == "statistical"]
     # hard disks in 12.5 d do differ from Henderson's 11.9 d
-    dense = [row for row in rows if row.against == "1/(2 d rho0 g)"]
+    dense = [row for row in rows if row.against == "1/(2dρ₀g)"]
     assert {row.verdict for row in dense} == {"differs"}
     assert {row.verdict for row in rows if row not in dense} == {"agrees"}
     assert {row.observable for row in rows} == set(TITLES)
@@ -45,7 +45,7 @@ def test_a_run_off_by_eight_sigma_differs_and_the_other_does_not(
 ) -> None:
     case = make_case(8.0, 0.5) if source == "Boltzmann-Grad" else make_case(0.5, 8.0)
     for row in rows_of(case, settings):
-        if row.kind != "statistical" or row.against == "1/(2 d rho0 g)":
+        if row.kind != "statistical" or row.against == "1/(2dρ₀g)":
             continue
         assert row.verdict == ("differs" if row.source == source else "agrees"), row
         assert row.sigmas == pytest.approx(8.0 if row.source == source else 0.5)

@@ -1,0 +1,287 @@
+"""The command `lorentz`: what it prints where, what it refuses and how, and what it loads."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kinetics import cli
+
+TINY = ["--media", "3", "--tracers", "4", "--count", "400", "--free-tracers", "100", "-t", "30"]
+
+
+@pytest.fixture(autouse=True)
+def _keep_the_signal_handler() -> Any:
+    handler = signal.getsignal(signal.SIGTERM)
+    yield
+    signal.signal(signal.SIGTERM, handler)
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """The one line on standard error of a refused command."""
+    assert cli.main(list(arguments)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.endswith("\n")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    return err
+
+
+BAD_INPUT = [
+    # arguments; what the line must name: the argument, the value
+    (["report", "-e", "1.5"], ["restitution", "1.5"]),
+    (["report", "-e", "-0.1"], ["restitution", "-0.1"]),
+    (["report", "-e", "nan"], ["restitution", "nan"]),
+    (["report", "-e", "abc"], ["restitution", "abc"]),
+    (["report", "-e", "0.5", "-e", "0.5"], ["restitution", "0.5"]),
+    (["report", "--number-density", "-1"], ["number_density", "-1"]),
+    (["report", "--number-density", "0"], ["number_density", "0"]),
+    (["report", "--number-density", "nan"], ["number_density", "nan"]),
+    (["report", "--number-density", "0.9"], ["number_density", "0.9"]),
+    (["report", "-t", "-5"], ["final_times", "-5"]),
+    (["report", "-t", "inf"], ["final_times", "inf"]),
+    (["report", "-t", "5", "-t", "6"], ["final_times", "2", "4"]),
+    (["report", "--media", "1"], ["media", "1"]),
+    (["report", "--count", "0"], ["count", "0"]),
+    (["report", "--tracers", "0"], ["tracers", "0"]),
+    (["report", "--free-tracers", "0"], ["free_tracers", "0"]),
+    (["report", "--seed", "-1"], ["seed", "-1"]),
+    (["report", "--workers", "0"], ["workers", "0"]),
+    (["report", "--rtol", "0"], ["rtol", "0"]),
+    (["report", "--nonsense"], ["--nonsense"]),
+    (["nonsense"], ["nonsense"]),
+    (["solve", "-e", "1.01"], ["restitution", "1.01"]),
+    (["solve", "-e", "nan"], ["restitution", "nan"]),
+    (["solve", "--number-density", "-0.04"], ["number_density", "-0.04"]),
+    (["solve", "--times", ""], ["times"]),
+    (["solve", "--times", "1,nan"], ["times", "nan"]),
+    (["solve", "--times", "-1,1"], ["times", "-1"]),
+    (["solve", "--times", "1,two"], ["times", "two"]),
+    (["solve", "--initial", "cold"], ["initial", "cold"]),
+    (["solve", "--rtol", "nan"], ["rtol", "nan"]),
+    (["solve", "--scaled", "-e", "1"], ["restitution", "1"]),
+    (["simulate", "-e", "2"], ["restitution", "2"]),
+    (["simulate", "-e", "nan"], ["restitution", "nan"]),
+    (["simulate", "--number-density", "-1"], ["number_density", "-1"]),
+    (["simulate", "--number-density", "5"], ["number_density", "5"]),
+    (["simulate", "--number-density", "nan"], ["number_density", "nan"]),
+    (["simulate", "--times", ""], ["times"]),
+    (["simulate", "--times", "3,2"], ["times"]),
+    (["simulate", "--count", "-3"], ["count", "-3"]),
+    (["simulate", "--medium", "glass"], ["medium", "glass"]),
+    (["derive", "--only", "nonsense"], ["nonsense"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), BAD_INPUT, ids=lambda v: " ".join(v))
+def test_bad_input_gets_one_line_that_names_it(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    named: list[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = refused(capsys, *arguments).replace("-", "_")
+    assert all(name.replace("-", "_") in line for name in named), line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_density_that_is_too_high_to_fill_the_box_is_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # Below the limit that the medium refuses at once, random placing may still come to an end.
+    line = refused(capsys, "simulate", "--number-density", "0.9", "--count", "100", "--media", "2")
+    assert "number_density" in line
+
+
+def test_an_output_that_is_a_file_is_refused_before_any_work(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from kinetics.crosscheck import report
+
+    def never(*arguments: object) -> None:
+        raise AssertionError("the report was begun")
+
+    monkeypatch.setattr(report, "make_report", never)
+    file = tmp_path / "file"
+    file.write_text("mine")
+    for folder in (file, file / "deeper", Path("/proc/no/such")):
+        assert str(folder) in refused(capsys, "report", "-o", str(folder))
+    assert str(file) in refused(capsys, "derive", "--latex", str(file / "x.tex"))
+    assert file.read_text() == "mine"
+
+
+def run(*arguments: str, cwd: Path, **keywords: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "kinetics.cli", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        **keywords,
+    )
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys\n"
+        "from kinetics import cli\n"
+        "for arguments in ['--help'], ['report', '--help'], ['solve', '--help'],"
+        " ['simulate', '--help'], ['derive', '--help'], ['--version'], []:\n"
+        "    assert cli.main(arguments) == 0, arguments\n"
+        "print(*sorted({m.split('.')[0] for m in sys.modules}), file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    loaded = set(done.stderr.split())
+    assert done.returncode == 0, done.stderr
+    heavy = {"numpy", "scipy", "numba", "sympy", "mpmath", "matplotlib", "jinja2", "tqdm", "h5py"}
+    assert "click" in loaded
+    assert not heavy & loaded
+    assert "report" in done.stdout
+    assert "Traceback" not in done.stderr
+
+
+def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert set(cli.cli.commands) == {"report", "solve", "simulate", "derive"}
+    for name in cli.cli.commands:
+        assert cli.main([name, "--help"]) == 0
+        out = capsys.readouterr().out
+        assert f"lorentz {name}" in out
+        for parameter in cli.cli.commands[name].params:
+            assert parameter.help, f"{name} {parameter.name} has no help"  # type: ignore[attr-defined]
+
+
+def test_solve_prints_one_json_document(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["solve", "-e", "0.5", "--times", "1,10,100", "--json"]) == 0
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert document["times"] == [1, 10, 100]
+    speeds = document["thermal_speed"]
+    assert 2**0.5 > speeds[0] > speeds[1] > speeds[2] > 0
+    assert err == ""
+
+
+def test_solve_prints_a_table_with_units(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["solve", "-e", "0.5", "--times", "1,10"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split("  ")[-1] == "<r^2> [d^2]"
+    assert [line.split()[0] for line in lines[1:3]] == ["1", "10"]
+
+
+def test_solve_scaled_prints_the_cooling_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["solve", "--scaled", "-e", "0.5", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    b = math.sqrt(0.75)  # h = 2 sqrt(kappa lambda(1)) at e = 1/2
+    kappa, rate = 1 - 0.5 * math.acos(0.5) / b, (1 - 0.25 * math.atanh(b) / b) / 2
+    assert document["cooling_rate"] == pytest.approx(2 * math.sqrt(kappa * rate), rel=1e-9)
+    assert document["moments"]["2"] == pytest.approx(1)
+    assert cli.main(["solve", "--scaled", "-e", "0.5"]) == 0
+    assert "cooling_rate" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("medium", ["hard-disks", "poisson", "boltzmann-grad"])
+def test_simulate_prints_estimates_with_errors(
+    capsys: pytest.CaptureFixture[str], medium: str
+) -> None:
+    arguments = ["simulate", "--medium", medium, "--count", "400", "--media", "4", "--times", "1,9"]
+    assert cli.main([*arguments, "--json"]) == 0
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert err == ""
+    assert document["times"] == [1, 9]
+    for name in ("thermal_speed", "a2", "msd", "collisions"):
+        assert len(document[name]["value"]) == len(document[name]["error"]) == 2
+    assert document["statuses"]["finished"] == 400
+    assert cli.main(arguments) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split()[:2] == ["t", "[d/U]"]
+    assert f"{document['msd']['value'][1]:.6g}" in lines[2]
+
+
+def test_derive_prints_one_equation_with_its_steps(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "new" / "sonine9.tex"
+    assert cli.main(["derive", "--only", "sonine9", "--json", "--latex", str(file)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["checks"][0]["label"] == "sonine9"
+    assert "\\end{document}" in file.read_text(encoding="utf-8")
+    assert [p.name for p in file.parent.iterdir()] == ["sonine9.tex"]
+    assert cli.main(["derive", "--only", "sonine9"]) == 0
+    assert "sonine9" in capsys.readouterr().out
+
+
+def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    output = tmp_path / "out"
+    arguments = ["report", "-o", str(output), "-e", "0.5", "-e", "1", *TINY]
+    assert cli.main([*arguments, "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert sorted(p.name for p in output.iterdir()) == ["report.html", "report.json"]
+    document = json.loads(out)
+    assert document == json.loads((output / "report.json").read_text(encoding="utf-8"))
+    strict = [r for r in document["rows"] if r["kind"] == "numerical"]
+    assert len(strict) == 3
+    assert {r["verdict"] for r in strict} == {"agrees"}
+    assert {c["status"] for c in document["algebra"]} >= {"verified"}
+    assert (output / "report.html").read_text(encoding="utf-8").count("<svg") == 7
+    # The same seed gives the same report, to the byte, whatever the number of threads.
+    before = {p.name: p.read_bytes() for p in output.iterdir()}
+    assert cli.main([*arguments, "--workers", "1"]) == 0
+    table = capsys.readouterr().out
+    assert "h(e)" in table
+    assert str(output / "report.html") in table
+    same = [
+        (b.replace(b'"workers": null', b'"workers": 1'), (output / name).read_bytes())
+        for name, b in before.items()
+    ]
+    assert all(a == b for a, b in same)
+
+
+def test_a_report_without_a_cooling_restitution(tmp_path: Path) -> None:
+    output = tmp_path / "out"
+    assert cli.main(["report", "-o", str(output), "-e", "1", *TINY]) == 0
+    document = json.loads((output / "report.json").read_text(encoding="utf-8"))
+    assert "cooling-rate" not in document["figures"]
+    assert document["cases"][0]["scaled"] is None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_report_leaves_nothing(
+    tmp_path: Path, number: signal.Signals, status: int
+) -> None:
+    process = subprocess.Popen(
+        # More samples than could be finished before the signal comes.
+        [sys.executable, "-m", "kinetics.cli", "report", "--free-tracers", "2000000000"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    time.sleep(3)
+    assert process.poll() is None
+    os.kill(process.pid, number)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err) == (status, "", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
+    done = subprocess.run(
+        f"{sys.executable} -m kinetics.cli derive --only sonine9 --json | head -c 1",
+        shell=True,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert done.stderr == ""
