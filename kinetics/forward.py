@@ -1,12 +1,12 @@
 r"""The speed density in time: the forward equation on a logarithmic speed axis.
 
 With Y = v (t + t0)/l, x = ln Y and tau = ln(t + t0) the inelastic Lorentz equation (paper, label
-``inelaslorentz2``) has constant coefficients in tau: for G = e^(theta x) g, g the density of x,
+``inelaslorentz2``) has constant coefficients in tau: for the density g of x,
 
-    dG/dtau = (theta - d/dx) G - Lambda (e^x G),     Lambda : symbol lambda(theta - i k),
+    dg/dtau = -dg/dx - Lambda (e^x g),     Lambda : symbol lambda(-i k),
 
-on a periodic window, by Fourier collocation: spectrally accurate for smooth states. The window and
-the spacing follow from the scaling state that is approached; once it is reached to rounding, the
+on a periodic window, by Fourier collocation: spectrally accurate for smooth states, and mass is
+kept to rounding, because lambda(0) = 0. The window and the spacing follow from the scaling state that is approached; once it is reached to rounding, the
 stationary solution takes over and later times cost nothing.
 """
 
@@ -26,7 +26,6 @@ from kinetics.tilt import band_of, window_of
 
 FloatArray = NDArray[np.float64]
 
-_TILT = 1.0
 _MAX_NODES = 16384
 
 
@@ -37,7 +36,7 @@ class ForwardDensity:
     Attributes
     ----------
     grid : nodes in x = ln(v (t + t0)/l)
-    values : e^(theta x) g at the nodes, shape (n_early, nodes), for the times before the scaling
+    values : g at the nodes, shape (n_early, nodes), for the times before the scaling
         state is reached
     log_shift : ln((t + t0)/l) per time, shape (n_times,)
     early : how many times are in ``values``
@@ -61,7 +60,7 @@ class ForwardDensity:
             if i < self.early:
                 inside = (x >= self.grid.start) & (x <= self.grid.end)
                 values = self.grid.interpolate(self.values[i], x[inside])
-                density[inside] = values * np.exp(-_TILT * x[inside] - log_v[inside])
+                density[inside] = values * np.exp(-log_v[inside])
             else:
                 assert self.scaled is not None
                 # v0 (t + t0)/l = 2/h in the scaling state
@@ -81,19 +80,19 @@ def solve_gaussian_density(
     # t0 = l/U: then x = ln(v/U) at t = 0
     log_shift = np.log(times / mean_free_path + 1.0)
     depth = math.log(1.0 / rtol) + 6.0
-    _, right, deviation = window_of(law, _TILT, depth)
+    _, right, deviation = window_of(law, 0.0, depth)
     right -= math.log(law.mean_log_loss)
     right = max(right, 0.5 * math.log(2.0 * depth + 20.0))
     # the density of ln v falls as v^2 at the start; at e = 0 bounces fill it up to v^1
-    left = -depth / ((1.0 if law.restitution < 0.3 else 2.0) + _TILT)
-    band = max(band_of(law, _TILT, depth, deviation), 4.0 / math.pi * depth)
+    left = -depth / (1.0 if law.restitution < 0.3 else 2.0)
+    band = max(band_of(law, 0.0, depth, deviation), 4.0 / math.pi * depth)
     nodes = int((right - left) * band / math.pi) + 2
     nodes = min(_MAX_NODES, nodes + nodes % 2)
     grid = LogGrid(left, (right - left) / nodes, nodes)
-    z = _TILT - 1j * grid.wave_numbers
+    z = -1j * grid.wave_numbers
     loss = decay_symbol(law, z)
     # the highest mode of a real transform has no partner: its odd part is left out
-    z[-1] = _TILT
+    z[-1] = 0.0
     loss[-1] = loss[-1].real
     rate = np.exp(grid.x)
 
@@ -101,7 +100,7 @@ def solve_gaussian_density(
         spectrum = z * np.fft.rfft(values) - loss * np.fft.rfft(rate * values)
         return np.asarray(np.fft.irfft(spectrum, nodes))
 
-    start = np.exp((2.0 + _TILT) * grid.x - 0.5 * np.exp(2.0 * grid.x))
+    start = np.exp(2.0 * grid.x - 0.5 * np.exp(2.0 * grid.x))
     # the slowest transient falls as e^-tau
     saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + 4.0
     early = int(np.searchsorted(log_shift, saturated))

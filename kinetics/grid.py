@@ -35,7 +35,7 @@ class LogGrid:
     @cached_property
     def x(self) -> FloatArray:
         """The nodes, shape (nodes,)."""
-        return self.start + self.spacing * np.arange(self.nodes)
+        return self.start + self.spacing * np.arange(self.nodes, dtype=float)
 
     @property
     def end(self) -> float:
