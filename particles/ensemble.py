@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from particles.media import Medium
 
 # Columns of the moments, as in particles.kernels (not imported: numba is heavy).
 _N, _V2, _V4, _R2, _R4, _COLLISIONS, _CORRELATION, _CAUGHT = range(8)
-STATUSES = ("finished", "collision cap", "trapped", "escaped")
 
 
 @dataclass(frozen=True)
@@ -38,32 +38,72 @@ class Statuses:
 class Ensemble:
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
-    times (n_times,). Tracers that reached the collision cap or escaped before an output time are
-    left out of every estimate at that time: what is left is biased towards slow tracers.
-    `samples` says how many entered, `missing` how many did not. Trapped tracers stay in: they are
-    at rest where they were caught (`trapped` says how many, at each time).
+    Tracers that reached the collision cap or escaped before an output time are left out of every
+    estimate at that time: what is left is biased towards slow tracers. `samples` says how many
+    entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
+    caught (`trapped` says how many, at each time).
+
+    plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
+    names that particles.storage gives them in a file.
     """
 
-    medium: Medium
-    restitution: float
-    initial: str
-    times: np.ndarray
-    media: int
-    tracers: int
-    max_collisions: int | None
-    seed: int
-    statuses: Statuses
-    collision_total: int
-    moments: np.ndarray = field(repr=False)
-    path_sums: np.ndarray = field(repr=False)
-    histogram_sums: dict[str, tuple[np.ndarray, np.ndarray]] = field(repr=False)
-    histogram_grids: dict[str, np.ndarray] = field(repr=False)
-    raw: dict[str, np.ndarray] = field(repr=False)
+    plan: Plan
+    arrays: dict[str, np.ndarray] = field(repr=False)
+
+    @property
+    def medium(self) -> Medium:
+        """The medium asked for."""
+        return self.plan.medium
+
+    @property
+    def restitution(self) -> float:
+        """The coefficient of restitution."""
+        return self.plan.restitution
 
     @property
     def number_density(self) -> float:
         """Scatterers per unit area."""
         return self.medium.number_density
+
+    @property
+    def times(self) -> np.ndarray:
+        """Output times in d/U, (n_times,)."""
+        return self.plan.times
+
+    @property
+    def media(self) -> int:
+        """Number of configurations."""
+        return self.plan.media
+
+    @property
+    def tracers(self) -> int:
+        """Number of tracers in each configuration."""
+        return self.plan.tracers
+
+    @property
+    def moments(self) -> np.ndarray:
+        """Sums per configuration and time (columns: particles.records), (media, n_times, 8)."""
+        return self.arrays["moments"]
+
+    @cached_property
+    def statuses(self) -> Statuses:
+        """How the tracers ended."""
+        traps = self.arrays["traps"]
+        finished, cap, trapped, escaped = (int(n) for n in self.arrays["statuses"])
+        return Statuses(
+            finished,
+            cap,
+            trapped,
+            escaped,
+            trap_times=traps[:, 2] * self._unit,
+            trap_places=traps[:, 3:5] * self._unit,
+            trap_tracers=traps[:, :2].astype(np.int64),
+        )
+
+    @property
+    def collision_total(self) -> int:
+        """Number of collisions of all tracers."""
+        return int(self.arrays["path_sums"][:, 1].sum())
 
     @cached_property
     def samples(self) -> np.ndarray:
@@ -117,7 +157,7 @@ class Ensemble:
     @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        return jackknife(self.path_sums, lambda s: s[0] / s[1] * self._unit)
+        return jackknife(self.arrays["path_sums"], lambda s: s[0] / s[1] * self._unit)
 
     @property
     def speed_histogram(self) -> Histogram:
@@ -142,17 +182,44 @@ class Ensemble:
     @property
     def positions(self) -> np.ndarray:
         """Displacement of each tracer in d, (n_times, media * tracers, 2); NaN where it ended."""
-        return self._raw("positions")
+        return self._get("positions", "raw/positions") * self._unit
 
     @property
     def velocities(self) -> np.ndarray:
         """Velocity of each tracer in U, (n_times, media * tracers, 2); NaN where it ended."""
-        return self._raw("velocities")
+        return self._get("velocities", "raw/velocities")
 
     @property
     def finals(self) -> np.ndarray:
         """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions."""
-        return self._raw("finals")
+        d = self._unit
+        scale, shift = np.array([1, 1, d, d, 1]), np.array([0, np.log(d), 0, 0, 0])
+        return self._get("finals", "raw/finals") * scale + shift
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write everything to an HDF5 file (layout: particles.storage), replacing it if it exists.
+
+        Written beside its target and renamed. Raises ValueError if it cannot be written.
+        """
+        from particles.storage import write
+
+        write(path, self.plan, self.arrays, self.media)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> "Ensemble":
+        """Read a finished run from a file.
+
+        Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
+        """
+        from particles.storage import read
+
+        plan, arrays, done = read(path)
+        if done < plan.media:
+            raise ValueError(
+                f"{path}: holds {done} of {plan.media} configurations; finish it with "
+                f"simulate(..., output=..., resume=True)"
+            )
+        return cls(plan, arrays)
 
     @property
     def _unit(self) -> float:
@@ -162,20 +229,19 @@ class Ensemble:
     def _scales(self) -> np.ndarray:
         return time_scales(self.times / self._unit)
 
-    def _raw(self, name: str) -> np.ndarray:
-        if name not in self.raw:
+    def _get(self, name: str, key: str) -> np.ndarray:
+        if key not in self.arrays:
             raise AttributeError(f"{name} was not asked for: simulate(observables=[{name!r}, ...])")
-        return self.raw[name]
+        return self.arrays[key]
 
     def _histogram(self, name: str) -> Histogram:
-        if name not in self.histogram_sums:
-            raise AttributeError(f"{name} was not asked for: simulate(observables=[{name!r}, ...])")
-        low, per_octave, bins = self.histogram_grids[name]
+        counts, squares, cross = self._get(name, f"histograms/{name}/sums")
+        samples = self.arrays[f"histograms/{name}/samples"]
+        low, per_octave, bins = self.plan.grids()[HISTOGRAMS.index(name)]
         length = name in ("displacement_histogram", "free_path_histogram")
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
         if length:
             edges = edges * self._unit
-        (counts, squares, cross), samples = self.histogram_sums[name]
         everything = share(counts, squares, cross, samples, self.media)
         p, error = everything.value, everything.error
         return Histogram(edges, Estimate(p[:, 1:-1], error[:, 1:-1]), p[:, 0], p[:, -1])
@@ -187,82 +253,77 @@ class Totals:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.configurations = 0
-        self.moments = np.zeros((plan.media, plan.times.size, 8))
-        self.path_sums = np.zeros((plan.media, 2))
-        self.statuses = np.zeros(len(STATUSES), np.int64)
-        self.traps: list[np.ndarray] = []
-        self.histograms: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-        self.raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
+        self._moments = np.zeros((plan.media, plan.times.size, 8))
+        self._path_sums = np.zeros((plan.media, 2))
+        self._statuses = np.zeros(4, np.int64)
+        self._traps: list[np.ndarray] = [np.empty((0, 5))]
+        self._histograms: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self._raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
 
     def add(self, tally: Tally) -> None:
         """Add the next configuration's tally."""
         c = self.configurations
         if tally.configuration != c:
             raise RuntimeError(f"tally of configuration {tally.configuration} came before {c}")
-        self.moments[c] = tally.moments
-        self.path_sums[c] = tally.totals
-        self.statuses += tally.statuses
-        self.traps.append(np.insert(tally.traps, 0, c, axis=1))
+        self._moments[c] = tally.moments
+        self._path_sums[c] = tally.totals
+        self._statuses += tally.statuses
+        self._traps.append(np.insert(tally.traps, 0, c, axis=1))
         for name, counts in tally.histograms.items():
-            if name not in self.histograms:
+            if name not in self._histograms:
                 shape = counts.shape
-                self.histograms[name] = (
+                self._histograms[name] = (
                     np.zeros((3, *shape), np.int64),
                     np.zeros((2, shape[0]), np.int64),
                 )
-            sums, samples = self.histograms[name]
+            sums, samples = self._histograms[name]
             m = counts.sum(axis=1)
             sums += np.stack((counts, counts * counts, counts * m[:, None]))
             samples += np.stack((m, m * m))
-        for name, pieces in self.raw.items():
+        for name, pieces in self._raw.items():
             pieces.append(tally.raw[name])
         self.configurations += 1
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return everything added so far, by name; not copies."""
+        done = self.configurations
+        arrays = {
+            "moments": self._moments[:done],
+            "path_sums": self._path_sums[:done],
+            "statuses": self._statuses,
+            "traps": np.concatenate(self._traps),
+        }
+        for name, (sums, samples) in self._histograms.items():
+            arrays[f"histograms/{name}/sums"] = sums
+            arrays[f"histograms/{name}/samples"] = samples
+        for name, pieces in self._raw.items():
+            if pieces:
+                arrays[f"raw/{name}"] = np.concatenate(pieces, axis=0 if name == "finals" else 1)
+        return arrays
+
+    @classmethod
+    def restore(cls, plan: Plan, arrays: dict[str, np.ndarray]) -> "Totals":
+        """Return totals as they were when `arrays` were taken of them."""
+        totals = cls(plan)
+        totals.configurations = done = len(arrays["moments"])
+        totals._moments[:done] = arrays["moments"]
+        totals._path_sums[:done] = arrays["path_sums"]
+        totals._statuses[:] = arrays["statuses"]
+        totals._traps = [arrays["traps"]]
+        for name in HISTOGRAMS:
+            if f"histograms/{name}/sums" in arrays:
+                totals._histograms[name] = (
+                    arrays[f"histograms/{name}/sums"],
+                    arrays[f"histograms/{name}/samples"],
+                )
+        for name in totals._raw:
+            if f"raw/{name}" in arrays:
+                totals._raw[name] = [arrays[f"raw/{name}"]]
+        return totals
+
     def ensemble(self) -> Ensemble:
         """Return the result once every configuration has been added."""
-        plan = self.plan
-        d = plan.medium.diameter
-        traps = np.concatenate(self.traps)
-        if plan.velocities is not None:
-            initial = "given"
-        else:
-            initial = "monoenergetic" if plan.monoenergetic else "gaussian"
-        finished, cap, trapped, escaped = (int(n) for n in self.statuses)
-        raw = {
-            name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
-            for name, pieces in self.raw.items()
-        }
-        if d != 1.0:
-            if "positions" in raw:
-                raw["positions"] *= d
-            if "finals" in raw:
-                raw["finals"][:, 1] += np.log(d)
-                raw["finals"][:, 2:4] *= d
-        arrays = [self.moments, self.path_sums, plan.times, *raw.values()]
-        for array in arrays:
+        arrays = self.arrays()
+        for array in (*arrays.values(), self.plan.times):
             array.setflags(write=False)
-        return Ensemble(
-            medium=plan.medium,
-            restitution=plan.restitution,
-            initial=initial,
-            times=plan.times,
-            media=plan.media,
-            tracers=plan.tracers,
-            max_collisions=plan.max_collisions,
-            seed=plan.seed,
-            statuses=Statuses(
-                finished,
-                cap,
-                trapped,
-                escaped,
-                trap_times=traps[:, 2] * d,
-                trap_places=traps[:, 3:5] * d,
-                trap_tracers=traps[:, :2].astype(np.int64),
-            ),
-            collision_total=int(self.path_sums[:, 1].sum()),
-            moments=self.moments,
-            path_sums=self.path_sums,
-            histogram_sums=self.histograms,
-            histogram_grids=dict(zip(HISTOGRAMS, plan.grids(), strict=True)),
-            raw=raw,
-        )
+        return Ensemble(self.plan, arrays)

@@ -181,7 +181,6 @@ class Positions:
                 f"positions[{covering[0][-1]}] = {array[tuple(covering[0])]}: covers the start "
                 f"{tuple(origin)}, which must be at least {self.diameter:g} away"
             )
-        offset.setflags(write=False)
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
         object.__setattr__(self, "number_density", array.shape[-2] / self.box_side**2)
@@ -216,6 +215,11 @@ class Positions:
     def count(self) -> int:
         """Number of scatterers in the box."""
         return int(self.positions.shape[-2])
+
+    @property
+    def sets(self) -> int | None:
+        """Number of sets of positions, None if all configurations share one."""
+        return len(self.positions) if self.positions.ndim == 3 else None
 
 
 Medium = HardDisks | Poisson | BoltzmannGrad | Positions
