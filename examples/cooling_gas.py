@@ -10,7 +10,8 @@ from particles import BoltzmannGrad, simulate
 
 TIMES = np.geomspace(1, 1000, 7)  # d/U
 
-solution = solve(Scene(restitution=0.7, number_density=0.04, times=TIMES))
+scene = Scene(restitution=0.7, number_density=0.04, times=TIMES, outputs=("thermal_speed", "msd"))
+solution = solve(scene, rtol=1e-10)
 ensemble = simulate(BoltzmannGrad(0.04), restitution=0.7, times=TIMES, tracers=200)
 
 # How many standard errors the particles are from the equation.

@@ -180,14 +180,14 @@ def solve(
         from kinetics import solve_scaled
 
         state = solve_scaled(restitution=restitution, rtol=rtol)
-        figures = {
+        figures: dict[str, Any] = {
             "restitution": restitution,
             "cooling_rate": state.cooling_rate,
             "a2": state.a2,
             "moments": {str(p): state.moment(p) for p in range(1, 7)},
             "error_estimate": state.error_estimate,
             "nodes": state.nodes,
-            "status": str(state.status),
+            "status": state.status.name.lower(),
         }
         if as_json:
             _print_json(figures)
@@ -219,14 +219,14 @@ def solve(
                 "number_density": number_density,
                 "initial": initial,
                 "rtol": rtol,
-                "status": str(solution.status),
+                "status": solution.status.name.lower(),
                 **table,
             }
         )
     else:
         heads = ("t [d/U]", "v0 [U]", "a2", "<r^2> [d^2]")
         click.echo(columns(heads, table.values()))
-        click.echo(f"status: {solution.status}")
+        click.echo(f"status: {solution.status.value}")
 
 
 @cli.command(epilog=UNITS, short_help="Follow particles from collision to collision.")

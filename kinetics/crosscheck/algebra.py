@@ -13,13 +13,13 @@ from collections.abc import Iterable
 from typing import Any
 
 
-def algebra_rows(labels: Iterable[str] | None = None, mathml: bool = False) -> list[dict[str, Any]]:
-    """One row per label (all of the paper's when None): label, title, status, formulas, note.
+def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
+    """One row per label: title, status, note, and both formulas as sympy's text and as MathML.
 
-    The formulas are sympy's text; with `mathml` also as presentation MathML. ValueError for a
-    label that does not exist.
+    ValueError for a label that does not exist.
     """
     from derivations import verify
+    from kinetics.crosscheck.mathml import mathml
 
     rows = []
     for check in verify(labels):
@@ -32,27 +32,15 @@ def algebra_rows(labels: Iterable[str] | None = None, mathml: bool = False) -> l
             "derived": _text(check.derived),
             "note": check.note,
             "numbers": {number.name: float(number.value) for number in check.numbers},
+            "printed_mathml": mathml(check.printed),
+            "derived_mathml": mathml(check.derived),
         }
-        if mathml:
-            row["printed_mathml"] = _mathml(check.printed)
-            row["derived_mathml"] = _mathml(check.derived)
         rows.append(row)
     return rows
 
 
 def _text(formula: object) -> str:
     return "" if formula is None else str(formula)
-
-
-def _mathml(formula: Any) -> str:
-    """Presentation MathML of a sympy object; a Tuple of them is one line each."""
-    from sympy import Tuple
-    from sympy.printing.mathml import mathml
-
-    if formula is None:
-        return ""
-    parts = list(formula) if isinstance(formula, Tuple) else [formula]
-    return "".join(f"<math>{mathml(part, printer='presentation')}</math>" for part in parts)
 
 
 class AlgebraProcess:
@@ -97,4 +85,4 @@ class AlgebraProcess:
 if __name__ == "__main__":
     from derivations import report_subset
 
-    json.dump(algebra_rows(report_subset, mathml=True), sys.stdout)
+    json.dump(algebra_rows(report_subset), sys.stdout)

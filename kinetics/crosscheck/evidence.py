@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from kinetics import ScalingSolution, Solution
+    from kinetics import ScaledVDF, ScalingSolution, Solution
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class Case:
     speed_edges: Array
     position_edges: Array
     exact: "ScalingSolution | None"
-    scaled: "ScalingSolution | None"
+    scaled: "ScaledVDF | None"
     kinetic: "Solution"
     rescaled: "Solution"
     free: ParticleEvidence

@@ -124,12 +124,11 @@ def _shown(row: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _algebra(check: Mapping[str, Any]) -> dict[str, Any]:
-    """A check with its formulas as MathML where sympy gave it, as escaped text otherwise."""
+    """A check with its formulas as MathML."""
     shown = dict(check)
     for side in ("printed", "derived"):
-        mathml = check.get(f"{side}_mathml")
         # Written by sympy's printer from the package's own formulas, not from anybody's data.
-        shown[side] = Markup(mathml) if mathml else check[side]
+        shown[side] = Markup(check[f"{side}_mathml"])
     return shown
 
 

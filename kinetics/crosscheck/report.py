@@ -29,6 +29,7 @@ from kinetics.crosscheck.rows import (
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING
 from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
+from kinetics.sonine import FITTED_COOLING_FACTOR
 
 SCHEMA = "inelastic-lorentz/report/1"
 UNITS = (
@@ -165,8 +166,10 @@ def _summary(
     if solver:
         right = sum(row.verdict == "agrees" for row in solver)
         text += f"; the solver meets the closed forms in {right} of {len(solver)}"
-    text += f". Of {len(checks)} printed formulas re-derived, {len(errata)} do not follow"
-    return text + (f": {', '.join(errata)}." if errata else ".")
+    text += f". {len(checks)} printed formulas were re-derived; "
+    return text + (
+        f"these do not follow as printed: {', '.join(errata)}." if errata else "all hold."
+    )
 
 
 def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Row]) -> list[str]:
@@ -193,10 +196,38 @@ def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Ro
             else "the cap would have cut none."
         )
     )
-    trapped = sum(case.disks.statuses.get("trapped", 0) for case in cases)
-    if trapped:
-        out.append(f"{trapped} tracers were trapped in corners and count as at rest there.")
+    trapped = [case.disks.statuses["trapped"] for case in cases]
+    if any(trapped):
+        out.append(
+            "Trapped in corners between two or more disks, and counted as at rest there: "
+            + ", ".join(
+                f"{n} of {case.disks.samples} at e = {case.restitution:g}"
+                for n, case in zip(trapped, cases, strict=True)
+            )
+            + ". The many bounces in corners slow tracers down, and shorten the measured free path."
+        )
+    cooling = [case for case in cases if case.exact is not None]
+    if cooling:
+        out.append(
+            f"The paper's h = {FITTED_COOLING_FACTOR} (1 - e): hard disks, read with l = "
+            f"{dilute:.4g} d as the paper reads them, give h/(1 - e) = "
+            + ", ".join(_per_inelasticity(case, case.disks.cooling_rate) for case in cooling)
+            + "; Boltzmann-Grad particles, at the same times, "
+            + ", ".join(_per_inelasticity(case, case.free.cooling_rate) for case in cooling)
+            + "; the exact scaling state has "
+            + ", ".join(
+                f"{case.exact.cooling_rate / (1 - case.restitution):.4f}"
+                for case in cooling
+                if case.exact is not None
+            )
+            + "."
+        )
     return out
+
+
+def _per_inelasticity(case: Case, rate: Measured) -> str:
+    scale = 1 - case.restitution
+    return f"{float(rate.value) / scale:.3f} ± {float(rate.error) / scale:.3f}"
 
 
 def _remaining(case: Case, rows: Sequence[Row]) -> str:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 KINETIC = "kinetic equation"
 RESCALED = "kinetic equation, measured l"
 EXACT = "exact"
+PAPER_FIT = "paper's fit"
 
 LEAST_EXPECTED = 50
 """Samples that a bin must be expected to hold before its jackknife error is trusted."""
@@ -271,7 +272,7 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
         _numerical(case, "cooling_rate", case.scaled.cooling_rate, exact, settings.rtol),
         _approximation(case, "cooling_rate", "Sonine", float(sonine.cooling_rate(e)), exact),
         _approximation(
-            case, "cooling_rate", "paper's fit", float(sonine.cooling_rate_fitted(e)), exact
+            case, "cooling_rate", PAPER_FIT, float(sonine.cooling_rate_fitted(e)), exact
         ),
         *_against_both(
             case,
@@ -281,6 +282,15 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
             kinetic,
             between(case.rescaled.thermal_speed),
             note=start,
+        ),
+        *_statistical(
+            case,
+            "cooling_rate",
+            case.disks,
+            case.disks.cooling_rate,
+            sonine.cooling_rate_fitted(e),
+            PAPER_FIT,
+            note="the paper's own claim",
         ),
     ]
 
@@ -386,7 +396,7 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
         _approximation(
             case,
             "msd",
-            "paper's fit",
+            PAPER_FIT,
             walk,
             theory,
             KINETIC,
@@ -402,6 +412,16 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
             KINETIC,
             last,
             "eq. ad8",
+        ),
+        *_statistical(
+            case,
+            "msd",
+            case.disks,
+            case.disks.msd,
+            sonine.msd_random_walk(case.times, e, density),
+            PAPER_FIT,
+            case.times,
+            note="the paper's own claim: its random walk follows its hard disks",
         ),
     ]
     return rows + _against_both(

@@ -150,9 +150,11 @@ def _measured(estimate: "Estimate") -> Measured:
 
 def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
     """The ensemble without one of its configurations, for each: their sums just add up."""
-    moments, paths = run.moments.sum(axis=0), run.path_sums.sum(axis=0)
-    for moment, path in zip(run.moments, run.path_sums, strict=True):
-        yield replace(run, moments=(moments - moment)[None], path_sums=(paths - path)[None])
+    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
+    totals = {name: array.sum(axis=0) for name, array in sums.items()}
+    for left_out in range(run.media):
+        rest = {name: (totals[name] - sums[name][left_out])[None] for name in sums}
+        yield replace(run, arrays={**run.arrays, **rest})
 
 
 def jackknife_error(replicates: Array) -> Array:

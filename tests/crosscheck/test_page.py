@@ -28,6 +28,8 @@ CHECKS = [
         "derived": "Eq(M_2, 1)",
         "note": "",
         "numbers": {},
+        "printed_mathml": "<math><mi>M</mi></math>",
+        "derived_mathml": "<math><mi>M</mi></math>",
     }
 ]
 
@@ -93,7 +95,7 @@ def test_every_figure_of_the_document_is_in_the_page(document: dict[str, Any]) -
     for name, data in document["figures"].items():
         assert f"figure-{name}" in page.ids
         assert data["title"] in page.text
-    assert page.tags.count("math") == 5
+    assert page.tags.count("math") == 5 + 2
 
 
 def test_every_row_is_in_the_page_with_its_verdict_and_numbers(document: dict[str, Any]) -> None:
@@ -111,7 +113,7 @@ def test_texts_are_escaped(document: dict[str, Any]) -> None:
     document["title"] = document["summary"] = evil
     document["findings"] = [evil]
     document["rows"][0]["note"] = document["rows"][0]["source"] = evil
-    document["algebra"] = [CHECKS[0] | {"label": evil, "note": evil, "printed": evil}]
+    document["algebra"] = [CHECKS[0] | {"label": evil, "note": evil}]
     document["figures"]["msd"]["title"] = evil
     document["figures"]["msd"]["description"] = evil
     document["software"]["numpy"] = evil
