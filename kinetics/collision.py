@@ -32,7 +32,7 @@ _DEEPEST = 40.0
 
 
 @lru_cache(maxsize=8)
-def _gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
+def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(points)
     return 0.5 * (x + 1.0), 0.5 * w
@@ -42,7 +42,7 @@ def composite_gauss(length: float, points: int = _POINTS) -> tuple[FloatArray, F
     """Nodes and weights on [0, length], in equal panels no longer than 1."""
     panels = max(1, int(np.ceil(length)))
     width = length / panels
-    x, w = _gauss_legendre(points)
+    x, w = gauss_legendre(points)
     nodes = (np.arange(panels)[:, None] + x[None, :]).ravel() * width
     return nodes, np.tile(w, panels) * width
 
@@ -87,7 +87,7 @@ def impact_quadrature(restitution: float, points: int = _POINTS) -> ImpactQuadra
     e = restitution
     if e == 1.0:
         # nothing is lost, but the deflection remains: cos(chi) = 2 y^2 - 1
-        y, w = _gauss_legendre(points)
+        y, w = gauss_legendre(points)
         one = np.ones_like(y)
         return ImpactQuadrature(w, np.zeros_like(y), one, 2.0 * y * y - 1.0)
     if e == 0.0:

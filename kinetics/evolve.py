@@ -8,15 +8,17 @@ from the forward equation in :mod:`kinetics.forward`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.backward import BackwardEquation, Observable, nodes_for
 from kinetics.collision import CollisionLaw
-from kinetics.initial import LogMeasure
+from kinetics.initial import State
+from kinetics.measure import LogMeasure
 
 FloatArray = NDArray[np.float64]
 
@@ -29,23 +31,40 @@ class Averages:
     ----------
     law : the collision law
     mean_free_path : l, in d
-    state : the initial speeds
+    state : the initial state
     times : in d/U, shape (n_times,)
     rtol : relative accuracy
-    degree : largest power of the speed that will be asked for; sets the nodes
+    degree, lowest : largest and smallest power of the speed that will be asked for
+    nodes : of a panel of the backward equation; chosen from rtol and degree by default
     """
 
     law: CollisionLaw
     mean_free_path: float
-    state: LogMeasure
+    state: State
     times: FloatArray
     rtol: float
     degree: float = 4.0
+    lowest: float = 0.0
+    nodes: int | None = None
+    _measures: dict[int, LogMeasure | None] = field(default_factory=dict, repr=False)
 
     @property
     def elastic(self) -> bool:
         """Speeds are kept: nothing needs to be solved."""
         return self.law.restitution == 1.0
+
+    def measure(self, m: int) -> LogMeasure | None:
+        """Harmonic m of the initial state as weighted points; None where it is zero."""
+        if m not in self._measures:
+            self._measures[m] = self.state.harmonic(m, self.rtol, self.lowest)
+        return self._measures[m]
+
+    @property
+    def speeds(self) -> LogMeasure:
+        """The initial speeds: harmonic 0, which is never zero."""
+        found = self.measure(0)
+        assert found is not None
+        return found
 
     @cached_property
     def log_stretch(self) -> FloatArray:
@@ -55,58 +74,51 @@ class Averages:
 
     @cached_property
     def log_reference(self) -> FloatArray:
-        """ln of a speed of the order of the thermal one, shape (n_times,): nothing overflows."""
-        first = math.log(self.state.moment(2.0)) / 2.0 if self._moderate else self._typical
+        """ln of a speed of the order of the thermal one, (n_times,): its powers keep in range."""
+        first = np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
         if self.elastic:
-            return np.full(self.times.shape, first)
-        with np.errstate(divide="ignore"):
-            late = -self.log_stretch - math.log(self.law.mean_log_loss)
+            return first
+        late = -self.log_stretch - math.log(self.law.mean_log_loss)
         return np.minimum(first, late)
-
-    @property
-    def _moderate(self) -> bool:
-        return float(np.max(np.abs(self.state.x))) < 100.0
-
-    @property
-    def _typical(self) -> float:
-        return float(
-            self.state.x[
-                np.argmax(self.state.weight * np.exp(2.0 * (self.state.x - self.state.x.max())))
-            ]
-        )
 
     @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
-        highest = float(self.state.x.max() + self.log_stretch[-1])
-        highest = highest if math.isfinite(highest) else -2.0
-        return BackwardEquation(self.law, highest, nodes_for(self.rtol, self.degree))
+        highest = float(self.speeds.x.max() + self.log_stretch[-1])
+        nodes = self.nodes or nodes_for(self.rtol, self.degree)
+        return BackwardEquation(self.law, max(highest, -2.0), nodes)
 
-    def power(self, p: float, harmonic: int = 0) -> FloatArray:
-        """<(v/v_ref)^p cos(m (phi - phi_0))>, v_ref = exp(log_reference), shape (n_times,)."""
-        y = Observable(degree=p, harmonic=harmonic)
-        return self.average(y)
+    def power(self, p: float, m: int = 0) -> NDArray[Any]:
+        """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
+        found = self.measure(m)
+        if found is None:
+            return np.zeros(self.times.shape)
+        if not self.elastic:
+            return self.average(Observable(degree=p, harmonic=m))
+        # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)] = nu_m
+        nu = self.law.harmonic_decay_rate(0.0, m)
+        collided = np.exp(found.x + self.log_stretch[:, None])
+        with np.errstate(under="ignore", over="ignore"):
+            kept = np.exp(p * (found.x - self.log_reference[:, None]) - nu * collided)
+        return np.asarray(kept @ found.weight)
 
-    def average(self, y: Observable) -> FloatArray:
-        """<y>/v_ref^p, with sources and constants as they stand (lengths in l), (n_times,)."""
-        x, w = self.state.x, self.state.weight
-        out = np.empty(self.times.shape)
-        p = y.degree
-        # averages over many points are made in pieces of the time axis: memory stays flat
+    def average(self, y: Observable) -> NDArray[Any]:
+        """<y>/v_ref^p exp(-i m phi), lengths in l; for e < 1, shape (n_times,)."""
+        found = self.measure(y.harmonic)
+        if found is None:
+            return np.zeros(self.times.shape)
+        x, w, p = found.x, found.weight, y.degree
+        out = np.empty(self.times.shape, dtype=w.dtype)
+        # in pieces of the time axis, so that memory stays flat
         piece = max(1, 200_000 // x.size)
         for first in range(0, self.times.size, piece):
             part = slice(first, first + piece)
             stretch = self.log_stretch[part, None]
             reference = self.log_reference[part, None]
             small, large = self.equation.reduced(y, x + stretch)
-            with np.errstate(under="ignore", invalid="ignore"):
+            with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
                 start = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
                 late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
             out[part] = (start + late) @ w
         return out
-
-    def initial_power(self, p: float) -> FloatArray:
-        """<(v/v_ref)^p> where speeds are kept, shape (n_times,)."""
-        x, w = self.state.x, self.state.weight
-        return np.asarray(np.exp(p * (x - self.log_reference[:, None])) @ w)

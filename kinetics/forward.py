@@ -1,68 +1,58 @@
-r"""The speed density in time: the forward equation on a logarithmic speed axis.
+r"""The speed density in time: the forward equation on a logarithmic speed axis, spectrally.
 
 With Y = v (t + t0)/l, x = ln Y and tau = ln(t + t0) the inelastic Lorentz equation (paper, label
-``inelaslorentz2``) has constant coefficients in tau: for the density g of x,
+``inelaslorentz2``) has constant coefficients in tau: for the density g of x in harmonic m,
 
-    dg/dtau = -dg/dx - Lambda (e^x g),     Lambda : symbol lambda(-i k),
+    dg/dtau = -dg/dx - Lambda (e^x g),     Lambda : symbol 1 - E[s^(-i k) cos(m chi)],
 
 on a periodic window, by Fourier collocation: spectrally accurate for smooth states, and mass is
-kept to rounding, because lambda(0) = 0. The window and the spacing follow from the scaling state that is approached; once it is reached to rounding, the
-stationary solution takes over and later times cost nothing.
+kept to rounding, because the symbol of m = 0 vanishes at k = 0. Where the scaling state is reached
+to rounding, the stationary solution takes over and later times cost nothing.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.generator import decay_symbol
+from kinetics.generator import decay_symbol, harmonic_symbol
 from kinetics.grid import LogGrid
+from kinetics.initial import State
+from kinetics.measure import LogMeasure
+from kinetics.profile import Profile
 from kinetics.scaled import ScaledVDF, solve_scaled
 from kinetics.tilt import band_of, window_of
 
 FloatArray = NDArray[np.float64]
 
-_MAX_NODES = 16384
+_MAX_NODES = 8192
 
 
 @dataclass(frozen=True)
-class ForwardDensity:
-    """The speed density of a Gaussian start at given times.
-
-    Attributes
-    ----------
-    grid : nodes in x = ln(v (t + t0)/l)
-    values : g at the nodes, shape (n_early, nodes), for the times before the scaling
-        state is reached
-    log_shift : ln((t + t0)/l) per time, shape (n_times,)
-    early : how many times are in ``values``
-    scaled : the stationary solution that serves the later ones
-    """
+class _Early:
+    """g at the nodes for the times before the scaling state, and that state for later ones."""
 
     grid: LogGrid
-    values: FloatArray
-    log_shift: FloatArray
-    early: int
+    values: NDArray[Any]  # (n_early, nodes)
+    shift: FloatArray  # ln((t + t0)/l), (n_times,)
     scaled: ScaledVDF | None
 
-    def __call__(self, v: FloatArray) -> FloatArray:
-        """Density of the speed at v, shape (n_times, n_v); 0 below the window."""
-        out = np.zeros((self.log_shift.size, v.size))
+    def __call__(self, v: FloatArray) -> NDArray[Any]:
+        out = np.zeros((self.shift.size, v.size), dtype=self.values.dtype)
         positive = v > 0.0
         log_v = np.log(v[positive])
-        for i, shift in enumerate(self.log_shift):
+        for i, shift in enumerate(self.shift):
             x = log_v + shift
-            density = np.zeros_like(x)
-            if i < self.early:
+            density = np.zeros(x.shape, dtype=self.values.dtype)
+            if i < self.values.shape[0]:
                 inside = (x >= self.grid.start) & (x <= self.grid.end)
-                values = self.grid.interpolate(self.values[i], x[inside])
-                density[inside] = values * np.exp(-log_v[inside])
-            else:
-                assert self.scaled is not None
+                density[inside] = self._interpolate(i, x[inside]) * np.exp(-log_v[inside])
+            elif self.scaled is not None:
                 # v0 (t + t0)/l = 2/h in the scaling state
                 log_thermal = math.log(2.0 / self.scaled.cooling_rate) - shift
                 c = np.exp(log_v - log_thermal)
@@ -70,53 +60,139 @@ class ForwardDensity:
             out[i, positive] = density
         return out
 
+    def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
+        values = self.values[i]
+        if not np.iscomplexobj(values):
+            return self.grid.interpolate(values, x)
+        real = self.grid.interpolate(values.real, x)
+        return np.asarray(real + 1j * self.grid.interpolate(values.imag, x))
 
-def solve_gaussian_density(
-    law: CollisionLaw, mean_free_path: float, times: FloatArray, rtol: float
-) -> ForwardDensity:
-    """The speed density from the Gaussian start, e < 1; times (n_times,) in d/U."""
+
+def _window(law: CollisionLaw, start: LogMeasure, depth: float) -> tuple[float, float, float]:
+    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, for all times; wave number of the state.
+
+    Above, the scaling state or the start; below, the slow tail of the start, which drifts up. At
+    e below 0.3 bounces fill the low speeds up to v^1 in the density of ln v.
+    """
+    _, right, deviation = window_of(law, 0.0, depth)
+    band = band_of(law, 0.0, depth, deviation)
+    right -= math.log(law.mean_log_loss)
+    x = start.x - 0.5 * start.log_second_moment()
+    weight = np.abs(start.weight)
+    order = np.argsort(x)
+    below = np.cumsum(weight[order])
+    share = math.exp(-depth) * below[-1]
+    first = int(np.searchsorted(below, share))
+    last = int(np.searchsorted(-(below[-1] - below), -share))
+    low = float(x[order[max(first - 1, 0)]])
+    high = float(x[order[min(last + 1, x.size - 1)]])
+    if law.restitution < 0.3:
+        low = min(low, -depth)
+    return low - 0.5, max(right, high + 0.5), band
+
+
+def solve_spectral(
+    law: CollisionLaw,
+    mean_free_path: float,
+    state: State,
+    m: int,
+    times: FloatArray,
+    rtol: float,
+    nodes: int | None = None,
+) -> Profile | None:
+    """Harmonic m at the times, e < 1; None where the state is too rough for this method."""
     from scipy.integrate import solve_ivp
 
-    # t0 = l/U: then x = ln(v/U) at t = 0
-    log_shift = np.log(times / mean_free_path + 1.0)
+    start = state.harmonic(0, 1e-3 * rtol)
+    profile = state.profile(m)
+    if start is None or profile is None:
+        return None
     depth = math.log(1.0 / rtol) + 6.0
-    _, right, deviation = window_of(law, 0.0, depth)
-    right -= math.log(law.mean_log_loss)
-    right = max(right, 0.5 * math.log(2.0 * depth + 20.0))
-    # the density of ln v falls as v^2 at the start; at e = 0 bounces fill it up to v^1
-    left = -depth / (1.0 if law.restitution < 0.3 else 2.0)
-    band = max(band_of(law, 0.0, depth, deviation), 4.0 / math.pi * depth)
-    nodes = int((right - left) * band / math.pi) + 2
-    nodes = min(_MAX_NODES, nodes + nodes % 2)
-    grid = LogGrid(left, (right - left) / nodes, nodes)
+    left, right, band = _window(law, start, depth)
+    log_unit = 0.5 * start.log_second_moment()
+    grid, initial, rough = _resolve(profile, left, right, band, log_unit, rtol, nodes, m == 0)
+    if rough > 10.0 * rtol and nodes is None:
+        return None
     z = -1j * grid.wave_numbers
-    loss = decay_symbol(law, z)
+    loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
     # the highest mode of a real transform has no partner: its odd part is left out
     z[-1] = 0.0
     loss[-1] = loss[-1].real
     rate = np.exp(grid.x)
+    rows = np.stack([initial.real, initial.imag]) if np.iscomplexobj(initial) else initial[None]
 
-    def derivative(_: float, values: FloatArray) -> FloatArray:
-        spectrum = z * np.fft.rfft(values) - loss * np.fft.rfft(rate * values)
-        return np.asarray(np.fft.irfft(spectrum, nodes))
+    def derivative(_: float, flat: FloatArray) -> FloatArray:
+        g = flat.reshape(rows.shape)
+        spectrum = z * np.fft.rfft(g) - loss * np.fft.rfft(rate * g)
+        return np.asarray(np.fft.irfft(spectrum, grid.nodes).ravel())
 
-    start = np.exp(2.0 * grid.x - 0.5 * np.exp(2.0 * grid.x))
-    # the slowest transient falls as e^-tau
+    shift = np.log(times / mean_free_path + math.exp(-log_unit))
+    tau = shift + log_unit
+    # the slowest transient of an isotropic state falls as e^-tau
     saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + 4.0
-    early = int(np.searchsorted(log_shift, saturated))
-    values = np.empty((early, nodes))
-    if early:
-        result = solve_ivp(
-            derivative,
-            (0.0, max(float(log_shift[early - 1]), 1e-12)),
-            start,
-            method="DOP853",
-            t_eval=log_shift[:early],
-            rtol=max(0.01 * rtol, 3e-14),
-            atol=0.01 * rtol * float(start.max()),
-        )
-        if not result.success:
-            raise RuntimeError(f"the forward equation was not integrated: {result.message}")
-        values = np.asarray(result.y.T)
-    scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if early < times.size else None
-    return ForwardDensity(grid, values, log_shift, early, scaled)
+    early = int(np.searchsorted(tau, saturated)) if m == 0 else tau.size
+    values = np.empty((early, *rows.shape))
+    scale = float(np.abs(rows).max())
+    now, g = 0.0, rows.ravel()
+    # from one output time to the next: the dense output of the method is of lower order
+    for i in range(early):
+        if tau[i] > now:
+            result = solve_ivp(
+                derivative,
+                (now, float(tau[i])),
+                g,
+                method="DOP853",
+                t_eval=[float(tau[i])],
+                rtol=max(0.01 * rtol, 3e-14),
+                atol=max(0.01 * rtol, 1e-15) * scale,
+                first_step=min(float(tau[i]) - now, 1.0 / float(rate[-1])),
+            )
+            if not result.success:
+                raise RuntimeError(f"the forward equation was not integrated: {result.message}")
+            g, now = result.y[:, -1], float(tau[i])
+        values[i] = g.reshape(rows.shape)
+    joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
+    late = early < times.size
+    scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if late else None
+    return Profile(
+        continuous=_Early(grid, joined, shift, scaled),
+        method="spectral",
+        nodes=grid.nodes,
+        error_estimate=max(0.1 * rtol, rough, _ends(joined)),
+    )
+
+
+def _resolve(
+    profile: Any,
+    left: float,
+    right: float,
+    band: float,
+    log_unit: float,
+    rtol: float,
+    nodes: int | None,
+    normalised: bool,
+) -> tuple[LogGrid, NDArray[Any], float]:
+    """A grid that resolves the start and the scaling state, g on it, and its highest modes."""
+    count = nodes or int((right - left) * band / math.pi) + 2
+    while True:
+        count += count % 2
+        grid = LogGrid(left, (right - left) / count, count)
+        v = np.exp(grid.x + log_unit)
+        g = np.asarray(profile(v) * v)
+        if normalised:
+            g = g / (float(g.sum()) * grid.spacing)  # what lies beyond the window is not missed
+        spectrum = np.abs(np.fft.fft(g))
+        half = count // 2
+        rough = float(spectrum[half - 2 : half + 3].max() / max(float(spectrum.max()), 1e-300))
+        if nodes is not None or rough <= rtol or 2 * count > _MAX_NODES:
+            return grid, g, rough
+        count = int(1.4 * count)
+
+
+def _ends(values: NDArray[Any]) -> float:
+    """Largest value at the ends of the window relative to the maximum."""
+    if values.shape[0] == 0:
+        return 0.0
+    top = np.abs(values).max(axis=1)
+    ends = np.abs(values[:, [0, 1, -2, -1]]).max(axis=1)
+    return float(np.max(ends / np.maximum(top, 1e-300)))

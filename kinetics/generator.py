@@ -44,3 +44,10 @@ def peak_position(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
         # the digamma function at 1 + z, nearly
         return np.asarray(np.log(z + 1.5) - 1.0 / (z + 1.0))
     return drift_log(law, z - 0.5)
+
+
+def harmonic_symbol(law: CollisionLaw, z: NDArray[Any], m: int) -> NDArray[Any]:
+    """1 - E[s^z cos(m chi)], shape of z (n,)."""
+    q = law.quadrature
+    power = np.exp(-np.multiply.outer(z, q.log_loss))
+    return np.asarray(1.0 - power @ (q.weight * q.harmonic(m)))

@@ -27,8 +27,8 @@ def mean_square_displacement(averages: Averages) -> FloatArray:
         return square * averages.average(SQUARED_DISPLACEMENT)
     # <v(0).v(t)> = v^2 exp(-nu v t/l), nu = 1 - <cos chi> = 4/3
     nu = averages.law.harmonic_decay_rate(0.0, 1)
-    x = nu * np.exp(averages.state.x + averages.log_stretch[:, None])
-    return np.asarray(2.0 * square / nu**2 * (_ballistic_to_diffusive(x) @ averages.state.weight))
+    x = nu * np.exp(averages.speeds.x + averages.log_stretch[:, None])
+    return np.asarray(2.0 * square / nu**2 * (_ballistic_to_diffusive(x) @ averages.speeds.weight))
 
 
 def _ballistic_to_diffusive(x: FloatArray) -> FloatArray:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, check_positive, check_restitution, short
-from kinetics.initial import InitialState, check_initial
+from kinetics.initial import State, as_state
 
 FloatArray = NDArray[np.float64]
 
@@ -21,7 +21,10 @@ OUTPUTS = {
     "a2": "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5)",
     "collisions": "mean number of collisions per tracer since t = 0",
     "msd": "<r^2>, in d^2",
+    "mean_velocity": "(<v_x>, <v_y>), in U, shape (n_times, 2)",
+    "velocity_tensor": "<v_i v_j>, in U^2, shape (n_times, 2, 2)",
     "speed_density": "density of the speed, normalised over v",
+    "velocity_density": "f(v, phi) in the velocity plane, from its angular harmonics",
 }
 
 
@@ -35,10 +38,11 @@ class Scene:
     number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
-        "monoenergetic" (all speeds are U), a speed density as a function of v/U,
-        a SpeedTable or SpeedSamples; isotropic
+        "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
+        SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
     times : in d/U, shape (n_times,), not falling, not negative
     outputs : names from OUTPUTS
+    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
 
     Raises
     ------
@@ -48,23 +52,33 @@ class Scene:
     restitution: float
     number_density: float = 0.04
     diameter: float = 1.0
-    initial: InitialState = "gaussian"
+    initial: Any = "gaussian"
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
+    harmonics: int = 8
+    state: State = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "restitution", check_restitution(self.restitution))
         set_(self, "number_density", check_positive("number_density", self.number_density))
         set_(self, "diameter", check_positive("diameter", self.diameter))
-        set_(self, "initial", check_initial(self.initial))
+        set_(self, "state", as_state(self.initial))
         set_(self, "times", _check_times(self.times))
         set_(self, "outputs", _check_outputs(self.outputs))
+        if isinstance(self.harmonics, bool) or not 0 <= _whole(self.harmonics) <= 256:
+            raise InputError(
+                f"harmonics: got {short(self.harmonics)}; it must be a whole number from 0 to 256"
+            )
 
     @property
     def mean_free_path(self) -> float:
         """l = 1/(2 d rho_0), in d."""
         return 1.0 / (2.0 * self.diameter * self.number_density)
+
+
+def _whole(value: Any) -> int:
+    return int(value) if isinstance(value, int | np.integer) else -1
 
 
 def _check_times(times: Any) -> FloatArray:

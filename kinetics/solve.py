@@ -12,180 +12,256 @@ from kinetics.backward import MEAN_COLLISIONS, SQUARED_DISPLACEMENT, speed_power
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, check_rtol, short
 from kinetics.evolve import Averages
-from kinetics.initial import measure
 from kinetics.position import mean_square_displacement
+from kinetics.profile import Profile
 from kinetics.scaled import SolverStatus
 from kinetics.scene import Scene
 from kinetics.solution import PlanStep, Solution
 
 FloatArray = NDArray[np.float64]
 
-_POWERS = {"thermal_speed": (2.0,), "temperature": (2.0,), "a2": (2.0, 4.0)}
+METHODS = ("spectral", "conservative")
+_FEWEST_NODES, _MOST_NODES = 8, 8192
+# (power, harmonic) pairs that an output is made of
+_POWERS: dict[str, tuple[tuple[float, int], ...]] = {
+    "thermal_speed": ((2.0, 0),),
+    "temperature": ((2.0, 0),),
+    "a2": ((2.0, 0), (4.0, 0)),
+    "mean_velocity": ((1.0, 1),),
+    "velocity_tensor": ((2.0, 0), (2.0, 2)),
+}
+_DENSITIES = {"speed_density", "velocity_density"}
 
 
-def solve(scene: Scene, rtol: float = 1e-10) -> Solution:
+def solve(
+    scene: Scene, rtol: float = 1e-10, method: str | None = None, nodes: int | None = None
+) -> Solution:
     """Solve the inelastic Lorentz equation for what the scene asks.
 
     Parameters
     ----------
     scene : system, initial state, times and outputs
-    rtol : relative accuracy of every output (of 1 + a2 for a2), 1e-14 to 0.1
+    rtol : relative accuracy of every average (of 1 + a2 for a2), and of the densities relative to
+        their maximum; 1e-14 to 0.1
+    method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
+        positivity exact, second order, for rough ones), or None for the solver's choice. Averages
+        need no density, and are the same for either.
+    nodes : of the speed axis of the densities, 8 to 8192, for convergence studies
 
     Returns
     -------
-    Solution : frozen; arrays of shape (n_times,) under the names of the outputs
+    Solution : frozen; arrays with time as the first axis, under the names of the outputs
 
     Raises
     ------
-    InputError (a ValueError) : rtol out of range, or outputs that the scene cannot have
+    InputError (a ValueError) : an argument out of range, a density that is negative, not
+        normalised or without second moment, or a method that cannot do the scene
 
     >>> from kinetics import Scene
     >>> solution = solve(Scene(restitution=0.7, times=[0.0, 1e3, 1e6]))
-    >>> solution.thermal_speed.round(9)
-    array([1.414213562e+00, 5.8061e-02, 6.0700e-05])
+    >>> bool(abs(solution.thermal_speed[0] - 2**0.5) < 1e-10)
+    True
     """
     rtol = check_rtol(rtol)
     if not isinstance(scene, Scene):
         raise InputError(f"scene: got {short(scene)}; it must be a Scene")
+    if method is not None and method not in METHODS:
+        raise InputError(f"method: got {short(method)}; it must be one of {', '.join(METHODS)}")
+    nodes = _check_nodes(nodes)
     law = CollisionLaw(scene.restitution)
-    times = np.asarray(scene.times)
     wanted = set(scene.outputs)
-    if "speed_density" in wanted and scene.initial != "gaussian":
-        raise InputError(
-            "outputs: 'speed_density' is there for the gaussian start only; "
-            "ask for the other outputs, or for initial='gaussian'"
-        )
-    powers = sorted({p for name in wanted for p in _POWERS.get(name, ())})
-    state = measure(scene.initial, rtol)
-    averages = Averages(law, scene.mean_free_path, state, times, rtol, max([2.0, *powers]))
-    values: dict[str, FloatArray] = {}
-    moments = {p: _power(averages, p) for p in powers}
-    reference = np.exp(averages.log_reference)
-    if "thermal_speed" in wanted:
-        values["thermal_speed"] = reference * np.sqrt(moments[2.0])
-    if "temperature" in wanted:
-        values["temperature"] = 0.5 * reference**2 * moments[2.0]
-    if "a2" in wanted:
-        values["a2"] = 0.5 * moments[4.0] / moments[2.0] ** 2 - 1.0
-    if "collisions" in wanted:
-        values["collisions"] = _collisions(averages)
-    if "msd" in wanted:
-        values["msd"] = mean_square_displacement(averages)
-    density = _density(scene, law, rtol) if "speed_density" in wanted else None
+    pairs = sorted({pair for name in wanted for pair in _POWERS.get(name, ())})
+    averages = _averages(scene, law, rtol, max([2.0, *(p for p, _ in pairs)]))
+    powers = {pair: averages.power(*pair) for pair in pairs}
+    values = _means(averages, wanted, powers)
+    profiles = _profiles(scene, law, rtol, method, nodes)
+    error = _error(averages, wanted, pairs, profiles)
 
-    error = _error(averages, wanted, powers)
-    status = SolverStatus.CONVERGED if error <= rtol else SolverStatus.TOLERANCE_NOT_REACHED
-    ordered = {name: values[name] for name in scene.outputs if name in values}
-
-    def moment(p: float) -> FloatArray:
-        """<v^p>(t), solved when it is asked for."""
-        return _any_moment(scene, law, p, rtol)
+    def harmonic(p: float, m: int) -> NDArray[Any]:
+        """<v^p exp(-i m phi)>, solved when it is asked for."""
+        return _any_power(scene, law, p, m, rtol)
 
     return Solution(
         scene=scene,
         rtol=rtol,
-        values=ordered,
-        status=status,
+        values={name: values[name] for name in scene.outputs if name in values},
+        status=SolverStatus.CONVERGED if error <= rtol else SolverStatus.TOLERANCE_NOT_REACHED,
         error_estimate=error,
-        plan=_plan(scene, averages, wanted, powers),
-        stats=_stats(averages),
-        _density=density,
-        _moment=moment,
+        plan=_plan(averages, wanted, pairs, profiles),
+        stats=_stats(averages, profiles),
+        _profiles=profiles,
+        _harmonic=harmonic,
     )
 
 
-def _power(averages: Averages, p: float) -> FloatArray:
-    """<(v/v_ref)^p>, shape (n_times,)."""
-    return averages.initial_power(p) if averages.elastic else averages.power(p)
+def _check_nodes(nodes: Any) -> int | None:
+    if nodes is None:
+        return None
+    whole = isinstance(nodes, int | np.integer) and not isinstance(nodes, bool)
+    if not whole or not _FEWEST_NODES <= nodes <= _MOST_NODES:
+        raise InputError(
+            f"nodes: got {short(nodes)}; it must be a whole number "
+            f"from {_FEWEST_NODES} to {_MOST_NODES}"
+        )
+    return int(nodes)
+
+
+def _averages(
+    scene: Scene, law: CollisionLaw, rtol: float, degree: float, lowest: float = 0.0
+) -> Averages:
+    times = np.asarray(scene.times)
+    return Averages(law, scene.mean_free_path, scene.state, times, rtol, degree, lowest)
+
+
+def _means(
+    averages: Averages, wanted: set[str], powers: dict[tuple[float, int], NDArray[Any]]
+) -> dict[str, FloatArray]:
+    """Every output that is an average."""
+    values: dict[str, FloatArray] = {}
+    reference = np.exp(averages.log_reference)
+    if "thermal_speed" in wanted:
+        values["thermal_speed"] = reference * np.sqrt(powers[2.0, 0])
+    if "temperature" in wanted:
+        values["temperature"] = 0.5 * reference**2 * powers[2.0, 0]
+    if "a2" in wanted:
+        values["a2"] = 0.5 * powers[4.0, 0] / powers[2.0, 0] ** 2 - 1.0
+    if "mean_velocity" in wanted:
+        along = reference * powers[1.0, 1]
+        values["mean_velocity"] = np.stack([along.real, -along.imag], axis=-1)
+    if "velocity_tensor" in wanted:
+        trace, second = reference**2 * powers[2.0, 0], reference**2 * powers[2.0, 2]
+        xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
+        xy = -0.5 * second.imag
+        values["velocity_tensor"] = np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+    if "collisions" in wanted:
+        values["collisions"] = _collisions(averages)
+    if "msd" in wanted:
+        values["msd"] = mean_square_displacement(averages)
+    return values
 
 
 def _collisions(averages: Averages) -> FloatArray:
     if averages.elastic:
-        speed = np.exp(averages.log_reference) * averages.initial_power(1.0)
-        return speed * averages.times / averages.mean_free_path
+        speed = np.exp(averages.log_reference) * averages.power(1.0)
+        return np.asarray(speed * averages.times / averages.mean_free_path)
     return averages.average(MEAN_COLLISIONS)
 
 
-def _density(scene: Scene, law: CollisionLaw, rtol: float) -> Any:
-    times = np.asarray(scene.times)
+def _profiles(
+    scene: Scene, law: CollisionLaw, rtol: float, method: str | None, nodes: int | None
+) -> dict[int, Profile]:
+    """The harmonics of the velocity distribution that the outputs need."""
+    if not _DENSITIES & set(scene.outputs):
+        return {}
+    highest = 0
+    if "velocity_density" in scene.outputs:
+        there = scene.state.highest_harmonic
+        highest = scene.harmonics if there is None else min(there, scene.harmonics)
+    found = {m: _profile(scene, law, m, rtol, method, nodes) for m in range(highest + 1)}
+    return {m: profile for m, profile in found.items() if profile is not None}
+
+
+def _profile(
+    scene: Scene, law: CollisionLaw, m: int, rtol: float, method: str | None, nodes: int | None
+) -> Profile | None:
+    state, times, path = scene.state, np.asarray(scene.times), scene.mean_free_path
+    if state.harmonic(m, rtol) is None:
+        return None
     if law.restitution == 1.0:
+        from kinetics.elastic import elastic_profile
 
-        def kept(v: FloatArray) -> FloatArray:
-            with np.errstate(under="ignore"):
-                return np.tile(v * np.exp(-0.5 * v * v), (times.size, 1))
+        return elastic_profile(law, path, state, m, times)
+    if method != "conservative" and (state.smooth or method == "spectral"):
+        from kinetics.forward import solve_spectral
 
-        return kept
-    from kinetics.forward import solve_gaussian_density
+        profile = solve_spectral(law, path, state, m, times, rtol, nodes)
+        if profile is not None:
+            return profile
+        if method == "spectral":
+            raise InputError(
+                "method: got 'spectral'; this initial state is too rough for it, "
+                "use method='conservative'"
+            )
+    from kinetics.conservative import solve_conservative
 
-    return solve_gaussian_density(law, scene.mean_free_path, times, rtol)
+    return solve_conservative(law, path, state, m, times, rtol, nodes)
 
 
-def _any_moment(scene: Scene, law: CollisionLaw, p: float, rtol: float) -> FloatArray:
+def _any_power(scene: Scene, law: CollisionLaw, p: float, m: int, rtol: float) -> NDArray[Any]:
     try:
         p = float(p)
     except (TypeError, ValueError):
         p = math.nan
     if not abs(p) <= 40.0:
         raise InputError(f"p: got {short(p)}; it must be a real number of size up to 40")
-    if scene.initial == "gaussian" and p <= -2.0:
-        raise InputError(f"p: got {p!r}; moments of the gaussian start exist for p > -2 only")
-    if law.restitution == 0.0 and p <= -1.0:
-        raise InputError(f"p: got {p!r}; at restitution 0 moments exist for p > -1 only")
-    state = measure(scene.initial, rtol, p)
-    averages = Averages(law, scene.mean_free_path, state, np.asarray(scene.times), rtol, p)
+    if isinstance(m, bool) or not isinstance(m, int | np.integer) or not 0 <= m <= 256:
+        raise InputError(f"m: got {short(m)}; it must be a whole number from 0 to 256")
+    lowest = -1.0 if law.restitution == 0.0 else scene.state.lowest_moment
+    if p <= lowest:
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    averages = _averages(scene, law, rtol, p, p)
     with np.errstate(under="ignore"):
-        return _power(averages, p) * np.exp(p * averages.log_reference)
+        return averages.power(p, int(m)) * np.exp(p * averages.log_reference)
 
 
-def _error(averages: Averages, wanted: set[str], powers: list[float]) -> float:
-    if averages.elastic:
-        return 1e-15
-    asked = [speed_power(p) for p in powers]
-    asked += [MEAN_COLLISIONS] if "collisions" in wanted else []
-    asked += [SQUARED_DISPLACEMENT] if "msd" in wanted else []
-    return max([1e-15, *(averages.equation.error_estimate(y) for y in asked)])
+def _error(
+    averages: Averages,
+    wanted: set[str],
+    pairs: list[tuple[float, int]],
+    profiles: dict[int, Profile],
+) -> float:
+    estimates = [1e-15, *(p.error_estimate for p in profiles.values())]
+    if not averages.elastic:
+        asked = [speed_power(p, m) for p, m in pairs if averages.measure(m) is not None]
+        asked += [MEAN_COLLISIONS] if "collisions" in wanted else []
+        asked += [SQUARED_DISPLACEMENT] if "msd" in wanted else []
+        estimates += [averages.equation.error_estimate(y) for y in asked]
+    return max(estimates)
 
 
 def _plan(
-    scene: Scene, averages: Averages, wanted: set[str], powers: list[float]
+    averages: Averages,
+    wanted: set[str],
+    pairs: list[tuple[float, int]],
+    profiles: dict[int, Profile],
 ) -> tuple[PlanStep, ...]:
     """What was solved, what was skipped, and why."""
     cools = not averages.elastic
-    names = ", ".join(f"v^{p:g}" for p in powers)
-    start = "one speed" if averages.state.x.size == 1 else f"{averages.state.x.size} speeds"
+    moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in pairs)
+    if not pairs:
+        why = "no output needs them"
+    elif cools:
+        why = f"backward equation for {moments}"
+    else:
+        why = "elastic: speeds are kept, harmonics relax at their own rates"
+    count = averages.speeds.x.size
+    solved = sorted({m for _, m in pairs} | set(profiles))
+    most = averages.state.highest_harmonic
+    others = "the start is isotropic" if most == 0 else "no output needs more"
+    kinds = sorted({p.method for p in profiles.values()})
     return (
+        PlanStep("moments of the velocity", bool(pairs) and cools, why),
+        PlanStep("initial state", True, f"{count} weighted speeds stand for it"),
+        PlanStep("collision number", "collisions" in wanted, _asked("collisions", wanted)),
+        PlanStep("displacement", "msd" in wanted, _asked("msd", wanted)),
+        PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         PlanStep(
-            "speed moments",
-            bool(powers) and cools,
-            f"backward equation for {names}"
-            if powers and cools
-            else "elastic: speeds are kept"
-            if powers
-            else "no output needs them",
-        ),
-        PlanStep("average over the start", True, f"{start} represent the initial state"),
-        PlanStep(
-            "collision number",
-            "collisions" in wanted and cools,
-            "asked for" if "collisions" in wanted else "not asked for",
-        ),
-        PlanStep(
-            "displacement",
-            "msd" in wanted and cools,
-            "two scalar equations, harmonics 1 and 0" if "msd" in wanted else "not asked for",
-        ),
-        PlanStep("other harmonics", False, "the start is isotropic"),
-        PlanStep(
-            "speed density",
-            "speed_density" in wanted and cools,
-            "forward equation" if "speed_density" in wanted else "not asked for: no profile built",
+            "densities",
+            bool(profiles),
+            f"{len(profiles)} harmonics, {', '.join(kinds)}" if profiles else "not asked for",
         ),
     )
 
 
-def _stats(averages: Averages) -> dict[str, Any]:
-    stats: dict[str, Any] = {"initial_points": int(averages.state.x.size)}
+def _asked(name: str, wanted: set[str]) -> str:
+    return "asked for" if name in wanted else "not asked for"
+
+
+def _stats(averages: Averages, profiles: dict[int, Profile]) -> dict[str, Any]:
+    stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
     if not averages.elastic:
         stats["panels"] = averages.equation.count
         stats["nodes_per_panel"] = averages.equation.nodes
+    for m, profile in profiles.items():
+        stats[f"density_nodes_m{m}"] = profile.nodes
     return stats

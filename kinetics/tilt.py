@@ -188,7 +188,7 @@ def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None =
     right_side = np.zeros(nodes + 1)
     right_side[nodes] = 1.0 / grid.spacing
     solution = np.linalg.solve(matrix, right_side)
-    values = solution[:nodes]
+    values: FloatArray = np.asarray(solution[:nodes], dtype=float)
     top = float(np.max(np.abs(values)))
     spectrum = np.abs(np.fft.rfft(values))
     centre = float(grid.x @ values) * grid.spacing

@@ -1,0 +1,187 @@
+r"""The speed density in time, conservatively: for steps, delta peaks and noisy tables.
+
+The state is a set of masses at equidistant x = ln v. A bounce takes a mass at v to s v, which is
+shared between the two nodes around it so that mass and energy are exactly those of the bounce; the
+shares are not negative. Nodes lose mass at the rate v/l. What results is a linear system with a
+matrix of non-negative off-diagonal entries, whose exponential is summed by uniformisation, from
+non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
+energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
+from kinetics.initial import State
+from kinetics.measure import LogMeasure
+from kinetics.profile import Profile
+
+FloatArray = NDArray[np.float64]
+
+_DEPTH = 12.0  # e-folds below the slowest relevant speed l/t that the axis reaches
+_EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
+_MOST_TERMS = 2_000_000  # of uniformisation; each is one sweep over the axis
+_MAX_NODES = 65536
+
+
+@dataclass(frozen=True)
+class _Masses:
+    """Masses at nodes, for output; piecewise linear in ln v between them."""
+
+    x: FloatArray
+    spacing: float
+    mass: NDArray[Any]  # (n_times, nodes)
+
+    def __call__(self, v: FloatArray) -> NDArray[Any]:
+        out = np.zeros((self.mass.shape[0], v.size), dtype=self.mass.dtype)
+        positive = v > 0.0
+        log_v = np.log(v[positive])
+        per_speed = np.exp(-log_v) / self.spacing
+        for i, mass in enumerate(self.mass):
+            value = np.interp(log_v, self.x, mass.real, left=0.0, right=0.0)
+            if np.iscomplexobj(mass):
+                value = value + 1j * np.interp(log_v, self.x, mass.imag, left=0.0, right=0.0)
+            out[i, positive] = value * per_speed
+        return out
+
+
+def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
+    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
+    q = law.quadrature
+    level = q.log_loss / spacing
+    low = np.floor(level).astype(int)
+    # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
+    down = -np.expm1(-2.0 * spacing * (level - low)) / -math.expm1(-2.0 * spacing)
+    weight = q.weight * q.harmonic(m)
+    kernel = np.zeros(int(low.max()) + 2)
+    np.add.at(kernel, low, weight * (1.0 - down))
+    np.add.at(kernel, low + 1, weight * down)
+    return kernel
+
+
+def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray[Any]:
+    """Masses of weighted points on the nodes, mass and energy kept."""
+    mass = np.zeros(nodes, dtype=start.weight.dtype)
+    level = (start.x - x0) / spacing
+    low = np.clip(np.floor(level).astype(int), 0, nodes - 2)
+    part = np.clip(level - low, 0.0, 1.0)
+    up = np.expm1(2.0 * spacing * part) / math.expm1(2.0 * spacing)
+    np.add.at(mass, low, start.weight * (1.0 - up))
+    np.add.at(mass, low + 1, start.weight * up)
+    return mass
+
+
+class _Axis:
+    """The masses on their way: nodes from the top downwards in index, so that bounces go right.
+
+    With ``peak``, node 0 holds the tracers of one speed that have not collided, and node 1 has the
+    same speed: bounces from node 0 start at node 1, and nothing returns.
+    """
+
+    def __init__(
+        self, speed: FloatArray, kernel: FloatArray, mass: NDArray[Any], peak: bool
+    ) -> None:
+        self.speed, self.kernel, self.mass, self.peak = speed, kernel, mass, peak
+        self.first = 0  # nodes above it are empty
+        self.total = float(np.abs(mass).sum())
+
+    def advance(self, duration: float) -> None:
+        """By this many l/U."""
+        left = duration
+        while left > 1e-15 * duration:
+            live = np.nonzero(np.abs(self.mass) > _EMPTY * self.total)[0]
+            self.first = int(live[0]) if live.size else self.first
+            fastest = float(self.speed[self.first])
+            # short enough for the top to empty on the way, long enough for few steps
+            step = min(left, 64.0 / fastest)
+            self._uniformised(step, fastest)
+            left -= step
+
+    def _uniformised(self, step: float, fastest: float) -> None:
+        """exp(A step) as a Poisson average of powers of 1 + A/fastest."""
+        apart = 1 if self.peak and self.first == 0 else 0
+        speed = self.speed[self.first :] / fastest
+        current = self.mass[self.first :]
+        mean = fastest * step
+        weight = math.exp(-mean)
+        out = weight * current
+        summed, n = weight, 0
+        while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
+            moving = speed * current
+            current = current - moving
+            if apart:
+                moving[1] += moving[0]
+            arriving = np.convolve(moving[apart:], self.kernel)
+            room = current.size - apart
+            current[apart:] += arriving[:room]
+            current[-1] += arriving[room:].sum()  # the slowest node keeps what falls below
+            n += 1
+            weight *= mean / n
+            summed += weight
+            out = out + weight * current
+        # the truncated Poisson weights are made to sum to 1: mass is kept to rounding
+        self.mass[self.first :] = out / summed
+
+
+def solve_conservative(
+    law: CollisionLaw,
+    mean_free_path: float,
+    state: State,
+    m: int,
+    times: FloatArray,
+    rtol: float,
+    nodes: int | None = None,
+) -> Profile:
+    """Harmonic m at the times, e < 1; InputError where a state is too nearly elastic for it."""
+    start = state.harmonic(m, min(rtol, 1e-6))
+    if start is None:
+        raise InputError(f"initial: harmonic {m} of this state is zero")
+    monoenergetic = start.x.size == 1
+    top = float(start.x.max())
+    latest = float(times[-1]) / mean_free_path
+    slowest = min(float(start.x.min()), top, -math.log(max(latest, 1e-300))) - _DEPTH
+    slowest = max(slowest, top - 700.0)
+    span = top - slowest
+    spacing = span / nodes if nodes else min(0.1, math.sqrt(rtol))
+    count = math.ceil(span / spacing) + 2
+    if count > _MAX_NODES:
+        count, spacing = _MAX_NODES, span / (_MAX_NODES - 2)
+    x0 = top - spacing * (count - 1)
+    x = x0 + spacing * np.arange(count, dtype=float)
+    speed = np.exp(x)[::-1]
+    expected = 80.0 * (1.0 + math.log1p(latest * math.exp(top))) / law.mean_log_loss
+    if expected > _MOST_TERMS:
+        raise InputError(
+            f"restitution: got {law.restitution!r}; the conservative method would need "
+            f"{expected:.1e} sweeps so near the elastic limit, use method='spectral'"
+        )
+    kernel = bounce_kernel(law, spacing, m)
+    mass = deposit(start, x0, spacing, count)[::-1].copy()
+    peak = None
+    if monoenergetic:
+        # the tracers that have not collided stay apart, in one more node
+        mass = np.concatenate([mass[:1], np.zeros(count, dtype=mass.dtype)])
+        speed = np.concatenate([speed[:1], speed])
+        peak = start.weight[0] * np.exp(-math.exp(top) * times / mean_free_path)
+    axis = _Axis(speed, kernel, mass, monoenergetic)
+    out = np.empty((times.size, count), dtype=mass.dtype)
+    now = 0.0
+    for i, t in enumerate(times):
+        axis.advance((t - now) / mean_free_path)
+        now = t
+        out[i] = axis.mass[-count:][::-1]
+    return Profile(
+        continuous=_Masses(x, spacing, out),
+        method="conservative",
+        nodes=count,
+        error_estimate=spacing**2,
+        peak_speed=math.exp(top) if monoenergetic else None,
+        peak_weight=peak,
+    )

@@ -1,0 +1,201 @@
+"""Distributions of speeds as weighted points on the logarithmic speed axis.
+
+The solver only ever needs averages of smooth functions of ln v over the initial state, so that a
+state is a list of points and weights: one point for a monoenergetic start, the trapezoid rule for a
+Gaussian, panels of Gauss-Legendre points for a density, and for samples of velocities the points
+of a fine grid that give every smooth average that the samples give.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import gauss_legendre
+from kinetics.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+_MOST_POINTS = 400  # samples up to this number are kept as they are
+
+
+@dataclass(frozen=True)
+class LogMeasure:
+    """A distribution of speeds: weight w_k at ln v = x_k.
+
+    Attributes
+    ----------
+    x : ln(v/U), shape (n_points,)
+    weight : shape (n_points,); real and summing to 1 for a speed distribution, complex for an
+        angular harmonic of one
+    """
+
+    x: FloatArray
+    weight: NDArray[Any]
+
+    def log_second_moment(self) -> float:
+        """ln <v^2>, for speeds of any scale."""
+        top = float(self.x.max())
+        return 2.0 * top + math.log(float(self.weight.real @ np.exp(2.0 * (self.x - top))))
+
+
+def gaussian(
+    rtol: float, lowest: float, deviation: float = 1.0, factor: Callable[[Any], Any] | None = None
+) -> LogMeasure:
+    """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
+
+    Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
+    the powers of v. The left end is where v^(2 + lowest) is below rtol. ``factor`` multiplies the
+    density, as a function of v/D.
+    """
+    depth = math.log(1.0 / rtol)
+    spacing = 0.5 * math.pi**2 / (depth + 14.0)
+    left = -(depth + 2.0) / (2.0 + min(0.0, lowest))
+    right = 0.5 * math.log(2.0 * (depth + 12.0))
+    x = np.arange(left, right + spacing, spacing)
+    weight: NDArray[Any] = spacing * np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
+    weight /= weight.sum()
+    if factor is not None:
+        weight = weight * factor(np.exp(x))
+    return LogMeasure(x + math.log(deviation), weight)
+
+
+def panels(edges: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on each interval between edges, flattened."""
+    x, w = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), points)
+    return x.ravel(), w.ravel()
+
+
+def panels_of(ends: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on intervals (n, 2): two arrays (n, points)."""
+    node, weight = gauss_legendre(points)
+    width = (ends[:, 1] - ends[:, 0])[:, None]
+    return ends[:, :1] + width * node, width * weight
+
+
+def table(speed: FloatArray, density: NDArray[Any]) -> LogMeasure:
+    """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v."""
+    lowest = max(speed[0], 1e-9 * speed[-1])
+    knots = np.log(np.maximum(speed, lowest))
+    parts = [
+        np.linspace(a, b, max(2, math.ceil(4.0 * (b - a)) + 1))[:-1]
+        for a, b in itertools.pairwise(knots)
+        if b > a
+    ]
+    x, w = panels(np.concatenate([*parts, knots[-1:]]), 6)
+    v = np.exp(x)
+    values: NDArray[Any] = np.interp(v, speed, density.real)
+    if np.iscomplexobj(density):
+        values = values + 1j * np.interp(v, speed, density.imag)
+    weight = w * v * values
+    keep = weight != 0.0
+    return LogMeasure(x[keep], weight[keep])
+
+
+def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
+    """Points x of the given weights, (n,) each, many of them gathered on a fine grid.
+
+    Each is spread by local interpolation (12 points, spacing 1/16): averages of functions that
+    are smooth in ln v, as the solver's are, stay the same to 1e-13.
+    """
+    if x.size <= _MOST_POINTS:
+        return LogMeasure(x, weight)
+    spacing, width = 1.0 / 16.0, 12
+    start = spacing * (math.floor(float(x.min()) / spacing) - width)
+    cells = math.ceil((float(x.max()) - start) / spacing) + width
+    total = np.zeros(cells + 1, dtype=weight.dtype)
+    nodes = np.arange(width, dtype=float)
+    barycentric = np.array([(-1.0) ** k * math.comb(width - 1, k) for k in range(width)])
+    pieces = max(1, x.size // 100_000)
+    for chunk, part in zip(np.array_split(x, pieces), np.array_split(weight, pieces), strict=True):
+        level = (chunk - start) / spacing
+        first = np.floor(level).astype(int) - width // 2 + 1
+        distance = (level - first)[:, None] - nodes
+        exact = distance == 0.0
+        rows = barycentric / np.where(exact, 1.0, distance)
+        rows /= rows.sum(axis=1, keepdims=True)
+        hit = exact.any(axis=1)
+        rows[hit] = exact[hit]
+        np.add.at(total, first[:, None] + np.arange(width), rows * part[:, None])
+    keep = total != 0.0
+    return LogMeasure((start + spacing * np.arange(cells + 1))[keep], total[keep])
+
+
+def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
+    """Call a user's density on an array of speeds; InputError where the answer cannot be used."""
+    try:
+        f = np.asarray(density(v))
+        f = f.astype(complex if f.dtype.kind == "c" else float)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"initial: the density could not be evaluated on an array ({error}); "
+            "it must map an array of speeds to an array"
+        ) from None
+    if f.shape != v.shape or np.any(np.isnan(f)):
+        raise InputError(
+            f"initial: the density returned shape {f.shape} or NaN for speeds of shape {v.shape}; "
+            "it must map an array of speeds to an array of finite densities"
+        )
+    return f
+
+
+def function(density: Callable[[Any], Any], rtol: float) -> LogMeasure:
+    """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
+
+    Raises InputError where it is NaN, has no finite integral or no second moment.
+    """
+
+    def per_log_speed(x: FloatArray) -> NDArray[Any]:
+        v = np.exp(x)
+        return np.asarray(evaluate_density(density, v) * v)
+
+    edges = np.arange(-360.0, 350.5, 0.5)
+    x, w = panels(edges, 8)
+    with np.errstate(all="ignore"):
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 8).sum(axis=1)
+    if not np.all(np.isfinite(mass)) or mass.sum() <= 0.0:
+        raise InputError("initial: the density has no finite integral over the speed; it must be 1")
+    with np.errstate(divide="ignore"):
+        log_energy = np.log(mass) + 2.0 * edges[1:]
+    energy = np.exp(np.maximum(log_energy - log_energy.max(), -700.0))
+    small = 1e-3 * rtol
+    live = (mass > small * mass.sum()) | (energy > small * energy.sum())
+    first, last = np.nonzero(live)[0][[0, -1]]
+    if last == mass.size - 1:
+        raise InputError("initial: the density has no second moment; <v^2> must be finite")
+    pieces = np.stack(
+        [edges[max(first - 2, 0) : last + 2], edges[max(first - 2, 0) + 1 : last + 3]]
+    )
+    return _refine(per_log_speed, pieces.T, 0.1 * rtol * float(mass.sum()))
+
+
+def _refine(
+    per_log_speed: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
+) -> LogMeasure:
+    """Halve intervals (n, 2) until twelve points and twice twelve agree; at most 40 times."""
+    points: list[FloatArray] = []
+    weights: list[NDArray[Any]] = []
+    for depth in range(41):
+        middle = ends.mean(axis=1)
+        halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
+        coarse_x, coarse_w = panels_of(ends, 12)
+        fine_x, fine_w = panels_of(halves, 12)
+        coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
+        fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
+        difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
+        good = (difference <= tolerance) | (depth == 40)
+        both = np.repeat(good, 2)
+        points.append(fine_x[both].ravel())
+        weights.append(fine[both].ravel())
+        ends = halves[~both]
+        if ends.size == 0:
+            break
+    x, weight = np.concatenate(points), np.concatenate(weights)
+    keep = weight != 0.0
+    return LogMeasure(x[keep], weight[keep])
