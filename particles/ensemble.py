@@ -19,10 +19,12 @@ class Statuses:
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between scatterers, where infinitely many collisions follow in a
-    finite time; declared after 16 successive flights shorter than 1e-9 d. escaped: flew 1e6 mean
-    free paths without a collision. trap_times (trapped,) in d/U, trap_places (trapped, 2) relative
-    to the start, in d, trap_tracers (trapped, 2): configuration and tracer.
+    trapped: caught in a corner between two scatterers, where infinitely many collisions follow in
+    a finite time. Declared after a flight shorter than 1e-9 d if, between two straight walls, the
+    tracer would never leave (events.is_collapsing); or at rest after a head-on collision at e = 0.
+    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U, short of
+    the end by what some 1e-9 d take at the last speed; trap_places (trapped, 2) relative to the
+    start, in d; trap_tracers (trapped, 2): configuration and tracer.
     """
 
     finished: int
@@ -123,8 +125,8 @@ class Ensemble:
     @cached_property
     def thermal_speed(self) -> Estimate:
         """sqrt(<v^2>) in U, (n_times,): the paper's v0(t), eq. v0defi."""
-        scale = self._scales
-        return jackknife(self.moments, lambda m: np.sqrt(m[:, _V2] / m[:, _N]) / scale)
+        sums = jackknife(self.moments, lambda m: np.sqrt(m[:, _V2] / m[:, _N]))
+        return sums.divided(self._scales)
 
     @cached_property
     def a2(self) -> Estimate:
@@ -151,8 +153,8 @@ class Ensemble:
     @cached_property
     def velocity_autocorrelation(self) -> Estimate:
         """<v(t).v(0)> in U^2, (n_times,)."""
-        scale = self._scales
-        return jackknife(self.moments, lambda m: m[:, _CORRELATION] / m[:, _N] / scale)
+        sums = jackknife(self.moments, lambda m: m[:, _CORRELATION] / m[:, _N])
+        return sums.divided(self._scales)
 
     @cached_property
     def mean_free_path(self) -> Estimate:

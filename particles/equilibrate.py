@@ -11,7 +11,7 @@ from particles.streams import EQUILIBRATION, open_stream, uniform
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _centres(cells: Cells, positions: np.ndarray) -> None:
+def centres(cells: Cells, positions: np.ndarray) -> None:
     """Write the centre of every scatterer once, from the middle of the box."""
     n, side = cells.n, cells.side
     half = 0.5 * side
@@ -88,7 +88,7 @@ def equilibrate(
     step is of the order of the gap between disks.
     """
     positions = np.empty((count, 2))
-    _centres(cells, positions)
+    centres(cells, positions)
     box = cells.side * cells.n
     n = int(np.ceil(box * sqrt(2.0) * 1.0001))
     grid = np.full((n, n), -1, np.int32)

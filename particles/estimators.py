@@ -22,8 +22,9 @@ class Estimate:
     value: np.ndarray
     error: np.ndarray
 
-    def __repr__(self) -> str:
-        return f"Estimate(value={self.value!r}, error={self.error!r})"
+    def divided(self, by: np.ndarray) -> "Estimate":
+        """Return the estimate in another unit."""
+        return Estimate(self.value / by, self.error / by)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ class Histogram:
     def density(self) -> Estimate:
         """Probability per unit of the variable, (n_times, n_bins)."""
         width = np.diff(self.edges)
-        return Estimate(self.probability.value / width, self.probability.error / width)
+        return self.probability.divided(width)
 
 
 def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) -> Estimate:

@@ -6,7 +6,7 @@ a unit direction and, apart from them, an inverse speed. This is the rescaling o
 section 2 with the speed kept.
 """
 
-from math import sqrt
+from math import asin, atan2, pi, sqrt
 
 from numba import njit
 
@@ -59,3 +59,28 @@ def scatter(ux: float, uy: float, impact: float, restitution: float) -> tuple[fl
     # One Newton step on the norm: rounding of a million collisions does not add up.
     unit = 1.5 - 0.5 * (vx * vx + vy * vy)
     return vx * unit, vy * unit, ratio
+
+
+@njit(error_model="numpy")
+def is_collapsing(
+    ax: float, ay: float, bx: float, by: float, ux: float, uy: float, restitution: float
+) -> bool:
+    """Tell whether a tracer between two straight walls collides infinitely often from now on.
+
+    (ax, ay) and (bx, by): unit normals, towards the tracer, of the wall before and of the one that
+    it leaves with direction (ux, uy). The walls enclose the angle theta; alpha is the angle of the
+    direction with the wall left, from the side of the corner. From one collision to the next,
+    tan(alpha') = e tan(alpha + theta). This has fixed points if sin(theta) <= (1 - e)/(1 + e),
+    where sin(2 alpha + theta) = sin(theta) (1 + e)/(1 - e); below the upper one, which repels,
+    alpha goes to the lower one and path and speed shrink geometrically for ever.
+    """
+    theta = atan2(abs(ax * by - ay * bx), -(ax * bx + ay * by))
+    # Along the wall left towards the corner: down the normal of the other one.
+    tx, ty = -by, bx
+    if tx * ax + ty * ay > 0.0:
+        tx, ty = by, -bx
+    alpha = atan2(ux * bx + uy * by, ux * tx + uy * ty)
+    bound = (1.0 + restitution) * abs(ax * by - ay * bx)
+    if bound > 1.0 - restitution:
+        return False
+    return 2.0 * alpha + theta < pi - asin(bound / (1.0 - restitution))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from particles.cells import Cells, make, place
-from particles.events import contact, scatter, touch
+from particles.events import contact, is_collapsing, scatter, touch
 from particles.lanes import SLOTS, strike
 from particles.records import SHIFT, Records, count_path, finish, fly, rest
 from particles.streams import FLIGHTS, START, open_stream, uniform
@@ -22,15 +22,15 @@ LANES = 16
 FINISHED, COLLISION_CAP, TRAPPED, ESCAPED = range(4)
 RUNNING = -1
 
-# A tracer is trapped when TRAP_FLIGHTS successive flights were each shorter than TRAP_LENGTH d:
-# the cascade of a corner, whose flights and speed shrink geometrically (see Ensemble.statuses).
+# Flights shorter than this, in d, occur in corners between two scatterers only, whose walls are
+# straight on this scale; whether a tracer ever leaves is then decided by `is_collapsing`.
 TRAP_LENGTH = 1e-9
-TRAP_FLIGHTS = 16
 
 # Columns of a lane's state. X, Y: place from the centre of the cell (CI, CJ), which counts as if a
 # periodic plane were not wrapped; W, V: the cell as stored. SLOW: 1/speed. OX, OY: v(0).
-X, Y, UX, UY, SLOW, TIME, UNIT, DUE, OX, OY, PATHS = range(11)
-CI, CJ, W, V, N_COLLISIONS, SHORT, OUTPUT, TRACER, SHIFTS = range(9)
+# NX, NY: normal at the last contact.
+X, Y, UX, UY, SLOW, TIME, UNIT, DUE, OX, OY, PATHS, NX, NY = range(13)
+CI, CJ, W, V, N_COLLISIONS, OUTPUT, TRACER, SHIFTS = range(8)
 
 
 class Start(NamedTuple):
@@ -121,8 +121,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
     side, n, keys = cells.side, cells.n, cells.keys
     half, middle = 0.5 * side, n // 2
-    lanes = np.empty((LANES, 11))
-    wholes = np.empty((LANES, 9), np.int64)
+    lanes = np.empty((LANES, 13))
+    wholes = np.empty((LANES, 8), np.int64)
     active = min(LANES, start.n)
     launched = active
     caught = 0
@@ -196,8 +196,11 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             x, y = touch(cx, cy, ux, uy, impact)
             ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
             wholes[a, N_COLLISIONS] += 1
-            wholes[a, SHORT] = wholes[a, SHORT] + 1 if path < TRAP_LENGTH else 0
-            if wholes[a, SHORT] == TRAP_FLIGHTS or ratio == 0.0:
+            nx, ny = x - cx, y - cy
+            if ratio == 0.0 or (
+                path < TRAP_LENGTH
+                and is_collapsing(lanes[a, NX], lanes[a, NY], nx, ny, ux, uy, start.restitution)
+            ):
                 status = TRAPPED
                 px, py = i * side + x, j * side + y
                 rest(
@@ -217,6 +220,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 if wholes[a, N_COLLISIONS] == start.most:
                     status = COLLISION_CAP
             lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY] = x, y, ux, uy
+            lanes[a, NX], lanes[a, NY] = nx, ny
             wholes[a, CI], wholes[a, CJ], wholes[a, W], wholes[a, V] = i, j, w, v
         else:
             x, y = x + path * ux, y + path * uy
@@ -240,8 +244,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
 @njit(cache=True, nogil=True, error_model="numpy")
 def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
     """Follow tracers without scatterers: exponential free paths, uniform impact parameters."""
-    lanes = np.empty((LANES, 11))
-    wholes = np.empty((LANES, 9), np.int64)
+    lanes = np.empty((LANES, 13))
+    wholes = np.empty((LANES, 8), np.int64)
     keys = np.empty((LANES, 2), np.uint64)
     active = min(LANES, start.n)
     launched = active
