@@ -48,18 +48,24 @@ def events(
 @pytest.mark.parametrize("overlapping", [False, True])
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.8, 1.0])
 def test_the_first_events_are_those_of_the_reference(overlapping: bool, restitution: float) -> None:
+    compared = 0
     for seed in range(8):
         disks, box, velocity = scene(100 + seed, overlapping)
         expected = reference.follow(disks, box, velocity, restitution, EVENTS, 40)
         found = events(disks, box, velocity, restitution, EVENTS)
         error = 1e-15
-        for (t, x, y, vx, vy, _), (ln_v, ln_t, fx, fy, _) in zip(expected, found, strict=True):
+        for k, (t, x, y, vx, vy, _) in enumerate(expected, 1):
+            ln_v, ln_t, fx, fy, n = found[k - 1]
+            if n < k:
+                break  # trapped
+            compared += 1
             # What chaos makes of the first rounding; a wrong event is of order 1.
             error *= 20
             assert abs(fx - float(x)) < error + 1e-13
             assert abs(fy - float(y)) < error + 1e-13
             assert abs(ln_t - float(mp.log(t))) < 10 * error + 1e-13
             assert abs(ln_v - float(mp.log(vx**2 + vy**2) / 2)) < 10 * error + 1e-13
+    assert compared >= 7 * EVENTS
 
 
 def test_outputs_between_events_are_on_the_reference_path() -> None:
