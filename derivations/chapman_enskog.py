@@ -97,7 +97,7 @@ def _diffuse5() -> Derived:
 @cache
 def _flux_orders() -> dict[int, sp.Expr]:
     """Orders of -div J with both the gradient and the flux expanded."""
-    fluxes = [sp.Function(rf"\mathbf{{J}}^{{({order})}}")(br, t) for order in range(3)]
+    fluxes = [sp.Function(f"J_vec_{order}")(br, t) for order in range(3)]
     total = sp.expand(
         sum(
             eps ** (order + 1 + step) * dot(gradient, flux)
@@ -130,8 +130,8 @@ def _diffuse7() -> Derived:
 def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     """Order j of continuity: with the gradient expanded, lower fluxes meet its higher orders."""
     index = sp.Symbol("i", integer=True, nonnegative=True)
-    gradient = sp.Function(r"\nabla")(index)
-    lower = sp.Function(r"\mathbf{J}")(j - index, *flux.args)
+    gradient = sp.Function("nabla")(index)
+    lower = sp.Function("J_vec")(j - index, *flux.args)
     general = -sp.Sum(dot(gradient, lower), (index, 0, j))
     return Derived(
         eq(Dt(j, density), general),

@@ -75,7 +75,7 @@ def _mup() -> Derived:
 
 @derives("tdiff")
 def _tdiff() -> Derived:
-    from .scaling import cooling_rate_value
+    from .values import cooling_rate_value
 
     exact = -2 * d * v0(t) * rho0 * lam(2) * Avg(c**3) * T(t)
     return Derived(
@@ -138,7 +138,7 @@ def _veq() -> Derived:
 
 @derives("hsimu")
 def _hsimu() -> Derived:
-    from .scaling import cooling_rate_value
+    from .values import cooling_rate_value
 
     values = [
         Number(f"exact h/(1 - e) at e = {value}", float(cooling_rate_value(value)) / (1 - value))
@@ -151,8 +151,8 @@ def _hsimu() -> Derived:
     return Derived(
         eq(h, 2 * sp.sqrt(klog * lam(1))),
         note="The exact h/(1 - e) falls slowly with e, from sqrt(2) to 4/3: nearly, not exactly, "
-        "proportional to 1 - e. The fitted 1.45 lies above all of it, because disks that do not "
-        "overlap have a mean free path below 1/(2 d rho_0).",
+        "proportional to 1 - e. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for "
+        "the mean free path, which is shorter where disks do not overlap.",
         status=Status.FIT,
         numbers=(*values, *limits),
     )

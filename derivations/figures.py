@@ -19,7 +19,7 @@ def _collision() -> Derived:
 
 @derives("v0re")
 def _v0re() -> Derived:
-    from .scaling import cooling_rate_value
+    from .values import cooling_rate_value
 
     return _figure(
         "The printed line 0.058 t is rho_0 times the fitted 1.45. The exact slopes at the free "
@@ -34,7 +34,7 @@ def _v0re() -> Derived:
 
 @derives("hetomu2")
 def _hetomu2() -> Derived:
-    from .scaling import cooling_rate_value
+    from .values import cooling_rate_value
 
     return _figure(
         "The exact curve exists on the whole of 0 <= e <= 1.",
@@ -57,7 +57,7 @@ def _inelasticposi() -> Derived:
 
 @derives("scalev")
 def _scalev() -> Derived:
-    from .scaling import a2_value
+    from .values import a2_value
 
     return _figure(
         "A projection on one component hides that the exact F vanishes at c = 0 for 0 < e < 1 and "
@@ -79,7 +79,7 @@ def _sign() -> Derived:
 @derives("soninediffuse")
 def _soninediffuse() -> Derived:
     from .flux import sonine_slope
-    from .scaling import diffusion_slope_value
+    from .values import diffusion_slope_value
 
     return _figure(
         "The deviation that the paper reports is that of the first Sonine approximation.",

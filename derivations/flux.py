@@ -30,7 +30,7 @@ def _ad3() -> Derived:
 
 @derives("ad4")
 def _ad4() -> Derived:
-    from .scaling import a2_value
+    from .values import a2_value
 
     return Derived(
         None,
@@ -196,7 +196,7 @@ def sonine_slope(value: float) -> float:
 
 
 def _slopes(value: float) -> tuple[Number, Number]:
-    from .scaling import diffusion_slope_value
+    from .values import diffusion_slope_value
 
     return (
         Number(f"slope in ln t at e = {value}, Sonine (l^2)", sonine_slope(value)),

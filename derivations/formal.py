@@ -29,9 +29,13 @@ class Int(Formal):
 
     nargs = (2, 3)
 
-    def _template(self, *args: str) -> str:
-        domain = f"_{{{args[2]}}}" if len(args) == 3 else ""
-        return rf"\int{domain} \left[{args[0]}\right] \mathrm{{d}}{args[1]}"
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        integrand, variable, *domain = (printer._print(arg) for arg in self.args)
+        if isinstance(self.args[0], sp.Add):
+            integrand = rf"\left[{integrand}\right]"
+        below = f"_{{{domain[0]}}}" if domain else ""
+        text = rf"\int{below} {integrand} \, \mathrm{{d}}{variable}"
+        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
 
 
 class Dot(Formal):
@@ -40,7 +44,7 @@ class Dot(Formal):
     nargs = 2
 
     def _template(self, *args: str) -> str:
-        return rf"\left({args[0]} \cdot {args[1]}\right)"
+        return rf"{args[0]} \cdot {args[1]}"
 
 
 class Partial(Formal):
@@ -101,8 +105,16 @@ class Second(Formal):
 
 
 def dot(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """The scalar product, with its two vectors in a fixed order (it is symmetric)."""
-    return Dot(*sorted((one, other), key=sp.default_sort_key))
+    """The scalar product with its vectors in a fixed order, since it is symmetric.
+
+    The gradient comes first before a flux (a divergence) and last elsewhere.
+    """
+    return Dot(*sorted((one, other), key=_vector_order))
+
+
+def _vector_order(vector: sp.Expr) -> tuple[int, str]:
+    name = str(vector)
+    return (2 if name.startswith("nabla") else 3 if name.startswith("J_vec") else 1, name)
 
 
 def eq(left: sp.Expr, right: sp.Expr) -> sp.Eq:
@@ -140,4 +152,4 @@ def _varies(factor: sp.Expr, variable: sp.Symbol) -> bool:
     )
 
 
-DEPENDENT = frozenset({"v^{*}", "c'"})
+DEPENDENT = frozenset({"v_pre", "c'"})

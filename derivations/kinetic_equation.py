@@ -10,7 +10,7 @@ from functools import cache
 
 import sympy as sp
 
-from .formal import Int, Lam, Measure, chain, dot, eq, linear
+from .formal import Dot, Int, Lam, Measure, chain, dot, eq, linear
 from .record import Derived, Status, Step
 from .registry import derives
 from .symbols import (
@@ -285,7 +285,7 @@ def _ad1() -> Derived:
 @derives("sonine8")
 def _sonine8() -> Derived:
     weak = -weak_form(cp**p, c**p) / (d * rho0)
-    scaled = weak.subs({X(bv): F(bc), hemi: hemi_c}).subs(bv, bc)
+    scaled = weak.subs({X(bv): F(bc), hemi: hemi_c}).subs(bv, bc).replace(Dot, dot)
     return Derived(
         eq(Mp, scaled),
         (Step("weak form with X = F and Y = c^p, divided by d rho0", scaled),),

@@ -20,7 +20,7 @@ def _ab() -> Derived:
 
 @derives("taun")
 def _taun() -> Derived:
-    from .scaling import cooling_rate_value, log_loss_value, mean_scaled_speed_value
+    from .values import cooling_rate_value, log_loss_value, mean_scaled_speed_value
 
     speed = (1 / (alpha + beta * t)).subs(t, tc(N - 1))
     numbers = []
@@ -111,7 +111,7 @@ def _n() -> Derived:
 
 @derives("msd")
 def _msd() -> Derived:
-    from .scaling import cooling_rate_value, diffusion_slope_value
+    from .values import cooling_rate_value, diffusion_slope_value
 
     numbers = []
     for value in (0.4, 0.6, 0.7, 0.9):

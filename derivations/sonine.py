@@ -301,7 +301,7 @@ def _sonine12() -> Derived:
 
 def exact_a2(value: float) -> float:
     """The exact a_2 of the scaling solution at one restitution."""
-    from .scaling import a2_value
+    from .values import a2_value
 
     return float(a2_value(value))
 

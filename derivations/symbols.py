@@ -13,25 +13,33 @@ import sympy as sp
 from sympy.core.function import UndefinedFunction
 
 _MEANINGS: dict[str, str] = {}
+LATEX: dict[str, str] = {}
+"""LaTeX of the names that sympy would not typeset as the paper does."""
 
 
-def _real(name: str, meaning: str) -> sp.Symbol:
+def _record(name: str, meaning: str, latex: str) -> None:
     _MEANINGS[name] = meaning
+    if latex:
+        LATEX[name] = latex
+
+
+def _real(name: str, meaning: str, latex: str = "") -> sp.Symbol:
+    _record(name, meaning, latex)
     return sp.Symbol(name, real=True)
 
 
-def _positive(name: str, meaning: str) -> sp.Symbol:
-    _MEANINGS[name] = meaning
+def _positive(name: str, meaning: str, latex: str = "") -> sp.Symbol:
+    _record(name, meaning, latex)
     return sp.Symbol(name, positive=True)
 
 
-def _vector(name: str, meaning: str) -> sp.Symbol:
-    _MEANINGS[name] = meaning
+def _vector(name: str, meaning: str, latex: str = "") -> sp.Symbol:
+    _record(name, meaning, latex)
     return sp.Symbol(name)
 
 
-def _function(name: str, meaning: str, **assumptions: bool) -> UndefinedFunction:
-    _MEANINGS[name] = meaning
+def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> UndefinedFunction:
+    _record(name, meaning, latex)
     return sp.Function(name, **assumptions)
 
 
@@ -44,23 +52,27 @@ m = _positive("m", "mass of the tracer")
 n = _positive("n", "mean density of the tracer")
 t = _positive("t", "time")
 t1 = _positive("t'", "time, as integration variable")
-dt = _positive("delta_t", "a short time")
+dt = _positive("dt", "a short time", latex=r"\delta t")
 
 # --- vectors
-br = _vector(r"\mathbf{r}", "position")
-bv = _vector(r"\mathbf{v}", "velocity, after the collision where there is one")
-bvs = _vector(r"\mathbf{v}^{*}", "precollision velocity")
-bvp = _vector(r"\mathbf{v}'", "postcollision velocity")
-bvh = _vector(r"\hat{\mathbf{v}}", "direction of the velocity")
-bc = _vector(r"\mathbf{c}", "velocity over the thermal velocity")
-bcs = _vector(r"\mathbf{c}^{*}", "scaled precollision velocity")
-bl = _vector(r"\mathbf{l}", "hopping vector")
-sigma = _vector(r"\hat{\sigma}", "unit vector from the scatterer to the tracer")
-nabla = _vector(r"\nabla", "gradient in position")
-nabla0 = _vector(r"\nabla^{(0)}", "gradient in position, first order in epsilon")
-nabla1 = _vector(r"\nabla^{(1)}", "gradient in position, second order in epsilon")
-hemi = _vector(r"\mathbf{v}\cdot\hat{\sigma}>0", "the half circle of possible sigma")
-hemi_c = _vector(r"\mathbf{c}\cdot\hat{\sigma}>0", "the half circle of possible sigma")
+br = _vector("r_vec", "position", latex=r"\mathbf{r}")
+bv = _vector("v_vec", "velocity, after the collision where there is one", latex=r"\mathbf{v}")
+bvs = _vector("v_vec_pre", "precollision velocity", latex=r"\mathbf{v}^{*}")
+bvp = _vector("v_vec_post", "postcollision velocity", latex=r"\mathbf{v}'")
+bvh = _vector("v_hat", "direction of the velocity", latex=r"\hat{\mathbf{v}}")
+bc = _vector("c_vec", "velocity over the thermal velocity", latex=r"\mathbf{c}")
+bcs = _vector("c_vec_pre", "scaled precollision velocity", latex=r"\mathbf{c}^{*}")
+bl = _vector("l_vec", "hopping vector", latex=r"\mathbf{l}")
+sigma = _vector("sigma_hat", "unit vector from the scatterer to the tracer", latex=r"\hat{\sigma}")
+nabla = _vector("nabla", "gradient in position", latex=r"\nabla")
+nabla0 = _vector("nabla_0", "gradient in position, first order in epsilon", latex=r"\nabla^{(0)}")
+nabla1 = _vector("nabla_1", "gradient in position, second order in epsilon", latex=r"\nabla^{(1)}")
+hemi = _vector(
+    "v.sigma > 0", "the half circle of possible sigma", latex=r"\mathbf{v}\cdot\hat{\sigma}>0"
+)
+hemi_c = _vector(
+    "c.sigma > 0", "the half circle of possible sigma", latex=r"\mathbf{c}\cdot\hat{\sigma}>0"
+)
 
 # --- one collision
 y = _real("y", "impact parameter in units of d, uniform on [-1, 1]")
@@ -74,24 +86,24 @@ Brate = _function("B", "rate of collisions per unit angle of sigma, over rho_0")
 
 # --- velocities and distributions
 v = _positive("v", "speed")
-vs = _positive("v^{*}", "precollision speed")
-vh = _positive("|vhat|", "length of the direction vector, one")
+vs = _positive("v_pre", "precollision speed", latex=r"v^{*}")
+vh = _positive("|v_hat|", "length of the direction vector, one", latex=r"|\hat{\mathbf{v}}|")
 c = _positive("c", "scaled speed v/v0(t)")
 cp = _positive("c'", "scaled postcollision speed")
 x = _positive("x", "argument of a Sonine polynomial")
 v0 = _function("v_0", "thermal velocity, the square root of <v^2>", positive=True)
 T = _function("T", "temperature m v0^2/2", positive=True)
 f = _function("f", "velocity distribution")
-fa2 = _function("f_{a_2}", "velocity distribution in the first Sonine approximation")
+fa2 = _function("f_a2", "velocity distribution in the first Sonine approximation", latex=r"f_{a_2}")
 F = _function("F", "scaled velocity distribution")
 phi = _function("phi", "Gaussian exp(-c^2)/pi")
 S = _function("S", "Sonine polynomial S(p, x)")
 I_ = _function("I", "dimensionless collision integral")
 pd = _function("p", "distribution of position and velocity; p(V, R): exponent of the integrand")
-p0 = _function("p^{(0)}", "its zeroth order")
-p1 = _function("p^{(1)}", "its first order")
-p2 = _function("p^{(2)}", "its second order")
-pj = _function("p^{(j)}", "its order j")
+p0 = _function("p_0", "its zeroth order", latex=r"p^{(0)}")
+p1 = _function("p_1", "its first order", latex=r"p^{(1)}")
+p2 = _function("p_2", "its second order", latex=r"p^{(2)}")
+pj = _function("p_j", "its order j", latex=r"p^{(j)}")
 X = _function("X", "any function of the velocity")
 Y = _function("Y", "any function of the velocity")
 
@@ -103,11 +115,13 @@ Mp = _positive("M_p", "p-th moment of the scaled collision integral")
 a1 = _real("a_1", "first Sonine coefficient")
 a2 = _real("a_2", "second Sonine coefficient")
 a = _function("a", "Sonine coefficient a(p)", real=True)
-a2bar = _real(r"\bar{a}_2", "stationary second Sonine coefficient")
+a2bar = _real("a2_bar", "stationary second Sonine coefficient", latex=r"\bar{a}_2")
 a2t = _function("a_2", "second Sonine coefficient over time", real=True)
-da2 = _function(r"\delta a_2", "departure of a_2 from its stationary value", real=True)
+da2 = _function(
+    "delta_a2", "departure of a_2 from its stationary value", latex=r"\delta a_2", real=True
+)
 H = _real("H", "growth rate of a perturbation of a_2, up to a positive factor")
-pm = _real("pm", "plus or minus one: the branch of a square root")
+pm = _real("pm", "plus or minus one: the branch of a square root", latex=r"\pm")
 pprime = _positive("p'", "order of a second polynomial")
 alpha = _positive("alpha", "1/v0(0)")
 beta = _positive("beta", "d rho_0 h(e)")
@@ -119,43 +133,64 @@ tc = _function("t", "time of collision N")
 k = _positive("k", "summation index")
 eps = _positive("epsilon", "formal expansion parameter")
 nd = _function("n", "density of the tracer")
-J = _function(r"\mathbf{J}", "flux of the tracer")
-J0 = _function(r"\mathbf{J}^{(0)}", "its zeroth order")
-J1 = _function(r"\mathbf{J}^{(1)}", "its first order")
-Jj = _function(r"\mathbf{J}^{(j)}", "its order j")
-Bv = _function(r"\mathbf{B}", "p^(1) per density gradient")
+J = _function("J_vec", "flux of the tracer", latex=r"\mathbf{J}")
+J0 = _function("J_vec_0", "its zeroth order", latex=r"\mathbf{J}^{(0)}")
+J1 = _function("J_vec_1", "its first order", latex=r"\mathbf{J}^{(1)}")
+Jj = _function("J_vec_j", "its order j", latex=r"\mathbf{J}^{(j)}")
+Bv = _function("B_vec", "p^(1) per density gradient", latex=r"\mathbf{B}")
 De = _function("D_e", "diffusion coefficient", positive=True)
 nuD = _positive("nu_D", "relaxation rate of the flux")
 xi = _function("xi", "cooling rate of the temperature, 2 d rho_0 h v0(t)", positive=True)
-msd = _function(r"\langle r^{2}\rangle_{e}", "mean square displacement", positive=True)
-msd1 = _function(r"\langle r^{2}\rangle", "mean square displacement, elastic", positive=True)
+msd = _function(
+    "msd_e", "mean square displacement", latex=r"\langle r^{2}\rangle_{e}", positive=True
+)
+msd1 = _function(
+    "msd", "mean square displacement, elastic", latex=r"\langle r^{2}\rangle", positive=True
+)
 mn = _function("m", "f summed over directions at one speed")
 delta = _function("delta", "Dirac's delta")
 Gamma_minus, Gamma_plus, Gamma_flow = (
-    _vector(rf"\Gamma_{{{name}}}", f"change of p dr dv in a short time: {meaning}")
-    for name, meaning in (("-", "loss"), ("+", "gain"), (r"\mathrm{flow}", "streaming"))
+    _vector(f"Gamma_{kind}", f"change of p dr dv in a short time: {kind}", latex)
+    for kind, latex in (
+        ("loss", r"\Gamma_{-}"),
+        ("gain", r"\Gamma_{+}"),
+        ("flow", r"\Gamma_{\mathrm{flow}}"),
+    )
 )
 
 # --- distribution of position
 R = _positive("R", "distance over the root of the mean square displacement")
 r = _positive("r", "distance from the start")
 V = _positive("V", "scaled hopping velocity")
-Vbar = _positive(r"\bar{V}", "a constant in place of V")
-Vs = _positive("V^{*}", "the V at which the integrand has its saddle")
+Vbar = _positive("V_bar", "a constant in place of V", latex=r"\bar{V}")
+Vs = _positive("V_saddle", "the V at which the integrand has its saddle", latex=r"V^{*}")
 tau1 = _positive("tau", "time between two collisions")
 eta = _positive("eta", "the paper's parameter of G(R)")
 gamma = _positive("gamma", "the paper's fitted prefactor")
 kappa_d = _positive("kappa", "the paper's undetermined prefactor of D_e(V, t)")
 g = _function("g", "radial density of position, elastic")
 ge = _function("g_e", "radial density of position")
-gt = _function(r"\tilde{g}_e", "radial density of position at one hopping velocity")
+gt = _function(
+    "g_e_tilde", "radial density of position at one hopping velocity", latex=r"\tilde{g}_e"
+)
 G = _function("G", "scaled radial density of position")
-Gt = _function(r"\tilde{G}", "scaled radial density of position at one hopping velocity")
+Gt = _function(
+    "G_tilde", "scaled radial density of position at one hopping velocity", latex=r"\tilde{G}"
+)
 
 # --- exact theory
-cos_chi = _real(r"\langle\cos\chi\rangle", "mean cosine of the deflection angle")
-klog = _positive(r"\kappa_{\ln}", "mean log loss E[-ln s]")
+q = _positive("q", "half of an even order")
+cos_chi = _real("cos_chi", "mean cosine of the deflection angle", latex=r"\langle\cos\chi\rangle")
+klog = _positive("kappa_ln", "mean log loss E[-ln s]", latex=r"\kappa_{\ln}")
 lam = _function("lambda", "loss of |v|^p per collision, E[1 - s^p]", positive=True)
+MY = _function("M_Y", "moment E[Y^p] of Y = lim v t/l", positive=True)
+gap = _positive("delta", "1 - e")
+width2 = _positive("w2", "relative variance of the speed", latex=r"w^2")
+power = _real("power", "power of c in the tail of F")
+rate = _positive("rate", "rate of the exponential in the tail of F")
+slope = _positive("slope", "d<r^2>/d ln t over l^2")
+norm = _positive("norm", "integral of G(R) over R")
+flatness = _positive("flatness", "<R^4>/<R^2>^2")
 
 
 def meaning(name: str) -> str:

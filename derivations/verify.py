@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import sympy as sp
 
 from . import (  # noqa: F401  (they register their derivations)
+    beyond,
     chapman_enskog,
     cooling,
     figures,
@@ -14,13 +15,15 @@ from . import (  # noqa: F401  (they register their derivations)
     kinetic_equation,
     position,
     random_walk,
-    scaling,
     sonine,
     speed_resolved,
     stability,
+    statements,
 )
+from .claims import SECTION as _claims
 from .compare import agree
 from .printed import PRINTED
+from .printed.entry import Printed
 from .record import Check, Status
 from .registry import REGISTRY
 
@@ -44,15 +47,21 @@ report_subset: tuple[str, ...] = (
 )
 
 
+ROWS: dict[str, Printed] = PRINTED | {
+    entry.label: entry for section in (_claims, statements.SECTION) for entry in section.entries
+}
+"""Every row: the paper's labels in its order, what lies beyond it, and its statements."""
+
+
 def check(label: str, printed: sp.Basic | None = None) -> Check:
     """Derive one label and judge the printed formula.
 
     ``printed`` replaces the formula of :mod:`derivations.printed` (the mutation test uses it).
     Raises ValueError for a label that does not exist.
     """
-    if label not in REGISTRY or label not in PRINTED:
-        raise ValueError(f"label {label!r} is not one of the {len(PRINTED)} labels of the paper")
-    entry = PRINTED[label]
+    if label not in REGISTRY or label not in ROWS:
+        raise ValueError(f"label {label!r} is not one of the {len(ROWS)} rows")
+    entry = ROWS[label]
     formula = entry.formula if printed is None else printed
     derived = REGISTRY[label]()
     status, proof = derived.status, ""
@@ -82,5 +91,5 @@ def verify(labels: Iterable[str] | None = None) -> tuple[Check, ...]:
 
     Raises ValueError naming the label that does not exist.
     """
-    chosen = tuple(PRINTED) if labels is None else tuple(labels)
+    chosen = tuple(ROWS) if labels is None else tuple(labels)
     return tuple(check(label) for label in chosen)

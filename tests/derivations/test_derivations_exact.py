@@ -1,0 +1,172 @@
+"""The closed forms: two routes to each, and the numerical package's own against their twins."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.special import k0
+
+from derivations import closed_forms, position, twins, values, verify
+from derivations import symbols as sy
+from derivations.symbols import R, e, eta, p
+from kinetics import CollisionLaw, ScalingSolution
+from kinetics import sonine as printed_numbers
+
+RANDOM = np.random.default_rng(20240607)
+RESTITUTIONS = [float(value) for value in RANDOM.uniform(0.02, 0.98, 20)]
+EXPONENTS = [float(value) for value in RANDOM.uniform(-0.9, 12.0, 20)]
+TOLERANCE = 1e-13  # what the closed forms of the solver promise
+
+
+@pytest.mark.parametrize(
+    ("closed", "quadrature"),
+    [
+        ("loss_one", lambda z: values.loss_value(1, z)),
+        ("loss_two", lambda z: values.loss_value(2, z)),
+        ("mean_log_loss", values.log_loss_value),
+        ("mean_cosine", values.mean_cosine_value),
+    ],
+)
+def test_closed_forms_meet_quadrature_at_50_digits(closed: str, quadrature) -> None:
+    function = sp.lambdify(e, getattr(closed_forms, closed)(), "mpmath")
+    with mp.workdps(60):
+        for value in RESTITUTIONS:
+            exact, measured = function(mp.mpf(value)), quadrature(mp.mpf(value))
+            assert abs(exact / measured - 1) < mp.mpf(10) ** -50
+
+
+def test_the_hypergeometric_loss_meets_quadrature_at_50_digits() -> None:
+    function = sp.lambdify((p, e), closed_forms.mean_ratio_power(), "mpmath")
+    with mp.workdps(60):
+        for order, value in zip(EXPONENTS, RESTITUTIONS, strict=True):
+            exact = 1 - function(mp.mpf(order), mp.mpf(value))
+            assert abs(exact / values.loss_value(order, mp.mpf(value)) - 1) < mp.mpf(10) ** -50
+
+
+def test_the_integral_of_the_paper_is_the_bessel_function_at_50_digits() -> None:
+    closed = sp.lambdify((R, eta), position.closed_form(), "mpmath")
+    radii, widths = RANDOM.uniform(0.05, 6, 20), RANDOM.uniform(0.1, 2, 20)
+    with mp.workdps(60):
+        for radius, width in zip(map(mp.mpf, radii), map(mp.mpf, widths), strict=True):
+            # V = exp(u): the integrand is then even in u about its saddle, for the trapezoid rule
+            centre, step = mp.log(radius**2 / (2 * width)) / 4, mp.mpf(1) / 64
+            root = mp.exp(2 * centre)
+            total = mp.fsum(
+                mp.exp(-2 * root * mp.cosh(2 * step * index)) for index in range(-320, 321)
+            )
+            integral = 2 * radius / width * step * total
+            assert abs(integral / closed(radius, width) - 1) < mp.mpf(10) ** -50
+
+
+def test_the_series_of_the_cooling_rate_meet_it() -> None:
+    with mp.workdps(40):
+        small = mp.mpf(10) ** -4
+        stated = mp.sqrt(2) * (
+            1
+            - mp.pi * small / 4
+            + small**2 * (mp.mpf(1) / 2 - mp.pi**2 / 32 - mp.log(2) / 2 + mp.log(small) / 2)
+        )
+        # the next order is e^3 ln e
+        assert abs(twins.cooling_rate(small) - stated) < 20 * small**3
+        near = twins.cooling_rate(1 - small) / small
+        assert abs(near - mp.mpf(4) / 3 - 2 * small / 15 - 2 * small**2 / 175) < small**3
+
+
+def test_the_tail_of_the_moments_has_the_derived_power() -> None:
+    # E[Y^(p+1)]/E[Y^p] = p/lambda(p) = p + 1/(1 - e^2) + O(1/p)
+    for value in (0.2, 0.6):
+        gaps = [
+            mp.mpf(order) / twins.decay_rate(order, value) - order - 1 / (1 - mp.mpf(value) ** 2)
+            for order in (200, 400)
+        ]
+        assert abs(gaps[1]) < 0.02
+        assert gaps[0] / gaps[1] == pytest.approx(2, rel=0.05)
+
+
+def relative(number: float, twin: mp.mpf) -> float:
+    return abs(float(mp.mpf(float(number)) / twin - 1))
+
+
+@pytest.mark.parametrize("value", RESTITUTIONS)
+def test_the_collision_law_meets_its_twin(value: float) -> None:
+    law = CollisionLaw(restitution=value)
+    with mp.workdps(40):
+        for order in EXPONENTS[:5]:
+            power = twins.mean_speed_ratio_power(order, value)
+            assert relative(law.mean_speed_ratio_power(order), power) < TOLERANCE
+            assert relative(law.decay_rate(order), twins.decay_rate(order, value)) < TOLERANCE
+        assert relative(law.mean_log_loss, twins.mean_log_loss(value)) < TOLERANCE
+        # <cos chi> has a zero in e: absolute, it is of order one
+        assert abs(law.mean_cosine - twins.mean_cosine(value)) < TOLERANCE
+
+
+@pytest.mark.parametrize("value", RESTITUTIONS)
+def test_the_scaling_solution_meets_its_twin(value: float) -> None:
+    exact = ScalingSolution(value)
+    with mp.workdps(40):
+        assert relative(exact.cooling_rate, twins.cooling_rate(value)) < TOLERANCE
+        assert relative(exact.diffusion_slope, twins.diffusion_slope(value)) < TOLERANCE
+        assert abs(exact.a2 - twins.a2(value)) < TOLERANCE * (1 + abs(twins.a2(value)))
+        assert relative(exact.tail_rate, 2 / twins.cooling_rate(value)) < TOLERANCE
+        assert exact.tail_power == pytest.approx(1 / (1 - value**2) - 2, rel=TOLERANCE)
+
+
+@pytest.mark.parametrize("index", range(0, 20, 3))
+def test_the_moments_meet_their_twin(index: int) -> None:
+    value = RESTITUTIONS[index]
+    with mp.workdps(30):
+        for order in (EXPONENTS[index], EXPONENTS[(index + 1) % 20], -1.5):
+            twin = twins.moment(order, value)
+            assert relative(ScalingSolution(value).moment(order), twin) < TOLERANCE
+
+
+def lambdified(label: str, *arguments: sp.Symbol, at: dict[sp.Expr, sp.Expr] | None = None):
+    """The right-hand side of a derived formula as a numpy function of some of its symbols."""
+    (check,) = verify([label])
+    return sp.lambdify(arguments, check.derived.rhs.subs(at or {}), "numpy")
+
+
+def test_the_first_sonine_order_of_the_solver_meets_the_derived_one() -> None:
+    law = printed_numbers
+    e_above = RANDOM.uniform(0.59, 0.99, 20)
+    coefficients = RANDOM.uniform(-0.4, 0.4, 20)
+    thermal = RANDOM.uniform(0.1, 2, 20)
+    system = {sy.T(sy.t): sy.v**2 / 2, sy.m: 1, sy.d: 1, sy.rho0: sp.Rational(1, 25)}
+    pairs = [
+        (law.m2(e_above, coefficients), lambdified("sonine9", e, sy.a2)(e_above, coefficients)),
+        (law.m4(e_above, coefficients), lambdified("sonine10", e, sy.a2)(e_above, coefficients)),
+        (law.a2(e_above), lambdified("sonine12", e)(e_above)),
+        (law.cooling_rate(e_above), lambdified("compare3", e)(e_above) / 2),
+        (
+            law.stability(e_above),
+            lambdified("ac7", e, sy.a2bar)(e_above, lambdified("sonine12", e)(e_above)),
+        ),
+        (
+            law.diffusion_rate(thermal, e_above, coefficients),
+            lambdified("ad6", e, sy.a2, sy.v, at=system)(e_above, coefficients, thermal),
+        ),
+        (
+            law.diffusion_coefficient(thermal, e_above, coefficients),
+            lambdified("ad7", e, sy.a2, sy.v, at=system)(e_above, coefficients, thermal),
+        ),
+        (
+            law.msd_sonine(thermal * 100, e_above),
+            lambdified("ad8#2", e, sy.a2, sy.t, at=system)(
+                e_above, lambdified("sonine12", e)(e_above), thermal * 100
+            ),
+        ),
+    ]
+    for ours, derived in pairs:
+        np.testing.assert_allclose(ours, derived, rtol=TOLERANCE, atol=TOLERANCE)
+
+
+def test_the_position_curves_of_the_solver_meet_the_derived_ones() -> None:
+    radii = RANDOM.uniform(0.1, 5, 20)
+    for width in (0.25, 0.5, 0.75):
+        bessel = 2 * radii / width * k0(radii * np.sqrt(2 / width))
+        closed = sp.lambdify((R, eta), position.closed_form(), "mpmath")
+        derived = [float(closed(radius, width)) for radius in radii]
+        np.testing.assert_allclose(bessel, derived, rtol=TOLERANCE)
+        np.testing.assert_allclose(
+            printed_numbers.position_integral(radii, width), derived, rtol=TOLERANCE
+        )
