@@ -197,6 +197,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
             wholes[a, N_COLLISIONS] += 1
             nx, ny = x - cx, y - cy
+            slow = lanes[a, SLOW] / ratio
+            lanes[a, SLOW] = slow
             if ratio == 0.0 or (
                 path < TRAP_LENGTH
                 and is_collapsing(lanes[a, NX], lanes[a, NY], nx, ny, ux, uy, start.restitution)
@@ -213,8 +215,6 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 traps[caught, 3] = py
                 caught += 1
             else:
-                slow = lanes[a, SLOW] / ratio
-                lanes[a, SLOW] = slow
                 if slow > SHIFT:
                     _shift(records, lanes[a], wholes[a])
                 if wholes[a, N_COLLISIONS] == start.most:

@@ -179,7 +179,7 @@ class Positions:
         if len(covering):
             raise ValueError(
                 f"positions[{covering[0][-1]}] = {array[tuple(covering[0])]}: covers the start "
-                f"{tuple(origin)}, which must be at least {self.diameter:g} away"
+                f"({origin[0]:g}, {origin[1]:g}), which must be at least {self.diameter:g} away"
             )
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
