@@ -11,7 +11,7 @@ from functools import cache
 import sympy as sp
 
 from .formal import Dt, Int, Lam, Partial, dot, eq
-from .record import Derived, Status, Step
+from .record import Derived, Number, Status, Step
 from .registry import derives
 from .symbols import (
     J0,
@@ -108,12 +108,16 @@ def _flux_orders() -> dict[int, sp.Expr]:
     return {order: -total.coeff(eps, order + 1) for order in range(3)}
 
 
+def density_series(density: sp.Expr) -> sp.Expr:
+    """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
+    lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
+    return sp.Sum(eps ** (j + lowest) * Dt(j, density), (j, 0, sp.oo))
+
+
 @derives("diffuse6")
 def _diffuse6() -> Derived:
-    lowest = min(k for k in (1, 2, 3) if _flux_orders()[k - 1] != 0)
-    series = sp.Sum(eps ** (j + lowest) * Dt(j, _N), (j, 0, sp.oo))
     return Derived(
-        eq(sp.Derivative(_N, t), series),
+        eq(sp.Derivative(_N, t), density_series(_N)),
         (
             Step("order epsilon of -div J", _flux_orders()[0]),
             Step("order epsilon^2 of -div J", _flux_orders()[1]),
@@ -143,6 +147,7 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
         "With the gradient expanded as in diffuse9, order j also holds the flux of order j - i "
         "under the gradient of order i. The printed form drops these. At the orders that the "
         "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
+        numbers=(Number("change of the diffusion equation (order 1)", 0.0),),
     )
 
 

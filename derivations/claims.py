@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from .formal import Avg, eq
+from .formal import Avg, Int, Lam, Partial, eq
 from .printed.entry import Section
 from .symbols import (
     M2,
@@ -19,10 +19,13 @@ from .symbols import (
     N,
     R,
     S,
+    X,
     a2,
     bc,
+    bv,
     c,
     cos_chi,
+    d,
     e,
     eta,
     flatness,
@@ -36,7 +39,10 @@ from .symbols import (
     power,
     q,
     rate,
+    rho0,
     slope,
+    t,
+    v,
     width2,
     x,
 )
@@ -50,6 +56,16 @@ def _add(label: str, title: str, formula: sp.Basic) -> None:
     SECTION.add(f"beyond:{label}", title, "", formula)
 
 
+_add(
+    "angular-average",
+    "an isotropic VDF: one average over the impact parameter",
+    eq(Partial(Avg(v**p), t), -2 * d * rho0 * lam(p) * Avg(v ** (p + 1))),
+)
+_add(
+    "mass",
+    "the collision operator keeps mass",
+    eq(Int(Lam(X(bv)), bv), sp.Integer(0)),
+)
 _add(
     "loss-p",
     "loss of |v|^p per collision, any real p",

@@ -175,8 +175,14 @@ def _tdepend() -> Derived:
 
 def _second_moment_rate() -> sp.Expr:
     """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    flux = m / 2 * v0(t) ** 3 * d * rho0 * (-M2)
-    return sp.cancel(flux / (m * v0(t) ** 2 / 2)) * T(t)
+    return sp.cancel(_energy_rate() / (m * v0(t) ** 2 / 2)) * T(t)
+
+
+def _energy_rate() -> sp.Expr:
+    """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
+    energy, rate = m / 2 * v0(t) ** 2, d * rho0 * v0(t)
+    density, volume = n / v0(t) ** 2, v0(t) ** 2
+    return energy * rate * density * volume / n * (-M2)
 
 
 @derives("tdiff2")
@@ -186,7 +192,7 @@ def _tdiff2() -> Derived:
         (
             Step(
                 "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
-                m / 2 * v0(t) ** 3 * d * rho0 * (-M2),
+                _energy_rate(),
             ),
             Step("m v0^2/2 = T", _second_moment_rate()),
         ),

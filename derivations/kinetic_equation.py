@@ -10,7 +10,7 @@ from functools import cache
 
 import sympy as sp
 
-from .formal import Dot, Int, Lam, Measure, chain, dot, eq, linear
+from .formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linear
 from .record import Derived, Status, Step
 from .registry import derives
 from .symbols import (
@@ -35,6 +35,7 @@ from .symbols import (
     f,
     hemi,
     hemi_c,
+    lam,
     nabla,
     p,
     pd,
@@ -42,6 +43,7 @@ from .symbols import (
     rho0,
     sigma,
     t,
+    theta,
     v,
     vs,
 )
@@ -279,6 +281,31 @@ def _ad1() -> Derived:
             Step("both changes together leave the weight (v.sigma)", weak_form(Y(bvp), Y(bv))),
         ),
         "With Y = 1 it vanishes: the operator keeps mass.",
+    )
+
+
+@derives("beyond:mass")
+def _mass() -> Derived:
+    inner = weak_form(sp.Integer(1), sp.Integer(1))
+    kept = inner.replace(Int, lambda *args: sp.Integer(0) if args[0] == 0 else Int(*args))
+    return Derived(eq(Int(Lam(X(bv)), bv), kept), (Step("weak form (ad1) with Y = 1", inner),))
+
+
+@derives("beyond:angular-average")
+def _angular_average() -> Derived:
+    # v.sigma dsigma = v cos(theta) dtheta = v dy with y = sin(theta), -1 < y < 1
+    if sp.diff(sp.sin(theta), theta) != sp.cos(theta):
+        raise ArithmeticError("dy is not cos(theta) dtheta")
+    total = sp.integrate(sp.cos(theta), (theta, -sp.pi / 2, sp.pi / 2))
+    # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
+    return Derived(
+        eq(Partial(Avg(v**p), t), -d * rho0 * total * lam(p) * Avg(v**p * v)),
+        (
+            Step("weak form with Y = |v|^p", weak_form(vs**p, v**p)),
+            Step("weight of all angles: the integral of cos(theta)", total),
+            Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)", None),
+        ),
+        "The deflection drops out for an isotropic VDF: only the speed ratio s is left.",
     )
 
 

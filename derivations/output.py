@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from .record import Check, Status, latex
+from .symbols import table
 
 
 def to_json(checks: Iterable[Check]) -> dict[str, Any]:
@@ -121,13 +122,19 @@ def to_latex_document(checks: Iterable[Check]) -> str:
             section = check.section
             parts.append(rf"\section*{{{_escape(section)}}}")
         parts.append(_paragraph(check))
-    parts.append(r"\end{document}")
+    parts += [_symbol_table(), r"\end{document}"]
     return "\n".join(parts) + "\n"
 
 
 def _summary(checks: tuple[Check, ...]) -> str:
     rows = [rf"{_escape(name)} & {count} \\" for name, count in counts(checks).items() if count]
     return "\n".join([r"\begin{tabular}{lr}", *rows, r"\end{tabular}"])
+
+
+def _symbol_table() -> str:
+    rows = [rf"${latex(sp.Symbol(name))}$ & {_escape(meaning)} \\" for name, meaning in table()]
+    head = [r"\section*{Symbols}", r"\begin{longtable}{lp{0.75\textwidth}}"]
+    return "\n".join([*head, *rows, r"\end{longtable}"])
 
 
 def _display(formula: sp.Basic) -> str:

@@ -9,12 +9,14 @@ import sympy as sp
 
 from .chapman_enskog import isotropy
 from .formal import Avg, Second, chain, eq
+from .random_walk import collisions
 from .record import Derived, Number, Status, Step
 from .registry import derives
 from .symbols import (
     De,
     G,
     Gt,
+    N,
     R,
     V,
     Vbar,
@@ -23,7 +25,6 @@ from .symbols import (
     beta,
     eta,
     flatness,
-    gamma,
     gt,
     kappa_d,
     l,
@@ -33,6 +34,7 @@ from .symbols import (
     r,
     t,
     t1,
+    tc,
 )
 
 _SPREAD = sp.Integral(De(V, t1), (t1, 0, t))
@@ -106,7 +108,7 @@ def _etadif() -> Derived:
     coefficient = kappa_d * V**2 * l / (alpha + beta * t)
     if sp.simplify(sp.diff(integral, t) - coefficient) != 0 or integral.subs(t, 0) != 0:
         raise ArithmeticError("not the integral of D_e(V, t)")
-    square = l**2 * sp.log(beta / alpha * t + 1) / sp.log(1 + l * beta)
+    square = l**2 * collisions().subs(tc(N), t)
     value = sp.simplify(4 * integral / (V**2 * square))
     (fixed,) = sp.solve(value.subs(l * beta, 1) - sp.Rational(1, 2), kappa_d)
     return Derived(
@@ -262,21 +264,42 @@ def _tailg() -> Derived:
         "The last expression is half of the Gaussian integral: the root should hold "
         "2 pi/p'', not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma "
         "absorbs the 2.",
-        numbers=tuple(numbers),
+        numbers=(
+            *numbers,
+            Number("integral of the printed form at eta = 1/2", _steepest_moment(0) / 2),
+            Number("second moment of the printed form at eta = 1/2", _steepest_moment(2) / 2),
+            Number("integral of the derived form at eta = 1/2", _steepest_moment(0)),
+            Number("second moment of the derived form at eta = 1/2", _steepest_moment(2)),
+        ),
     )
 
 
-def _steepest(radius: float, width: float) -> float:
-    """The derived steepest descent at one R, for one eta."""
-    square = (mp.sqrt(1 + 8 * radius**2 / width) - 1) / 4
-    bend = -1 / square + 2 + 3 * radius**2 / (width * square**2)  # p'' R^2
-    height = mp.log(square) / 2 + square + radius**2 / (2 * width * square)
-    return float(2 / width * radius * mp.sqrt(2 * mp.pi / bend) * mp.exp(-height))
+@cache
+def _steepest_moment(order: int, width: float = 0.5) -> float:
+    """The integral of R^order times the derived steepest descent over R.
+
+    With w = V*^2 as variable: R^2 = eta (w + 2 w^2), 2 R dR = eta (1 + 4 w) dw.
+    """
+
+    def integrand(w: mp.mpf) -> mp.mpf:
+        radius = mp.sqrt(width * (w + 2 * w * w))
+        return radius**order * _steepest_at(w, width) * width * (1 + 4 * w) / (2 * radius)
+
+    return float(mp.quad(integrand, [0, 1, 4, mp.inf]))
+
+
+def _steepest_at(w: mp.mpf, width: float) -> mp.mpf:
+    """The derived steepest descent where the saddle has V*^2 = w."""
+    radius = mp.sqrt(width * (w + 2 * w * w))
+    height = mp.log(w) / 2 + 2 * w + mp.mpf(1) / 2
+    bend = 8 + 2 / w  # p'' R^2
+    return 2 / width * radius * mp.sqrt(2 * mp.pi / bend) * mp.exp(-height)
 
 
 def _tail_ratios(radius: float, width: float) -> tuple[float, float]:
     exact = float(2 * radius / width * mp.besselk(0, radius * mp.sqrt(2 / width)))
-    derived = _steepest(radius, width)
+    w = (mp.sqrt(1 + 8 * radius**2 / width) - 1) / 4
+    derived = float(_steepest_at(w, width))
     return exact / (derived / 2), exact / derived
 
 
@@ -312,6 +335,8 @@ def _semig() -> Derived:
             Step("large R with the saddle, Gaussian integral as derived", tail()),
             Step("the same from K_0(z) ~ sqrt(pi/(2 z)) exp(-z)", bessel),
             Step("their ratio", half),
+            Step("integral of the derived form", sp.simplify(sp.integrate(tail(), (R, 0, sp.oo)))),
+            Step("its second moment", sp.simplify(sp.integrate(R**2 * tail(), (R, 0, sp.oo)))),
         ),
         "Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right for "
         "the printed model; with eta = 1/2 it is 2.",
@@ -325,14 +350,9 @@ def _semig() -> Derived:
 
 @derives("gammatailg")
 def _gammatailg() -> Derived:
-    with mp.workdps(20):
-        norm, second = (
-            mp.quad(lambda z, k=k: z**k * 7.39 / 2 * _steepest(z, 0.25), [1e-9, 1, 3, 10, 30])
-            for k in (0, 2)
-        )
-    value = 2 * gamma / eta * sp.sqrt(2 * sp.pi / _CURVATURE / 4)
+    norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
     return Derived(
-        eq(G(R), value * sp.exp(-pd(Vs, R) * R**2)),
+        eq(G(R), 2 / eta * R * gaussian_integral() * sp.exp(-pd(Vs, R) * R**2)),
         note="With the Gaussian integral put right, gamma is 2 for every eta and <R^2> = 1 fixes "
         "eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
         status=Status.FIT,
@@ -341,8 +361,8 @@ def _gammatailg() -> Derived:
             Number("gamma that the integral gives", 2.0),
             Number("eta fitted", 0.25),
             Number("eta for which <R^2> = 1", 0.5),
-            Number("integral of the fitted form over R", float(norm)),
-            Number("second moment of the fitted form", float(second)),
+            Number("integral of the fitted form over R", norm_),
+            Number("second moment of the fitted form", second),
         ),
     )
 

@@ -47,7 +47,11 @@ def interval() -> sp.Expr:
     """tau_N solved from tau_(N+1) = tau_N + l beta tau_N and tau_1 = l alpha."""
     index = sp.Symbol("i", integer=True)
     unknown = sp.Function("u")
-    recursion = unknown(index + 1) - unknown(index) - l * beta * unknown(index)
+    before, after = sp.symbols("t_before t_after", positive=True)
+    longer = (l * (alpha + beta * after) - l * (alpha + beta * before)).subs(
+        after, before + unknown(index)
+    )
+    recursion = unknown(index + 1) - unknown(index) - sp.expand(longer)
     solution = sp.rsolve(recursion, unknown(index), {unknown(1): l * alpha})
     return solution.subs(index, N)
 
@@ -99,6 +103,8 @@ def collisions() -> sp.Expr:
 def _n() -> Derived:
     time = sp.Symbol("time", positive=True)
     elastic = sp.limit(collisions().subs(tc(N), time), beta, 0)
+    if sp.simplify(elastic - time / (alpha * l)) != 0:
+        raise ArithmeticError("the elastic limit is not t/(alpha l)")
     return Derived(
         eq(N, collisions()),
         (

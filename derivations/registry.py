@@ -1,8 +1,9 @@
-"""Which function derives which label. Registration order is the order of the rows."""
+"""Which function derives which label; each runs at most once in a process."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 from .record import Derived
 
@@ -14,10 +15,11 @@ def derives(*labels: str) -> Callable[[Derivation], Derivation]:
     """Register a derivation for one or more labels (the paper repeats some formulas)."""
 
     def register(function: Derivation) -> Derivation:
+        once = cache(function)
         for label in labels:
             if label in REGISTRY:
                 raise ValueError(f"label {label!r} is derived twice")
-            REGISTRY[label] = function
+            REGISTRY[label] = once
         return function
 
     return register

@@ -275,17 +275,16 @@ def growth(root: sp.Expr | None = None) -> sp.Expr:
 @derives("sonine12")
 def _sonine12() -> Derived:
     growths = [growth(root) for root in roots()]
-    stable = [
-        root
-        for root, rate in zip(roots(), growths, strict=True)
-        if rate.subs(e, sp.Rational(9, 10)) < 0
-    ]
-    (chosen,) = stable
+    # over the root of the discriminant both are numbers: the signs hold wherever it is real
+    spread = roots()[1] - roots()[0]
+    signs = [sp.simplify(rate / spread) for rate in growths]
+    (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
     return Derived(
         eq(a2, chosen),
         (
             Step("growth rate H at the lower root", growths[0]),
             Step("growth rate H at the upper root", growths[1]),
+            Step("H over the distance of the roots: lower, upper", sp.Tuple(*signs)),
             Step("the root with H < 0 is the stable one", chosen),
         ),
         "The stable root of the truncated equation, but far from the exact a_2, which exists for "

@@ -6,7 +6,7 @@ from functools import cache
 
 import sympy as sp
 
-from .chapman_enskog import continuity_order, isotropy
+from .chapman_enskog import continuity_order, density_series, isotropy
 from .collision_integrals import over_angle, parallel_component, speed_ratio_squared
 from .formal import Dt, Int, Lam, Partial, chain, dot, eq
 from .record import Derived, Number, Status, Step
@@ -31,7 +31,6 @@ from .symbols import (
     eps,
     f,
     h,
-    j,
     kappa_d,
     l,
     mn,
@@ -110,7 +109,7 @@ def _ap4() -> Derived:
 @derives("ap6")
 def _ap6() -> Derived:
     return Derived(
-        eq(sp.Derivative(_N, t), sp.Sum(eps ** (j + 1) * Dt(j, _N), (j, 0, sp.oo))),
+        eq(sp.Derivative(_N, t), density_series(_N)),
         (Step("each order of the gradient carries at least one factor of epsilon", None),),
         "Rests on ap4.",
     )

@@ -129,6 +129,8 @@ def _compare1() -> Derived:
     discriminant = sp.expand(sp.discriminant(8 * quadratic(), a2))
     square = sp.Symbol("e2", positive=True)
     (positive,) = sp.solve(discriminant.subs(e, sp.sqrt(square)), square)
+    if discriminant.subs(e, 1) <= 0:
+        raise ArithmeticError("the roots are not real above the threshold")
     threshold = sp.sqrt(positive)
     return Derived(
         sp.Le(threshold, e, evaluate=False),
