@@ -145,7 +145,7 @@ class BackwardEquation:
         """Loss matrix of a panel on itself, and gains from the 1st, 2nd, ... panel below it."""
         if m in self._kernels:
             return self._kernels[m]
-        q = self.law.quadrature
+        q = self.law.quadrature_for(float(self.nodes), m)
         n = self.nodes
         local = self._local[:, None] - q.log_loss / _WIDTH
         below = np.maximum(np.ceil(-local), 0.0).astype(int)
@@ -158,7 +158,11 @@ class BackwardEquation:
         # 1 - (gain from the panel itself) without cancellation, for e near 1: the off-diagonal
         # entries are accurate relative to themselves, and rows of the interpolation sum to 1
         inside = np.where(below == 0, q.weight, 0.0)
-        off = np.where(np.eye(n, dtype=bool)[:, None, :], 0.0, self._close_rows(local, rows))
+        off = np.where(
+            np.eye(n, dtype=bool)[:, None, :],
+            0.0,
+            self._close_rows(q.log_loss / _WIDTH, local, rows),
+        )
         loss = -np.einsum("ik,ikj->ij", inside * cosine, off)
         half = np.sin(0.5 * m * np.arccos(q.cosine)) if m else np.zeros_like(q.weight)
         diagonal = (inside * (2.0 * half**2 + cosine * off.sum(axis=2))).sum(axis=1)
@@ -167,9 +171,8 @@ class BackwardEquation:
         self._kernels[m] = (loss, gain)
         return self._kernels[m]
 
-    def _close_rows(self, local: FloatArray, rows: FloatArray) -> FloatArray:
+    def _close_rows(self, shift: FloatArray, local: FloatArray, rows: FloatArray) -> FloatArray:
         """Off-diagonal interpolation weights, accurate where a point is close to its own node."""
-        shift = self.law.quadrature.log_loss / _WIDTH
         if float(shift.min()) > 1e-3:
             return rows
         n = self.nodes

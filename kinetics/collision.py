@@ -12,7 +12,8 @@ Everything that the kinetic equation needs is an average of s^p cos(m chi) over 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -24,11 +25,13 @@ from kinetics.errors import short as _short
 
 FloatArray = NDArray[np.float64]
 
-# Gauss-Legendre points on each panel of length 1 in the variable u below. The integrands are
-# analytic up to Im u = pi/2, so 20 points leave an error below 1e-24 for s^p with |p| < 15.
+# Gauss-Legendre points on each panel in the variable u below. They are exact to rounding for
+# s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED (measured: 40).
 _POINTS = 20
+_RESOLVED = 30.0
 # Where e = 0 the variable is ln(1/s) itself; what lies beyond weighs exp(-_DEEPEST).
 _DEEPEST = 40.0
+_LARGEST_RATE = 1e7
 
 
 @lru_cache(maxsize=8)
@@ -38,9 +41,11 @@ def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
     return 0.5 * (x + 1.0), 0.5 * w
 
 
-def composite_gauss(length: float, points: int = _POINTS) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights on [0, length], in equal panels no longer than 1."""
-    panels = max(1, int(np.ceil(length)))
+def composite_gauss(
+    length: float, points: int = _POINTS, longest: float = 1.0
+) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on [0, length], in equal panels no longer than ``longest``."""
+    panels = max(1, int(np.ceil(length / longest)))
     width = length / panels
     x, w = gauss_legendre(points)
     nodes = (np.arange(panels)[:, None] + x[None, :]).ravel() * width
@@ -76,8 +81,10 @@ class ImpactQuadrature:
         return np.asarray(np.cos(m * np.arccos(self.cosine)))
 
 
-def impact_quadrature(restitution: float, points: int = _POINTS) -> ImpactQuadrature:
+def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrature:
     """Quadrature over the impact parameter, graded so that no e is special.
+
+    ``longest`` is the length of a panel in u below: s^z cos(m chi) wants (|z| + m) longest < 40.
 
     s(y) has branch points at y = +-i e/sqrt(1-e^2), near the real axis for small e. With
     y = (e/b) sinh u, b = sqrt(1-e^2), they leave: s = e cosh u, 0 <= u <= U = asinh(b/e).
@@ -87,18 +94,18 @@ def impact_quadrature(restitution: float, points: int = _POINTS) -> ImpactQuadra
     e = restitution
     if e == 1.0:
         # nothing is lost, but the deflection remains: cos(chi) = 2 y^2 - 1
-        y, w = gauss_legendre(points)
+        y, w = composite_gauss(1.0, _POINTS, longest)
         one = np.ones_like(y)
         return ImpactQuadrature(w, np.zeros_like(y), one, 2.0 * y * y - 1.0)
     if e == 0.0:
-        xi, w = composite_gauss(_DEEPEST, points)
+        xi, w = composite_gauss(_DEEPEST, _POINTS, longest)
         s = np.exp(-xi)
         return ImpactQuadrature(w * s, xi, s, s * s)
     b2 = (1.0 - e) * (1.0 + e)
     b = np.sqrt(b2)
     top = float(np.arcsinh(b / e))
-    u, w = composite_gauss(top, points)
-    rest, _ = composite_gauss(top, points)
+    u, w = composite_gauss(top, _POINTS, longest)
+    rest, _ = composite_gauss(top, _POINTS, longest)
     rest = rest[::-1]  # U - u without cancellation: the nodes are symmetric
     lost = e * e * np.sinh(rest) * np.sinh(top + u)  # 1 - s^2
     s_small = e * np.cosh(u)
@@ -132,14 +139,35 @@ class CollisionLaw:
     """
 
     restitution: float
+    _quadratures: dict[int, ImpactQuadrature] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "restitution", check_restitution(self.restitution))
 
     @cached_property
     def quadrature(self) -> ImpactQuadrature:
-        """The average over the impact parameter as a weighted sum."""
-        return impact_quadrature(self.restitution)
+        """The average over the impact parameter as a weighted sum, for smooth functions of ln s."""
+        return self.quadrature_for(0.0)
+
+    def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
+        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``.
+
+        Raises InputError for a rate above 1e7.
+        """
+        if not rate <= _LARGEST_RATE:
+            raise InputError(
+                f"p: got a size of {rate:.3g}; E[s^p] is averaged up to {_LARGEST_RATE:g}"
+            )
+        # how far |z| ln s and m chi can turn within a panel
+        top = 40.0 if self.restitution == 0.0 else math.acosh(1.0 / self.restitution)
+        turn = rate * min(1.0, top * math.tanh(top)) + 3.0 * m
+        level = max(0, math.ceil(math.log2(max(turn, 1.0) / _RESOLVED)))
+        if level not in self._quadratures:
+            longest = min(1.0, top) * 2.0**-level if top > 0.0 else 2.0**-level
+            self._quadratures[level] = impact_quadrature(self.restitution, longest)
+        return self._quadratures[level]
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
@@ -150,7 +178,7 @@ class CollisionLaw:
         p_ = self._exponents(p)
         if self.restitution == 0.0:
             return (1.0 / (1.0 + p_))[()]
-        q = self.quadrature
+        q = self.quadrature_for(_size(p_))
         with np.errstate(over="ignore", invalid="ignore"):
             mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight
         return self._finite(p, mean)[()]
@@ -164,7 +192,7 @@ class CollisionLaw:
         p_ = self._exponents(p)
         if self.restitution == 0.0:
             return (p_ / (1.0 + p_))[()]
-        q = self.quadrature
+        q = self.quadrature_for(_size(p_))
         with np.errstate(over="ignore", invalid="ignore"):
             rate = -np.expm1(-np.multiply.outer(p_, q.log_loss)) @ q.weight
         return self._finite(p, rate)[()]
@@ -191,7 +219,7 @@ class CollisionLaw:
             return float(self.decay_rate(p))
         if self.restitution == 0.0 and p <= -1.0:
             raise InputError(f"p: got {p!r}; at restitution 0 it must be above -1")
-        q = self.quadrature
+        q = self.quadrature_for(abs(p), abs(m))
         half = np.sin(0.5 * m * np.arccos(q.cosine))
         # 1 - s^p cos = (1 - s^p) + s^p 2 sin^2(m chi/2): no cancellation
         terms = -np.expm1(-p * q.log_loss) + np.exp(-p * q.log_loss) * 2.0 * half**2
@@ -213,3 +241,7 @@ class CollisionLaw:
         if not np.all(np.isfinite(value)):
             raise InputError(f"p: got {_short(p)}; E[s^p] overflows double precision there")
         return value
+
+
+def _size(z: NDArray[Any]) -> float:
+    return float(np.max(np.abs(z))) if z.size else 0.0

@@ -54,7 +54,8 @@ class _Masses:
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q = law.quadrature
+    # several points in each cell, or the shares would come in lumps
+    q = law.quadrature_for(8.0 / spacing, m)
     level = q.log_loss / spacing
     low = np.floor(level).astype(int)
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)

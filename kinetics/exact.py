@@ -116,6 +116,40 @@ class ScalingSolution:
             return math.inf
         return 1.0 / ((1.0 - self.restitution) * (1.0 + self.restitution)) - 2.0
 
+    @cached_property
+    def log_tail_amplitude(self) -> float:
+        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c); InputError at e = 1.
+
+        With b = 1/(1-e^2), E[Y^p]/Gamma(p+b) tends to 2 pi A (h/2)^b: a sum over the integers p
+        of ln[(p/(p+b))/lambda(p)], by Euler-Maclaurin.
+        """
+        if self.restitution == 1.0:
+            raise InputError("restitution: got 1.0; the scaled VDF exists for 0 <= e < 1 only")
+        law, b = self.law, self.tail_power + 2.0
+
+        def excess(p: FloatArray) -> FloatArray:
+            # ln of the factor by which E[Y^p]/Gamma(p+b) grows from p to p+1
+            return np.asarray(-np.log(law.decay_rate(p)) - np.log1p(b / p))
+
+        n = 24.0
+        head = float(excess(np.arange(1.0, n)).sum())
+        # Euler-Maclaurin from n on; the integral in u = n/p up to p = last, beyond that from the
+        # first three terms of the series in 1/p
+        last = 2000.0 * b
+        u, w = composite_gauss(1.0 - n / last, 40, 0.25)
+        u = u + n / last
+        integral = float((excess(n / u) * n / u**2) @ w)
+        at = last * np.array([1.0, 1.5, 2.0])
+        terms = np.linalg.solve(at[:, None] ** -np.array([2.0, 3.0, 4.0]), excess(at))
+        integral += float(terms @ (last ** -np.array([1.0, 2.0, 3.0]) / np.array([1.0, 2.0, 3.0])))
+        step = 1.0
+        around = excess(n + step * np.arange(-3.0, 4.0))
+        first = float(around @ [-1, 9, -45, 0, 45, -9, 1]) / (60.0 * step)
+        third = float(around @ [1, -8, 13, 0, -13, 8, -1]) / (8.0 * step**3)
+        tail = integral + 0.5 * float(around[3]) - first / 12.0 + third / 720.0
+        log_y = -math.log(law.mean_log_loss) - math.lgamma(1.0 + b) + head + tail
+        return log_y + b * math.log(self.tail_rate) - math.log(2.0 * math.pi)
+
     def moment(self, p: float) -> float:
         """<c^p> for real p, |p| <= 300 (p > -1 at e = 0), with <c^0> = <c^2> = 1.
 
@@ -199,7 +233,7 @@ class ScalingSolution:
         if self.restitution == 0.0:
             # rho = log(1 + z)
             return [1.0 / (n * (1.0 + z) ** n) for n in range(1, order, 2)]
-        q = self.law.quadrature
+        q = self.law.quadrature_for(float(np.abs(z).max()))
         kernel = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
         c = [self.law.decay_rate(z)]
         factor = np.ones_like(q.log_loss)

@@ -29,6 +29,8 @@ FloatArray = NDArray[np.float64]
 # lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error.
 _FIRST_TILT = 1.7
 _LOWEST_LOG = -690.0  # F below e^-690 is 0
+_LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
+_TAIL_POINTS = 9
 _NEGLIGIBLE = 38.0  # e^-38: the share of a moment that its ends may hold
 
 
@@ -124,6 +126,32 @@ class ScaledVDF:
         with np.errstate(under="ignore"):
             out[inside] = np.exp(log_g - 2.0 * log_c) / (2.0 * math.pi)
         return out.reshape(c_.shape)[()]
+
+    @cached_property
+    def log_tail_amplitude(self) -> float:
+        """ln A in F(c) ~ A c^(1/(1-e^2) - 2) exp(-2 c/h), from F between e^-100 and e^-700 or so.
+
+        Absolute error about 1e-8, for e up to 0.95: InputError above, where the asymptotic form
+        starts beyond the smallest numbers.
+        """
+        if self.restitution > 0.95:
+            raise InputError(
+                f"restitution: got {self.restitution!r}; the solver finds the tail amplitude up "
+                "to 0.95, ScalingSolution has it everywhere"
+            )
+        b = 1.0 / ((1.0 - self.restitution) * (1.0 + self.restitution))
+        # the rest is a series in 1/Y, Y = v t/l: a polynomial through Chebyshev points in 1/Y
+        highest = 100.0 + 40.0 * b * b
+        k = np.arange(_TAIL_POINTS)
+        inverse = (0.6 - 0.4 * np.cos((k + 0.5) * math.pi / _TAIL_POINTS)) / (0.2 * highest)
+        y = 1.0 / inverse
+        x = np.log(y) + math.log(self.law.mean_log_loss)
+        self._cover_above(float(x.max()), floor=_LOWEST_TAIL)
+        rest = self._log_density(x) - self._log_norm - b * np.log(y) + y
+        at_zero = np.array([np.prod(inverse[k != j] / (inverse[k != j] - inverse[j])) for j in k])
+        log_y = float(at_zero @ rest)
+        stretch = 0.5 * self._log_second - math.log(self.law.mean_log_loss)  # ln sqrt(E[Y^2])
+        return log_y + b * stretch - math.log(2.0 * math.pi)
 
     @property
     def nodes(self) -> int:
