@@ -134,7 +134,7 @@ def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> 
     shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.5 else 0
     for reach in (14.0, 60.0, 300.0):
         k = np.linspace(0.0, reach / deviation, 32)
-        log_flux = _log_flux_on_lines(law, theta + np.arange(shift + 1), k)
+        log_flux = _log_flux_on_lines(law, theta + np.arange(shift + 1, dtype=float), k)
         middle = _log_flux_on_lines(law, np.array([theta + shift - 0.5]), k)[0]
         turn = -np.unwrap(middle.imag)
         fall = np.concatenate([[0.0], np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k))])
