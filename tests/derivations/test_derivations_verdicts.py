@@ -56,10 +56,9 @@ def test_the_assumptions_say_whether_they_hold() -> None:
 
 
 def test_which_statements_of_the_paper_survive() -> None:
-    survive = {
-        label[10:] for label, row in CHECKS.items() if label[:9] == "statement" and row.holds
-    }
-    fall = {label[10:] for label, row in CHECKS.items() if label[:9] == "statement"} - survive
+    rows = {label[10:]: row for label, row in CHECKS.items() if label.startswith("statement:")}
+    survive = {name for name, row in rows.items() if row.holds}
+    fall = set(rows) - survive
     assert survive == {"h-not-haff", "exponential-f", "log-msd"}
     assert fall == {
         "h-linear",
@@ -114,7 +113,7 @@ def test_a_row_says_what_its_status_promises(label: str) -> None:
 )
 def test_numbers_that_were_known_before(label: str, name: str, value: float) -> None:
     found = {number.name: number.value for number in CHECKS[label].numbers}
-    assert found[name] == pytest.approx(value, rel=2e-3)
+    assert found[name] == pytest.approx(value, abs=5.1e-4)  # half of the last digit of most
 
 
 def test_the_report_subset_is_judged_as_the_whole_is() -> None:
