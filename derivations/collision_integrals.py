@@ -11,7 +11,7 @@ from functools import cache
 
 import sympy as sp
 
-from .symbols import a2, c, e, p, theta, y
+from .symbols import a2, c, e, p, theta, x, y
 
 
 @cache
@@ -77,8 +77,7 @@ def sonine_average(order: int) -> sp.Expr:
     """<c^order> over exp(-c^2)/pi (1 + a2 S_2(c^2)) in the plane."""
     from .sonine import polynomial
 
-    x = sp.Symbol("x", positive=True)
-    weight = 1 + a2 * polynomial(2, x).subs(x, c**2)
+    weight = 1 + a2 * polynomial(2).subs(x, c**2)
     return sp.collect(sp.expand(gaussian_average(sp.expand(c**order * weight))), a2, sp.factor)
 
 

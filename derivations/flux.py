@@ -12,7 +12,7 @@ from .formal import eq
 from .record import Derived, Number, Status, Step
 from .registry import derives
 from .sonine import polynomial, roots, sonine_cooling_rate, tidy
-from .symbols import De, a2, bv, c, d, e, fa2, h, msd, n, nuD, rho0, t, t1, v, v0
+from .symbols import De, a2, bv, c, d, e, fa2, h, msd, n, nuD, rho0, t, t1, v, v0, x
 
 
 @derives("ad3")
@@ -50,8 +50,7 @@ def _ad4() -> Derived:
 
 @derives("ad5")
 def _ad5() -> Derived:
-    x = sp.Symbol("x", positive=True)
-    scaled = sp.exp(-(c**2)) / sp.pi * (1 + a2 * polynomial(2, x).subs(x, c**2))
+    scaled = sp.exp(-(c**2)) / sp.pi * (1 + a2 * polynomial(2).subs(x, c**2))
     dimensional = n / v0(t) ** 2 * scaled.subs(c, v / v0(t))
     derived = dimensional.subs(v0(t), thermal_speed())
     return Derived(

@@ -19,8 +19,14 @@ from .symbols import M2, M4, F, S, a, a1, a2, a2bar, bc, c, e, p, phi, pm, pprim
 
 
 @cache
-def polynomial(order: int, x: sp.Symbol) -> sp.Expr:
-    """S_N(x): orthonormal for the weight exp(-x) on x > 0 (the plane's), S_N(0) = 1.
+def power_average() -> sp.Expr:
+    """The integral of x^p exp(-x) over x > 0."""
+    return sp.integrate(x**p * sp.exp(-x), (x, 0, sp.oo))
+
+
+@cache
+def polynomial(order: int) -> sp.Expr:
+    """S_N(x), orthogonal for the weight exp(-x) on x > 0 (the plane's), S_N(0) = 1.
 
     Built by Gram-Schmidt from 1, x, x^2, ...; nothing is typed in.
     """
@@ -28,15 +34,12 @@ def polynomial(order: int, x: sp.Symbol) -> sp.Expr:
         raise ValueError(f"order = {order}: a Sonine polynomial has order >= 0")
 
     def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-        product = sp.Poly(sp.expand(one * other), x)
-        return sum(
-            (k * sp.integrate(x**i * sp.exp(-x), (x, 0, sp.oo)) for (i,), k in product.terms()),
-            sp.Integer(0),
-        )
+        terms = sp.Poly(sp.expand(one * other), x).terms()
+        return sum((k * power_average().subs(p, i) for (i,), k in terms), sp.Integer(0))
 
     result = x**order
     for lower in range(order):
-        basis = polynomial(lower, x)
+        basis = polynomial(lower)
         result -= inner(x**order, basis) / inner(basis, basis) * basis
     result = sp.expand(result)
     return sp.expand(result / result.subs(x, 0))
@@ -60,16 +63,16 @@ def _sonine1() -> Derived:
 @derives("sonine1.5")
 def _sonine1_5() -> Derived:
     return Derived(
-        sp.Tuple(*(eq(S(order, x), polynomial(order, x)) for order in (0, 1))),
-        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1, x)),),
+        sp.Tuple(*(eq(S(order, x), polynomial(order)) for order in (0, 1))),
+        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1)),),
     )
 
 
 @derives("sonine2")
 def _sonine2() -> Derived:
     return Derived(
-        eq(S(2, x), polynomial(2, x)),
-        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2, x)),),
+        eq(S(2, x), polynomial(2)),
+        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2)),),
     )
 
 
@@ -104,7 +107,7 @@ def _sonine3() -> Derived:
     u = sp.Symbol("u", positive=True)
     series = sp.series(single, u, 0, 4).removeO()
     for order in range(4):
-        if sp.expand(series.coeff(u, order) - polynomial(order, x)) != 0:
+        if sp.expand(series.coeff(u, order) - polynomial(order)) != 0:
             raise ArithmeticError(f"the generating function misses S_{order}")
     return Derived(
         eq(
@@ -132,7 +135,7 @@ def _sonine4() -> Derived:
 
 def _averaged(order: int) -> sp.Expr:
     """<S_order(c^2)> in the moments <c^2>, <c^4>."""
-    terms = sp.Poly(polynomial(order, x), x).terms()
+    terms = sp.Poly(polynomial(order), x).terms()
     return sum(
         (k * (Avg(c ** (2 * power)) if power else 1) for (power,), k in terms), sp.Integer(0)
     )

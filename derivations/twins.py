@@ -116,3 +116,23 @@ def _interpolate(points: list[tuple[mp.mpf, mp.mpf]], target: mp.mpf) -> mp.mpf:
                 weight *= (target - z) / (x - z)
         total += weight
     return total
+
+
+def log_tail_amplitude(restitution: mp.mpf) -> mp.mpf:
+    """ln A in F(c) ~ A c^(b - 2) exp(-2 c/h), b = 1/(1 - e^2), to about 15 digits for e < 0.95.
+
+    The density of Y is A' y^(b-1) exp(-y) far out, so that E[Y^n]/Gamma(n + b) tends to A', and
+    A' = 2 pi A (h/2)^b. The limit is extrapolated as a polynomial in 1/n, from n >> b^2.
+    """
+    value = mp.mpf(restitution)
+    power = 1 / (1 - value**2)
+    first = 60 + int(10 * power**2)
+    nodes = range(first, 4 * first + 1, first // 5)
+    ladder = _log_ladder(value, nodes[-1], mp.mp.dps)
+    points = [
+        (1 / mp.mpf(n), ladder[n - 1] + mp.loggamma(n) - mp.loggamma(n + power)) for n in nodes
+    ]
+    limit = _interpolate(points, mp.mpf(0))
+    # h from the same two losses as the ladder: defined at e = 0 too
+    half_h = mp.sqrt(mean_log_loss(value) * decay_rate(1, value))
+    return limit - mp.log(2 * mp.pi) - power * mp.log(half_h)

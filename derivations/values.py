@@ -42,9 +42,14 @@ def log_loss_value(restitution: Restitution) -> mp.mpf:
     return -_average("log", mp.mpf(0), restitution)
 
 
+def flux_loss_value(order: float | mp.mpf, restitution: Restitution) -> mp.mpf:
+    """1 - E[s^p cos chi]: the loss of a moment of v^p times the direction of v."""
+    return 1 - _average("parallel", mp.mpf(order) - 1, restitution)
+
+
 def mean_cosine_value(restitution: Restitution) -> mp.mpf:
     """The mean cosine of the deflection angle at the working precision of mpmath."""
-    return _average("parallel", mp.mpf(-1), restitution)
+    return 1 - flux_loss_value(0, restitution)
 
 
 @cache

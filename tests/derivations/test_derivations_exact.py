@@ -6,9 +6,11 @@ import pytest
 import sympy as sp
 from scipy.special import k0
 
-from derivations import closed_forms, position, twins, values, verify
+from derivations import beyond, closed_forms, position, twins, values, verify
 from derivations import symbols as sy
+from derivations.formal import Second
 from derivations.symbols import R, e, eta, p
+from derivations.verify import ROWS
 from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 
@@ -96,6 +98,8 @@ def test_the_collision_law_meets_its_twin(value: float) -> None:
             assert relative(law.mean_speed_ratio_power(order), power) < TOLERANCE
             assert relative(law.decay_rate(order), twins.decay_rate(order, value)) < TOLERANCE
         assert relative(law.mean_log_loss, twins.mean_log_loss(value)) < TOLERANCE
+        flux = values.flux_loss_value(EXPONENTS[0], mp.mpf(value))
+        assert relative(law.harmonic_decay_rate(EXPONENTS[0], 1), flux) < TOLERANCE
         # <cos chi> has a zero in e: absolute, it is of order one
         assert abs(law.mean_cosine - twins.mean_cosine(value)) < TOLERANCE
 
@@ -158,6 +162,92 @@ def test_the_first_sonine_order_of_the_solver_meets_the_derived_one() -> None:
     ]
     for ours, derived in pairs:
         np.testing.assert_allclose(ours, derived, rtol=TOLERANCE, atol=TOLERANCE)
+
+
+def stated(label: str, *arguments: sp.Symbol, at: dict[sp.Expr, sp.Expr] | None = None):
+    """The right-hand side of a printed formula as a numpy function of some of its symbols."""
+    formula = ROWS[label].formula
+    side = formula[-1].rhs if isinstance(formula, sp.Tuple) else formula.rhs
+    return sp.lambdify(arguments, side.subs(at or {}).doit(), "numpy")
+
+
+def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
+    law = printed_numbers
+    time, value = RANDOM.uniform(1, 3000, 20), RANDOM.uniform(0.1, 0.95, 20)
+    start = sp.sqrt(2)
+    fitted = sp.Rational(145, 100) * (1 - e)
+    walk = {
+        sy.alpha: 1 / start,
+        sy.beta: fitted / 25,
+        sy.l: sp.Rational(27, 2),
+        sy.v0(0): start,
+        sy.d: 1,
+        sy.rho0: sp.Rational(1, 25),
+        sy.h: fitted,
+    }
+    radii = RANDOM.uniform(0.3, 6, 20)
+    saddle = stated("csolu", R, eta)(radii, 0.25)
+    exponent, curvature = (
+        sp.lambdify((sy.V, R, eta), part)
+        for part in (
+            ROWS["pdefi"].formula.rhs,
+            sp.diff(ROWS["pdefi"].formula.rhs, sy.V, 2),
+        )
+    )
+    fit = {sy.gamma: sp.Rational(739, 100), eta: sp.Rational(1, 4)}
+    bend, height = sp.symbols("bend height")
+    tail = ROWS["gammatailg"].formula.rhs.subs(fit)
+    tail = tail.subs({Second(sy.pd(sy.V, R), sy.V, sy.Vs): bend, sy.pd(sy.Vs, R): height})
+    pairs = [
+        (law.cooling_rate_fitted(value), stated("hsimu", e)(value)),
+        (
+            law.thermal_speed(time, law.cooling_rate_fitted(value)),
+            stated("veq", e, sy.t, at=walk)(value, time),
+        ),
+        (law.msd_random_walk(time, value), stated("msd", e, sy.t, at=walk)(value, time)),
+        (
+            law.position_given_speed(radii, 0.75, 0.6),
+            stated("posivel", R, eta, sy.V)(radii, 0.75, 0.6),
+        ),
+        (
+            law.position_peak(radii),
+            stated("peakg", R, eta, sy.Vbar)(radii, 0.75, np.sqrt(0.5)),
+        ),
+        (law.position_far_tail(radii, 0.25), stated("semig", R, eta)(radii, 0.25)),
+        (
+            law.position_tail(radii),
+            sp.lambdify((R, bend, height), tail, "numpy")(
+                radii, curvature(saddle, radii, 0.25), exponent(saddle, radii, 0.25)
+            ),
+        ),
+        (
+            law.vdf(radii / 3, 0.3),
+            np.exp(-((radii / 3) ** 2))
+            / np.pi
+            * (1 + 0.3 * stated("sonine2", sy.x)((radii / 3) ** 2)),
+        ),
+    ]
+    for ours, theirs in pairs:
+        np.testing.assert_allclose(ours, theirs, rtol=TOLERANCE)
+    assert (
+        pytest.approx(float(ROWS["compare1"].formula.lhs), rel=TOLERANCE)
+        == law.THRESHOLD_RESTITUTION
+    )
+
+
+def test_the_tail_amplitude_is_that_of_the_exponential_at_e_zero() -> None:
+    with mp.workdps(40):
+        # F = exp(-sqrt(2) c)/(sqrt(2) pi c)
+        assert abs(twins.log_tail_amplitude(0) + mp.log(mp.sqrt(2) * mp.pi)) < 1e-20
+
+
+def test_the_scaled_vdf_of_the_solver_at_e_zero_is_the_derived_one() -> None:
+    speeds = RANDOM.uniform(0.05, 12, 20)
+    derived = sp.lambdify(sy.c, beyond.e_zero_solution(), "numpy")(speeds)
+    np.testing.assert_allclose(ScalingSolution(0.0).vdf(speeds), derived, rtol=TOLERANCE)
+    gain, loss, residual = beyond.e_zero_residual()
+    assert residual == 0
+    assert gain != loss
 
 
 def test_the_position_curves_of_the_solver_meet_the_derived_ones() -> None:
