@@ -154,8 +154,8 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
 
     The exponentials of k are shared by the lines: a quarter of the time of a symbol each.
     """
+    real = np.where(np.abs(real) < 1e-3, 1e-3, real)  # lambda(z)/z has a limit at z = 0
     z = real[:, None] + 1j * k
-    z = np.where(z == 0.0, 1e-3, z)
     if law.restitution == 0.0:
         return np.asarray(-np.log(1.0 + z))
     q = law.quadrature_for(float(np.abs(real).max() + k[-1]))
