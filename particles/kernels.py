@@ -4,7 +4,7 @@ Tracers advance in turns, one flight each, LANES of them at a time: the square r
 of one flight do not wait for those of another, so the processor overlaps them.
 """
 
-from math import cos, log, pi, sin, sqrt
+from math import copysign, cos, log, pi, sin, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,8 @@ TRAP_LENGTH = 1e-9
 # periodic plane were not wrapped; W, V: the cell as stored. SLOW: 1/speed. OX, OY: v(0).
 # NX, NY: normal at the last contact.
 X, Y, UX, UY, SLOW, TIME, UNIT, DUE, OX, OY, PATHS, NX, NY = range(13)
-CI, CJ, W, V, N_COLLISIONS, OUTPUT, TRACER, SHIFTS = range(8)
+NEXT_X, NEXT_Y, GAIN_X, GAIN_Y, MOVE_X, MOVE_Y = range(13, 19)
+CI, CJ, W, V, N_COLLISIONS, OUTPUT, TRACER, SHIFTS, CELL, STEP_X, STEP_Y = range(11)
 
 
 class Start(NamedTuple):
@@ -70,6 +71,26 @@ def _launch(
     lane[DUE] = records.times[0] if records.times.size else np.inf
     lane[OX], lane[OY] = ox, oy
     whole[TRACER] = tracer
+
+
+@njit(error_model="numpy", inline="always")
+def _aim(
+    lane: np.ndarray, whole: np.ndarray, x: float, y: float, ux: float, uy: float, side: float
+) -> None:
+    """Begin a flight at (x, y) of the lane's cell.
+
+    NEXT: path to the next wall of each kind. GAIN: what it grows by from one such wall to the next.
+    MOVE and STEP: the way to the next cell, as a length and as a count.
+    """
+    half = 0.5 * side
+    sign_x, sign_y = copysign(1.0, ux), copysign(1.0, uy)
+    pace_x, pace_y = 1.0 / max(abs(ux), 1e-300), 1.0 / max(abs(uy), 1e-300)
+    lane[X], lane[Y], lane[UX], lane[UY] = x, y, ux, uy
+    lane[NEXT_X] = max((half - sign_x * x) * pace_x, 0.0)
+    lane[NEXT_Y] = max((half - sign_y * y) * pace_y, 0.0)
+    lane[GAIN_X], lane[GAIN_Y] = side * pace_x, side * pace_y
+    lane[MOVE_X], lane[MOVE_Y] = sign_x * side, sign_y * side
+    whole[STEP_X], whole[STEP_Y] = int(sign_x), int(sign_y)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -120,35 +141,27 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     """
     slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
     side, n, keys = cells.side, cells.n, cells.keys
-    half, middle = 0.5 * side, n // 2
-    lanes = np.empty((LANES, 13))
-    wholes = np.empty((LANES, 8), np.int64)
+    middle = n // 2
+    first = middle * n + middle
+    if n == 0:
+        first = place(0, 0)
+        make(slots, cells.fill, head, links, nodes, keys, cells.law, first, 0, 0)
+    lanes = np.empty((LANES, 19))
+    wholes = np.empty((LANES, 11), np.int64)
+    struck = np.empty((LANES, 3))
     active = min(LANES, start.n)
     launched = active
     caught = 0
     for a in range(active):
         _launch(start, records, a, lanes[a], wholes[a])
         wholes[a, W] = wholes[a, V] = middle
-    a = 0
+        wholes[a, CELL] = first
+        _aim(lanes[a], wholes[a], 0.0, 0.0, lanes[a, UX], lanes[a, UY], side)
     while active:
-        if a >= active:
-            a = 0
-        x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
-        i, j, w, v = wholes[a, CI], wholes[a, CJ], wholes[a, W], wholes[a, V]
-        # March through the cells. x, y stay at the beginning of the flight, seen from the
-        # cell that the march has reached; next_x, next_y: path to the next wall of each kind.
-        step_x, step_y = 1 if ux > 0.0 else -1, 1 if uy > 0.0 else -1
-        pace_x, pace_y = 1.0 / max(abs(ux), 1e-300), 1.0 / max(abs(uy), 1e-300)
-        gain_x, gain_y = side * pace_x, side * pace_y
-        next_x = max((half - step_x * x) * pace_x, 0.0)
-        next_y = max((half - step_y * y) * pace_y, 0.0)
-        while True:
-            if n:
-                cell = w * n + v
-            else:
-                cell = place(i, j)
-                if keys[cell, 0] != i or keys[cell, 1] != j:
-                    make(slots, cells.fill, head, links, nodes, keys, cells.law, cell, i, j)
+        # What each lane strikes in its cell, if anything. No result is waited for here.
+        for a in range(active):
+            x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
+            cell = wholes[a, CELL]
             path, slot = strike(slots, cell, x, y, ux, uy)
             cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             node = head[cell]
@@ -157,87 +170,109 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 if s < path:
                     path, cx, cy = s, nodes[node, 0], nodes[node, 1]
                 node = links[node]
+            struck[a, 0], struck[a, 1], struck[a, 2] = path, cx, cy
+        # Then each goes on to its next cell, or collides.
+        a = 0
+        while a < active:
+            path = struck[a, 0]
+            next_x, next_y = lanes[a, NEXT_X], lanes[a, NEXT_Y]
             wall = min(next_x, next_y)
-            if path <= wall or wall > limit:
-                break
-            # Selected, not branched upon: which wall comes first cannot be predicted.
-            across = next_x <= next_y
-            di, dj = (step_x if across else 0), (0 if across else step_y)
-            i, w = i + di, w + di
-            j, v = j + dj, v + dj
-            w = n - 1 if w < 0 else 0 if w == n else w
-            v = n - 1 if v < 0 else 0 if v == n else v
-            x -= di * side
-            y -= dj * side
-            next_x += gain_x if across else 0.0
-            next_y += 0.0 if across else gain_y
-        # By rounding, a tracer in a corner may touch the next scatterer already.
-        path = max(path, 0.0)
-        escaped = path > wall
-        if escaped:
-            path = limit
-        end = lanes[a, TIME] + path * lanes[a, SLOW]
-        status = RUNNING
-        if end >= lanes[a, DUE] and _outputs(
-            records, lanes[a], wholes[a], end, i * side + x, j * side + y
-        ):
-            status = FINISHED
-            last = records.times[records.times.size - 1] * lanes[a, UNIT]
-            path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
+            i, j = wholes[a, CI], wholes[a, CJ]
+            if path > wall and wall <= limit:
+                # Multiplied by 0 or 1, not branched upon: which wall comes first is a coin toss.
+                across = int(next_x <= next_y)
+                along = 1 - across
+                lanes[a, X] -= across * lanes[a, MOVE_X]
+                lanes[a, Y] -= along * lanes[a, MOVE_Y]
+                lanes[a, NEXT_X] = next_x + across * lanes[a, GAIN_X]
+                lanes[a, NEXT_Y] = next_y + along * lanes[a, GAIN_Y]
+                di, dj = across * wholes[a, STEP_X], along * wholes[a, STEP_Y]
+                i, j = i + di, j + dj
+                wholes[a, CI], wholes[a, CJ] = i, j
+                if n:
+                    w, v = wholes[a, W] + di, wholes[a, V] + dj
+                    w = n - 1 if w < 0 else 0 if w == n else w
+                    v = n - 1 if v < 0 else 0 if v == n else v
+                    wholes[a, W], wholes[a, V] = w, v
+                    wholes[a, CELL] = w * n + v
+                else:
+                    cell = place(i, j)
+                    wholes[a, CELL] = cell
+                    if keys[cell, 0] != i or keys[cell, 1] != j:
+                        make(slots, cells.fill, head, links, nodes, keys, cells.law, cell, i, j)
+                a += 1
+                continue
+            x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
+            # By rounding, a tracer in a corner may touch the next scatterer already.
+            path = max(path, 0.0)
+            escaped = path > wall
+            if escaped:
+                path = limit
             end = lanes[a, TIME] + path * lanes[a, SLOW]
-        elif escaped:
-            status = ESCAPED
-        lanes[a, PATHS] += path
-        lanes[a, TIME] = end
-        if status == RUNNING:
-            if records.paths.size:
-                count_path(records, path)
-            impact = (cx - x) * uy - (cy - y) * ux
-            x, y = touch(cx, cy, ux, uy, impact)
-            ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
-            wholes[a, N_COLLISIONS] += 1
-            nx, ny = x - cx, y - cy
-            slow = lanes[a, SLOW] / ratio
-            lanes[a, SLOW] = slow
-            if ratio == 0.0 or (
-                path < TRAP_LENGTH
-                and is_collapsing(lanes[a, NX], lanes[a, NY], nx, ny, ux, uy, start.restitution)
+            status = RUNNING
+            if end >= lanes[a, DUE] and _outputs(
+                records, lanes[a], wholes[a], end, i * side + x, j * side + y
             ):
-                status = TRAPPED
-                px, py = i * side + x, j * side + y
-                rest(
-                    records, wholes[a, OUTPUT], wholes[a, TRACER], px, py,
-                    lanes[a, OX], lanes[a, OY], wholes[a, N_COLLISIONS],
-                )  # fmt: skip
-                traps[caught, 0] = start.first + wholes[a, TRACER]
-                traps[caught, 1] = end / lanes[a, UNIT]
-                traps[caught, 2] = px
-                traps[caught, 3] = py
-                caught += 1
+                status = FINISHED
+                last = records.times[records.times.size - 1] * lanes[a, UNIT]
+                path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
+                end = lanes[a, TIME] + path * lanes[a, SLOW]
+            elif escaped:
+                status = ESCAPED
+            lanes[a, PATHS] += path
+            lanes[a, TIME] = end
+            if status == RUNNING:
+                if records.paths.size:
+                    count_path(records, path)
+                cx, cy = struck[a, 1], struck[a, 2]
+                impact = (cx - x) * uy - (cy - y) * ux
+                x, y = touch(cx, cy, ux, uy, impact)
+                ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
+                wholes[a, N_COLLISIONS] += 1
+                nx, ny = x - cx, y - cy
+                slow = lanes[a, SLOW] / ratio
+                lanes[a, SLOW] = slow
+                if ratio == 0.0 or (
+                    path < TRAP_LENGTH
+                    and is_collapsing(lanes[a, NX], lanes[a, NY], nx, ny, ux, uy, start.restitution)
+                ):
+                    status = TRAPPED
+                    px, py = i * side + x, j * side + y
+                    rest(
+                        records, wholes[a, OUTPUT], wholes[a, TRACER], px, py,
+                        lanes[a, OX], lanes[a, OY], wholes[a, N_COLLISIONS],
+                    )  # fmt: skip
+                    traps[caught, 0] = start.first + wholes[a, TRACER]
+                    traps[caught, 1] = end / lanes[a, UNIT]
+                    traps[caught, 2] = px
+                    traps[caught, 3] = py
+                    caught += 1
+                else:
+                    if slow > SHIFT:
+                        _shift(records, lanes[a], wholes[a])
+                    if wholes[a, N_COLLISIONS] == start.most:
+                        status = COLLISION_CAP
+                lanes[a, NX], lanes[a, NY] = nx, ny
             else:
-                if slow > SHIFT:
-                    _shift(records, lanes[a], wholes[a])
-                if wholes[a, N_COLLISIONS] == start.most:
-                    status = COLLISION_CAP
-            lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY] = x, y, ux, uy
-            lanes[a, NX], lanes[a, NY] = nx, ny
-            wholes[a, CI], wholes[a, CJ], wholes[a, W], wholes[a, V] = i, j, w, v
-        else:
-            x, y = x + path * ux, y + path * uy
-        if status == RUNNING:
-            a += 1
-            continue
-        _end(records, lanes[a], wholes[a], status, i * side + x, j * side + y)
-        if launched < start.n:
-            _launch(start, records, launched, lanes[a], wholes[a])
-            wholes[a, W] = wholes[a, V] = middle
-            launched += 1
-            a += 1
-        else:
-            # The last lane takes this one's place.
-            active -= 1
-            lanes[a] = lanes[active]
-            wholes[a] = wholes[active]
+                x, y = x + path * ux, y + path * uy
+            if status == RUNNING:
+                _aim(lanes[a], wholes[a], x, y, ux, uy, side)
+                a += 1
+                continue
+            _end(records, lanes[a], wholes[a], status, i * side + x, j * side + y)
+            if launched < start.n:
+                _launch(start, records, launched, lanes[a], wholes[a])
+                wholes[a, W] = wholes[a, V] = middle
+                wholes[a, CELL] = first
+                _aim(lanes[a], wholes[a], 0.0, 0.0, lanes[a, UX], lanes[a, UY], side)
+                launched += 1
+                a += 1
+            else:
+                # The last lane, which has not had its turn, takes this one's place.
+                active -= 1
+                lanes[a] = lanes[active]
+                wholes[a] = wholes[active]
+                struck[a] = struck[active]
     return caught
 
 
