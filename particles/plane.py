@@ -15,11 +15,13 @@ from math import exp, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, uint64
+from numba import int64, njit, uint64
 
 from particles.streams import mix, plane_key, to_unit, uniform
 
 BAND = 2.0  # a circle of radius 1 reaches over an edge from no farther
+# Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
+_SQRT2, _SQRT3 = 0x6A09E667F3BCC909, 0xBB67AE8584CAA73B
 # Candidates per region that are drawn at most; means are below 16.
 ROOM = 100
 
@@ -73,8 +75,7 @@ def candidate_density(number_density: float) -> float:
 @njit(error_model="numpy", forceinline=True)
 def open_region(law: Law, p: int, q: int) -> tuple[Any, Any]:
     """Return the stream of region (p, q): core of cell (i, j) at (2i, 2j), bands at odd p or q."""
-    # Two odd constants without a pattern (the fractional parts of sqrt(2) and sqrt(3)).
-    place = uint64(p) * uint64(0x6A09E667F3BCC909) + uint64(q) * uint64(0xBB67AE8584CAA73B)
+    place = uint64(int64(p)) * uint64(_SQRT2) + uint64(int64(q)) * uint64(_SQRT3)
     state = mix(uint64(law.key) + place)
     return state, mix(state ^ uint64(law.key)) | uint64(1)
 
