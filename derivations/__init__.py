@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .output import to_json, to_latex_document, to_text
     from .record import Check, Status
-    from .verify import report_subset, verify
+    from .rows import report_subset, verify
 
 __all__ = [
     "Check",
@@ -26,11 +26,11 @@ __all__ = [
 _HOME = {
     "Check": "record",
     "Status": "record",
-    "report_subset": "verify",
+    "report_subset": "rows",
     "to_json": "output",
     "to_latex_document": "output",
     "to_text": "output",
-    "verify": "verify",
+    "verify": "rows",
 }
 
 
@@ -39,7 +39,4 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    module = import_module(f".{_HOME[name]}", __name__)
-    # importing the submodule `verify` binds it here: the function of that name has to win
-    globals().update({key: getattr(module, key) for key in _HOME if _HOME[key] == _HOME[name]})
-    return globals()[name]
+    return getattr(import_module(f".{_HOME[name]}", __name__), name)

@@ -51,6 +51,7 @@ from .symbols import (
     x,
     y,
 )
+from .values import a2_value, diffusion_slope_value
 
 
 @derives("beyond:loss-p")
@@ -204,8 +205,6 @@ def _cooling_rate() -> Derived:
 def _a2() -> Derived:
     fourth = moment(4) / moment(2) ** 2
     with mp.workdps(20):
-        from .values import a2_value
-
         zero = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
     return Derived(
         eq(a2, sp.simplify(fourth / 2 - 1)),
@@ -387,8 +386,6 @@ def _slope() -> Derived:
     flights = moment(1)  # d N/d ln t = <v> t/l
     if sp.simplify(per_flight * flights - 2 * solution) != 0:
         raise ArithmeticError("the flux hierarchy and the random flights disagree")
-    from .values import diffusion_slope_value
-
     return Derived(
         eq(slope, 2 * solution),
         (

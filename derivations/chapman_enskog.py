@@ -11,7 +11,7 @@ from functools import cache
 import sympy as sp
 
 from .formal import Dt, Int, Lam, Partial, dot, eq
-from .record import Derived, Number, Status, Step
+from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 from .symbols import (
     J0,
@@ -50,10 +50,6 @@ _P0, _P1, _P2 = (order(br, bv, t) for order in (p0, p1, p2))
 _B = Bv(bv, T(t))
 
 
-def _definition(note: str) -> Derived:
-    return Derived(None, status=Status.DEFINITION, note=note)
-
-
 @derives("diffuse2")
 def _diffuse2() -> Derived:
     from .kinetic_equation import weak_form
@@ -75,12 +71,12 @@ def _zero(integral: sp.Expr) -> sp.Expr:
 
 @derives("diffuse3")
 def _diffuse3() -> Derived:
-    return _definition("The zeroth moment in velocity.")
+    return definition("The zeroth moment in velocity.")
 
 
 @derives("diffuse4")
 def _diffuse4() -> Derived:
-    return _definition("The first moment in velocity.")
+    return definition("The first moment in velocity.")
 
 
 @derives("diffuse5")
@@ -165,7 +161,7 @@ def _diffuse8() -> Derived:
 
 @derives("diffuse9")
 def _diffuse9() -> Derived:
-    return _definition("Counts gradients.")
+    return definition("Counts gradients.")
 
 
 @cache
@@ -307,7 +303,7 @@ def _diffuse16() -> Derived:
 
 @derives("diffuse17")
 def _diffuse17() -> Derived:
-    return _definition("The diffusion coefficient as an integral of B.")
+    return definition("The diffusion coefficient as an integral of B.")
 
 
 @derives("diffuse18")
@@ -338,7 +334,7 @@ def _d_equation() -> sp.Eq:
 
 @derives("diffuse19")
 def _diffuse19() -> Derived:
-    return _definition("The relaxation rate of the flux; it depends on the shape of B.")
+    return definition("The relaxation rate of the flux; it depends on the shape of B.")
 
 
 @cache

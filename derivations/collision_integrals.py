@@ -15,15 +15,22 @@ from .symbols import a2, c, e, p, theta, x, y
 
 
 @cache
+def collision_matrix() -> sp.Matrix:
+    """The collision as a linear map of the (normal, tangential) components: v = A v*."""
+    before = sp.symbols("v_n v_t", real=True)
+    after = sp.symbols("w_n w_t", real=True)
+    rule = sp.solve([after[0] + e * before[0], after[1] - before[1]], after)
+    return sp.Matrix([rule[w] for w in after]).jacobian(before)
+
+
+@cache
 def postcollision() -> tuple[sp.Expr, sp.Expr]:
     """(normal, tangential) components of v'/|v| for an approach at angle theta to the normal.
 
-    Solves the two premises for the postcollision components; theta = 0 is head-on.
+    theta = 0 is head-on.
     """
-    normal, tangential = sp.symbols("v_n v_t", real=True)
-    before = (sp.cos(theta), sp.sin(theta))
-    after = sp.solve([normal + e * before[0], tangential - before[1]], [normal, tangential])
-    return after[normal], after[tangential]
+    normal, tangential = collision_matrix() * sp.Matrix([sp.cos(theta), sp.sin(theta)])
+    return normal, tangential
 
 
 @cache

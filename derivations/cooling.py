@@ -7,7 +7,7 @@ from functools import cache
 import sympy as sp
 
 from .formal import Avg, Partial, dot, eq
-from .record import Derived, Number, Status, Step
+from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 from .symbols import (
     I_,
@@ -34,10 +34,7 @@ from .symbols import (
     v,
     v0,
 )
-
-
-def _definition(note: str) -> Derived:
-    return Derived(None, status=Status.DEFINITION, note=note)
+from .values import cooling_rate_value
 
 
 @derives("gtilde")
@@ -55,28 +52,26 @@ def _gtilde() -> Derived:
 
 @derives("v0defi")
 def _v0defi() -> Derived:
-    return _definition("The root of <v^2>: sqrt(2) U for the Gaussian start.")
+    return definition("The root of <v^2>: sqrt(2) U for the Gaussian start.")
 
 
 @derives("thermo")
 def _thermo() -> Derived:
-    return _definition("The mean energy; in the plane it is k_B T of a Gaussian.")
+    return definition("The mean energy; in the plane it is k_B T of a Gaussian.")
 
 
 @derives("if")
 def _if() -> Derived:
-    return _definition("The collision operator in units of the thermal velocity.")
+    return definition("The collision operator in units of the thermal velocity.")
 
 
 @derives("mup")
 def _mup() -> Derived:
-    return _definition("Twice lambda(p) <c^(p+1)> by the weak form (sonine8).")
+    return definition("Twice lambda(p) <c^(p+1)> by the weak form (sonine8).")
 
 
 @derives("tdiff")
 def _tdiff() -> Derived:
-    from .values import cooling_rate_value
-
     exact = -2 * d * v0(t) * rho0 * lam(2) * Avg(c**3) * T(t)
     return Derived(
         eq(sp.Derivative(T(t), t), exact),
@@ -85,7 +80,7 @@ def _tdiff() -> Derived:
             Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
         ),
         "The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
-        "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and falls to h.",
+        "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
         Status.ASSUMPTION,
         holds=True,
         numbers=tuple(
@@ -138,8 +133,6 @@ def _veq() -> Derived:
 
 @derives("hsimu")
 def _hsimu() -> Derived:
-    from .values import cooling_rate_value
-
     values = [
         Number(f"exact h/(1 - e) at e = {value}", float(cooling_rate_value(value)) / (1 - value))
         for value in (0.4, 0.6, 0.7, 0.9)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from .flux import sonine_slope
 from .record import Derived, Number, Status
 from .registry import derives
+from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 _RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
 
@@ -19,8 +21,6 @@ def _collision() -> Derived:
 
 @derives("v0re")
 def _v0re() -> Derived:
-    from .values import cooling_rate_value
-
     return _figure(
         "The printed line 0.058 t is rho_0 times the fitted 1.45. The exact slopes at the free "
         "path 1/(2 d rho_0) lie below it.",
@@ -34,8 +34,6 @@ def _v0re() -> Derived:
 
 @derives("hetomu2")
 def _hetomu2() -> Derived:
-    from .values import cooling_rate_value
-
     return _figure(
         "The exact curve exists on the whole of 0 <= e <= 1.",
         *(Number(f"exact h at e = {e}", float(cooling_rate_value(e))) for e in _RESTITUTIONS),
@@ -57,8 +55,6 @@ def _inelasticposi() -> Derived:
 
 @derives("scalev")
 def _scalev() -> Derived:
-    from .values import a2_value
-
     return _figure(
         "A projection on one component hides that the exact F vanishes at c = 0 for 0 < e < 1 and "
         "becomes a ring as e -> 1. A Gaussian has a_2 = 0.",
@@ -78,9 +74,6 @@ def _sign() -> Derived:
 
 @derives("soninediffuse")
 def _soninediffuse() -> Derived:
-    from .flux import sonine_slope
-    from .values import diffusion_slope_value
-
     return _figure(
         "The deviation that the paper reports is that of the first Sonine approximation.",
         *(

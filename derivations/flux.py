@@ -13,6 +13,7 @@ from .record import Derived, Number, Status, Step
 from .registry import derives
 from .sonine import polynomial, roots, sonine_cooling_rate, tidy
 from .symbols import De, a2, bv, c, d, e, fa2, h, msd, n, nuD, rho0, t, t1, v, v0, x
+from .values import a2_value, diffusion_slope_value
 
 
 @derives("ad3")
@@ -30,8 +31,6 @@ def _ad3() -> Derived:
 
 @derives("ad4")
 def _ad4() -> Derived:
-    from .values import a2_value
-
     return Derived(
         None,
         note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
@@ -195,8 +194,6 @@ def sonine_slope(value: float) -> float:
 
 
 def _slopes(value: float) -> tuple[Number, Number]:
-    from .values import diffusion_slope_value
-
     return (
         Number(f"slope in ln t at e = {value}, Sonine (l^2)", sonine_slope(value)),
         Number(f"slope in ln t at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),

@@ -1,8 +1,6 @@
 """Formal pieces of equations: integrals, operators and averages that are not evaluated.
 
-They let an operator equation be a sympy object whose every coefficient can be compared. Each is
-linear in its first argument, and :func:`linear` writes that out: an integral or operator becomes
-its image on each term, with what it does not act on pulled out.
+They let an operator equation be a sympy object whose every coefficient can be compared.
 """
 
 from __future__ import annotations

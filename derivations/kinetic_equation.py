@@ -10,8 +10,9 @@ from functools import cache
 
 import sympy as sp
 
+from .collision_integrals import collision_matrix
 from .formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linear
-from .record import Derived, Status, Step
+from .record import Derived, Status, Step, definition
 from .registry import derives
 from .symbols import (
     Brate,
@@ -31,7 +32,6 @@ from .symbols import (
     cp,
     d,
     dt,
-    e,
     f,
     hemi,
     hemi_c,
@@ -47,15 +47,6 @@ from .symbols import (
     v,
     vs,
 )
-
-
-@cache
-def collision_matrix() -> sp.Matrix:
-    """The collision as a linear map of the (normal, tangential) components: v = A v*."""
-    before = sp.symbols("v_n v_t", real=True)
-    after = sp.symbols("w_n w_t", real=True)
-    rule = sp.solve([after[0] + e * before[0], after[1] - before[1]], after)
-    return sp.Matrix([rule[w] for w in after]).jacobian(before)
 
 
 @cache
@@ -95,9 +86,7 @@ def _ad2() -> Derived:
 
 @derives("dtchange")
 def _dtchange() -> Derived:
-    return Derived(
-        None, status=Status.DEFINITION, note="The balance that defines gain, loss and streaming."
-    )
+    return definition("The balance that defines gain, loss and streaming.")
 
 
 @cache
@@ -168,7 +157,7 @@ def _ftdiff() -> Derived:
 
 @derives("rewrite")
 def _rewrite() -> Derived:
-    return Derived(None, status=Status.DEFINITION, note="Defines B(|v|, sigma).")
+    return definition("Defines B(|v|, sigma).")
 
 
 def _rate(speed: sp.Symbol) -> sp.Expr:

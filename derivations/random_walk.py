@@ -8,20 +8,24 @@ import sympy as sp
 from sympy.concrete.gosper import gosper_sum
 
 from .formal import chain, eq
-from .record import Derived, Number, Status, Step
+from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 from .symbols import N, alpha, beta, k, l, msd, t, tau, tc, v0
+from .values import (
+    cooling_rate_value,
+    diffusion_slope_value,
+    log_loss_value,
+    mean_scaled_speed_value,
+)
 
 
 @derives("ab")
 def _ab() -> Derived:
-    return Derived(None, status=Status.DEFINITION, note="v0(t) = 1/(alpha + beta t).")
+    return definition("v0(t) = 1/(alpha + beta t).")
 
 
 @derives("taun")
 def _taun() -> Derived:
-    from .values import cooling_rate_value, log_loss_value, mean_scaled_speed_value
-
     speed = (1 / (alpha + beta * t)).subs(t, tc(N - 1))
     numbers = []
     for value in (0.4, 0.9):
@@ -117,8 +121,6 @@ def _n() -> Derived:
 
 @derives("msd")
 def _msd() -> Derived:
-    from .values import cooling_rate_value, diffusion_slope_value
-
     numbers = []
     for value in (0.4, 0.6, 0.7, 0.9):
         growth = float(sp.log(1 + cooling_rate_value(value) / 2))
@@ -142,9 +144,7 @@ def _msd() -> Derived:
 
 @derives("scaledposi")
 def _scaledposi() -> Derived:
-    return Derived(
-        None,
-        status=Status.DEFINITION,
-        note="Defines G. That it depends on neither e nor time does not hold: it tends to "
+    return definition(
+        "Defines G. That it depends on neither e nor time does not hold: it tends to "
         "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
     )

@@ -46,7 +46,7 @@ class Derived:
     ``formula`` is built from premises; ``status`` is the kind that the row has when nothing is to
     be compared (definition, assumption, fit, figure), None when printed and derived are compared;
     ``holds`` says for an assumption whether it holds in the exact theory; ``note`` states what
-    it means; ``erratum_note`` replaces it when the printed formula differs.
+    follows from it, or what is wrong with it.
     """
 
     formula: sp.Basic | None
@@ -55,7 +55,11 @@ class Derived:
     status: Status | None = None
     holds: bool | None = None
     numbers: tuple[Number, ...] = ()
-    numerical_reason: str = ""
+
+
+def definition(note: str) -> Derived:
+    """A row that defines: nothing to derive."""
+    return Derived(None, status=Status.DEFINITION, note=note)
 
 
 @dataclass(frozen=True)

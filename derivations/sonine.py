@@ -16,6 +16,7 @@ from .formal import Avg, Int, chain, eq
 from .record import Derived, Number, Status, Step
 from .registry import derives
 from .symbols import M2, M4, F, S, a, a1, a2, a2bar, bc, c, e, p, phi, pm, pprime, x
+from .values import a2_value
 
 
 @cache
@@ -294,18 +295,11 @@ def _sonine12() -> Derived:
         "every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=(
             Number("Sonine a_2 at e = 0.9", at_restitution(chosen, 0.9)),
-            Number("exact a_2 at e = 0.9", exact_a2(0.9)),
+            Number("exact a_2 at e = 0.9", float(a2_value(0.9))),
             Number("Sonine a_2 at e = 0.6", at_restitution(chosen, 0.6)),
-            Number("exact a_2 at e = 0.6", exact_a2(0.6)),
+            Number("exact a_2 at e = 0.6", float(a2_value(0.6))),
         ),
     )
-
-
-def exact_a2(value: float) -> float:
-    """The exact a_2 of the scaling solution at one restitution."""
-    from .values import a2_value
-
-    return float(a2_value(value))
 
 
 @cache

@@ -9,7 +9,7 @@ import sympy as sp
 from .chapman_enskog import continuity_order, density_series, isotropy
 from .collision_integrals import over_angle, parallel_component, speed_ratio_squared
 from .formal import Dt, Int, Lam, Partial, chain, dot, eq
-from .record import Derived, Number, Status, Step
+from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 from .symbols import (
     J0,
@@ -56,10 +56,6 @@ _SHELL = delta(vh - 1)
 _COOLING = v0(t) / l * h
 
 
-def _definition(note: str) -> Derived:
-    return Derived(None, status=Status.DEFINITION, note=note)
-
-
 @derives("ap1")
 def _ap1() -> Derived:
     # dv = v dv dphi: the sum over directions is n(r, v, t), that over speeds carries the factor v
@@ -78,12 +74,12 @@ def _ap1() -> Derived:
 
 @derives("ap2")
 def _ap2() -> Derived:
-    return _definition("Summed over directions, not averaged: 2 pi p for an isotropic p.")
+    return definition("Summed over directions, not averaged: 2 pi p for an isotropic p.")
 
 
 @derives("ap3")
 def _ap3() -> Derived:
-    return _definition("The flux at one speed.")
+    return definition("The flux at one speed.")
 
 
 @derives("ap4")
@@ -143,7 +139,7 @@ def _ap11() -> Derived:
 
 @derives("ap11.5")
 def _ap11_5() -> Derived:
-    return _definition("f summed over directions.")
+    return definition("f summed over directions.")
 
 
 @derives("ap11.6")
@@ -264,7 +260,7 @@ def _ap16() -> Derived:
 
 @derives("ap17")
 def _ap17() -> Derived:
-    return _definition("The diffusion coefficient at one speed as an integral of B.")
+    return definition("The diffusion coefficient at one speed as an integral of B.")
 
 
 @cache
@@ -294,7 +290,7 @@ def _ap18() -> Derived:
 
 @derives("ap19")
 def _ap19() -> Derived:
-    return _definition(
+    return definition(
         "The relaxation rate at one speed. A parenthesis is missing in the numerator. At e = 1 it "
         "is (4/3) v/l, proportional to the speed, not to the thermal velocity."
     )

@@ -7,6 +7,8 @@ import mpmath as mp
 from .printed.entry import Section
 from .record import Derived, Number, Status
 from .registry import derives
+from .sonine import at_restitution, roots
+from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 SECTION = Section("Statements of the paper")
 _RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
@@ -23,8 +25,6 @@ def _verdict(holds: bool, note: str, *numbers: Number) -> Derived:
 
 @derives(_add("h-linear", "the cooling rate is proportional to 1 - e"))
 def _h_linear() -> Derived:
-    from .values import cooling_rate_value
-
     return _verdict(
         False,
         "Nearly, not exactly: h/(1 - e) falls from sqrt(2) to 4/3, by 6 % over all e. It follows "
@@ -52,8 +52,6 @@ def _h_not_haff() -> Derived:
 
 @derives(_add("a2-missing", "a_2 does not exist below e = 0.5816"))
 def _a2_missing() -> Derived:
-    from .values import a2_value
-
     return _verdict(
         False,
         "Only the truncated equation has no real root there. The exact a_2 exists for every e in "
@@ -66,9 +64,6 @@ def _a2_missing() -> Derived:
 
 @derives(_add("sonine-a2", "the stable Sonine root approximates a_2"))
 def _sonine_a2() -> Derived:
-    from .sonine import at_restitution, roots
-    from .values import a2_value
-
     return _verdict(
         False,
         "At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
@@ -89,8 +84,6 @@ def _sonine_a2() -> Derived:
     _add("gaussian-f", "the scaled VDF is nearly Gaussian, and Gaussian for small dissipation")
 )
 def _gaussian_f() -> Derived:
-    from .values import a2_value
-
     return _verdict(
         False,
         "As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width "
@@ -106,8 +99,6 @@ def _gaussian_f() -> Derived:
 
 @derives(_add("exponential-f", "the scaled VDF has an exponential tail"))
 def _exponential_f() -> Derived:
-    from .values import cooling_rate_value
-
     return _verdict(
         True,
         "F ~ c^(1/(1 - e^2) - 2) exp(-2 c/h): exactly exponential, for every e in [0, 1).",
@@ -117,8 +108,6 @@ def _exponential_f() -> Derived:
 
 @derives(_add("log-msd", "the mean square displacement grows as the logarithm of time"))
 def _log_msd() -> Derived:
-    from .values import diffusion_slope_value
-
     return _verdict(
         True,
         "<r^2> grows as 2 l^2 ln t/[kappa (1 - <cos chi>)]: to the first power of ln t.",

@@ -9,8 +9,8 @@ from scipy.special import k0
 from derivations import beyond, closed_forms, position, twins, values, verify
 from derivations import symbols as sy
 from derivations.formal import Second
+from derivations.rows import ROWS
 from derivations.symbols import R, e, eta, p
-from derivations.verify import ROWS
 from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from derivations import Status, verify
-from derivations.verify import ROWS, check
+from derivations.rows import ROWS, check
 
 
 def mutants(node: sp.Basic) -> Iterator[sp.Basic]:

@@ -7,7 +7,7 @@ import pytest
 
 import derivations
 from derivations import Status, report_subset, verify
-from derivations.verify import ROWS, check
+from derivations.rows import ROWS, check
 
 CHECKS = {row.label: row for row in verify()}
 
