@@ -254,6 +254,26 @@ def test_a_report_without_a_cooling_restitution(tmp_path: Path) -> None:
     assert document["cases"][0]["scaled"] is None
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminal")
+def test_progress_is_shown_on_a_terminal_only(tmp_path: Path) -> None:
+    import fcntl
+    import pty
+    import struct
+    import termios
+
+    arguments = ["simulate", "--media", "20", "--count", "400", "--times", "1", "--json"]
+    master, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
+    command = [sys.executable, "-m", "kinetics.cli", *arguments]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=terminal, cwd=tmp_path)
+    os.close(terminal)
+    shown = os.read(master, 100_000).decode()
+    os.close(master)
+    assert "/20" in shown
+    assert json.loads(done.stdout)["tracers"] == 100
+    assert run(*arguments, cwd=tmp_path).stderr == ""
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_report_leaves_nothing(

@@ -200,8 +200,8 @@ def inverse_speed(cases: Sequence[Case], settings: ReportSettings) -> Data:
     return _figure(
         "Inverse thermal speed",
         "The paper's Figure v0re divided by its abscissa: (1/v₀(t) − 1/v₀(0))/((1 − e) dρ₀t), "
-        "which the paper reads as the constant 1.45. The kinetic equation starts near the Gaussian "
-        "value and comes down to the exact h(e)/(1 - e); hard disks lie above, their free path "
+        "which the paper reads as the constant 1.45. The kinetic equation starts at the Gaussian's "
+        "rate and tends to the exact h(e)/(1 − e); hard disks lie above, their free path "
         "being shorter. The bars are one standard error, the spread of the start included; points "
         f"with a larger one than {LARGEST_SLOPE_ERROR:g} are left out.",
         _axis("time $t$", "d/U", "log"),

@@ -9,6 +9,7 @@ A figure's data are plain lists and strings (`figure_data` builds them):
 """
 
 import io
+import math
 import re
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -48,6 +49,10 @@ STROKES: dict[str, dict[str, Any]] = {
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }
 
+# In inches: the page scales a figure to its column, a phone's is about this wide.
+_WIDTH, _AXIS_HEIGHT, _BELOW_AXIS = 5.0, 3.4, 0.5
+_LEGEND_COLUMNS = 3
+
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "inelastic-lorentz",
@@ -74,6 +79,8 @@ STYLE: dict[Any, Any] = {
 
 def draw(data: FigureData, axis: "Axes") -> None:
     """Draw every series of one figure on the axis, and label the axis with its units."""
+    from matplotlib.ticker import NullFormatter
+
     for series, colour in zip(data["series"], _colours(data), strict=True):
         stroke = STROKES[series["source"]]
         x, y = _with_gaps(series["x"]), _with_gaps(series["y"])
@@ -86,6 +93,10 @@ def draw(data: FigureData, axis: "Axes") -> None:
         spec = data[name]
         unit = f"  [{spec['unit']}]" if spec["unit"] else ""
         axis.set(**{f"{name}label": spec["label"] + unit, f"{name}scale": spec["scale"]})
+        if spec["scale"] == "log":
+            side = getattr(axis, f"{name}axis")
+            side.set_major_formatter(_power_of_ten)
+            side.set_minor_formatter(NullFormatter())
         if spec["limits"] is not None:
             axis.set(**{f"{name}lim": tuple(spec["limits"])})
 
@@ -137,20 +148,31 @@ def svg(name: str, data: FigureData) -> str:
 
     buffer = io.StringIO()
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.0, 4.4), layout="constrained")
-        FigureCanvasSVG(figure)
-        draw(data, figure.add_subplot())
         entries = legend_entries(data)
+        legend_height = 0.12 + 0.19 * math.ceil(len(entries) / _LEGEND_COLUMNS)
+        height = _AXIS_HEIGHT + _BELOW_AXIS + legend_height
+        figure = Figure(figsize=(_WIDTH, height))
+        FigureCanvasSVG(figure)
+        # Margins set by hand: a layout engine would draw everything a second time to find them.
+        bottom, top = _BELOW_AXIS / height, _AXIS_HEIGHT / height
+        draw(data, figure.add_axes((0.145, bottom, 0.83, top)))
         figure.legend(
             handles=[Line2D([], [], **stroke) for _, stroke in entries],
             labels=[label for label, _ in entries],
-            loc="outside upper left",
-            ncols=3,
+            loc="upper left",
+            ncols=_LEGEND_COLUMNS,
             handlelength=2.4,
             columnspacing=1.2,
+            borderaxespad=0.0,
         )
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     return _embeddable(buffer.getvalue(), name, data["title"], data["description"])
+
+
+def _power_of_ten(value: float, position: int | None = None) -> str:
+    """The label of a logarithmic axis, without the typesetting that matplotlib would do for it."""
+    exponent = round(math.log10(value))
+    return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _embeddable(text: str, name: str, title: str, description: str) -> str:

@@ -27,7 +27,7 @@ from kinetics.crosscheck.rows import (
     scale_of,
 )
 from kinetics.crosscheck.settings import ReportSettings
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING
+from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
 from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
 from kinetics.sonine import FITTED_COOLING_FACTOR
 
@@ -97,10 +97,11 @@ def build_document(
             "multiple_comparisons": (
                 f"{len(statistical)} rows are statistical; each shows the worst of its times or "
                 "bins. Its two-sided p-value (Student's, errors being jackknifed over independent "
-                "groups) is multiplied by the number of its times or bins and by "
-                f"{len(statistical)} (Bonferroni) and turned back "
-                "into the corrected sigmas, at which the verdict looks: agrees below "
-                f"{AGREES_BELOW}, differs from {DIFFERS_ABOVE} on."
+                "groups) is multiplied by the number of its times or bins (Bonferroni) and turned "
+                "back into the corrected sigmas, at which the verdict looks: agrees below "
+                f"{AGREES_BELOW}, differs from {DIFFERS_ABOVE} on. Were every theory true, at most "
+                f"{len(statistical) * chance(AGREES_BELOW):.2g} of the rows would be expected not "
+                f"to agree by chance, and {len(statistical) * chance(DIFFERS_ABOVE):.1g} to differ."
             ),
             "findings": _findings(settings, cases, rows),
             "rows": [asdict(row) for row in rows],

@@ -84,16 +84,14 @@ def compare_case(case: Case, settings: ReportSettings) -> list[Row]:
 
 
 def judged(rows: Iterable[Row]) -> list[Row]:
-    """The rows with their statistical verdicts, corrected for how many of them there are."""
-    rows = list(rows)
-    total = sum(row.kind == "statistical" for row in rows)
-    return [_judge(row, total) if row.kind == "statistical" else row for row in rows]
+    """The rows with their statistical verdicts, corrected for the looks that each took."""
+    return [_judge(row) if row.kind == "statistical" else row for row in rows]
 
 
-def _judge(row: Row, total: int) -> Row:
+def _judge(row: Row) -> Row:
     assert row.sigmas is not None
     assert row.groups is not None
-    corrected = corrected_sigmas(row.sigmas, row.groups, row.looks * total)
+    corrected = corrected_sigmas(row.sigmas, row.groups, row.looks)
     return replace(row, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
 
 
@@ -373,8 +371,8 @@ def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
 
 
 def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
-    """F(c) averaged over the area of each bin of c: Gauss-Legendre, 16 points in each."""
-    x, w = np.polynomial.legendre.leggauss(16)
+    """F(c) averaged over the area of each bin of c: Gauss-Legendre, 8 points in each."""
+    x, w = np.polynomial.legendre.leggauss(8)
     half = np.diff(edges)[:, None] / 2
     c = edges[:-1, None] + half * (x + 1)
     values = np.asarray(vdf(c.ravel())).reshape(c.shape)

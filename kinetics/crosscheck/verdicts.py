@@ -5,10 +5,10 @@ Three kinds of comparison have three kinds of verdict:
 - *statistical*: an estimate with a standard error against a theory without one. The error is a
   jackknife over independent groups of tracers, so that the deviation in sigmas has Student's
   distribution with one degree of freedom less than there are groups. A row that looks at several
-  times or bins takes the worst of them, and a report holds many rows, so that the two-sided p-value
-  of the worst is multiplied by the number of its looks and by the number of statistical rows
-  (Bonferroni, which holds under any correlation between them). The thresholds look at the Gaussian
-  sigmas of that p-value;
+  times or bins takes the worst of them, so that its two-sided p-value is multiplied by the number
+  of looks (Bonferroni, which holds under any correlation between them). The thresholds look at the
+  Gaussian sigmas of that p-value. A report holds many rows: by chance alone about one row in 80 is
+  unclear, while the higher threshold keeps a wrong "differs" out of 99 in 100 reports of 150 rows;
 - *numerical*: a solver against a closed form, within the tolerance that was asked for;
 - *approximation*: a printed formula against the exact value. It claims no error of its own, so the
   verdict only says how far off it is.
@@ -45,7 +45,7 @@ class Verdict(StrEnum):
 
 MEANING: dict[Verdict, str] = {
     Verdict.AGREES: f"statistical: below {AGREES_BELOW} sigma after correction for the number of "
-    "looks and rows; numerical: within the tolerance asked for",
+    "times or bins looked at; numerical: within the tolerance asked for",
     Verdict.UNCLEAR: f"statistical: between {AGREES_BELOW} and {DIFFERS_ABOVE} sigma after "
     "correction; more samples would decide",
     Verdict.DIFFERS: f"statistical: {DIFFERS_ABOVE} sigma or more after correction; numerical: "
@@ -91,6 +91,11 @@ def corrected_sigmas(sigmas: float, groups: int, trials: int) -> float:
     p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2))) * trials
     # Below 1e-300 doubles end: 37 sigma is then a lower bound.
     return 0.0 if p >= 1 else float(-ndtri(max(p, 1e-300) / 2))
+
+
+def chance(sigmas: float) -> float:
+    """Two-sided p-value of so many Gaussian sigmas."""
+    return math.erfc(sigmas / math.sqrt(2))
 
 
 def judge_sigmas(corrected: float) -> Verdict:
