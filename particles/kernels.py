@@ -13,7 +13,24 @@ from numba import njit
 from particles.cells import Cells, make, place
 from particles.events import contact, is_collapsing, scatter, touch
 from particles.lanes import SLOTS, strike
-from particles.records import SHIFT, Records, count_path, finish, fly, rest
+from particles.records import (
+    Q_CAUGHT,
+    Q_COLLISIONS,
+    Q_OUTPUT,
+    Q_OX,
+    Q_OY,
+    Q_TRACER,
+    Q_VX,
+    Q_VY,
+    Q_X,
+    Q_Y,
+    QUEUE,
+    SHIFT,
+    Records,
+    count_path,
+    enter,
+    finish,
+)
 from particles.streams import FLIGHTS, START, open_stream, uniform
 
 LANES = 16
@@ -94,32 +111,46 @@ def _aim(
 
 
 @njit(error_model="numpy", forceinline=True)
-def _shift(records: Records, lane: np.ndarray, whole: np.ndarray) -> None:
+def _shift(times: np.ndarray, lanes: np.ndarray, wholes: np.ndarray, a: int) -> None:
     """Shift the clock of a lane that has become slow, before it can overflow."""
-    while lane[SLOW] > SHIFT:
-        lane[SLOW] /= SHIFT
-        lane[TIME] /= SHIFT
-        lane[UNIT] /= SHIFT
-        whole[SHIFTS] += 1
-        if whole[OUTPUT] < records.times.size:
-            lane[DUE] = records.times[whole[OUTPUT]] * lane[UNIT]
+    while lanes[a, SLOW] > SHIFT:
+        lanes[a, SLOW] /= SHIFT
+        lanes[a, TIME] /= SHIFT
+        lanes[a, UNIT] /= SHIFT
+        wholes[a, SHIFTS] += 1
+        if wholes[a, OUTPUT] < times.size:
+            lanes[a, DUE] = times[wholes[a, OUTPUT]] * lanes[a, UNIT]
 
 
 @njit(error_model="numpy", forceinline=True)
-def _outputs(
-    records: Records, lane: np.ndarray, whole: np.ndarray, end: float, x: float, y: float
-) -> bool:
-    """Enter the output times up to `end` of a flight begun at (x, y); tell if none is left."""
-    k = fly(
-        records, whole[OUTPUT], whole[TRACER], end, lane[TIME], lane[SLOW], lane[UNIT],
-        x, y, lane[UX], lane[UY], lane[OX], lane[OY], whole[N_COLLISIONS],
-    )  # fmt: skip
-    whole[OUTPUT] = k
-    if k < records.times.size:
-        lane[DUE] = records.times[k] * lane[UNIT]
-        return False
-    lane[DUE] = np.inf
-    return True
+def _output(
+    times: np.ndarray, scales: np.ndarray, queue: np.ndarray, m: int,
+    lanes: np.ndarray, wholes: np.ndarray, a: int, x: float, y: float,
+) -> None:  # fmt: skip
+    """Queue a lane's state at its next output time, in a flight begun at (x, y)."""
+    k = wholes[a, OUTPUT]
+    # Not negative but for outputs that UNIT has rounded to 0: passed within 1e-8 d.
+    done = max((lanes[a, DUE] - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
+    speed = scales[k] * lanes[a, UNIT] / lanes[a, SLOW]
+    queue[m, Q_OUTPUT], queue[m, Q_TRACER] = k, wholes[a, TRACER]
+    queue[m, Q_X], queue[m, Q_Y] = x + done * lanes[a, UX], y + done * lanes[a, UY]
+    queue[m, Q_VX], queue[m, Q_VY] = speed * lanes[a, UX], speed * lanes[a, UY]
+    queue[m, Q_OX], queue[m, Q_OY] = lanes[a, OX], lanes[a, OY]
+    queue[m, Q_COLLISIONS], queue[m, Q_CAUGHT] = wholes[a, N_COLLISIONS], 0.0
+    wholes[a, OUTPUT] = k + 1
+    lanes[a, DUE] = times[k + 1] * lanes[a, UNIT] if k + 1 < times.size else np.inf
+
+
+@njit(error_model="numpy", forceinline=True)
+def _rest(
+    queue: np.ndarray, m: int, lanes: np.ndarray, wholes: np.ndarray, a: int, x: float, y: float
+) -> None:
+    """Queue a trapped tracer, at rest at (x, y), at its next output time."""
+    queue[m, Q_OUTPUT], queue[m, Q_TRACER] = wholes[a, OUTPUT], wholes[a, TRACER]
+    queue[m, Q_X], queue[m, Q_Y], queue[m, Q_VX], queue[m, Q_VY] = x, y, 0.0, 0.0
+    queue[m, Q_OX], queue[m, Q_OY] = lanes[a, OX], lanes[a, OY]
+    queue[m, Q_COLLISIONS], queue[m, Q_CAUGHT] = wholes[a, N_COLLISIONS], 1.0
+    wholes[a, OUTPUT] += 1
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -152,6 +183,10 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     active = min(LANES, start.n)
     launched = active
     caught = 0
+    times, scales = records.times, records.scales
+    paths, grids = records.paths, records.grids
+    queue = np.empty((QUEUE, 10))
+    queued = 0
     for a in range(active):
         _launch(start, records, a, lanes[a], wholes[a])
         wholes[a, W] = wholes[a, V] = middle
@@ -210,11 +245,15 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 path = limit
             end = lanes[a, TIME] + path * lanes[a, SLOW]
             status = RUNNING
-            if end >= lanes[a, DUE] and _outputs(
-                records, lanes[a], wholes[a], end, i * side + x, j * side + y
-            ):
+            while end >= lanes[a, DUE] and wholes[a, OUTPUT] < times.size:
+                if queued == QUEUE:
+                    enter(records, queue, queued)
+                    queued = 0
+                _output(times, scales, queue, queued, lanes, wholes, a, i * side + x, j * side + y)
+                queued += 1
+            if wholes[a, OUTPUT] == times.size > 0:
                 status = FINISHED
-                last = records.times[records.times.size - 1] * lanes[a, UNIT]
+                last = times[times.size - 1] * lanes[a, UNIT]
                 path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
                 end = lanes[a, TIME] + path * lanes[a, SLOW]
             elif escaped:
@@ -222,8 +261,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             lanes[a, PATHS] += path
             lanes[a, TIME] = end
             if status == RUNNING:
-                if records.paths.size:
-                    count_path(records, path)
+                if paths.size:
+                    count_path(paths, grids, path)
                 cx, cy = struck[a, 1], struck[a, 2]
                 impact = (cx - x) * uy - (cy - y) * ux
                 x, y = touch(cx, cy, ux, uy, impact)
@@ -238,10 +277,12 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 ):
                     status = TRAPPED
                     px, py = i * side + x, j * side + y
-                    rest(
-                        records, wholes[a, OUTPUT], wholes[a, TRACER], px, py,
-                        lanes[a, OX], lanes[a, OY], wholes[a, N_COLLISIONS],
-                    )  # fmt: skip
+                    while wholes[a, OUTPUT] < times.size:
+                        if queued == QUEUE:
+                            enter(records, queue, queued)
+                            queued = 0
+                        _rest(queue, queued, lanes, wholes, a, px, py)
+                        queued += 1
                     traps[caught, 0] = start.first + wholes[a, TRACER]
                     traps[caught, 1] = end / lanes[a, UNIT]
                     traps[caught, 2] = px
@@ -249,7 +290,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                     caught += 1
                 else:
                     if slow > SHIFT:
-                        _shift(records, lanes[a], wholes[a])
+                        _shift(times, lanes, wholes, a)
                     if wholes[a, N_COLLISIONS] == start.most:
                         status = COLLISION_CAP
                 lanes[a, NX], lanes[a, NY] = nx, ny
@@ -273,6 +314,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 lanes[a] = lanes[active]
                 wholes[a] = wholes[active]
                 struck[a] = struck[active]
+    enter(records, queue, queued)
     return caught
 
 
@@ -284,6 +326,10 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
     keys = np.empty((LANES, 2), np.uint64)
     active = min(LANES, start.n)
     launched = active
+    times, scales = records.times, records.scales
+    paths, grids = records.paths, records.grids
+    queue = np.empty((QUEUE, 10))
+    queued = 0
     for a in range(active):
         _launch(start, records, a, lanes[a], wholes[a])
         keys[a, 0], keys[a, 1] = open_stream(
@@ -298,9 +344,15 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
         path = -mean_path * log(uniform(state, gamma, 2 * wholes[a, N_COLLISIONS]))
         end = lanes[a, TIME] + path * lanes[a, SLOW]
         status = RUNNING
-        if end >= lanes[a, DUE] and _outputs(records, lanes[a], wholes[a], end, x, y):
+        while end >= lanes[a, DUE] and wholes[a, OUTPUT] < times.size:
+            if queued == QUEUE:
+                enter(records, queue, queued)
+                queued = 0
+            _output(times, scales, queue, queued, lanes, wholes, a, x, y)
+            queued += 1
+        if wholes[a, OUTPUT] == times.size > 0:
             status = FINISHED
-            last = records.times[records.times.size - 1] * lanes[a, UNIT]
+            last = times[times.size - 1] * lanes[a, UNIT]
             path = max((last - lanes[a, TIME]) / lanes[a, SLOW], 0.0)
             end = lanes[a, TIME] + path * lanes[a, SLOW]
         lanes[a, PATHS] += path
@@ -308,8 +360,8 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
         x, y = x + path * ux, y + path * uy
         lanes[a, X], lanes[a, Y] = x, y
         if status == RUNNING:
-            if records.paths.size:
-                count_path(records, path)
+            if paths.size:
+                count_path(paths, grids, path)
             # Odd multiples of 2**-53 less 1: never 0, so the speed ratio never is.
             impact = 2.0 * uniform(state, gamma, 2 * wholes[a, N_COLLISIONS] + 1) - 1.0
             lanes[a, UX], lanes[a, UY], ratio = scatter(ux, uy, impact, start.restitution)
@@ -317,7 +369,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             slow = lanes[a, SLOW] / ratio
             lanes[a, SLOW] = slow
             if slow > SHIFT:
-                _shift(records, lanes[a], wholes[a])
+                _shift(times, lanes, wholes, a)
             if wholes[a, N_COLLISIONS] == start.most:
                 status = COLLISION_CAP
         if status == RUNNING:
@@ -336,3 +388,4 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             lanes[a] = lanes[active]
             wholes[a] = wholes[active]
             keys[a] = keys[active]
+    enter(records, queue, queued)

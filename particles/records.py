@@ -45,16 +45,24 @@ class Records(NamedTuple):
     finals: np.ndarray
 
 
+# A queue holds what is to be entered, one row each, and is entered when full: a kernel writes to
+# one array in its loop, instead of to all of them. Columns; velocities come times scales[k].
+Q_OUTPUT, Q_TRACER, Q_X, Q_Y, Q_VX, Q_VY, Q_OX, Q_OY, Q_COLLISIONS, Q_CAUGHT = range(10)
+QUEUE = 1024
+
+
 @njit(error_model="numpy", forceinline=True)
 def _log2(value: float) -> float:
     return log2(value) if value > 0.0 else -NEVER
 
 
 @njit(error_model="numpy", forceinline=True)
-def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray) -> None:
+def _count(
+    histogram: np.ndarray, row: int, log2_value: float, low: float, per_octave: float
+) -> None:
     """Add one to the bin of a value; the first and last bins hold what is below and above."""
     last = histogram.shape[1] - 1
-    place = floor((log2_value - grid[0]) * grid[1]) + 1.0
+    place = floor((log2_value - low) * per_octave) + 1.0
     if place < 1.0:
         histogram[row, 0] += 1
     elif place >= last:
@@ -64,72 +72,44 @@ def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray)
 
 
 @njit(error_model="numpy", forceinline=True)
-def count_path(records: Records, path: float) -> None:
+def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
     """Enter a completed flight in the free-path histogram."""
-    _count(records.paths, 0, _log2(path), records.grids[PATH])
+    _count(paths, 0, _log2(path), grids[PATH, 0], grids[PATH, 1])
 
 
-@njit(error_model="numpy", forceinline=True)
-def _record(
-    records: Records, k: int, tracer: int, x: float, y: float, vx: float, vy: float,
-    ox: float, oy: float, collisions: int, caught: int,
-) -> None:  # fmt: skip
-    """Enter one tracer at output time k. Velocities come times scales[k]; (ox, oy) is v(0)."""
-    r2 = x * x + y * y
-    v2 = vx * vx + vy * vy
-    row = records.moments[k]
-    row[SAMPLES] += 1.0
-    row[SPEED2] += v2
-    row[SPEED4] += v2 * v2
-    row[R2] += r2
-    row[R4] += r2 * r2
-    row[COLLISIONS] += collisions
-    row[CORRELATION] += vx * ox + vy * oy
-    row[CAUGHT] += caught
-    scale = records.scales[k]
-    if records.speeds.size:
-        _count(records.speeds, k, 0.5 * _log2(v2) - log2(scale), records.grids[SPEED])
-    if records.components.size:
-        _count(records.components, k, _log2(abs(vx)) - log2(scale), records.grids[COMPONENT])
-    if records.distances.size:
-        _count(records.distances, k, 0.5 * _log2(r2), records.grids[DISTANCE])
-    if records.positions.size:
-        records.positions[k, tracer, 0] = x
-        records.positions[k, tracer, 1] = y
-    if records.velocities.size:
-        records.velocities[k, tracer, 0] = vx / scale
-        records.velocities[k, tracer, 1] = vy / scale
-
-
-@njit(error_model="numpy", forceinline=True)
-def fly(
-    records: Records, k: int, tracer: int, end: float, time: float, slowness: float, unit: float,
-    x: float, y: float, ux: float, uy: float, ox: float, oy: float, collisions: int,
-) -> int:  # fmt: skip
-    """Enter the output times up to `end` that fall in a flight; return the next output's index.
-
-    (x, y) is the displacement at its beginning; time, end and slowness (1/speed) are times `unit`.
-    """
-    while k < records.times.size and records.times[k] * unit <= end:
-        # Not negative but for outputs that `unit` has rounded to 0: passed within 1e-8 d.
-        done = max((records.times[k] * unit - time) / slowness, 0.0)
-        speed = records.scales[k] * unit / slowness
-        _record(
-            records, k, tracer, x + done * ux, y + done * uy, speed * ux, speed * uy, ox, oy,
-            collisions, 0,
-        )  # fmt: skip
-        k += 1
-    return k
-
-
-@njit(error_model="numpy", forceinline=True)
-def rest(
-    records: Records, k: int, tracer: int, x: float, y: float, ox: float, oy: float, collisions: int
-) -> None:
-    """Enter a trapped tracer, at rest in its corner, at every output time that is left."""
-    while k < records.times.size:
-        _record(records, k, tracer, x, y, 0.0, 0.0, ox, oy, collisions, 1)
-        k += 1
+@njit(error_model="numpy")
+def enter(records: Records, queue: np.ndarray, n: int) -> None:
+    """Enter the first n rows of a queue in the sums, histograms and raw arrays."""
+    moments, scales, grids = records.moments, records.scales, records.grids
+    speeds, components, distances = records.speeds, records.components, records.distances
+    positions, velocities = records.positions, records.velocities
+    for m in range(n):
+        k, tracer = int(queue[m, Q_OUTPUT]), int(queue[m, Q_TRACER])
+        x, y, vx, vy = queue[m, Q_X], queue[m, Q_Y], queue[m, Q_VX], queue[m, Q_VY]
+        r2 = x * x + y * y
+        v2 = vx * vx + vy * vy
+        moments[k, SAMPLES] += 1.0
+        moments[k, SPEED2] += v2
+        moments[k, SPEED4] += v2 * v2
+        moments[k, R2] += r2
+        moments[k, R4] += r2 * r2
+        moments[k, COLLISIONS] += queue[m, Q_COLLISIONS]
+        moments[k, CORRELATION] += vx * queue[m, Q_OX] + vy * queue[m, Q_OY]
+        moments[k, CAUGHT] += queue[m, Q_CAUGHT]
+        if speeds.size:
+            value = 0.5 * _log2(v2) - log2(scales[k])
+            _count(speeds, k, value, grids[SPEED, 0], grids[SPEED, 1])
+        if components.size:
+            value = _log2(abs(vx)) - log2(scales[k])
+            _count(components, k, value, grids[COMPONENT, 0], grids[COMPONENT, 1])
+        if distances.size:
+            _count(distances, k, 0.5 * _log2(r2), grids[DISTANCE, 0], grids[DISTANCE, 1])
+        if positions.size:
+            positions[k, tracer, 0] = x
+            positions[k, tracer, 1] = y
+        if velocities.size:
+            velocities[k, tracer, 0] = vx / scales[k]
+            velocities[k, tracer, 1] = vy / scales[k]
 
 
 @njit(error_model="numpy", forceinline=True)
