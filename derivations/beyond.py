@@ -241,7 +241,7 @@ def _cooling_near_1() -> Derived:
             Step("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
             Step("lambda(1) in powers of w", _series_near_one(4)[1]),
         ),
-        "The limit 4/3 at e = 1 meets sqrt(2) at e = 0: h is nearly, not exactly, linear in 1 - e.",
+        "With sqrt(2) at e = 0 it makes h nearly, not exactly, linear in 1 - e.",
     )
 
 
@@ -259,7 +259,8 @@ def _cooling_small_e() -> Derived:
             Step("kappa to order e^2", log_loss),
             Step("lambda(1) to order e^2, with L = ln e; artanh(b) = ln(1 + b) - ln e", first),
         ),
-        "Not analytic at e = 0: the second order holds e^2 ln e.",
+        "Not analytic at e = 0: the second order holds e^2 ln e. Since pi/4 < 1, h/(1 - e) rises "
+        "with e at first: it is not monotonic.",
     )
 
 
@@ -288,8 +289,9 @@ def _tail() -> Derived:
     order, shift = sp.symbols("order shift", positive=True)
     # E[s^p] for large p comes from y near 1, where -ln s = steepness (1 - y)
     steepness = sp.simplify(sp.diff(sp.log(speed_ratio_squared()) / 2, y).subs(y, 1))
-    laplace = sp.integrate(sp.exp(-order * steepness.subs(e, 0) * x), (x, 0, sp.oo))
-    large = laplace / steepness  # p E[s^p] -> 1/steepness
+    decay = sp.Symbol("decay", positive=True)
+    laplace = sp.integrate(sp.exp(-decay * x), (x, 0, sp.oo))  # x = 1 - y
+    large = laplace.subs(decay, order * steepness)
     extra = sp.limit(order * large / (1 - large), order, sp.oo)
     # y^(shift - 1) exp(-y): its moments have ratio p + shift
     ratio = sp.gammasimp(sp.gamma(order + 1 + shift) / sp.gamma(order + shift)) - order

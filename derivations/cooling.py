@@ -34,6 +34,7 @@ from .symbols import (
     v,
     v0,
 )
+from .twins import largest_cooling_ratio
 from .values import cooling_rate_value
 
 
@@ -140,12 +141,13 @@ def _hsimu() -> Derived:
     limits = [
         Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
         Number("exact h/(1 - e) as e -> 1", 4 / 3),
+        Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
     ]
     return Derived(
         eq(h, 2 * sp.sqrt(klog * lam(1))),
-        note="The exact h/(1 - e) falls slowly with e, from sqrt(2) to 4/3: nearly, not exactly, "
-        "proportional to 1 - e. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for "
-        "the mean free path, which is shorter where disks do not overlap.",
+        note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
+        "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
+        "free path, which is shorter where disks do not overlap.",
         status=Status.FIT,
         numbers=(*values, *limits),
     )

@@ -73,7 +73,10 @@ def check(label: str, printed: sp.Basic | None = None) -> Check:
     Raises ValueError for a label that does not exist.
     """
     if label not in REGISTRY or label not in ROWS:
-        raise ValueError(f"label {label!r} is not one of the {len(ROWS)} rows")
+        raise ValueError(
+            f"label: got {label!r}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
+            "'taun#2' or 'beyond:a2' (verify() gives them all)"
+        )
     entry = ROWS[label]
     formula = entry.formula if printed is None else printed
     derived = REGISTRY[label]()

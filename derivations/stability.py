@@ -116,7 +116,8 @@ def _ac6() -> Derived:
     return Derived(
         eq(da2(t), grown),
         (Step("ac5 divided by the perturbation and integrated", grown),),
-        "With v0 = 1/(alpha + beta t) it is a power of time: exponent sqrt(pi)(1 - e^2) H/(2 h).",
+        "With v0 = 1/(alpha + beta t) it is a power of time: exponent sqrt(pi)(1 - e^2) H/(2 h). "
+        "The integration variable is printed as t.",
     )
 
 

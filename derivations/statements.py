@@ -8,6 +8,7 @@ from .printed.entry import Section
 from .record import Derived, Number, Status
 from .registry import derives
 from .sonine import at_restitution, roots
+from .twins import largest_cooling_ratio
 from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 SECTION = Section("Statements of the paper")
@@ -27,8 +28,11 @@ def _verdict(holds: bool, note: str, *numbers: Number) -> Derived:
 def _h_linear() -> Derived:
     return _verdict(
         False,
-        "Nearly, not exactly: h/(1 - e) falls from sqrt(2) to 4/3, by 6 % over all e. It follows "
-        "from the exact moments, with no Sonine expansion.",
+        "Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest value at "
+        "e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from the exact moments, "
+        "with no Sonine expansion.",
+        Number("largest h/(1 - e)", largest_cooling_ratio()[1]),
+        Number("restitution at which it is largest", largest_cooling_ratio()[0]),
         Number("h/(1 - e) at e = 0", float(mp.sqrt(2))),
         *(
             Number(f"h/(1 - e) at e = {e}", float(cooling_rate_value(e)) / (1 - e))

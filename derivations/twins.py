@@ -50,6 +50,18 @@ def cooling_rate(restitution: mp.mpf) -> mp.mpf:
     return _function("cooling_rate")(mp.mpf(restitution))
 
 
+@cache
+def largest_cooling_ratio() -> tuple[float, float]:
+    """(e, h/(1 - e)) where h/(1 - e) is largest: it rises from sqrt(2) before it falls to 4/3."""
+    with mp.workdps(30):
+
+        def ratio(value: mp.mpf) -> mp.mpf:
+            return cooling_rate(value) / (1 - value)
+
+        place = mp.findroot(lambda value: mp.diff(ratio, value), 0.15)
+        return float(place), float(ratio(place))
+
+
 def diffusion_slope(restitution: mp.mpf) -> mp.mpf:
     """d<r^2>/d ln t in units of l^2, 0 < e < 1."""
     return _function("diffusion_slope")(mp.mpf(restitution))

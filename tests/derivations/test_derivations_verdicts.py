@@ -102,6 +102,8 @@ def test_a_row_says_what_its_status_promises(label: str) -> None:
     [
         ("compare1", "threshold restitution", 0.58157),
         ("beyond:a2", "restitution at which a_2 = 0", 0.5929352),
+        ("statement:h-linear", "largest h/(1 - e)", 1.42968),
+        ("statement:h-linear", "restitution at which it is largest", 0.1464),
         ("beyond:slope", "slope at e = 0.9", 22.294),
         ("beyond:slope", "slope at e = 0.5", 4.435),
         ("beyond:slope", "slope at e = 0.2", 3.080),
@@ -124,7 +126,7 @@ def test_the_report_subset_is_judged_as_the_whole_is() -> None:
 
 
 def test_an_unknown_label_is_refused() -> None:
-    with pytest.raises(ValueError, match="'sonine99' is not one of the"):
+    with pytest.raises(ValueError, match="label: got 'sonine99'; it must be one of"):
         verify(["sonine99"])
     with pytest.raises(ValueError, match="'sonine99'"):
         check("sonine99")
