@@ -1,0 +1,114 @@
+"""One benchmark against an earlier one: ratios, and what got slower by more than the spread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kinetics.crosscheck.bench.record import MEASURED, Record
+
+if TYPE_CHECKING:
+    from kinetics.crosscheck.bench.report import BenchReport
+
+SLOWER, FASTER, SAME = "slower", "faster", ""
+WORSE, FIXED, BROKEN, GONE, NEW = "less accurate", "works now", "fails now", "gone", "new"
+_ERROR_GREW = 10.0  # below it the error of a random method may change by itself
+_ERROR_FLOOR = 1e-13  # rounding
+_FEW = 3  # repeats below which there is no spread to speak of,
+_UNKNOWN_SPREAD = 0.25  # and this is taken for it, relative
+
+
+@dataclass(frozen=True)
+class Change:
+    """One row in both runs.
+
+    Attributes
+    ----------
+    row : of the new run; of the old one if it is gone
+    ratio : new time over old; None where one of them has none
+    mark : what happened, empty if nothing beyond the spread
+    """
+
+    row: Record
+    ratio: float | None
+    mark: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All rows of two runs; `markdown` gives those that are marked first."""
+
+    changes: tuple[Change, ...]
+    same_machine: bool
+
+    def marked(self, *marks: str) -> list[Change]:
+        """The rows with one of these marks; with any mark if none is named."""
+        wanted = set(marks)
+        return [c for c in self.changes if (wanted & set(c.mark.split(", ")) if marks else c.mark)]
+
+    def markdown(self) -> str:
+        """A table of the marked rows, and the median ratio of each section."""
+        import statistics
+
+        lines = ["## Compared with the earlier run", ""]
+        if not self.same_machine:
+            lines += ["The earlier run was made on another machine or with other versions.", ""]
+        lines += ["| section | rows | median new/old |", "|---|---|---|"]
+        for section in dict.fromkeys(c.row.section for c in self.changes):
+            ratios = [c.ratio for c in self.changes if c.row.section == section and c.ratio]
+            middle = f"{statistics.median(ratios):.2f}" if ratios else "-"
+            lines.append(f"| {section} | {len(ratios)} | {middle} |")
+        marked = self.marked()
+        lines += ["", f"{len(marked)} of {len(self.changes)} rows are marked.", ""]
+        if marked:
+            lines += ["| problem | method | setting | new/old | mark |", "|---|---|---|---|---|"]
+        for change in marked:
+            row = change.row
+            value = "" if row.value is None else f" = {row.value:g}"
+            ratio = "-" if change.ratio is None else f"{change.ratio:.2f}"
+            threads = "" if row.threads == 1 else f", {row.threads} threads"
+            lines.append(
+                f"| {row.problem} | {row.method}{threads} | {row.setting}{value} | {ratio} "
+                f"| {change.mark} |"
+            )
+        return "\n".join([*lines, ""])
+
+
+def compare_bench(new: BenchReport, old: BenchReport) -> Comparison:
+    """Every row of either run; slower means that the quartiles of the two do not overlap."""
+    before = {r.key: r for r in old.records}
+    after = {r.key: r for r in new.records}
+    changes = [_change(row, before.get(key)) for key, row in after.items()]
+    if old.cases == new.cases:
+        changes += [Change(row, None, GONE) for key, row in before.items() if key not in after]
+    kept = ("processor", "python", "numpy", "scipy", "numba")
+    same = all(new.machine.get(k) == old.machine.get(k) for k in kept)
+    return Comparison(tuple(changes), same)
+
+
+def _change(new: Record, old: Record | None) -> Change:
+    if old is None:
+        return Change(new, None, NEW)
+    ratio = new.seconds / old.seconds if new.seconds and old.seconds else None
+    if (new.status == MEASURED) != (old.status == MEASURED):
+        return Change(new, ratio, FIXED if new.status == MEASURED else BROKEN)
+    grew = (
+        new.error is not None
+        and old.error is not None
+        and new.error > _ERROR_GREW * max(old.error, _ERROR_FLOOR)
+    )
+    marks = [WORSE] if grew else []
+    if ratio is not None:
+        (new_low, new_high), (old_low, old_high) = _quartiles(new), _quartiles(old)
+        if new_low > old_high:
+            marks.append(SLOWER)
+        elif new_high < old_low:
+            marks.append(FASTER)
+    return Change(new, ratio, ", ".join(marks))
+
+
+def _quartiles(row: Record) -> tuple[float, float]:
+    seconds = row.seconds or 0.0
+    if row.low is None or row.high is None or row.repeats < _FEW:
+        return seconds * (1.0 - _UNKNOWN_SPREAD), seconds * (1.0 + _UNKNOWN_SPREAD)
+    return row.low, row.high

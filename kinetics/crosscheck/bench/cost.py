@@ -1,0 +1,149 @@
+"""Cost against work: nodes, times, harmonics, scatterers, tracers; with fitted exponents."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.bench import precision, references, straightforward
+from kinetics.crosscheck.bench.precision import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.record import MEASURED, Record, failed, not_available, timed
+from kinetics.crosscheck.bench.timing import Effort, measure
+
+SECTION = "cost"
+PARTICLES = "particles"
+
+
+def fitted_exponent(work: Sequence[float], seconds: Sequence[float]) -> float:
+    """q of seconds ~ work^q, least squares in the logarithms over the upper half of the work.
+
+    Below, what does not grow with the work hides it. At least three points; NaN with fewer.
+    """
+    if len(work) < 3:
+        return float("nan")
+    keep = max(3, (len(work) + 1) // 2)
+    order = np.argsort(work)[-keep:]
+    x = np.log(np.asarray(work, dtype=float)[order])
+    y = np.log(np.asarray(seconds, dtype=float)[order])
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def grow(
+    problem: str,
+    method: str,
+    setting: str,
+    values: Sequence[int],
+    work: Callable[[int], Any],
+    effort: Effort,
+) -> list[Record]:
+    """A row per amount of work, and one with the exponent in `extra`."""
+    rows = []
+    for value in values:
+        where: dict[str, Any] = {"setting": setting, "value": float(value)}
+        try:
+            _, timing = measure(partial(work, value), effort)
+        except (ValueError, ArithmeticError, RuntimeError) as met:
+            rows.append(failed(SECTION, problem, method, str(met), **where))
+            continue
+        rows.append(timed(SECTION, problem, method, timing, **where))
+    done = [r for r in rows if r.status == MEASURED]
+    exponent = fitted_exponent(
+        [r.value for r in done if r.value], [r.seconds for r in done if r.seconds and r.value]
+    )
+    note = f"run time ~ {setting}^{exponent:.2f} over the upper half"
+    rows.append(
+        Record(SECTION, problem, method, f"{setting}, exponent", note=note,
+               extra={"exponent": exponent})
+    )  # fmt: skip
+    return rows
+
+
+def cost(effort: Effort) -> list[Record]:
+    """All sweeps, at e = 0.7."""
+    return [*_solvers(effort), *_particles(effort), *_missing()]
+
+
+def _solvers(effort: Effort) -> list[Record]:
+    from kinetics import Gaussian, Scene, solve, solve_scaled
+
+    e, l = 0.7, references.MEAN_FREE_PATH  # noqa: E741
+    big = not effort.quick
+
+    def averages(count: int) -> Any:
+        times = np.geomspace(1.0, 1e6, count)
+        return solve(Scene(e, times=times, outputs=("thermal_speed", "a2")), 1e-10)
+
+    def density(count: int) -> Any:
+        times = np.geomspace(1.0, 1e3, count)
+        return solve(Scene(e, times=times, outputs=("speed_density",)), 1e-8)
+
+    def density_nodes(nodes: int) -> Any:
+        scene = Scene(e, times=[10.0, 100.0], outputs=("speed_density",))
+        return solve(scene, 1e-8, nodes=nodes)
+
+    def harmonics(count: int) -> Any:
+        scene = Scene(
+            e, initial=Gaussian(2.0, 1.0), times=[10.0, 100.0], outputs=("velocity_density",),
+            harmonics=2 * count,  # the odd ones are zero
+        )  # fmt: skip
+        return solve(scene, 1e-8)
+
+    def conservative(nodes: int) -> Any:
+        return precision._conservative(e, "gaussian", np.array([100.0]), nodes)
+
+    def dense(nodes: int) -> Any:
+        times = references.times("short")
+        return straightforward.solve_cooling(e, l, "gaussian", times, nodes, 1e-4)
+
+    return [
+        *grow("scaled h, a2", SPECTRAL, "nodes", (64, 128, 256, 512, *((1024,) if big else ())),
+              lambda n: solve_scaled(e, 1e-12, nodes=n).a2, effort),
+        *grow("speed density", SPECTRAL, "nodes", (128, 256, 512, *((1024, 2048) if big else ())),
+              density_nodes, effort),
+        *grow("speed density", CONSERVATIVE, "nodes",
+              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), conservative, effort),
+        *grow("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
+              dense, effort),
+        *grow("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, 10_000),
+              averages, effort),
+        *grow("speed density", SPECTRAL, "times", (4, 16, 64, *((256,) if big else ())),
+              density, effort),
+        *grow("velocity density", SPECTRAL, "harmonics", (1, 2, 4, *((8, 16) if big else ())),
+              harmonics, effort),
+    ]  # fmt: skip
+
+
+def _particles(effort: Effort) -> list[Record]:
+    from particles import HardDisks, simulate
+
+    big = not effort.quick
+
+    def scatterers(count: int) -> Any:
+        return simulate(HardDisks(0.04, count=count), 0.9, max_collisions=1, media=1, tracers=1,
+                        workers=1)  # fmt: skip
+
+    def crossed(count: int) -> Any:
+        return simulate(HardDisks(0.04, count=count), 0.9, max_collisions=300, media=1,
+                        tracers=1000, workers=1)  # fmt: skip
+
+    def tracers(count: int) -> Any:
+        return simulate(HardDisks(0.04, count=10_000), 0.9, max_collisions=300, media=1,
+                        tracers=count, workers=1)  # fmt: skip
+
+    sizes = (1000, 10_000, 100_000, *((1_000_000,) if big else ()))
+    return [
+        *grow("placing hard disks, 0.04 per d^2", PARTICLES, "scatterers", sizes, scatterers,
+              effort),
+        *grow("300 collisions of 1000 tracers", PARTICLES, "scatterers", sizes, crossed, effort),
+        *grow("300 collisions of each tracer", PARTICLES, "tracers",
+              (100, 1000, 10_000, *((100_000,) if big else ())), tracers, effort),
+    ]  # fmt: skip
+
+
+def _missing() -> list[Record]:
+    return [
+        not_available(SECTION, "G(R)", SPECTRAL, "no solver gives G(R) yet", setting="wave numbers")
+    ]

@@ -1,0 +1,94 @@
+"""One measured figure of a benchmark, and what could not be measured."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from kinetics.crosscheck.bench.timing import Timing
+
+MEASURED, FAILED, NOT_AVAILABLE = "measured", "failed", "not available"
+
+
+@dataclass(frozen=True)
+class Record:
+    """One row.
+
+    Attributes
+    ----------
+    section : the part of the benchmark
+    problem : what is solved, with its restitution
+    method : who solves it
+    setting : name of what is varied: "rtol", "nodes", "order", "samples", ...
+    value : of the setting; None where there is none
+    seconds, low, high : median and quartiles of the run time in s; None if not measured. Of one
+        thread the processor time, so that others on the machine do not count; of more, wall-clock
+    wall : median of the wall-clock time in s
+    warm_up : the first call, in s
+    repeats : behind the median
+    error : error reached, see `measure` of the section; None where it has none
+    asked : error asked for
+    status : "measured", "failed" or "not available"
+    note : why it failed, or what else there is to say
+    threads : that the work might use
+    extra : further figures by name
+    """
+
+    section: str
+    problem: str
+    method: str
+    setting: str = ""
+    value: float | None = None
+    seconds: float | None = None
+    low: float | None = None
+    high: float | None = None
+    wall: float | None = None
+    warm_up: float | None = None
+    repeats: int = 0
+    error: float | None = None
+    asked: float | None = None
+    status: str = MEASURED
+    note: str = ""
+    threads: int = 1
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def key(self) -> tuple[str, str, str, str, str, int]:
+        """What makes two rows of two runs the same measurement."""
+        value = "" if self.value is None else f"{self.value:.6g}"
+        return (self.section, self.problem, self.method, self.setting, value, self.threads)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values by name."""
+        return asdict(self)
+
+
+def timed(
+    section: str, problem: str, method: str, timing: Timing, threads: int = 1, **others: Any
+) -> Record:
+    """A row with a measured time."""
+    counted = timing.cpu if threads == 1 else timing.wall
+    return Record(
+        section,
+        problem,
+        method,
+        seconds=counted.median,
+        low=counted.low,
+        high=counted.high,
+        wall=timing.wall.median,
+        warm_up=timing.warm_up,
+        repeats=timing.repeats,
+        threads=threads,
+        **others,
+    )
+
+
+def failed(section: str, problem: str, method: str, why: str, **others: Any) -> Record:
+    """A row that says what went wrong, on one line."""
+    note = " ".join(str(why).split())[:200]
+    return Record(section, problem, method, status=FAILED, note=note, **others)
+
+
+def not_available(section: str, problem: str, method: str, why: str, **others: Any) -> Record:
+    """A row for what a method cannot do, or what does not exist yet."""
+    return Record(section, problem, method, status=NOT_AVAILABLE, note=why, **others)

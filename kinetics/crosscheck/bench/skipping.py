@@ -1,0 +1,113 @@
+"""What skipping saves: each output of a scene alone, with the rest, and the rest without it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.bench.record import Record, not_available, timed
+from kinetics.crosscheck.bench.timing import Effort, measure_together
+
+SECTION = "skipping"
+OUTPUTS = ("thermal_speed", "a2", "collisions", "msd", "speed_density")
+DIRECTED_OUTPUTS = (
+    "thermal_speed", "mean_velocity", "velocity_tensor", "msd", "speed_density", "velocity_density",
+)  # fmt: skip
+OBSERVABLES = (
+    "speed_histogram", "velocity_component_histogram", "displacement_histogram",
+    "free_path_histogram",
+)  # fmt: skip
+
+
+def skipping(effort: Effort) -> list[Record]:
+    """Rows with the ratio of the whole scene's time to the part's in `extra`."""
+    from kinetics import Gaussian
+
+    times = np.geomspace(1.0, 1e4, 20)
+    rows = _scene("isotropic scene", "gaussian", OUTPUTS, times, effort)
+    wide = Gaussian(2.0, 1.0)
+    rows += _scene("two-temperature scene", wide, DIRECTED_OUTPUTS, times[::4], effort)
+    rows += _elastic(times, effort) + _horizon(effort) + _particles(effort)
+    rows += [
+        not_available(SECTION, "isotropic scene", f"{name} alone", "no such output yet")
+        for name in ("kurtosis", "position_density")
+    ]
+    return rows
+
+
+def _together(
+    problem: str, whole: str, works: dict[str, Callable[[], Any]], effort: Effort
+) -> list[Record]:
+    """A row per piece of work; `extra["ratio"]` is the time of the whole over its own."""
+    timings = measure_together(works, effort)
+    return [
+        timed(
+            SECTION,
+            problem,
+            name,
+            timing,
+            extra={"ratio": timings[whole].cpu.median / max(timing.cpu.median, 1e-9)},
+        )
+        for name, timing in timings.items()
+    ]
+
+
+def _scene(
+    problem: str, start: Any, outputs: tuple[str, ...], times: np.ndarray, effort: Effort
+) -> list[Record]:
+    from kinetics import Scene, solve
+
+    def of(names: tuple[str, ...]) -> Callable[[], Any]:
+        scene = Scene(0.7, initial=start, times=times, outputs=names, harmonics=4)
+        return lambda: solve(scene, 1e-8)
+
+    works = {"everything": of(outputs)}
+    works |= {f"{name} alone": of((name,)) for name in outputs}
+    works |= {
+        f"all but {name}": of(tuple(other for other in outputs if other != name))
+        for name in outputs
+    }
+    return _together(problem, "everything", works, effort)
+
+
+def _elastic(times: np.ndarray, effort: Effort) -> list[Record]:
+    """The elastic scene solves nothing."""
+    from kinetics import Scene, solve
+
+    def of(e: float) -> Callable[[], Any]:
+        scene = Scene(e, times=times, outputs=("thermal_speed", "a2", "speed_density"))
+        return lambda: solve(scene, 1e-8)
+
+    works = {"e = 0.99": of(0.99), "e = 1": of(1.0)}
+    return _together("elastic scene, v0, a2 and density", "e = 0.99", works, effort)
+
+
+def _horizon(effort: Effort) -> list[Record]:
+    """Once the scaling state is reached, later times cost nothing."""
+    from kinetics import Scene, solve
+
+    def of(last: float) -> Callable[[], Any]:
+        scene = Scene(0.7, times=np.geomspace(1.0, last, 20), outputs=("thermal_speed", "a2"))
+        return lambda: solve(scene, 1e-8)
+
+    works = {f"t <= {last:.0e}": of(last) for last in (1e300, 1e20, 1e12, 1e4)}
+    return _together("last time in d/U, v0 and a2", "t <= 1e+300", works, effort)
+
+
+def _particles(effort: Effort) -> list[Record]:
+    """A simulation keeps only what is asked for."""
+    from particles import BoltzmannGrad, simulate
+
+    times = np.geomspace(1.0, 1e4, 20)
+
+    def of(names: tuple[str, ...]) -> Callable[[], Any]:
+        return lambda: simulate(
+            BoltzmannGrad(0.04), 0.7, times=times, media=4, tracers=1000, workers=1,
+            observables=names or None,
+        )  # fmt: skip
+
+    works = {"every histogram": of(OBSERVABLES), "scalars alone": of(())}
+    works |= {f"{name} alone": of((name,)) for name in OBSERVABLES}
+    return _together("Boltzmann-Grad run, 4000 tracers", "every histogram", works, effort)
