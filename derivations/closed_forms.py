@@ -108,7 +108,7 @@ def mean_ratio_power() -> sp.Expr:
         lower.remove(sp.Integer(1))
     else:
         upper.append(sp.Integer(1))
-    return sp.hyper(upper, lower, 1 - e**2)
+    return sp.hyper(sorted(upper, key=sp.default_sort_key), lower, 1 - e**2)
 
 
 @cache

@@ -97,7 +97,8 @@ def _values(expression: sp.Expr, points: int, digits: int) -> list[sp.Expr]:
         for part in outer:
             value = value.xreplace({part: sp.Rational(stream.randint(100, 899), 1000)})
         number = value.evalf(digits)
-        if number.is_number and number is not sp.nan:
+        digits_found = all(part.is_Float or part.is_Integer for part in number.as_real_imag())
+        if number.is_infinite or digits_found:
             values.append(number)
     return values
 

@@ -12,7 +12,13 @@ from derivations.registry import REGISTRY
 from derivations.rows import check
 
 E = sy.e
-NO_VALUE = sp.MatrixSymbol("A", 1, 1)[0, 0]
+
+
+class Valueless(sp.Function):
+    """A function of which nothing is known, not even its value at a number."""
+
+
+NO_VALUE = Valueless(E)
 # one to one with 0 = 0, but beyond sympy's simplification
 HARD_ZERO = sp.asinh(sp.sqrt(1 - E**2) / E) - sp.atanh(sp.sqrt(1 - E**2))
 
