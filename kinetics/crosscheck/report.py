@@ -28,7 +28,7 @@ from kinetics.crosscheck.rows import (
 )
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
-from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case, media
+from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case
 from kinetics.sonine import FITTED_COOLING_FACTOR
 
 SCHEMA = "inelastic-lorentz/report/1"
@@ -49,7 +49,6 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
     ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
     tell = progress or (lambda stage: None)
-    media(settings)  # a system that cannot be simulated is refused before anything is solved
     with AlgebraProcess() as algebra:
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):

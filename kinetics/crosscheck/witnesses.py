@@ -43,7 +43,10 @@ def media(settings: ReportSettings) -> "tuple[BoltzmannGrad, HardDisks]":
 def gather_case(
     restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
 ) -> Case:
-    """Every witness on one restitution, until the last time (in d/U). Calls `tell` three times."""
+    """Every witness on one restitution, until the last time (in d/U). Calls `tell` three times.
+
+    ValueError, before anything is solved, for a system that cannot be simulated.
+    """
     from kinetics import ScalingSolution, Scene, solve, solve_scaled
     from particles import simulate
 

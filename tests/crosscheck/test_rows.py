@@ -69,6 +69,18 @@ def test_the_row_shows_its_worst_time(make_case: MakeCase, settings: ReportSetti
     assert row.looks == case.times.size
 
 
+def test_deviations_of_a2_are_relative_to_the_fourth_moment(
+    make_case: MakeCase, settings: ReportSettings
+) -> None:
+    row = next(
+        r
+        for r in rows_of(make_case(2.0), settings)
+        if r.observable == "a2" and r.source == "Boltzmann-Grad"
+    )
+    # a2 = 0.1 and two errors of 1 % of it
+    assert row.deviation == pytest.approx(2 * 0.001 / 1.1)
+
+
 def test_bins_with_few_samples_are_not_judged(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
