@@ -242,14 +242,21 @@ class BackwardEquation:
         return self._solve(observable).values
 
     def error_estimate(self, observable: Observable) -> float:
-        """First neglected Chebyshev coefficient relative to the largest value on its panel."""
+        """First neglected Chebyshev coefficient relative to the largest value on its panel.
+
+        For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
+        """
         values = self._solve(observable).values
         n = self.nodes
         k = np.arange(n)
         halves = np.where((k == 0) | (k == n - 1), 0.5, 1.0)
         last = np.abs(values @ (halves * np.cos(math.pi * k) / (n - 1)))
         before = np.abs(values @ (halves * np.cos(math.pi * k * (n - 2) / (n - 1)) * 2 / (n - 1)))
-        top = np.maximum(np.abs(values).max(axis=1), 1e-300)
+        if observable.harmonic and not observable.sources and not observable.constant:
+            scale = self._solve(speed_power(observable.degree)).values
+        else:
+            scale = values
+        top = np.maximum(np.abs(scale).max(axis=1), 1e-300)
         floor = 1e-16 * top
         # coefficients fall geometrically: the first one left out is last^2/before
         error = np.maximum(last, floor) * np.minimum(1.0, (last + floor) / (before + floor))

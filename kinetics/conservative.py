@@ -21,13 +21,13 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.initial import State
 from kinetics.measure import LogMeasure
-from kinetics.profile import Profile
+from kinetics.profile import Profile, count_before_scaling, then_scaling
 
 FloatArray = NDArray[np.float64]
 
 _DEPTH = 12.0  # e-folds below the slowest relevant speed l/t that the axis reaches
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
-_MOST_TERMS = 2_000_000  # of uniformisation; each is one sweep over the axis
+_MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
 _MAX_NODES = 65536
 
 
@@ -98,7 +98,11 @@ class _Axis:
         left = duration
         while left > 1e-15 * duration:
             live = np.nonzero(np.abs(self.mass) > _EMPTY * self.total)[0]
-            self.first = int(live[0]) if live.size else self.first
+            first = int(live[0]) if live.size else self.first
+            # what is left behind above moves down with the rest: mass is kept
+            self.mass[first] += self.mass[self.first : first].sum()
+            self.mass[self.first : first] = 0.0
+            self.first = first
             fastest = float(self.speed[self.first])
             # short enough for the top to empty on the way, long enough for few steps
             step = min(left, 64.0 / fastest)
@@ -142,11 +146,15 @@ def solve_conservative(
 ) -> Profile:
     """Harmonic m at the times, e < 1; InputError where a state is too nearly elastic for it."""
     start = state.harmonic(m, min(rtol, 1e-6))
-    if start is None:
+    state_speeds = state.harmonic(0, min(rtol, 1e-6))
+    if start is None or state_speeds is None:
         raise InputError(f"initial: harmonic {m} of this state is zero")
     monoenergetic = start.x.size == 1
     top = float(start.x.max())
-    latest = float(times[-1]) / mean_free_path
+    log_unit = 0.5 * state_speeds.log_second_moment()
+    shift = np.log(times / mean_free_path + math.exp(-log_unit))
+    early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
+    latest = float(times[early - 1]) / mean_free_path if early else 0.0
     slowest = min(float(start.x.min()), top, -math.log(max(latest, 1e-300))) - _DEPTH
     slowest = max(slowest, top - 700.0)
     span = top - slowest
@@ -157,11 +165,15 @@ def solve_conservative(
     x0 = top - spacing * (count - 1)
     x = x0 + spacing * np.arange(count, dtype=float)
     speed = np.exp(x)[::-1]
-    expected = 80.0 * (1.0 + math.log1p(latest * math.exp(top))) / law.mean_log_loss
-    if expected > _MOST_TERMS:
+    # the fastest tracers collide 80 times for each e-fold of time once they cool
+    cooling = 80.0 * (1.0 + math.log1p(latest * math.exp(top))) / law.mean_log_loss
+    sweeps = min(cooling, latest * math.exp(min(top, 700.0 - math.log(max(latest, 1.0)))))
+    reach = min(float(law.quadrature.log_loss.max()), _DEPTH + 28.0) / spacing + 2.0
+    if sweeps * min(count, 40.0 / spacing) * min(reach, count) > _MOST_WORK:
         raise InputError(
-            f"restitution: got {law.restitution!r}; the conservative method would need "
-            f"{expected:.1e} sweeps so near the elastic limit, use method='spectral'"
+            f"times: got up to {times[early - 1]:g} at restitution {law.restitution!r}; the "
+            f"conservative method would need {sweeps:.1e} sweeps of {count} nodes, ask for earlier times, "
+            "a larger rtol, or averages only"
         )
     kernel = bounce_kernel(law, spacing, m)
     mass = deposit(start, x0, spacing, count)[::-1].copy()
@@ -172,14 +184,14 @@ def solve_conservative(
         speed = np.concatenate([speed[:1], speed])
         peak = start.weight[0] * np.exp(-math.exp(top) * times / mean_free_path)
     axis = _Axis(speed, kernel, mass, monoenergetic)
-    out = np.empty((times.size, count), dtype=mass.dtype)
+    out = np.empty((early, count), dtype=mass.dtype)
     now = 0.0
-    for i, t in enumerate(times):
+    for i, t in enumerate(times[:early]):
         axis.advance((t - now) / mean_free_path)
         now = t
         out[i] = axis.mass[-count:][::-1]
     return Profile(
-        continuous=_Masses(x, spacing, out),
+        continuous=then_scaling(law, _Masses(x, spacing, out), shift[early:], rtol),
         method="conservative",
         nodes=count,
         error_estimate=spacing**2,

@@ -96,10 +96,11 @@ class Averages:
         if not self.elastic:
             return self.average(Observable(degree=p, harmonic=m))
         # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)] = nu_m
-        nu = self.law.harmonic_decay_rate(0.0, m)
-        collided = np.exp(found.x + self.log_stretch[:, None])
         with np.errstate(under="ignore", over="ignore"):
-            kept = np.exp(p * (found.x - self.log_reference[:, None]) - nu * collided)
+            kept = np.exp(p * (found.x - self.log_reference[:, None]))
+            if m:
+                nu = self.law.harmonic_decay_rate(0.0, m)
+                kept = kept * np.exp(-nu * np.exp(found.x + self.log_stretch[:, None]))
         return np.asarray(kept @ found.weight)
 
     def average(self, y: Observable) -> NDArray[Any]:

@@ -118,7 +118,7 @@ class ScalingSolution:
 
     @cached_property
     def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c); InputError at e = 1.
+        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c), to 1e-10; InputError at e = 1.
 
         With b = 1/(1-e^2), E[Y^p]/Gamma(p+b) tends to 2 pi A (h/2)^b: a sum over the integers p
         of ln[(p/(p+b))/lambda(p)], by Euler-Maclaurin.
@@ -316,8 +316,11 @@ class ScalingSolution:
         # Chernoff: where the tilted density is below 1e-17 on either side
         steps = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 12.0]) / scale
         up = self._log_a(a + steps) - log_moment
-        down = self._log_a(a - steps) - log_moment
         right = float(np.min((up + _NEGLIGIBLE) / steps))
+        # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
+        steps = np.append(steps, 0.1 / scale)
+        steps = steps[steps - a < 600.0 / float(self.law.quadrature.log_loss.max())]
+        down = self._log_a(a - steps) - log_moment
         left = float(np.max(-(down + _NEGLIGIBLE) / steps))
         step = 2.0 * math.pi / (right - left)
         block = 32

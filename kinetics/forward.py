@@ -20,27 +20,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
 from kinetics.generator import decay_symbol, harmonic_symbol
 from kinetics.grid import LogGrid
 from kinetics.initial import State
 from kinetics.measure import LogMeasure
-from kinetics.profile import Profile
-from kinetics.scaled import ScaledVDF, solve_scaled
+from kinetics.profile import Profile, count_before_scaling, then_scaling
 from kinetics.tilt import band_of, window_of
 
 FloatArray = NDArray[np.float64]
 
 _MAX_NODES = 8192
+_MOST_WORK = 3e8  # turns of the highest mode times nodes: about a minute
 
 
 @dataclass(frozen=True)
-class _Early:
-    """g at the nodes for the times before the scaling state, and that state for later ones."""
+class _Collocated:
+    """g at the nodes, read off at any speed."""
 
     grid: LogGrid
-    values: NDArray[Any]  # (n_early, nodes)
+    values: NDArray[Any]  # (n_times, nodes)
     shift: FloatArray  # ln((t + t0)/l), (n_times,)
-    scaled: ScaledVDF | None
 
     def __call__(self, v: FloatArray) -> NDArray[Any]:
         out = np.zeros((self.shift.size, v.size), dtype=self.values.dtype)
@@ -49,14 +49,8 @@ class _Early:
         for i, shift in enumerate(self.shift):
             x = log_v + shift
             density = np.zeros(x.shape, dtype=self.values.dtype)
-            if i < self.values.shape[0]:
-                inside = (x >= self.grid.start) & (x <= self.grid.end)
-                density[inside] = self._interpolate(i, x[inside]) * np.exp(-log_v[inside])
-            elif self.scaled is not None:
-                # v0 (t + t0)/l = 2/h in the scaling state
-                log_thermal = math.log(2.0 / self.scaled.cooling_rate) - shift
-                c = np.exp(log_v - log_thermal)
-                density = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+            inside = (x >= self.grid.start) & (x <= self.grid.end)
+            density[inside] = self._interpolate(i, x[inside]) * np.exp(-log_v[inside])
             out[i, positive] = density
         return out
 
@@ -68,15 +62,15 @@ class _Early:
         return np.asarray(real + 1j * self.grid.interpolate(values.imag, x))
 
 
-def _window(law: CollisionLaw, start: LogMeasure, depth: float) -> tuple[float, float, float]:
-    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, for all times; wave number of the state.
+def _window(
+    law: CollisionLaw, start: LogMeasure, depth: float, duration: float
+) -> tuple[float, float, float]:
+    """Both ends of x = ln(v (t + t0)/l), t0 = l/v_rms, up to tau = duration; wave number needed.
 
-    Above, the scaling state or the start; below, the slow tail of the start, which drifts up. At
-    e below 0.3 bounces fill the low speeds up to v^1 in the density of ln v.
+    Above, the scaling state or the start, and no more than speeds that are kept would reach;
+    below, the slow tail of the start, which drifts up. At e below 0.3 bounces fill the low speeds
+    up to v^1 in the density of ln v.
     """
-    _, right, deviation = window_of(law, 0.0, depth)
-    band = band_of(law, 0.0, depth, deviation)
-    right -= math.log(law.mean_log_loss)
     x = start.x - 0.5 * start.log_second_moment()
     weight = np.abs(start.weight)
     order = np.argsort(x)
@@ -86,9 +80,16 @@ def _window(law: CollisionLaw, start: LogMeasure, depth: float) -> tuple[float, 
     last = int(np.searchsorted(-(below[-1] - below), -share))
     low = float(x[order[max(first - 1, 0)]])
     high = float(x[order[min(last + 1, x.size - 1)]])
+    _, scaled, deviation = window_of(law, 0.0, depth)
+    scaled -= math.log(law.mean_log_loss)
+    kept = high + duration
+    right = max(high, min(scaled, kept))
+    # too early for the ring of nearly elastic tracers to narrow
+    formed = kept > -math.log(law.mean_log_loss) - 1.0
+    band = band_of(law, 0.0, depth, deviation) if formed else 8.0
     if law.restitution < 0.3:
         low = min(low, -depth)
-    return low - 0.5, max(right, high + 0.5), band
+    return low - 0.5, right + 0.5, band
 
 
 def solve_spectral(
@@ -108,8 +109,20 @@ def solve_spectral(
     if start is None or profile is None:
         return None
     depth = math.log(1.0 / rtol) + 6.0
-    left, right, band = _window(law, start, depth)
     log_unit = 0.5 * start.log_second_moment()
+    shift = np.log(times / mean_free_path + math.exp(-log_unit))
+    tau = shift + log_unit
+    early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
+    duration = float(tau[early - 1]) if early else 0.0
+    left, right, band = _window(law, start, depth, duration)
+    # the drift and the losses turn the highest mode this often
+    wanted = nodes or (right - left) * band / math.pi
+    turns = wanted * math.pi / (right - left) * (1.0 + law.mean_log_loss * math.exp(right))
+    if wanted > _MAX_NODES or turns * duration * wanted > _MOST_WORK:
+        raise InputError(
+            f"times: got up to {times[-1]:g} at restitution {law.restitution!r}; the density "
+            f"would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
+        )
     grid, initial, rough = _resolve(profile, left, right, band, log_unit, rtol, nodes, m == 0)
     if rough > 10.0 * rtol and nodes is None:
         return None
@@ -126,11 +139,6 @@ def solve_spectral(
         spectrum = z * np.fft.rfft(g) - loss * np.fft.rfft(rate * g)
         return np.asarray(np.fft.irfft(spectrum, grid.nodes).ravel())
 
-    shift = np.log(times / mean_free_path + math.exp(-log_unit))
-    tau = shift + log_unit
-    # the slowest transient of an isotropic state falls as e^-tau
-    saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + 4.0
-    early = int(np.searchsorted(tau, saturated)) if m == 0 else tau.size
     values = np.empty((early, *rows.shape))
     scale = float(np.abs(rows).max())
     now, g = 0.0, rows.ravel()
@@ -152,13 +160,12 @@ def solve_spectral(
             g, now = result.y[:, -1], float(tau[i])
         values[i] = g.reshape(rows.shape)
     joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
-    late = early < times.size
-    scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if late else None
+    collocated = _Collocated(grid, joined, shift[:early])
     return Profile(
-        continuous=_Early(grid, joined, shift, scaled),
+        continuous=then_scaling(law, collocated, shift[early:], rtol),
         method="spectral",
         nodes=grid.nodes,
-        error_estimate=max(0.1 * rtol, rough, _ends(joined)),
+        error_estimate=max(0.1 * rtol, rough, _ends(joined), _highest_modes(joined)),
     )
 
 
@@ -196,3 +203,13 @@ def _ends(values: NDArray[Any]) -> float:
     top = np.abs(values).max(axis=1)
     ends = np.abs(values[:, [0, 1, -2, -1]]).max(axis=1)
     return float(np.max(ends / np.maximum(top, 1e-300)))
+
+
+def _highest_modes(values: NDArray[Any]) -> float:
+    """Largest of the highest modes at any of the times, relative to the largest mode."""
+    if values.shape[0] == 0:
+        return 0.0
+    spectrum = np.abs(np.fft.fft(values, axis=1))
+    half = values.shape[1] // 2
+    high = spectrum[:, half - 2 : half + 3].max(axis=1)
+    return float(np.max(high / np.maximum(spectrum.max(axis=1), 1e-300)))

@@ -128,15 +128,21 @@ def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
 
 
 def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
-    """Call a user's density on an array of speeds; InputError where the answer cannot be used."""
+    """Call a user's density on an array of speeds; InputError where the answer cannot be used.
+
+    Speeds beyond 1e150 or below 1e-150 may overflow in it: NaN counts as 0 there.
+    """
     try:
-        f = np.asarray(density(v))
+        with np.errstate(all="ignore"):
+            f = np.asarray(density(v))
         f = f.astype(complex if f.dtype.kind == "c" else float)
     except (TypeError, ValueError) as error:
         raise InputError(
             f"initial: the density could not be evaluated on an array ({error}); "
             "it must map an array of speeds to an array"
         ) from None
+    if f.shape == v.shape:
+        f = np.where(np.isnan(f) & ((v > 1e150) | (v < 1e-150)), 0.0, f)
     if f.shape != v.shape or np.any(np.isnan(f)):
         raise InputError(
             f"initial: the density returned shape {f.shape} or NaN for speeds of shape {v.shape}; "
@@ -155,7 +161,7 @@ def function(density: Callable[[Any], Any], rtol: float) -> LogMeasure:
         v = np.exp(x)
         return np.asarray(evaluate_density(density, v) * v)
 
-    edges = np.arange(-360.0, 350.5, 0.5)
+    edges = np.arange(-360.0, 700.5, 0.5)
     x, w = panels(edges, 8)
     with np.errstate(all="ignore"):
         mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 8).sum(axis=1)

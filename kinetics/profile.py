@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.scaled import ScaledVDF, solve_scaled
 
 FloatArray = NDArray[np.float64]
 
@@ -33,3 +37,53 @@ class Profile:
     error_estimate: float
     peak_speed: float | None = None
     peak_weight: NDArray[Any] | None = None
+
+
+def count_before_scaling(law: CollisionLaw, tau: FloatArray, rtol: float) -> int:
+    """How many of the times tau = ln(1 + v_rms t/l) are before the scaling state is reached.
+
+    The slowest transient of an isotropic state falls as e^-tau.
+    """
+    saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + 4.0
+    return int(np.searchsorted(tau, saturated))
+
+
+@dataclass(frozen=True)
+class ThenScaling:
+    """Densities of a solver at the early times, and of the scaling state at the later ones.
+
+    Attributes
+    ----------
+    early : v (n_v,) -> (n_early, n_v)
+    late_shift : ln((t + t0)/l) of the later times
+    scaled : the stationary solution that serves them
+    """
+
+    early: Callable[[FloatArray], NDArray[Any]]
+    late_shift: FloatArray
+    scaled: ScaledVDF | None
+
+    def __call__(self, v: FloatArray) -> NDArray[Any]:
+        """Densities at v, shape (n_times, n_v)."""
+        first = self.early(v)
+        if self.scaled is None:
+            return first
+        later = np.zeros((self.late_shift.size, v.size))
+        positive = v > 0.0
+        for i, shift in enumerate(self.late_shift):
+            # v0 (t + t0)/l = 2/h in the scaling state
+            log_thermal = math.log(2.0 / self.scaled.cooling_rate) - float(shift)
+            c = np.exp(np.log(v[positive]) - log_thermal)
+            later[i, positive] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+        return np.concatenate([first, later])
+
+
+def then_scaling(
+    law: CollisionLaw,
+    early: Callable[[FloatArray], NDArray[Any]],
+    late_shift: FloatArray,
+    rtol: float,
+) -> ThenScaling:
+    """The early densities, with the scaling state solved if there are later times."""
+    scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if late_shift.size else None
+    return ThenScaling(early, late_shift, scaled)
