@@ -32,7 +32,7 @@ _RESOLVED = 30.0
 # Where e = 0 the variable is ln(1/s) itself; what lies beyond weighs exp(-_DEEPEST).
 _DEEPEST = 40.0
 _STEEP = 5.0  # U above which exponentials of U are taken apart
-_LARGEST_RATE = 1e7
+_LARGEST_TURN = 1e7
 
 
 @lru_cache(maxsize=8)
@@ -131,6 +131,36 @@ def _highest(e: float) -> float:
     return math.asinh(math.sqrt((1.0 - e) * (1.0 + e)) / e)
 
 
+def impact_cells(
+    restitution: float, spacing: float, points: int = 6
+) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
+    """The average over the impact parameter, cell by cell of width ``spacing`` in -ln s.
+
+    Returns the quadrature, with ``points`` Gauss-Legendre points in y for each cell (s is smooth
+    in y, its density in -ln s is not), and the cell of each point. For 0 <= e < 1; below
+    s = 1e-17 (e = 0) nothing is left out that weighs more.
+    """
+    e = restitution
+    b2 = (1.0 - e) * (1.0 + e)
+    deepest = min(_DEEPEST, -math.log(e)) if e > 0.0 else _DEEPEST
+    count = max(1, math.ceil(deepest / spacing))
+    edge = np.arange(count + 1) * spacing
+    # y^2 = 1 - (1 - s^2)/(1 - e^2)
+    y_edge = np.sqrt(np.maximum(0.0, 1.0 + np.expm1(-2.0 * edge) / b2))
+    y_edge[-1] = 0.0
+    node, weight = gauss_legendre(points)
+    width = (y_edge[:-1] - y_edge[1:])[:, None]
+    y = (y_edge[1:, None] + width * node).ravel()
+    w = (width * weight).ravel()
+    lost = b2 * (1.0 - y) * (1.0 + y)
+    xi = np.where(lost < 0.5, -0.5 * np.log1p(-np.minimum(lost, 0.5)), 0.0)
+    deep = lost >= 0.5
+    xi[deep] = -0.5 * np.log(e * e + b2 * y[deep] ** 2)
+    parallel = -e + (1.0 + e) * y * y
+    cell = np.repeat(np.arange(count), points)
+    return ImpactQuadrature(w, xi, np.exp(-xi), parallel), cell
+
+
 @dataclass(frozen=True)
 class CollisionLaw:
     """The inelastic bounce off a fixed disk, averaged over a uniform impact parameter.
@@ -168,15 +198,13 @@ class CollisionLaw:
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
         """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``.
 
-        Raises InputError for a rate above 1e7.
+        Raises InputError where that takes more than some million points.
         """
-        if not rate <= _LARGEST_RATE:
-            raise InputError(
-                f"p: got a size of {rate:.3g}; E[s^p] is averaged up to {_LARGEST_RATE:g}"
-            )
         # how far |z| ln s and m chi can turn within a panel
         top = 40.0 if self.restitution == 0.0 else _highest(self.restitution)
         turn = rate * min(1.0, top * math.tanh(top)) + 3.0 * m
+        if not turn <= _LARGEST_TURN:
+            raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
         level = max(0, math.ceil(math.log2(max(turn, 1.0) / _RESOLVED)))
         if level not in self._quadratures:
             longest = min(1.0, top) * 2.0**-level if top > 0.0 else 2.0**-level

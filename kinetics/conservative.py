@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw
+from kinetics.collision import CollisionLaw, impact_cells
 from kinetics.errors import InputError
+from kinetics.evolve import Averages
 from kinetics.initial import State
-from kinetics.measure import LogMeasure
+from kinetics.measure import LogMeasure, panels
 from kinetics.profile import Profile, count_before_scaling, then_scaling
 
 FloatArray = NDArray[np.float64]
@@ -28,7 +29,7 @@ FloatArray = NDArray[np.float64]
 _DEPTH = 12.0  # e-folds below the slowest relevant speed l/t that the axis reaches
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
-_MAX_NODES = 65536
+_FINEST = 2e-3  # default spacing: the method is of second order
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,10 @@ class _Masses:
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    # several points in each cell, or the shares would come in lumps
-    q = law.quadrature_for(8.0 / spacing, m)
-    level = q.log_loss / spacing
-    low = np.floor(level).astype(int)
+    q, low = impact_cells(law.restitution, spacing)
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
-    down = -np.expm1(-2.0 * spacing * (level - low)) / -math.expm1(-2.0 * spacing)
+    down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
+    down = np.clip(down, 0.0, 1.0)
     weight = q.weight * q.harmonic(m)
     kernel = np.zeros(int(low.max()) + 2)
     np.add.at(kernel, low, weight * (1.0 - down))
@@ -79,11 +78,27 @@ def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray
     return mass
 
 
+def _start_masses(
+    state: State, start: LogMeasure, m: int, x0: float, spacing: float, nodes: int
+) -> NDArray[Any]:
+    """The state on the nodes: from its density cell by cell, or point by point without one."""
+    profile = state.profile(m)
+    if profile is None:
+        return deposit(start, x0, spacing, nodes)
+    x, w = panels(x0 + spacing * np.arange(nodes, dtype=float), 4)
+    v = np.exp(x)
+    weight = w * v * profile(v)
+    found = deposit(LogMeasure(x, weight), x0, spacing, nodes)
+    # what lies beyond the axis, or between the points of a rough density, is not missed
+    total, expected = found.sum(), start.weight.sum()
+    return found * (expected / total) if m == 0 else found
+
+
 class _Axis:
     """The masses on their way: nodes from the top downwards in index, so that bounces go right.
 
-    With ``peak``, node 0 holds the tracers of one speed that have not collided, and node 1 has the
-    same speed: bounces from node 0 start at node 1, and nothing returns.
+    With ``peak``, node 0 holds the tracers of one speed that have not collided, and node 2 has the
+    same speed: bounces from node 0 start at node 2, and nothing returns.
     """
 
     def __init__(
@@ -122,8 +137,8 @@ class _Axis:
             moving = speed * current
             current = current - moving
             if apart:
-                moving[1] += moving[0]
-            arriving = np.convolve(moving[apart:], self.kernel)
+                moving[2] += moving[0]  # node 1 is the empty one above
+            arriving = _convolve(moving[apart:], self.kernel)
             room = current.size - apart
             current[apart:] += arriving[:room]
             current[-1] += arriving[room:].sum()  # the slowest node keeps what falls below
@@ -133,6 +148,16 @@ class _Axis:
             out = out + weight * current
         # the truncated Poisson weights are made to sum to 1: mass is kept to rounding
         self.mass[self.first :] = out / summed
+
+
+def _convolve(moving: NDArray[Any], kernel: FloatArray) -> NDArray[Any]:
+    """Arrivals on the axis and beyond its end; by transforms where that is shorter."""
+    if moving.size * kernel.size < 4_000_000 or np.iscomplexobj(moving):
+        return np.convolve(moving, kernel)
+    from scipy.signal import fftconvolve
+
+    # rounding of the transforms is cut off where it is below 0
+    return np.asarray(np.maximum(fftconvolve(moving, kernel), 0.0))
 
 
 def solve_conservative(
@@ -158,11 +183,9 @@ def solve_conservative(
     slowest = min(float(start.x.min()), top, -math.log(max(latest, 1e-300))) - _DEPTH
     slowest = max(slowest, top - 700.0)
     span = top - slowest
-    spacing = span / nodes if nodes else min(0.1, math.sqrt(rtol))
-    count = math.ceil(span / spacing) + 2
-    if count > _MAX_NODES:
-        count, spacing = _MAX_NODES, span / (_MAX_NODES - 2)
-    x0 = top - spacing * (count - 1)
+    spacing = span / nodes if nodes else min(0.1, max(_FINEST, math.sqrt(rtol)))
+    count = math.ceil(span / spacing) + 3
+    x0 = top - spacing * (count - 2)  # one empty node above the fastest tracers
     x = x0 + spacing * np.arange(count, dtype=float)
     speed = np.exp(x)[::-1]
     # the fastest tracers collide 80 times for each e-fold of time once they cool
@@ -172,16 +195,16 @@ def solve_conservative(
     if sweeps * min(count, 40.0 / spacing) * min(reach, count) > _MOST_WORK:
         raise InputError(
             f"times: got up to {times[early - 1]:g} at restitution {law.restitution!r}; the "
-            f"conservative method would need {sweeps:.1e} sweeps of {count} nodes, ask for earlier times, "
-            "a larger rtol, or averages only"
+            f"conservative method would need {sweeps:.1e} sweeps of {count} nodes, ask for "
+            "earlier times, a larger rtol, or averages only"
         )
     kernel = bounce_kernel(law, spacing, m)
-    mass = deposit(start, x0, spacing, count)[::-1].copy()
+    mass = _start_masses(state, start, m, x0, spacing, count)[::-1].copy()
     peak = None
     if monoenergetic:
         # the tracers that have not collided stay apart, in one more node
-        mass = np.concatenate([mass[:1], np.zeros(count, dtype=mass.dtype)])
-        speed = np.concatenate([speed[:1], speed])
+        mass = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
+        speed = np.concatenate([speed[1:2], speed])
         peak = start.weight[0] * np.exp(-math.exp(top) * times / mean_free_path)
     axis = _Axis(speed, kernel, mass, monoenergetic)
     out = np.empty((early, count), dtype=mass.dtype)
@@ -190,11 +213,33 @@ def solve_conservative(
         axis.advance((t - now) / mean_free_path)
         now = t
         out[i] = axis.mass[-count:][::-1]
+    averages = Averages(law, mean_free_path, state, times[:early], min(rtol, 1e-6))
     return Profile(
         continuous=then_scaling(law, _Masses(x, spacing, out), shift[early:], rtol),
         method="conservative",
         nodes=count,
-        error_estimate=spacing**2,
+        error_estimate=max(spacing**2, _moment_error(averages, x, out, peak, top)),
         peak_speed=math.exp(top) if monoenergetic else None,
         peak_weight=peak,
     )
+
+
+def _moment_error(
+    averages: Averages, x: FloatArray, mass: NDArray[Any], peak: NDArray[Any] | None, top: float
+) -> float:
+    """Largest relative error of <v^2> and <v^4> of the masses, against the backward equation.
+
+    Only for the isotropic part; 0 for the harmonics, which share its spacing.
+    """
+    if np.iscomplexobj(mass) or mass.shape[0] == 0:
+        return 0.0
+    worst = 0.0
+    for p in (2.0, 4.0):
+        reference = averages.power(p)
+        for i, log_v in enumerate(averages.log_reference):
+            with np.errstate(under="ignore"):
+                found = float(mass[i] @ np.exp(p * np.minimum(x - log_v, 170.0)))
+                if peak is not None:
+                    found += float(peak[i].real) * math.exp(p * min(top - float(log_v), 170.0))
+            worst = max(worst, abs(found / float(reference[i].real) - 1.0))
+    return worst

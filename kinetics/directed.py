@@ -78,7 +78,7 @@ class Beam(State):
     highest_harmonic = None
 
     def __post_init__(self) -> None:
-        speeds = as_state(self.speeds)
+        speeds = as_state(self.speeds, "speeds")
         if speeds.highest_harmonic != 0:
             raise InputError(f"speeds: got {short(self.speeds)}; it must be an isotropic state")
         if not isinstance(self.direction, int | float) or not math.isfinite(self.direction):
@@ -173,15 +173,17 @@ class PolarGrid(State):
 
     def __post_init__(self) -> None:
         v = rising(self.speed)
-        f = np.asarray(self.values, dtype=float)
-        if f.ndim != 2 or f.shape[0] != v.size or not np.all(np.isfinite(f)):
-            raise InputError(
-                f"values: got shape {f.shape}; it must be finite, of shape ({v.size}, n_phi)"
-            )
-        not_negative(f)
+        allowed = f"it must be finite, of shape ({v.size}, n_phi)"
+        try:
+            f = np.asarray(self.values, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"values: got {short(self.values)}; {allowed}") from None
+        if f.ndim != 2 or f.shape[0] != v.size or f.shape[1] < 1 or not np.all(np.isfinite(f)):
+            raise InputError(f"values: got shape {f.shape}, or not finite; {allowed}")
+        not_negative(f, "values")
         spectrum = np.fft.fft(f, axis=1) * (2.0 * math.pi / f.shape[1]) * v[:, None]
         radial = spectrum[:, 0].real
-        total = check_norm(float(np.sum(0.5 * (radial[1:] + radial[:-1]) * np.diff(v))))
+        total = check_norm(float(np.sum(0.5 * (radial[1:] + radial[:-1]) * np.diff(v))), "values")
         object.__setattr__(self, "speed", v)
         object.__setattr__(self, "values", spectrum / total)
 

@@ -46,7 +46,9 @@ class Averages:
     degree: float = 4.0
     lowest: float = 0.0
     nodes: int | None = None
-    _measures: dict[int, LogMeasure | None] = field(default_factory=dict, repr=False)
+    _measures: dict[int, LogMeasure | None] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def elastic(self) -> bool:

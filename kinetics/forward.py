@@ -31,7 +31,7 @@ from kinetics.tilt import band_of, window_of
 FloatArray = NDArray[np.float64]
 
 _MAX_NODES = 8192
-_MOST_WORK = 3e8  # turns of the highest mode times nodes: about a minute
+_MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class _Collocated:
     grid: LogGrid
     values: NDArray[Any]  # (n_times, nodes)
     shift: FloatArray  # ln((t + t0)/l), (n_times,)
+    resolved: float  # share of its maximum down to which g is right
 
     def __call__(self, v: FloatArray) -> NDArray[Any]:
         out = np.zeros((self.shift.size, v.size), dtype=self.values.dtype)
@@ -48,11 +49,30 @@ class _Collocated:
         log_v = np.log(v[positive])
         for i, shift in enumerate(self.shift):
             x = log_v + shift
+            floor, slope = self._low_end(i)
+            inside = x <= self.grid.end
+            # g is right to a share of its maximum: below that, and f = g/v with it, the slope of
+            # ln f that it has there goes on
+            at = np.clip(x[inside], floor, self.grid.end)
             density = np.zeros(x.shape, dtype=self.values.dtype)
-            inside = (x >= self.grid.start) & (x <= self.grid.end)
-            density[inside] = self._interpolate(i, x[inside]) * np.exp(-log_v[inside])
+            with np.errstate(under="ignore"):
+                fall = np.exp(slope * (x[inside] - at) - (at - shift))
+                density[inside] = self._interpolate(i, at) * fall
             out[i, positive] = density
         return out
+
+    def _low_end(self, i: int) -> tuple[float, float]:
+        """Lowest x at which g(t_i) is resolved, and the slope of ln(g/v) there, not below 0."""
+        size = np.abs(self.values[i])
+        top = int(size.argmax())
+        weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
+        first = int(weak[-1]) + 1 if weak.size else 0
+        # one e-fold further up, for the slope
+        step = max(1, round(1.0 / self.grid.spacing))
+        second = min(first + step, size.size - 1)
+        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
+        slope = rise / ((second - first) * self.grid.spacing) - 1.0
+        return float(self.grid.x[first]), max(0.0, slope)
 
     def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
         values = self.values[i]
@@ -160,7 +180,7 @@ def solve_spectral(
             g, now = result.y[:, -1], float(tau[i])
         values[i] = g.reshape(rows.shape)
     joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
-    collocated = _Collocated(grid, joined, shift[:early])
+    collocated = _Collocated(grid, joined, shift[:early], 30.0 * rtol)
     return Profile(
         continuous=then_scaling(law, collocated, shift[early:], rtol),
         method="spectral",

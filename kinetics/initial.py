@@ -233,7 +233,7 @@ class SpeedDensity(State):
         """Adaptive Gauss panels in ln v."""
         if m:
             return None
-        found = measure.function(self.function, rtol)
+        found = measure.function(self.function, min(rtol, 1e-7))
         not_negative(found.weight)
         return LogMeasure(found.x, found.weight / check_norm(float(found.weight.sum())))
 
@@ -245,7 +245,7 @@ class SpeedDensity(State):
 NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic()}
 
 
-def as_state(initial: Any) -> State:
+def as_state(initial: Any, name: str = "initial") -> State:
     """The state meant by a name, a function or a State; InputError that says what is allowed."""
     if isinstance(initial, State):
         return initial
@@ -254,7 +254,7 @@ def as_state(initial: Any) -> State:
     if callable(initial):
         return SpeedDensity(initial)
     raise InputError(
-        f"initial: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
+        f"{name}: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
         "or a state (SpeedTable, SpeedSamples, Beam, ...)"
     )
 
@@ -278,14 +278,14 @@ def rising(speed: ArrayLike) -> FloatArray:
     return v
 
 
-def not_negative(f: NDArray[Any]) -> None:
+def not_negative(f: NDArray[Any], name: str = "density") -> None:
     """InputError where a density is negative."""
     if f.size and float(f.min()) < 0.0:
-        raise InputError(f"density: got a value of {f.min():.3g}; it must not be negative")
+        raise InputError(f"{name}: got a value of {f.min():.3g}; it must not be negative")
 
 
-def check_norm(total: float) -> float:
+def check_norm(total: float, name: str = "density") -> float:
     """The norm if it is 1 within 1e-6; InputError otherwise."""
     if not abs(total - 1.0) < _NORM:
-        raise InputError(f"density: its integral over the speed is {total:.6g}; it must be 1")
+        raise InputError(f"{name}: its integral over the velocities is {total:.6g}; it must be 1")
     return total

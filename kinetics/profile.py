@@ -73,8 +73,12 @@ class ThenScaling:
         for i, shift in enumerate(self.late_shift):
             # v0 (t + t0)/l = 2/h in the scaling state
             log_thermal = math.log(2.0 / self.scaled.cooling_rate) - float(shift)
-            c = np.exp(np.log(v[positive]) - log_thermal)
-            later[i, positive] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+            log_c = np.log(v[positive]) - log_thermal
+            near = np.abs(log_c) < 300.0  # further off nothing is left, or c overflows
+            c = np.exp(log_c[near])
+            density = np.zeros(log_c.shape)
+            density[near] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+            later[i, positive] = density
         return np.concatenate([first, later])
 
 

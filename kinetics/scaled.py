@@ -166,6 +166,8 @@ class ScaledVDF:
         of neighbours about the shape of F between their centres.
         """
         estimates = [t.error for t in self._tilts]
+        if "unresolved" in self._sampled:
+            estimates.append(1.0)  # too few nodes to go on: part of the axis is missing
         estimates += [_disagreement(a, b) for a, b in itertools.pairwise(self._tilts)]
         return max(estimates)
 
@@ -204,6 +206,9 @@ class ScaledVDF:
             log_g = np.concatenate([self._log_density(below), log_g])
         terms = p * x + log_g
         largest = float(terms.max())
+        if not math.isfinite(largest):
+            self._sampled["unresolved"] = True
+            return 0.0
         return largest + math.log(float(np.exp(terms - largest).sum()) * spacing)
 
     def _extend_for_moment(self, p: float) -> None:
@@ -214,9 +219,9 @@ class ScaledVDF:
                 for t, a in zip(self._tilts, self._scale, strict=True)
             )
             high = self._tilts[-1]
-            if high.landmarks[2] + self._scale[-1] + p * high.top < peak - _NEGLIGIBLE:
+            fallen = high.landmarks[2] + self._scale[-1] + p * high.top < peak - _NEGLIGIBLE
+            if fallen or not self._add_above():
                 break
-            self._add_above()
         while True:
             end = self._log_at_bottom() + p * self._bottom
             if end < peak - _NEGLIGIBLE or not self._add_below():
@@ -263,12 +268,17 @@ class ScaledVDF:
         seen = self._tilts[known].log_density(x) + self._scale[known]
         return float((seen - tilt.log_density(x))[0])
 
-    def _add_above(self) -> None:
+    def _add_above(self) -> bool:
+        """The next tilt up; False where too few nodes were asked for to find it."""
         theta = next_tilt(self.law, self._tilts[-1], above=True)
-        assert theta is not None  # upwards there is no limit
-        tilt = self._solve(theta)
-        self._scale.append(self._join(-1, tilt))
+        tilt = None if theta is None else self._solve(theta)
+        scale = math.nan if tilt is None else self._join(-1, tilt)
+        if tilt is None or not math.isfinite(scale + sum(tilt.landmarks)):
+            self._sampled["unresolved"] = True
+            return False
+        self._scale.append(scale)
         self._tilts.append(tilt)
+        return True
 
     def _add_below(self) -> bool:
         """One piece further down; False where F = g/(2 pi c^2) is below e^-690."""
@@ -282,6 +292,9 @@ class ScaledVDF:
         if theta is not None:
             tilt = self._solve(theta)
             scale = self._join(0, tilt)
+            if not math.isfinite(scale + sum(tilt.landmarks)):
+                self._sampled["unresolved"] = True
+                return False
             self._tilts.insert(0, tilt)
             self._scale.insert(0, scale)
             return True
@@ -296,7 +309,8 @@ class ScaledVDF:
     def _cover_above(self, x: float, floor: float = _LOWEST_LOG) -> None:
         """Solve upwards until x is reached, or g there is below e^floor."""
         while self._top < x and self._tilts[-1].landmarks[1] + self._scale[-1] > floor:
-            self._add_above()
+            if not self._add_above():
+                return
 
     def _log_density_above(self, x: FloatArray) -> FloatArray:
         """Log g for the recursion: solved down to e^-150, continued by e^(-e^x/kappa) beyond."""
@@ -304,7 +318,12 @@ class ScaledVDF:
         top = self._top
         out = self._log_density(np.minimum(x, top))
         above = np.exp(np.maximum(x, top)) - math.exp(top)
-        return np.asarray(out - above / self.law.mean_log_loss)
+        out = out - above / self.law.mean_log_loss
+        if not np.all(np.isfinite(out)):
+            self._sampled["unresolved"] = True
+        return np.asarray(
+            np.nan_to_num(out, nan=_LOWEST_LOG, posinf=_LOWEST_LOG, neginf=_LOWEST_LOG)
+        )
 
     def _cover_below(self, x: float) -> None:
         while self._bottom > x and self._add_below():

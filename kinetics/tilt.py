@@ -34,7 +34,7 @@ ComplexArray = NDArray[np.complex128]
 MAX_NODES = 4096
 SMALLEST_NODES = 8
 # The window ends, and the spectrum, where the density is e^-_MARGIN rtol of its peak.
-_MARGIN = 8.0
+_MARGIN = 7.5
 # A tilt is used this many standard deviations of ln v to either side: g is e^-3.4 of the peak
 # there, and loses that much of the rounding. Found by experiment.
 SPAN = 2.6
