@@ -67,7 +67,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """Sums over the tracers of one configuration (columns: particles.kernels).
+    """Sums over the tracers of one configuration (columns: particles.records).
 
     moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps (n, 4) tracer,
     time, x, y; histograms name -> (n_times, bins + 2); raw name -> arrays, time first.

@@ -10,7 +10,7 @@ from particles.configuration import HISTOGRAMS, RAW, Plan, Tally, time_scales
 from particles.estimators import Estimate, Histogram, jackknife, share
 from particles.media import Medium
 
-# Columns of the moments, as in particles.kernels (not imported: numba is heavy).
+# Columns of the moments, as in particles.records (not imported: numba is heavy).
 _N, _V2, _V4, _R2, _R4, _COLLISIONS, _CORRELATION, _CAUGHT = range(8)
 
 

@@ -1,7 +1,8 @@
 """Loops over tracers and their events. Floats and arrays only, in units of d.
 
-Tracers advance in turns, one flight each, LANES of them at a time: the square roots and divisions
-of one flight do not wait for those of another, so the processor overlaps them.
+LANES tracers advance in turns, one cell each. First every lane looks for what it strikes in its
+cell, then every lane collides or goes on to the next cell: the square roots and divisions of one
+do not wait for those of another, and no branch waits for them either.
 """
 
 from math import copysign, cos, log, pi, sin, sqrt
