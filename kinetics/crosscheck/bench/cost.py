@@ -45,8 +45,9 @@ def grow(
         where: dict[str, Any] = {"setting": setting, "value": float(value)}
         try:
             _, timing = measure(partial(work, value), effort)
-        except (ValueError, ArithmeticError, RuntimeError) as met:
-            rows.append(failed(SECTION, problem, method, str(met), **where))
+        except Exception as met:  # whatever it is, it is a row
+            why = f"{type(met).__name__}: {met}"
+            rows.append(failed(SECTION, problem, method, why, **where))
             continue
         rows.append(timed(SECTION, problem, method, timing, **where))
     done = [r for r in rows if r.status == MEASURED]
@@ -92,7 +93,7 @@ def _solvers(effort: Effort) -> list[Record]:
         return solve(scene, 1e-8)
 
     def conservative(nodes: int) -> Any:
-        return precision._conservative(e, "gaussian", np.array([100.0]), nodes)
+        return precision.conservative_masses(e, "gaussian", np.array([100.0]), nodes)
 
     def dense(nodes: int) -> Any:
         times = references.times("short")

@@ -85,25 +85,38 @@ def draw_all(records: list[Record]) -> dict[str, str]:
 
 
 def _work_precision(figure: Figure, records: list[Record], names: list[str], columns: int) -> None:
-    axes = figure.subplots(-(-len(names) // columns), columns, squeeze=False, sharey=True)
+    """Every run as a dot; the line joins those that no other run of the method beats."""
+    axes = figure.subplots(
+        -(-len(names) // columns), columns, squeeze=False, sharex=True, sharey=True
+    )
     flat = list(axes.ravel())
     used: dict[str, Any] = {}
     for axis, name in zip(flat, names, strict=False):
         here = of_problem(records, precision.SECTION, name)
         for method in precision.METHODS:
-            points = front(r for r in here if r.method == method)
-            if points:
-                x, y = [r.seconds for r in points], [max(r.error or 0.0, 1e-17) for r in points]
-                (line,) = axis.plot(x, y, **STYLES[method])
-                used.setdefault(method, line)
-        axis.set(xscale="log", yscale="log", xlabel=TIME, title=name)
-        # errors above 1 are no answers, but they are shown at the edge of the picture
-        axis.set_ylim(1e-16, 30.0)
+            rows = [r for r in here if r.method == method and r.seconds and r.error is not None]
+            if not rows:
+                continue
+            style = STYLES[method]
+            axis.plot(*_points(rows), **{**style, "linestyle": "none", "alpha": 0.4})
+            (line,) = axis.plot(*_points(front(rows)), **style)
+            used.setdefault(method, line)
+        title = name.replace("t <=", "\nt <=")
+        axis.set(xscale="log", yscale="log", title=title, ylim=(1e-16, 30.0))
     for axis in flat[len(names) :]:
         axis.remove()
+    for axis in flat[: len(names)][-columns:]:
+        axis.set_xlabel(TIME)
+        axis.tick_params(labelbottom=True)
     for row in axes:
         row[0].set_ylabel("largest relative error")
     figure.legend([used[m] for m in used], list(used), loc="outside upper center", ncols=len(used))
+
+
+def _points(rows: Iterable[Record]) -> tuple[list[float], list[float]]:
+    """Times and errors; an error of 0 is drawn as 1e-16, one above 10 as 10."""
+    pairs = [(r.seconds or 0.0, min(max(r.error or 0.0, 1e-16), 10.0)) for r in rows]
+    return [x for x, _ in pairs], [y for _, y in pairs]
 
 
 def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
@@ -173,6 +186,6 @@ def _skipping(figure: Figure, records: list[Record]) -> None:
         axis.set_yticks(range(len(some)), [r.method for r in some], fontsize=8)
         axis.set_title(group, fontsize=9, loc="left")
         axis.set_xscale("log")
-        axis.set_xlim(left=0.5)
+        axis.set_xlim(0.5, 2.0 * max(r.extra["ratio"] for r in rows))
         axis.grid(axis="y", visible=False)
     axes[-1, 0].set_xlabel("run time of the whole scene (first bar) over that of the part")

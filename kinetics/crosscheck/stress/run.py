@@ -1,0 +1,54 @@
+"""run_stress(): every case, one after another."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterable
+
+from kinetics.crosscheck.stress.case import Case, StressCase, attempt
+from kinetics.crosscheck.stress.particle_cases import particle_cases
+from kinetics.crosscheck.stress.report import StressReport
+from kinetics.crosscheck.stress.solver_cases import solver_cases
+from kinetics.errors import InputError
+
+
+def all_cases(quick: bool) -> list[Case]:
+    """Every case of a sweep, not run."""
+    return list(itertools.chain(solver_cases(quick), particle_cases(quick)))
+
+
+def _compile() -> None:
+    """Compile the particles' kernels: that is no part of a case's time."""
+    import numpy as np
+
+    from particles import BoltzmannGrad, Positions, simulate
+
+    for medium in (BoltzmannGrad(0.04), Positions(np.array([[1.0, 1.0]]), box_side=10.0)):
+        simulate(medium, 0.5, max_collisions=1, media=1, tracers=1, workers=1)
+
+
+def run_stress(
+    quick: bool = False,
+    groups: Iterable[str] | None = None,
+    progress: Callable[[str, int], None] | None = None,
+) -> StressReport:
+    """Run the sweep, or the named groups of it.
+
+    progress(name of the group, number of cases in all) is called before each case. Raises
+    InputError for a group that does not exist.
+    """
+    chosen = all_cases(quick)
+    if groups is not None:
+        wanted, known = set(groups), dict.fromkeys(group for group, _, _ in chosen)
+        for group in sorted(wanted - set(known)):
+            raise InputError(f"groups: got {group!r}; known are {', '.join(known)}")
+        chosen = [case for case in chosen if case[0] in wanted]
+    _compile()
+    begin = time.perf_counter()
+    found: list[StressCase] = []
+    for group, name, work in chosen:
+        if progress is not None:
+            progress(group, len(chosen))
+        found.append(attempt(group, name, work))
+    return StressReport(tuple(found), quick, time.perf_counter() - begin)
