@@ -92,8 +92,8 @@ def _solvers(effort: Effort) -> list[Record]:
         )  # fmt: skip
         return solve(scene, 1e-8)
 
-    def conservative(nodes: int) -> Any:
-        return precision.conservative_masses(e, "gaussian", np.array([100.0]), nodes)
+    def masses(nodes: int) -> Any:
+        return precision.conservative(e, "gaussian", np.array([100.0]), nodes)
 
     def dense(nodes: int) -> Any:
         times = references.times("short")
@@ -105,7 +105,7 @@ def _solvers(effort: Effort) -> list[Record]:
         *grow("speed density", SPECTRAL, "nodes", (128, 256, 512, *((1024, 2048) if big else ())),
               density_nodes, effort),
         *grow("speed density", CONSERVATIVE, "nodes",
-              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), conservative, effort),
+              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), masses, effort),
         *grow("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
               dense, effort),
         *grow("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, 10_000),

@@ -165,7 +165,8 @@ def _cost(figure: Figure, records: list[Record]) -> None:
                 [r.value for r in some], [r.seconds for r in some], label=text + method, **style
             )
         axis.set(xscale="log", yscale="log", xlabel=f"{label} [number]")
-        axis.legend(fontsize=7.5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+        if curves:
+            axis.legend(fontsize=7.5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     axes[0].set_ylabel(TIME)
 
 
