@@ -142,11 +142,12 @@ def impact_cells(
     """
     e = restitution
     b2 = (1.0 - e) * (1.0 + e)
-    deepest = min(_DEEPEST, -math.log(e)) if e > 0.0 else _DEEPEST
-    count = max(1, math.ceil(deepest / spacing))
+    loss = -math.log(e) if e > 0.0 else math.inf  # of a head-on bounce
+    count = max(1, math.ceil(min(_DEEPEST, loss) / spacing))
     edge = np.arange(count + 1) * spacing
-    # y^2 = 1 - (1 - s^2)/(1 - e^2)
-    y_edge = np.sqrt(np.maximum(0.0, 1.0 + np.expm1(-2.0 * edge) / b2))
+    # y^2 = (s^2 - e^2)/(1 - e^2), without cancellation
+    y2_edge = np.exp(-2.0 * edge) * -np.expm1(2.0 * np.minimum(0.0, edge - loss)) / b2
+    y_edge = np.sqrt(y2_edge)
     y_edge[-1] = 0.0
     node, weight = gauss_legendre(points)
     width = (y_edge[:-1] - y_edge[1:])[:, None]

@@ -40,16 +40,14 @@ class _Masses:
     spacing: float
     mass: NDArray[Any]  # (n_times, nodes)
 
-    def __call__(self, v: FloatArray) -> NDArray[Any]:
-        out = np.zeros((self.mass.shape[0], v.size), dtype=self.mass.dtype)
+    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
+        out = np.zeros(v.shape, dtype=self.mass.dtype)
         positive = v > 0.0
-        log_v = np.log(v[positive])
-        per_speed = np.exp(-log_v) / self.spacing
-        for i, mass in enumerate(self.mass):
-            value = np.interp(log_v, self.x, mass.real, left=0.0, right=0.0)
-            if np.iscomplexobj(mass):
-                value = value + 1j * np.interp(log_v, self.x, mass.imag, left=0.0, right=0.0)
-            out[i, positive] = value * per_speed
+        log_v, mass = np.log(v[positive]), self.mass[i]
+        value: NDArray[Any] = np.interp(log_v, self.x, mass.real, left=0.0, right=0.0)
+        if np.iscomplexobj(mass):
+            value = value + 1j * np.interp(log_v, self.x, mass.imag, left=0.0, right=0.0)
+        out[positive] = value * np.exp(-log_v) / self.spacing
         return out
 
 
@@ -215,7 +213,8 @@ def solve_conservative(
         out[i] = axis.mass[-count:][::-1]
     averages = Averages(law, mean_free_path, state, times[:early], min(rtol, 1e-6))
     return Profile(
-        continuous=then_scaling(law, _Masses(x, spacing, out), shift[early:], rtol),
+        at=then_scaling(law, _Masses(x, spacing, out), early, shift[early:], rtol),
+        count=times.size,
         method="conservative",
         nodes=count,
         error_estimate=max(spacing**2, _moment_error(averages, x, out, peak, top)),

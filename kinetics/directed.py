@@ -55,7 +55,9 @@ class VelocitySamples(State):
             raise InputError("velocity: got a velocity of 0; a tracer at rest never collides")
         object.__setattr__(self, "velocity", v)
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """The samples with weights exp(-i m phi)/n."""
         v = np.asarray(self.velocity)
         x = np.log(np.hypot(v[:, 0], v[:, 1]))
@@ -95,9 +97,11 @@ class Beam(State):
         """That of the speeds."""
         return float(self.speeds.lowest_moment)
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """The speeds with the weight exp(-i m phi_0)."""
-        found = self.speeds.harmonic(0, rtol, lowest)
+        found = self.speeds.harmonic(0, rtol, lowest, highest)
         if m == 0:
             return found
         return LogMeasure(found.x, found.weight * np.exp(-1j * m * self.direction))
@@ -140,11 +144,13 @@ class AngularHarmonics(State):
         """The largest m given."""
         return max(int(m) for m in self.terms)
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """Adaptive Gauss panels in ln v."""
         if m == 0:
-            return SpeedDensity(self.terms[0]).harmonic(0, rtol, lowest)
-        return measure.function(self.terms[m], rtol) if m in self.terms else None
+            return SpeedDensity(self.terms[0]).harmonic(0, rtol, lowest, highest)
+        return measure.function(self.terms[m], rtol, lowest, highest) if m in self.terms else None
 
     def profile(self, m: int) -> Profile | None:
         """The function itself."""
@@ -200,7 +206,9 @@ class PolarGrid(State):
         column = np.asarray(self.values)[:, m]
         return np.asarray(column.real) if m == 0 else column
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """Gauss points on the linear pieces."""
         column = self._of_order(m)
         return None if column is None else measure.table(np.asarray(self.speed), column)

@@ -5,6 +5,8 @@ d f_m/dt = -(1 - E[cos(m chi)]) (v/l) f_m for each speed apart; nothing is left 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,14 +36,14 @@ def elastic_profile(
         speed = float(np.exp(measure.x[0]))
         weight = measure.weight[0] * np.exp(-rate * speed * times)
 
-        def nothing(v: FloatArray) -> NDArray[np.float64]:
-            return np.zeros((times.size, v.size))
+        def nothing(i: int, v: FloatArray) -> NDArray[Any]:
+            return np.zeros(v.shape)
 
-        return Profile(nothing, "exact", 0, 1e-16, speed, weight)
+        return Profile(nothing, times.size, "exact", 0, 1e-16, speed, weight)
     kept = profile
 
-    def relaxed(v: FloatArray) -> NDArray[np.float64]:
+    def relaxed(i: int, v: FloatArray) -> NDArray[Any]:
         with np.errstate(under="ignore"):
-            return np.asarray(kept(v) * np.exp(-rate * np.multiply.outer(times, v)))
+            return np.asarray(kept(v) * np.exp(-rate * times[i] * v))
 
-    return Profile(relaxed, "exact", 0, 1e-16)
+    return Profile(relaxed, times.size, "exact", 0, 1e-16)

@@ -58,7 +58,9 @@ class Averages:
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
-            self._measures[m] = self.state.harmonic(m, self.rtol, self.lowest)
+            self._measures[m] = self.state.harmonic(
+                m, self.rtol, self.lowest, max(self.degree, 4.0)
+            )
         return self._measures[m]
 
     @property

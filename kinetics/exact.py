@@ -202,8 +202,8 @@ class ScalingSolution:
         log_a2 = math.log(self.law.mean_log_loss / float(self.law.decay_rate(1.0)))
         x = np.log(flat[inside]) + 0.5 * log_a2
         with np.errstate(under="ignore"):
-            density = np.exp(self._log_density(x))
-            out[inside] = density / (2.0 * math.pi * flat[inside] ** 2)
+            log_f = self._log_density(x) - 2.0 * np.log(flat[inside])
+            out[inside] = np.exp(log_f) / (2.0 * math.pi)
         return out.reshape(c_.shape)[()]
 
     # -- the principal solution of log A(z+1) - log A(z) = rho(z) ---------------------------
@@ -222,7 +222,7 @@ class ScalingSolution:
     def _rho(self, z: NDArray[Any]) -> NDArray[Any]:
         """log(kappa z/lambda(z)); 0 at z = 0."""
         law = self.law
-        zero = z == 0.0
+        zero = np.abs(z) < 1e-290
         safe = np.where(zero, 1.0, z)
         ratio = law.mean_log_loss * safe / law.decay_rate(safe)
         return np.asarray(np.where(zero, 0.0, np.log(ratio)))
@@ -339,11 +339,12 @@ class ScalingSolution:
 
     def _log_density(self, x: FloatArray) -> FloatArray:
         """Log of the density of x = ln(kappa Y), shape (n,)."""
-        out = np.empty_like(x)
+        out = np.full(x.shape, -math.inf)
         todo = np.ones(x.shape, dtype=bool)
+        # from the bulk (x near 0) outwards, and no further on a side once F is below e^-800
         while np.any(todo):
-            remaining = np.sort(x[todo])
-            line = self._line(float(remaining[0]))
+            nearest = int(np.argmin(np.where(todo, np.abs(x), math.inf)))
+            line = self._line(float(x[nearest]))
             near = todo & (np.abs(x - line.centre) <= _REACH * line.deviation)
             n = np.arange(line.phase.size)
             turn = np.exp(-1j * np.outer(x[near] - line.centre, n * line.step))
@@ -353,4 +354,6 @@ class ScalingSolution:
             total = np.maximum(total, 1e-300) * line.step / (2.0 * math.pi)
             out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
             todo &= ~near
+            if out[nearest] - 2.0 * x[nearest] < -800.0:
+                todo &= (x < x[nearest]) if x[nearest] > 0.0 else (x > x[nearest])
         return out

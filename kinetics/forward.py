@@ -31,6 +31,7 @@ from kinetics.tilt import band_of, window_of
 FloatArray = NDArray[np.float64]
 
 _MAX_NODES = 8192
+_STEEP = 1e4
 _MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute
 
 
@@ -43,22 +44,19 @@ class _Collocated:
     shift: FloatArray  # ln((t + t0)/l), (n_times,)
     resolved: float  # share of its maximum down to which g is right
 
-    def __call__(self, v: FloatArray) -> NDArray[Any]:
-        out = np.zeros((self.shift.size, v.size), dtype=self.values.dtype)
-        positive = v > 0.0
-        log_v = np.log(v[positive])
-        for i, shift in enumerate(self.shift):
-            x = log_v + shift
-            floor, slope = self._low_end(i)
-            inside = x <= self.grid.end
-            # g is right to a share of its maximum: below that, and f = g/v with it, the slope of
-            # ln f that it has there goes on
-            at = np.clip(x[inside], floor, self.grid.end)
-            density = np.zeros(x.shape, dtype=self.values.dtype)
-            with np.errstate(under="ignore"):
-                fall = np.exp(slope * (x[inside] - at) - (at - shift))
-                density[inside] = self._interpolate(i, at) * fall
-            out[i, positive] = density
+    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
+        out = np.zeros(v.shape, dtype=self.values.dtype)
+        shift = self.shift[i]
+        with np.errstate(divide="ignore"):
+            x = np.log(v) + shift
+        floor, slope = self._low_end(i)
+        inside = (x <= self.grid.end) & (v > 0.0)
+        # g is right to a share of its maximum: below that, and f = g/v with it, the slope of ln f
+        # that it has there goes on
+        at = np.clip(x[inside], floor, self.grid.end)
+        with np.errstate(under="ignore"):
+            fall = np.exp(slope * (x[inside] - at) - (at - shift))
+            out[inside] = self._interpolate(i, at) * fall
         return out
 
     def _low_end(self, i: int) -> tuple[float, float]:
@@ -67,6 +65,8 @@ class _Collocated:
         top = int(size.argmax())
         weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
         first = int(weak[-1]) + 1 if weak.size else 0
+        if weak.size and size[first] > 1e3 * self.resolved * size[top]:
+            return float(self.grid.x[first]), _STEEP  # a step: nothing below it
         # one e-fold further up, for the slope
         step = max(1, round(1.0 / self.grid.spacing))
         second = min(first + step, size.size - 1)
@@ -144,7 +144,7 @@ def solve_spectral(
             f"would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
         )
     grid, initial, rough = _resolve(profile, left, right, band, log_unit, rtol, nodes, m == 0)
-    if rough > 10.0 * rtol and nodes is None:
+    if rough > rtol and nodes is None:
         return None
     z = -1j * grid.wave_numbers
     loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
@@ -182,7 +182,8 @@ def solve_spectral(
     joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
     collocated = _Collocated(grid, joined, shift[:early], 30.0 * rtol)
     return Profile(
-        continuous=then_scaling(law, collocated, shift[early:], rtol),
+        at=then_scaling(law, collocated, early, shift[early:], rtol),
+        count=times.size,
         method="spectral",
         nodes=grid.nodes,
         error_estimate=max(0.1 * rtol, rough, _ends(joined), _highest_modes(joined)),

@@ -42,10 +42,12 @@ class State:
     smooth: bool = False
     lowest_moment: float = -math.inf
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """f_m as weighted points that give averages to about rtol; None where it is zero.
 
-        ``lowest`` is the smallest power of the speed that will be averaged.
+        ``lowest`` and ``highest`` are the powers of the speed that will be averaged.
         """
         raise NotImplementedError
 
@@ -109,12 +111,14 @@ class Gaussian(State):
 
         return factor
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """Trapezoid rule in ln v; odd harmonics vanish."""
         m = abs(m)
         if (m and self.highest_harmonic == 0) or m % 2:
             return None
-        return measure.gaussian(rtol, lowest, self._wide, self._factor(m))
+        return measure.gaussian(rtol, lowest, highest, self._wide, self._factor(m))
 
     def profile(self, m: int) -> Profile | None:
         """v exp(-v^2/2 D^2)/D^2 times the Bessel factor."""
@@ -141,7 +145,9 @@ class Monoenergetic(State):
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", check_positive("speed", self.speed))
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """One point."""
         return LogMeasure(np.array([math.log(self.speed)]), np.ones(1)) if m == 0 else None
 
@@ -173,7 +179,9 @@ class SpeedTable(State):
         object.__setattr__(self, "speed", v)
         object.__setattr__(self, "density", f / total)
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """Gauss points on the linear pieces."""
         if m:
             return None
@@ -208,7 +216,9 @@ class SpeedSamples(State):
             raise InputError(f"speed: got {short(self.speed)}; samples must be above 0, at least 1")
         object.__setattr__(self, "speed", v)
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """The samples, many of them gathered on a fine grid."""
         if m:
             return None
@@ -229,11 +239,13 @@ class SpeedDensity(State):
     function: Callable[[Any], Any]
     smooth = True
 
-    def harmonic(self, m: int, rtol: float, lowest: float = 0.0) -> LogMeasure | None:
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+    ) -> LogMeasure | None:
         """Adaptive Gauss panels in ln v."""
         if m:
             return None
-        found = measure.function(self.function, min(rtol, 1e-7))
+        found = measure.function(self.function, min(rtol, 1e-7), lowest, highest)
         not_negative(found.weight)
         return LogMeasure(found.x, found.weight / check_norm(float(found.weight.sum())))
 
@@ -262,9 +274,14 @@ def as_state(initial: Any, name: str = "initial") -> State:
 def column(name: str, values: ArrayLike) -> FloatArray:
     """A finite 1-dimensional float array; InputError that names it otherwise."""
     try:
-        array = np.asarray(values, dtype=float)
+        array = np.asarray(values)
+        if array.dtype.kind == "c":
+            raise TypeError
+        array = array.astype(float)
     except (TypeError, ValueError):
-        raise InputError(f"{name}: got {short(values)}; it must be an array of numbers") from None
+        raise InputError(
+            f"{name}: got {short(values)}; it must be an array of real numbers"
+        ) from None
     if array.ndim != 1 or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: got {short(values)}; it must be 1-dimensional and finite")
     return array
@@ -287,5 +304,8 @@ def not_negative(f: NDArray[Any], name: str = "density") -> None:
 def check_norm(total: float, name: str = "density") -> float:
     """The norm if it is 1 within 1e-6; InputError otherwise."""
     if not abs(total - 1.0) < _NORM:
-        raise InputError(f"{name}: its integral over the velocities is {total:.6g}; it must be 1")
+        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
+        raise InputError(
+            f"{name}: its integral over the velocities is {total:.6g}; it must be 1{narrow}"
+        )
     return total

@@ -23,6 +23,8 @@ from kinetics.errors import InputError
 FloatArray = NDArray[np.float64]
 
 _MOST_POINTS = 400  # samples up to this number are kept as they are
+_TAIL = 40  # panels of the scan, 20 e-folds, over which a moment must have converged
+_MOST_PIECES = 5000  # of an integral that go on being halved
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,11 @@ class LogMeasure:
 
 
 def gaussian(
-    rtol: float, lowest: float, deviation: float = 1.0, factor: Callable[[Any], Any] | None = None
+    rtol: float,
+    lowest: float,
+    highest: float,
+    deviation: float = 1.0,
+    factor: Callable[[Any], Any] | None = None,
 ) -> LogMeasure:
     """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
@@ -55,9 +61,9 @@ def gaussian(
     density, as a function of v/D.
     """
     depth = math.log(1.0 / rtol)
-    spacing = 0.5 * math.pi**2 / (depth + 14.0)
+    spacing = 0.5 * math.pi**2 / (depth + 8.0 + 1.5 * highest)
     left = -(depth + 2.0) / (2.0 + min(0.0, lowest))
-    right = 0.5 * math.log(2.0 * (depth + 12.0))
+    right = 0.5 * math.log(2.0 * (depth + 8.0 + 1.5 * highest))
     x = np.arange(left, right + spacing, spacing)
     weight: NDArray[Any] = spacing * np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
     weight /= weight.sum()
@@ -151,8 +157,12 @@ def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[An
     return f
 
 
-def function(density: Callable[[Any], Any], rtol: float) -> LogMeasure:
+def function(
+    density: Callable[[Any], Any], rtol: float, lowest: float, highest: float
+) -> LogMeasure:
     """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
+
+    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice.
 
     Raises InputError where it is NaN, has no finite integral or no second moment.
     """
@@ -162,23 +172,40 @@ def function(density: Callable[[Any], Any], rtol: float) -> LogMeasure:
         return np.asarray(evaluate_density(density, v) * v)
 
     edges = np.arange(-360.0, 700.5, 0.5)
-    x, w = panels(edges, 8)
+    x, w = panels(edges, 32)
     with np.errstate(all="ignore"):
-        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 8).sum(axis=1)
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 32).sum(axis=1)
     if not np.all(np.isfinite(mass)) or mass.sum() <= 0.0:
-        raise InputError("initial: the density has no finite integral over the speed; it must be 1")
-    with np.errstate(divide="ignore"):
-        log_energy = np.log(mass) + 2.0 * edges[1:]
-    energy = np.exp(np.maximum(log_energy - log_energy.max(), -700.0))
-    small = 1e-3 * rtol
-    live = (mass > small * mass.sum()) | (energy > small * energy.sum())
-    first, last = np.nonzero(live)[0][[0, -1]]
-    if last == mass.size - 1:
+        raise InputError(
+            "initial: the density has no finite integral over the speed, or a peak too narrow to "
+            "find; it must be 1, and narrow peaks need a SpeedTable"
+        )
+    if not _converges(mass, edges, 2.0):
         raise InputError("initial: the density has no second moment; <v^2> must be finite")
-    pieces = np.stack(
-        [edges[max(first - 2, 0) : last + 2], edges[max(first - 2, 0) + 1 : last + 3]]
-    )
-    return _refine(per_log_speed, pieces.T, 0.1 * rtol * float(mass.sum()))
+    live = np.zeros(mass.shape, dtype=bool)
+    for p in {0.0, 2.0, min(lowest, 0.0), max(highest, 2.0)}:
+        if _converges(mass, edges, p):
+            live |= _weight(mass, edges, p) > 1e-3 * rtol
+    first, last = np.nonzero(live)[0][[0, -1]]
+    span = edges[max(first - 2, 0) : last + 3]
+    pieces = np.stack([span[:-1], span[1:]], axis=1)
+    return _refine(per_log_speed, pieces, 0.1 * rtol * float(mass.sum()))
+
+
+def _weight(mass: FloatArray, edges: FloatArray, p: float) -> FloatArray:
+    """Share of <v^p> in each panel of the scan."""
+    with np.errstate(divide="ignore"):
+        log_weight = np.log(mass) + p * 0.5 * (edges[1:] + edges[:-1])
+    weight = np.exp(np.maximum(log_weight - log_weight.max(), -700.0))
+    return np.asarray(weight / weight.sum())
+
+
+def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
+    """Whether <v^p> is not still growing where the density ends or the scan does."""
+    weight = _weight(mass, edges, p)
+    there = np.nonzero(mass > 0.0)[0]
+    last = weight[there[-_TAIL:]]
+    return bool(there.size < 2 * _TAIL or last.max() < 1e-3 * weight.max())
 
 
 def _refine(
@@ -195,7 +222,7 @@ def _refine(
         coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
         fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
         difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
-        good = (difference <= tolerance) | (depth == 40)
+        good = (difference <= tolerance) | (depth == 40) | (ends.shape[0] > _MOST_PIECES)
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())

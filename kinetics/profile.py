@@ -22,7 +22,8 @@ class Profile:
 
     Attributes
     ----------
-    continuous : v (n_v,) in U -> (n_times, n_v), without delta peaks; in 1/U
+    at : (i, v) -> density at the i-th time and speeds v (n_v,) in U, without delta peaks; in 1/U
+    count : n_times
     peak_speed, peak_weight : tracers of the monoenergetic start that have not collided, speed in U
         and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
         delta peaks
@@ -31,12 +32,17 @@ class Profile:
     error_estimate : relative to the maximum
     """
 
-    continuous: Callable[[FloatArray], NDArray[Any]]
+    at: Callable[[int, FloatArray], NDArray[Any]]
+    count: int
     method: str
     nodes: int
     error_estimate: float
     peak_speed: float | None = None
     peak_weight: NDArray[Any] | None = None
+
+    def continuous(self, v: FloatArray) -> NDArray[Any]:
+        """All times: shape (n_times, n_v)."""
+        return np.array([self.at(i, v) for i in range(self.count)])
 
 
 def count_before_scaling(law: CollisionLaw, tau: FloatArray, rtol: float) -> int:
@@ -54,40 +60,42 @@ class ThenScaling:
 
     Attributes
     ----------
-    early : v (n_v,) -> (n_early, n_v)
+    early : (i, v) -> density, for the first ``count`` times
+    count : how many those are
     late_shift : ln((t + t0)/l) of the later times
     scaled : the stationary solution that serves them
     """
 
-    early: Callable[[FloatArray], NDArray[Any]]
+    early: Callable[[int, FloatArray], NDArray[Any]]
+    count: int
     late_shift: FloatArray
     scaled: ScaledVDF | None
 
-    def __call__(self, v: FloatArray) -> NDArray[Any]:
-        """Densities at v, shape (n_times, n_v)."""
-        first = self.early(v)
-        if self.scaled is None:
-            return first
-        later = np.zeros((self.late_shift.size, v.size))
-        positive = v > 0.0
-        for i, shift in enumerate(self.late_shift):
-            # v0 (t + t0)/l = 2/h in the scaling state
-            log_thermal = math.log(2.0 / self.scaled.cooling_rate) - float(shift)
-            log_c = np.log(v[positive]) - log_thermal
-            near = np.abs(log_c) < 300.0  # further off nothing is left, or c overflows
-            c = np.exp(log_c[near])
-            density = np.zeros(log_c.shape)
-            density[near] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
-            later[i, positive] = density
-        return np.concatenate([first, later])
+    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """Density at the i-th time and speeds v, shape (n_v,)."""
+        if i < self.count:
+            return self.early(i, v)
+        assert self.scaled is not None
+        out = np.zeros(v.shape)
+        # v0 (t + t0)/l = 2/h in the scaling state
+        log_thermal = math.log(2.0 / self.scaled.cooling_rate) - float(
+            self.late_shift[i - self.count]
+        )
+        with np.errstate(divide="ignore"):
+            log_c = np.log(v) - log_thermal
+        near = np.abs(log_c) < 300.0  # further off nothing is left, or c overflows
+        c = np.exp(log_c[near])
+        out[near] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+        return out
 
 
 def then_scaling(
     law: CollisionLaw,
-    early: Callable[[FloatArray], NDArray[Any]],
+    early: Callable[[int, FloatArray], NDArray[Any]],
+    count: int,
     late_shift: FloatArray,
     rtol: float,
 ) -> ThenScaling:
     """The early densities, with the scaling state solved if there are later times."""
     scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if late_shift.size else None
-    return ThenScaling(early, late_shift, scaled)
+    return ThenScaling(early, count, late_shift, scaled)

@@ -47,14 +47,33 @@ def _between(low: Tilt, high: Tilt) -> float:
     return low.centre + share * (high.centre - low.centre)
 
 
+def _crossing(low: Tilt, high: Tilt) -> tuple[float, float]:
+    """Where two tilts see g equally far below their peaks, and the offset of their scales there.
+
+    Found from a first guess at the offset, which hardly matters.
+    """
+    x = _between(low, high)
+    for _ in range(3):
+        at = np.array([x])
+        offset = float((low.log_density(at) - high.log_density(at))[0])
+        gap = (high.peak + offset) - low.peak
+        new = gap / (high.theta - low.theta)
+        if not low.centre < new < high.centre:
+            break
+        x = new
+    at = np.array([x])
+    return x, float((low.log_density(at) - high.log_density(at))[0])
+
+
 def _disagreement(low: Tilt, high: Tilt) -> float:
     """Relative difference of the shapes of g that two neighbours see between their centres."""
-    middle = _between(low, high)
+    middle, _ = _crossing(low, high)
     around = middle + np.array([-0.5, 0.5]) * min(low.deviation, high.deviation)
     seen = [t.log_density(around) for t in (low, high)]
     if not np.all(np.isfinite(seen)):
         return 1.0
-    return abs(float((seen[0][1] - seen[0][0]) - (seen[1][1] - seen[1][0])))
+    # both have a part in it
+    return 0.5 * abs(float((seen[0][1] - seen[0][0]) - (seen[1][1] - seen[1][0])))
 
 
 @dataclass(frozen=True)
@@ -262,18 +281,14 @@ class ScaledVDF:
             return self._low[0].log_at_bottom
         return self._tilts[0].landmarks[0] + self._scale[0]
 
-    def _join(self, known: int, tilt: Tilt) -> float:
-        """The new tilt's scale, from where both see g equally well."""
-        x = np.array([_between(self._tilts[known], tilt)])
-        seen = self._tilts[known].log_density(x) + self._scale[known]
-        return float((seen - tilt.log_density(x))[0])
-
     def _add_above(self) -> bool:
         """The next tilt up; False where too few nodes were asked for to find it."""
         theta = next_tilt(self.law, self._tilts[-1], above=True)
         tilt = None if theta is None else self._solve(theta)
-        scale = math.nan if tilt is None else self._join(-1, tilt)
-        if tilt is None or not math.isfinite(scale + sum(tilt.landmarks)):
+        scale = math.nan
+        if tilt is not None:
+            scale = self._scale[-1] + _crossing(self._tilts[-1], tilt)[1]
+        if tilt is None or not math.isfinite(scale + sum(tilt.landmarks[1:])):
             self._sampled["unresolved"] = True
             return False
         self._scale.append(scale)
@@ -291,8 +306,8 @@ class ScaledVDF:
         theta = next_tilt(self.law, known, above=False)
         if theta is not None:
             tilt = self._solve(theta)
-            scale = self._join(0, tilt)
-            if not math.isfinite(scale + sum(tilt.landmarks)):
+            scale = self._scale[0] - _crossing(tilt, known)[1]
+            if not math.isfinite(scale + sum(tilt.landmarks[:2])):
                 self._sampled["unresolved"] = True
                 return False
             self._tilts.insert(0, tilt)
@@ -337,9 +352,10 @@ class ScaledVDF:
         self._cover_above(float(x.max()))
         if float(x.min()) < self._bottom:
             self._cover_below(float(x.min()))
-        centres = np.array([t.centre for t in self._tilts])
-        deviations = np.array([t.deviation for t in self._tilts])
-        chosen = (np.abs(x[:, None] - centres) / deviations).argmin(axis=1)
+        # the tilt that sees g at x nearest to its own peak
+        theta = np.array([t.theta for t in self._tilts])
+        peak = np.array([t.peak + a for t, a in zip(self._tilts, self._scale, strict=True)])
+        chosen = (np.multiply.outer(x, theta) - peak).argmax(axis=1)
         if self._low:
             chosen[x < self._low[0].top] = -1
         for i, tilt in enumerate(self._tilts):

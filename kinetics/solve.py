@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
+_LOWEST_AT_ZERO = -0.25  # bounces to s < e^-40, of weight s^(1 + p), are left out
 # (power, harmonic) pairs that an output is made of
 _POWERS: dict[str, tuple[tuple[float, int], ...]] = {
     "thermal_speed": ((2.0, 0),),
@@ -208,9 +209,11 @@ def _any_power(scene: Scene, law: CollisionLaw, p: float, m: int, rtol: float) -
         raise InputError(f"p: got {short(p)}; it must be a real number of size up to 40")
     if isinstance(m, bool) or not isinstance(m, int | np.integer) or not 0 <= m <= 256:
         raise InputError(f"m: got {short(m)}; it must be a whole number from 0 to 256")
-    lowest = -1.0 if law.restitution == 0.0 else scene.state.lowest_moment
+    lowest = scene.state.lowest_moment
     if p <= lowest:
-        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+        raise InputError(f"p: got {p!r}; moments of this start exist for p > {lowest:g} only")
+    if law.restitution == 0.0 and p < _LOWEST_AT_ZERO:
+        raise InputError(f"p: got {p!r}; at restitution 0 they are solved for p >= -0.25")
     averages = _averages(scene, law, rtol, p, p)
     with np.errstate(under="ignore"):
         return averages.power(p, int(m)) * np.exp(p * averages.log_reference)

@@ -80,6 +80,11 @@ class Tilt:
         return float(low), float(middle), float(high)
 
     @property
+    def peak(self) -> float:
+        """Log of e^(theta x) g at the centre, up to the tilt's own scale."""
+        return self.landmarks[1] + self.theta * self.centre
+
+    @property
     def bottom(self) -> float:
         """Lowest x at which the tilt is used."""
         return self.centre - SPAN * self.deviation
@@ -171,7 +176,12 @@ def next_tilt(law: CollisionLaw, known: Tilt, *, above: bool) -> float | None:
     tilt must still resolve.
     """
     sign = 1.0 if above else -1.0
-    lowest = -0.45 if law.restitution == 0.0 else -500.0 / float(law.quadrature.log_loss.max())
+    if law.restitution == 0.0:
+        lowest = -0.45
+    else:
+        # s^z must not overflow, half a unit below the tilt either
+        deepest = float(law.quadrature.log_loss.max())
+        lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
     shares = np.array([2.0, 1.6, 1.3, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3])
     thetas = known.theta + sign * shares * 2.0 * SPAN / known.deviation
     thetas = thetas[thetas > lowest]
