@@ -1,0 +1,112 @@
+"""The density of one velocity component against closed forms and quadrature of the speed density.
+
+For an isotropic velocity F(v_x) = (1/pi) integral over v > |v_x| of f(v)/sqrt(v^2 - v_x^2).
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from kinetics import Beam, InputError, Monoenergetic, Scene, SpeedTable, solve
+
+
+def scene(e: float, times: Any, initial: Any = "gaussian") -> Scene:
+    return Scene(
+        restitution=e,
+        number_density=0.5,
+        initial=initial,
+        times=times,
+        outputs=("speed_density", "thermal_speed"),
+    )
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9, 1.0])
+def test_gaussian_at_the_start(e: float) -> None:
+    v_x = np.concatenate([[0.0], np.linspace(-4.0, 4.0, 41)])
+    found = solve(scene(e, [0.0]), rtol=1e-9).velocity_component_density(v_x)
+    assert found.shape == (1, 42)
+    exact = np.exp(-0.5 * v_x * v_x) / np.sqrt(2 * np.pi)
+    assert np.max(np.abs(found[0] - exact)) < 1e-7
+
+
+@pytest.mark.parametrize("e", [0.3, 0.7, 0.95])
+def test_normalised_with_half_the_energy(e: float) -> None:
+    """The integral is 1 and <v_x^2> = <v^2>/2, at every time."""
+    solution = solve(scene(e, [0.0, 4.0]), rtol=1e-8)
+    node, weight = np.polynomial.legendre.leggauss(8)
+    for i, v0 in enumerate(solution.thermal_speed):
+        edges = np.concatenate([[0.0], np.geomspace(1e-3, 16.0, 14)]) * v0
+        v = (edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1 + node)).ravel()
+        w = (np.diff(edges)[:, None] * 0.5 * weight).ravel()
+        density = solution.velocity_component_density(v)[i]
+        assert abs(2 * (density @ w) - 1.0) < 1e-6, i
+        assert abs(2 * (density @ (w * v * v)) / (0.5 * v0 * v0) - 1.0) < 1e-6, i
+
+
+@pytest.mark.parametrize(("e", "t"), [(0.2, 1.0), (0.6, 5.0), (0.9, 20.0)])
+def test_against_quadrature_of_the_speed_density(e: float, t: float) -> None:
+    """With v = v_x cosh(u) the integrand is f(v_x cosh u)/pi."""
+    solution = solve(scene(e, [t]), rtol=1e-8)
+    v0 = solution.thermal_speed[0]
+    for v_x in np.array([0.1, 0.6, 1.3]) * v0:
+        top = np.arccosh(9.0 * v0 / v_x)
+        exact = quad(
+            lambda u, a=v_x: solution.speed_density([a * np.cosh(u)])[0, 0] / np.pi,
+            0.0,
+            top,
+            epsabs=1e-9,
+        )[0]
+        assert np.isclose(solution.velocity_component_density([v_x])[0, 0], exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("initial", [Monoenergetic(2.0), Beam(0.3, Monoenergetic(2.0))])
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_one_speed_at_the_start(e: float, initial: Any) -> None:
+    """1/(pi sqrt(u^2 - v_x^2)): the ring."""
+    v_x = np.array([-1.9, -1.0, 0.0, 0.5, 1.99, 2.5])
+    found = solve(scene(e, [0.0], initial), rtol=1e-3).velocity_component_density(v_x)[0]
+    with np.errstate(invalid="ignore"):
+        exact = np.where(np.abs(v_x) < 2.0, 1.0 / (np.pi * np.sqrt(4.0 - v_x**2)), 0.0)
+    assert np.allclose(found, exact, rtol=1e-9)
+
+
+def test_one_speed_after_collisions() -> None:
+    """Ring and collided tracers together carry the mass; the edge v_x = u is integrable."""
+    solution = solve(scene(0.5, [0.7], Monoenergetic()), rtol=1e-5)
+    angle, weight = np.polynomial.legendre.leggauss(200)
+    angle = 0.25 * np.pi * (1 + angle)  # v_x = sin(angle) takes the edge out
+    density = solution.velocity_component_density(np.sin(angle))[0]
+    total = 2 * 0.25 * np.pi * (weight @ (density * np.cos(angle)))
+    assert abs(total - 1.0) < 2e-3
+
+
+def test_even_in_the_component() -> None:
+    solution = solve(scene(0.6, [0.0, 2.0]), rtol=1e-6)
+    v = np.linspace(0.0, 3.0, 7)
+    assert np.array_equal(
+        solution.velocity_component_density(v), solution.velocity_component_density(-v)
+    )
+
+
+def test_flat_table() -> None:
+    """f = 1 on [1, 2]: F(v_x) = (arcosh(2/v_x) - arcosh(1/v_x))/pi inside, e = 1 keeps it."""
+    solution = solve(scene(1.0, [3.0], SpeedTable([1.0, 2.0], [1.0, 1.0])))
+    v_x = np.array([0.2, 0.5, 0.9])
+    exact = (np.arccosh(2 / v_x) - np.arccosh(1 / v_x)) / np.pi
+    # the steps of f at 1 and 2 fall inside panels of the quadrature: 2 %
+    assert np.allclose(solution.velocity_component_density(v_x)[0], exact, rtol=3e-2)
+
+
+@pytest.mark.parametrize("v_x", [np.nan, [1.0, np.inf], "fast", [[1.0]], 1j, None])
+def test_bad_components(v_x: Any) -> None:
+    solution = solve(scene(0.5, [0.0]), rtol=1e-3)
+    with pytest.raises(InputError, match=r"^v_x: got"):
+        solution.velocity_component_density(v_x)
+
+
+def test_not_asked_for() -> None:
+    solution = solve(Scene(restitution=0.5, times=[0.0]))
+    with pytest.raises(InputError, match=r"^outputs: 'speed_density' was not asked for"):
+        solution.velocity_component_density([0.0])
