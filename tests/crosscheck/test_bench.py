@@ -131,6 +131,18 @@ def test_kept_references_are_the_power_series(e, start):
     assert 1 + a2 == pytest.approx(float(fourth / (2 * second**2)), rel=1e-15)
 
 
+@pytest.mark.parametrize("start", references.STARTS)
+def test_kept_displacements_are_the_power_series(start):
+    k = 20
+    square = references.square_displacement(E, start, references.times("short")[k])
+    kept = references.reference("msd", E, start, "short")
+    assert kept[k] == pytest.approx(float(square), rel=1e-15)
+    # ballistic at first: <v^2> t^2 (1 - O(v t/l))
+    first = references.times("short")[0]
+    second = 2.0 if start == "gaussian" else 1.0
+    assert kept[0] == pytest.approx(second * first**2, rel=0.03)
+
+
 @pytest.mark.parametrize("e", references.RESTITUTIONS)
 def test_kept_references_end_in_the_scaling_state(e):
     exact = ScalingSolution(e)
@@ -360,7 +372,10 @@ def test_report_survives_json():
     assert not compare_bench(after, before).marked()
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"format": "else"}', "{}", '{"records": 3}'])
+OTHER = report().to_json().replace("bench 1", "bench 0")
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"format": "else"}', "{}", '{"records": 3}', OTHER])
 def test_what_is_no_benchmark_is_refused(text):
     with pytest.raises(InputError, match="holds no benchmark"):
         BenchReport.from_json(text)

@@ -63,7 +63,9 @@ def test_whatever_a_case_raises_is_its_verdict():
     def dies():
         raise AssertionError("no way")
 
-    found = [attempt("g", "n", work) for work in (refuses, warns, dies)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a user's own filters must not hide one
+        found = [attempt("g", "n", work) for work in (refuses, warns, dies)]
     assert [c.verdict for c in found] == [REFUSED, BROKEN, BROKEN]
     assert [c.accepted for c in found] == [True, False, False]
     assert found[0].note == "nodes: got 3; it must be more"

@@ -55,8 +55,8 @@ class Effort:
     seconds: float
 
 
-QUICK = Effort(quick=True, least=3, most=15, seconds=0.1)
-FULL = Effort(quick=False, least=5, most=51, seconds=0.5)
+QUICK = Effort(quick=True, least=3, most=15, seconds=0.05)
+FULL = Effort(quick=False, least=5, most=25, seconds=0.12)
 
 
 Clock = Callable[[], float]
