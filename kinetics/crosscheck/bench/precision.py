@@ -32,6 +32,7 @@ METHODS = (SPECTRAL, CONSERVATIVE, STRAIGHTFORWARD, SONINE, MONTE_CARLO)
 NUMBER_DENSITY = 0.04  # of the paper: l = references.MEAN_FREE_PATH
 SCALED_SPEEDS = np.linspace(0.1, 4.0, 79)
 _LATE = {CONSERVATIVE: 1e10, MONTE_CARLO: 1e7}  # d/U, where the scaling state is reached
+_TIGHTEST = 1e-13  # rtol of the runs whose nodes are given
 _MEDIA = 50  # blocks of a Monte Carlo run
 _TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 _NO_DENSITY = "a moment expansion: it has no displacement"
@@ -131,7 +132,7 @@ def _scaled_density(e: float, effort: Effort) -> list[Record]:
         return solve_scaled(e, rtol).vdf(c)
 
     def spectral_nodes(nodes: float) -> Any:
-        return solve_scaled(e, 1e-14, nodes=int(nodes)).vdf(c)
+        return solve_scaled(e, _TIGHTEST, nodes=int(nodes)).vdf(c)
 
     def sonine(order: float) -> FloatArray:
         return sonine_orders.solve_scaled(e, int(order)).vdf(c)
@@ -366,7 +367,7 @@ def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
     from kinetics import Scene, solve
 
     scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=("speed_density",))
-    return solve(scene, 1e-14, method=CONSERVATIVE, nodes=nodes)
+    return solve(scene, _TIGHTEST, method=CONSERVATIVE, nodes=nodes)
 
 
 def _conservative_cooling(

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from kinetics.errors import InputError
+
 HOLDS, SAYS_SO, REFUSED = "holds", "says so", "refused"
 MISSED, BROKEN, SLOW = "missed", "broken", "slow"
 ACCEPTED = (HOLDS, SAYS_SO, REFUSED)
@@ -17,7 +19,7 @@ VERDICTS = {
     SAYS_SO: "the error asked for was not reached, and the status says so",
     REFUSED: "an error that names the argument and says what to change",
     MISSED: "the error asked for was not reached, and the status claims that it was",
-    BROKEN: "not finite, an invariant violated, a warning, or an exception that is no ValueError",
+    BROKEN: "not finite, an invariant violated, a warning, or an exception that explains nothing",
     SLOW: "it holds, but took longer than a stress case may",
 }
 LONGEST = 20.0
@@ -94,10 +96,10 @@ def attempt(
             outcome = work()
         verdict = judge(outcome, clock() - begin)
         note = outcome.note
-    except ValueError as met:
-        verdict, note = REFUSED, str(met)
     except Exception as met:  # whatever it is, it is the finding
         verdict, note = BROKEN, f"{type(met).__name__}: {met}"
+        if _is_refusal(met):
+            verdict, note = REFUSED, str(met)
     worst = ("", 0.0, 0.0)
     for key, (violation, allowed) in outcome.invariants.items():
         share = violation / allowed if allowed else (math.inf if violation else 0.0)
@@ -116,6 +118,17 @@ def attempt(
         seconds=clock() - begin,
         note=" ".join(note.split())[:240],
     )
+
+
+def _is_refusal(error: Exception) -> bool:
+    """Whether it is an answer to bad input, and not a ValueError from deep inside."""
+    if isinstance(error, InputError):
+        return True
+    here = error.__traceback__
+    while here is not None and here.tb_next is not None:
+        here = here.tb_next
+    where = here.tb_frame.f_globals.get("__name__", "") if here is not None else ""
+    return isinstance(error, ValueError) and where.startswith("particles.")
 
 
 Case = tuple[str, str, Callable[[], Outcome]]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from kinetics.crosscheck.stress.case import VERDICTS, StressCase
+from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase
 
 FORMAT = "inelastic-lorentz stress 1"
 
@@ -96,8 +96,9 @@ def _number(value: float) -> str:
 
 
 def _worst(cases: list[StressCase]) -> str:
-    """The case with the largest error reached over the error asked."""
-    known = [c for c in cases if math.isfinite(c.reached) and math.isfinite(c.asked)]
+    """Of the cases that claim what was asked, the one with the largest reached/asked."""
+    claimed = [c for c in cases if c.verdict in (HOLDS, MISSED)]
+    known = [c for c in claimed if math.isfinite(c.reached) and math.isfinite(c.asked)]
     if not known:
         return "no reference"
     worst = max(known, key=lambda c: c.reached / c.asked)
