@@ -133,8 +133,13 @@ class AngularHarmonics(State):
     smooth = True
 
     def __post_init__(self) -> None:
+        if not isinstance(self.terms, Mapping) or not all(map(callable, self.terms.values())):
+            raise InputError(
+                f"terms: got {short(self.terms)}; it must map orders to functions of v"
+            )
         orders = list(self.terms)
-        if 0 not in orders or any(isinstance(m, bool) or m != int(m) or m < 0 for m in orders):
+        whole = all(isinstance(m, int | np.integer) and not isinstance(m, bool) for m in orders)
+        if not whole or 0 not in orders or min(orders) < 0:
             raise InputError(
                 f"terms: got orders {short(orders)}; whole m >= 0, and m = 0 is needed"
             )

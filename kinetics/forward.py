@@ -180,7 +180,7 @@ def solve_spectral(
             g, now = result.y[:, -1], float(tau[i])
         values[i] = g.reshape(rows.shape)
     joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
-    collocated = _Collocated(grid, joined, shift[:early], 30.0 * rtol)
+    collocated = _Collocated(grid, joined, shift[:early], rtol)
     return Profile(
         at=then_scaling(law, collocated, early, shift[early:], rtol),
         count=times.size,

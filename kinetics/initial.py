@@ -246,6 +246,8 @@ class SpeedDensity(State):
         if m:
             return None
         found = measure.function(self.function, min(rtol, 1e-7), lowest, highest)
+        if np.iscomplexobj(found.weight):
+            raise InputError("initial: the speed density is complex; it must be real")
         not_negative(found.weight)
         return LogMeasure(found.x, found.weight / check_norm(float(found.weight.sum())))
 
@@ -279,9 +281,7 @@ def column(name: str, values: ArrayLike) -> FloatArray:
             raise TypeError
         array = array.astype(float)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{name}: got {short(values)}; it must be an array of real numbers"
-        ) from None
+        raise InputError(f"{name}: got {short(values)}; it must be an array of numbers") from None
     if array.ndim != 1 or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: got {short(values)}; it must be 1-dimensional and finite")
     return array

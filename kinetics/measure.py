@@ -23,7 +23,8 @@ from kinetics.errors import InputError
 FloatArray = NDArray[np.float64]
 
 _MOST_POINTS = 400  # samples up to this number are kept as they are
-_TAIL = 40  # panels of the scan, 20 e-folds, over which a moment must have converged
+_CLOSE = 512  # points of a panel of the scan where narrow peaks are looked for
+_FAR = 60.0  # e-folds above the bulk
 _MOST_PIECES = 5000  # of an integral that go on being halved
 
 
@@ -175,6 +176,14 @@ def function(
     x, w = panels(edges, 32)
     with np.errstate(all="ignore"):
         mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 32).sum(axis=1)
+    # within e^20 of U, where states usually are, narrow peaks are looked for as well
+    middle = slice(int(np.searchsorted(edges, -20.0)), int(np.searchsorted(edges, 20.0)))
+    close = np.linspace(-20.0, 20.0, _CLOSE * (middle.stop - middle.start), endpoint=False)
+    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE).sum(axis=1) * (close[1] - close[0])
+    narrow = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
+    mass[middle] = np.maximum(found, mass[middle])
+    narrow_at = np.zeros(mass.shape, dtype=bool)
+    narrow_at[middle] = narrow
     if not np.all(np.isfinite(mass)) or mass.sum() <= 0.0:
         raise InputError(
             "initial: the density has no finite integral over the speed, or a peak too narrow to "
@@ -187,7 +196,11 @@ def function(
         if _converges(mass, edges, p):
             live |= _weight(mass, edges, p) > 1e-3 * rtol
     first, last = np.nonzero(live)[0][[0, -1]]
-    span = edges[max(first - 2, 0) : last + 3]
+    cuts = [
+        np.linspace(edges[i], edges[i + 1], 129 if narrow_at[i] else 2)[:-1]
+        for i in range(max(first - 2, 0), min(last + 3, mass.size))
+    ]
+    span = np.append(np.concatenate(cuts), edges[min(last + 3, mass.size)])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
     return _refine(per_log_speed, pieces, 0.1 * rtol * float(mass.sum()))
 
@@ -203,9 +216,10 @@ def _weight(mass: FloatArray, edges: FloatArray, p: float) -> FloatArray:
 def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
     """Whether <v^p> is not still growing where the density ends or the scan does."""
     weight = _weight(mass, edges, p)
-    there = np.nonzero(mass > 0.0)[0]
-    last = weight[there[-_TAIL:]]
-    return bool(there.size < 2 * _TAIL or last.max() < 1e-3 * weight.max())
+    last = int(np.nonzero(mass > 0.0)[0][-1])
+    # a power law goes on until numbers end, far above the bulk; a cut or a Gaussian does not
+    far = edges[last] - edges[int(mass.argmax())] > _FAR
+    return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
 
 
 def _refine(

@@ -27,8 +27,10 @@ def mean_square_displacement(averages: Averages) -> FloatArray:
         return square * averages.average(SQUARED_DISPLACEMENT)
     # <v(0).v(t)> = v^2 exp(-nu v t/l), nu = 1 - <cos chi> = 4/3
     nu = averages.law.harmonic_decay_rate(0.0, 1)
-    x = nu * np.exp(averages.speeds.x + averages.log_stretch[:, None])
-    return np.asarray(2.0 * square / nu**2 * (_ballistic_to_diffusive(x) @ averages.speeds.weight))
+    with np.errstate(over="ignore"):
+        x = nu * np.exp(averages.speeds.x + averages.log_stretch[:, None])
+    mean = _ballistic_to_diffusive(x) @ averages.speeds.weight
+    return np.asarray(2.0 * square / nu**2 * mean)
 
 
 def _ballistic_to_diffusive(x: FloatArray) -> FloatArray:

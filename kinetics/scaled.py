@@ -54,15 +54,20 @@ def _crossing(low: Tilt, high: Tilt) -> tuple[float, float]:
     """
     x = _between(low, high)
     for _ in range(3):
-        at = np.array([x])
-        offset = float((low.log_density(at) - high.log_density(at))[0])
+        offset = _offset(low, high, x)
         gap = (high.peak + offset) - low.peak
         new = gap / (high.theta - low.theta)
         if not low.centre < new < high.centre:
             break
         x = new
+    return x, _offset(low, high, x)
+
+
+def _offset(low: Tilt, high: Tilt, x: float) -> float:
+    """Difference of the logarithms that two tilts see at x; NaN where neither is resolved."""
     at = np.array([x])
-    return x, float((low.log_density(at) - high.log_density(at))[0])
+    with np.errstate(invalid="ignore"):
+        return float((low.log_density(at) - high.log_density(at))[0])
 
 
 def _disagreement(low: Tilt, high: Tilt) -> float:
@@ -332,7 +337,7 @@ class ScaledVDF:
         self._cover_above(float(x.max()), floor=-150.0)
         top = self._top
         out = self._log_density(np.minimum(x, top))
-        above = np.exp(np.maximum(x, top)) - math.exp(top)
+        above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
         out = out - above / self.law.mean_log_loss
         if not np.all(np.isfinite(out)):
             self._sampled["unresolved"] = True

@@ -51,6 +51,7 @@ class Solution:
     stats: dict[str, Any]
     _profiles: Mapping[int, Profile] = field(default_factory=dict, repr=False)
     _harmonic: Callable[[float, int], NDArray[Any]] | None = field(default=None, repr=False)
+    _typical: FloatArray = field(default_factory=lambda: np.ones(0), repr=False)
 
     @property
     def times(self) -> FloatArray:
@@ -106,14 +107,13 @@ class Solution:
         """
         profile = self._profile(0, "speed_density")
         x = np.abs(_finite("v_x", v_x))
-        thermal = np.sqrt(self.moment(2.0))
         out = np.empty((self.times.size, x.size))
         for i in range(self.times.size):
 
             def plane(v: FloatArray, i: int = i) -> FloatArray:
                 return np.asarray(profile.at(i, v).real / (2.0 * np.pi * v))
 
-            out[i] = component_density(plane, x, float(thermal[i]))
+            out[i] = component_density(plane, x, float(self._typical[i]))
         if profile.peak_speed is not None and profile.peak_weight is not None:
             room = profile.peak_speed**2 - x**2
             shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

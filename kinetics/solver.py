@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
+_ROUNDING = 1e-13  # what sums over the initial state and up the panels may leave
 _LOWEST_AT_ZERO = -0.25  # bounces to s < e^-40, of weight s^(1 + p), are left out
 # (power, harmonic) pairs that an output is made of
 _POWERS: dict[str, tuple[tuple[float, int], ...]] = {
@@ -77,7 +78,10 @@ def solve(
         _averages(scene, law, rtol, max([2.0, *(p for p, _ in pairs)])), wanted, pairs
     )
     powers = {pair: averages.power(*pair) for pair in pairs}
-    values = _means(averages, wanted, powers)
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = _means(averages, wanted, powers)
+    for name, value in values.items():
+        _in_range(name, value)
     profiles = _profiles(scene, law, rtol, method, nodes)
     error = _error(averages, wanted, pairs, profiles)
 
@@ -95,6 +99,7 @@ def solve(
         stats=_stats(averages, profiles),
         _profiles=profiles,
         _harmonic=harmonic,
+        _typical=np.exp(averages.log_reference),
     )
 
 
@@ -153,6 +158,15 @@ def _means(
     return values
 
 
+def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
+    """The value; InputError where it is beyond the largest number."""
+    if not np.all(np.isfinite(value)):
+        raise InputError(
+            f"times: {name} overflows double precision there; ask for other times, speeds or powers"
+        )
+    return value
+
+
 def _collisions(averages: Averages) -> FloatArray:
     if averages.elastic:
         speed = np.exp(averages.log_reference) * averages.power(1.0)
@@ -209,14 +223,15 @@ def _any_power(scene: Scene, law: CollisionLaw, p: float, m: int, rtol: float) -
         raise InputError(f"p: got {short(p)}; it must be a real number of size up to 40")
     if isinstance(m, bool) or not isinstance(m, int | np.integer) or not 0 <= m <= 256:
         raise InputError(f"m: got {short(m)}; it must be a whole number from 0 to 256")
-    lowest = scene.state.lowest_moment
+    lowest = max(scene.state.lowest_moment, -1.0 if law.restitution == 0.0 else -math.inf)
     if p <= lowest:
-        raise InputError(f"p: got {p!r}; moments of this start exist for p > {lowest:g} only")
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
     if law.restitution == 0.0 and p < _LOWEST_AT_ZERO:
         raise InputError(f"p: got {p!r}; at restitution 0 they are solved for p >= -0.25")
     averages = _averages(scene, law, rtol, p, p)
-    with np.errstate(under="ignore"):
-        return averages.power(p, int(m)) * np.exp(p * averages.log_reference)
+    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+        found = averages.power(p, int(m)) * np.exp(p * averages.log_reference)
+    return _in_range(f"<v^{p:g}>", found)
 
 
 def _error(
@@ -225,7 +240,8 @@ def _error(
     pairs: list[tuple[float, int]],
     profiles: dict[int, Profile],
 ) -> float:
-    estimates = [1e-15, *(p.error_estimate for p in profiles.values())]
+    estimates = [1e-15 if averages.elastic else _ROUNDING]
+    estimates += [p.error_estimate for p in profiles.values()]
     if not averages.elastic:
         asked = [speed_power(p, m) for p, m in pairs if averages.measure(m) is not None]
         asked += [MEAN_COLLISIONS] if "collisions" in wanted else []

@@ -1,0 +1,157 @@
+"""CollisionLaw against closed forms in mpmath at 50 digits, for every restitution."""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinetics import CollisionLaw, InputError
+
+NEAR_AND_FAR = [1e-8, 1e-4, 1e-2, 0.1, 0.5, 0.9, 0.99, 1 - 1e-4, 1 - 1e-8]
+REAL = [-0.7, 1e-6, 0.5, 1.0, 2.0, 3.0, 4.7, 10.0, 25.3, 100.0, 300.0]
+NEGATIVE = [-1.0, -2.0, -3.5, -8.0]
+COMPLEX = [0.5 + 1j, 2 + 10j, 1 + 40j, -0.5 + 3j, 3 - 150j, 2 + 600j]
+LIMIT = 1e-13
+
+
+def relative(found: complex, exact: Any) -> float:
+    return float(abs(mp.mpmathify(found) / exact - 1))
+
+
+@pytest.mark.parametrize("e", NEAR_AND_FAR)
+@pytest.mark.parametrize("p", REAL + NEGATIVE + COMPLEX)
+def test_decay_rate_and_mean_power(e: float, p: complex, formulas: ModuleType) -> None:
+    law = CollisionLaw(e)
+    with mp.workdps(60):
+        power = formulas.speed_ratio_power(e, p)
+        # a complex power turns on the way: relative to what it is made of
+        size = formulas.speed_ratio_power(e, mp.re(p))
+        assert float(abs(law.mean_speed_ratio_power(p) - power) / size) <= LIMIT
+        assert relative(law.decay_rate(p), 1 - power) <= LIMIT
+
+
+@pytest.mark.parametrize("e", NEAR_AND_FAR)
+def test_mean_log_loss_and_mean_cosine(e: float, formulas: ModuleType) -> None:
+    law = CollisionLaw(e)
+    with mp.workdps(60):
+        assert relative(law.mean_log_loss, formulas.mean_log_loss(e)) <= LIMIT
+        b = mp.sqrt(1 - mp.mpf(e) ** 2)
+        q = mp.atanh(b) / b
+        cosine = -mp.mpf(e) * q + (1 - mp.mpf(e) ** 2 * q) / (2 * (1 - mp.mpf(e)))
+        assert relative(law.mean_cosine, cosine) <= LIMIT
+
+
+@pytest.mark.parametrize("e", [*NEAR_AND_FAR, 0.0, 1.0])
+@pytest.mark.parametrize("m", [1, 2, 3, 8])
+def test_harmonic_decay_rate(e: float, m: int, formulas: ModuleType) -> None:
+    law = CollisionLaw(e)
+    # the reference loses m times the digits of 1 - e
+    with mp.workdps(60 + (8 * m if e > 0.5 else 0)):
+        for p in (0.0, 1.0, 2.5, 7.0):
+            exact = 1 - formulas.ratio_power_cosine(e, p, m)
+            assert relative(law.harmonic_decay_rate(p, m), exact) <= LIMIT
+
+
+@given(e=st.floats(1e-6, 1.0, exclude_max=True), p=st.floats(-20.0, 200.0))
+def test_powers_two_apart(e: float, p: float) -> None:
+    """(p+1) E[s^p] = 1 + p e^2 E[s^(p-2)], by partial integration over the impact parameter."""
+    law = CollisionLaw(e)
+    left = (p + 1.0) * law.mean_speed_ratio_power(p)
+    right = p * e * e * law.mean_speed_ratio_power(p - 2.0)
+    assert abs(left - 1.0 - right) <= 1e-13 * (abs(left) + 1.0 + abs(right))
+
+
+@settings(max_examples=40)
+@given(e=st.floats(1e-100, 1.0) | st.just(0.0), p=st.floats(0.0, 50.0), m=st.integers(0, 12))
+def test_rates_lie_between_0_and_2(e: float, p: float, m: int) -> None:
+    law = CollisionLaw(e)
+    assert 0.0 <= law.decay_rate(p) <= 1.0
+    assert 0.0 <= law.harmonic_decay_rate(p, m) <= 2.0
+
+
+def test_nothing_survives_at_zero_restitution_but_the_tangential_speed() -> None:
+    law = CollisionLaw(0.0)
+    p = np.array([-0.5, 0.0, 1.0, 2.0, 40.0])
+    np.testing.assert_allclose(law.mean_speed_ratio_power(p), 1 / (1 + p), rtol=1e-15)
+    np.testing.assert_allclose(law.decay_rate(p), p / (1 + p), rtol=1e-15)
+    assert law.mean_log_loss == 1.0
+    assert law.mean_cosine == 0.5
+
+
+def test_the_elastic_bounce_keeps_the_speed() -> None:
+    law = CollisionLaw(1.0)
+    assert law.decay_rate(3.0) == 0.0
+    assert law.mean_log_loss == 0.0
+    assert law.mean_cosine == pytest.approx(-1 / 3, rel=1e-14)
+    assert law.harmonic_decay_rate(5.0, 1) == pytest.approx(4 / 3, rel=1e-14)
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_both_ends_are_approached(end: float) -> None:
+    """At e = 0 corrections are of the order of e, at e = 1 of 1 - e."""
+    near = CollisionLaw(abs(end - 1e-12))
+    at = CollisionLaw(end)
+    assert near.mean_log_loss == pytest.approx(at.mean_log_loss, abs=1e-11)
+    assert near.mean_cosine == pytest.approx(at.mean_cosine, abs=1e-10)
+    assert near.decay_rate(3.0) == pytest.approx(at.decay_rate(3.0), abs=1e-11)
+    assert near.harmonic_decay_rate(1.0, 2) == pytest.approx(
+        at.harmonic_decay_rate(1.0, 2), abs=1e-10
+    )
+
+
+def test_shapes_follow_the_exponents() -> None:
+    law = CollisionLaw(0.3)
+    p = np.arange(6.0).reshape(2, 3)
+    assert law.decay_rate(p).shape == (2, 3)
+    assert law.decay_rate(p + 1j).dtype == complex
+    assert isinstance(float(law.decay_rate(2)), float)
+    assert law.decay_rate(p)[1, 2] == pytest.approx(law.decay_rate(5.0), rel=1e-15)
+    # one exponent gives what it gives in company
+    assert law.decay_rate(np.array([0.5 + 900j, 1.0]))[1] == pytest.approx(
+        law.decay_rate(1.0), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("value", [-0.1, 1.0000001, math.nan, math.inf, -math.inf, "x", None, 1j])
+def test_bad_restitution_is_one_clear_line(value: Any) -> None:
+    with pytest.raises(InputError, match=r"^restitution: got ") as caught:
+        CollisionLaw(value)
+    assert "\n" not in str(caught.value)
+    assert "0" in str(caught.value)
+    assert "1" in str(caught.value)
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("p", [math.nan, math.inf, "x", None, [1.0, math.nan], -400.0])
+def test_bad_exponent(p: Any) -> None:
+    """-400 is a number, but E[s^-400] is above 1e308."""
+    for rate in (CollisionLaw(0.01).decay_rate, CollisionLaw(0.01).mean_speed_ratio_power):
+        with pytest.raises(InputError, match=r"^p: got "):
+            rate(p)
+
+
+def test_moments_that_do_not_exist_at_zero_restitution() -> None:
+    for p in (-1.0, -2.0, np.array([0.0, -1.5]), -1.0 + 2j):
+        with pytest.raises(InputError, match="above -1"):
+            CollisionLaw(0.0).decay_rate(p)
+    with pytest.raises(InputError, match="above -1"):
+        CollisionLaw(0.0).harmonic_decay_rate(-1.0, 2)
+
+
+@pytest.mark.parametrize("m", [0.5, True, "1"])
+def test_bad_harmonic(m: Any) -> None:
+    with pytest.raises(InputError, match=r"^m: got "):
+        CollisionLaw(0.5).harmonic_decay_rate(1.0, m)
+
+
+def test_it_is_frozen_and_compares_by_value() -> None:
+    law = CollisionLaw(0.5)
+    with pytest.raises(AttributeError):
+        law.restitution = 0.6  # type: ignore[misc]
+    assert law == CollisionLaw(0.5)
+    assert law != CollisionLaw(0.6)

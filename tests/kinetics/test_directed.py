@@ -1,0 +1,469 @@
+"""Directed states against the moment hierarchy in many digits, dblquad and a small Monte Carlo.
+
+With l = 1 (rho_0 = 1/2) harmonic m of v^p obeys d<v^p e^-im phi>/dt = -nu_m(p) <v^(p+1) e^-im phi>,
+nu_m(p) = 1 - E[s^p cos(m chi)]: an alternating series in t, summed here in mpmath.
+"""
+
+import itertools
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+from kinetics import (
+    AngularHarmonics,
+    Beam,
+    Gaussian,
+    InputError,
+    Monoenergetic,
+    PolarGrid,
+    Scene,
+    SolverStatus,
+    SpeedSamples,
+    VelocitySamples,
+    solve,
+)
+
+TIMES = [0.0, 1e-6, 0.01, 0.3, 1.0, 4.0, 15.0, 50.0, 120.0]
+
+
+DIGITS = 110  # the terms of the series grow to e^(v t) before they cancel
+
+
+@lru_cache(maxsize=32)
+def rates(e: float, m: int) -> tuple[Any, ...]:
+    """nu_m(0), nu_m(1), ...: powers of cos(chi) = (s - e/s)/(1-e), then E[s^q].
+
+    E[s^q] in closed form for small q, and (q+1) E[s^q] = 1 + q e^2 E[s^(q-2)] upwards.
+    """
+    count = 700
+    with mp.workdps(DIGITS):
+        e_ = mp.mpf(e)
+        if e == 1.0:  # E[cos(m chi)] with cos(chi) = 2 y^2 - 1
+            nu = 1 - mp.quad(lambda y: mp.cos(m * mp.acos(2 * y * y - 1)), [0, 1])
+            return (nu,) * count
+        phi = {}
+        for q in range(-m, m + count + 1):
+            if q < 2:
+                z = -(1 - e_**2) / e_**2
+                phi[q] = e_**q * mp.hyp2f1(-mp.mpf(q) / 2, mp.mpf("0.5"), mp.mpf("1.5"), z)
+            else:
+                phi[q] = (1 + q * e_**2 * phi[q - 2]) / (q + 1)
+        below, here = {0: mp.mpf(1)}, {1: 1 / (1 - e_), -1: -e_ / (1 - e_)}
+        for _ in range(m - 1):  # Chebyshev polynomials of cos(chi), as powers of s
+            above = {i: -c for i, c in below.items()}
+            for i, c in here.items():
+                above[i + 1] = above.get(i + 1, 0) + 2 * c / (1 - e_)
+                above[i - 1] = above.get(i - 1, 0) - 2 * c * e_ / (1 - e_)
+            below, here = here, above
+        terms = here if m else below
+        return tuple(1 - sum(c * phi[k + i] for i, c in terms.items()) for k in range(count))
+
+
+def series(e: float, m: int, p: int, t: float, moment: Callable[[int], Any] = lambda q: 1) -> float:
+    """<v^p e^-im phi> at t for a start with the moments moment(q)."""
+    nu = rates(e, m)
+    with mp.workdps(DIGITS):
+        total, factor = mp.mpf(0), mp.mpf(1)
+        for k in range(len(nu) - p):
+            term = factor * moment(p + k)
+            total += term
+            if abs(term) < mp.mpf(10) ** -30 and k > 20:
+                return float(total)
+            factor *= -mp.mpf(t) * nu[p + k] / (k + 1)
+    raise ArithmeticError("the series needs more terms")
+
+
+def scene(e: float, initial: Any, times: Any = TIMES, **more: Any) -> Scene:
+    return Scene(restitution=e, number_density=0.5, initial=initial, times=times, **more)
+
+
+def test_the_reference_rates_are_averages_over_the_impact_parameter() -> None:
+    e, m, p = mp.mpf(0.2), 3, 2
+
+    def loss(y: Any) -> Any:
+        s = mp.sqrt(e**2 + (1 - e**2) * y**2)
+        return 1 - s**p * mp.cos(m * mp.acos((-e + (1 + e) * y**2) / s))
+
+    direct = mp.quad(loss, [0, mp.mpf(1) / 10, mp.mpf(1) / 2, 1])
+    assert abs(rates(0.2, m)[p] - direct) < 1e-12
+
+
+@pytest.mark.parametrize("m", range(1, 9))
+@pytest.mark.parametrize("e", [0.2, 0.7, 1.0])
+def test_harmonics_of_a_beam(e: float, m: int) -> None:
+    """Error relative to <v^p>: what part of the tracers' motion is missed."""
+    solution = solve(scene(e, Beam()))
+    for p in (0, 1, 2):
+        exact = np.array([series(e, m, p, t) for t in TIMES])
+        found = solution.harmonic(p, m)
+        assert np.max(np.abs(found - exact) / solution.moment(p)) < 1e-9, (p, found, exact)
+
+
+@pytest.mark.parametrize("e", [0.2, 0.7, 1.0])
+def test_mean_velocity_and_tensor_of_a_turned_beam(e: float) -> None:
+    angle = 2.2
+    outputs = ("thermal_speed", "mean_velocity", "velocity_tensor")
+    solution = solve(scene(e, Beam(direction=angle), outputs=outputs))
+    assert solution.status is SolverStatus.CONVERGED
+    along = np.array([series(e, 1, 1, t) for t in TIMES])
+    square = np.array([series(e, 0, 2, t) for t in TIMES])
+    second = np.array([series(e, 2, 2, t) for t in TIMES])
+    way = np.array([np.cos(angle), np.sin(angle)])
+    assert np.allclose(
+        solution.mean_velocity / np.sqrt(square)[:, None],
+        along[:, None] * way / np.sqrt(square)[:, None],
+        rtol=0,
+        atol=1e-9,
+    )
+    projector = 2.0 * np.outer(way, way) - np.eye(2)
+    exact = 0.5 * (square[:, None, None] * np.eye(2) + second[:, None, None] * projector)
+    error = np.abs(solution.velocity_tensor - exact).max(axis=(1, 2))
+    assert np.max(error / square) < 1e-9
+    assert np.allclose(np.trace(solution.velocity_tensor, axis1=1, axis2=2), square, rtol=1e-10)
+
+
+def gaussian_speed_moment(q: int) -> Any:
+    """<v^q> for the speed density v exp(-v^2/2)."""
+    return mp.mpf(2) ** (mp.mpf(q) / 2) * mp.gamma(mp.mpf(q) / 2 + 1)
+
+
+@pytest.mark.parametrize("m", [0, 1, 4])
+def test_beam_with_gaussian_speeds(m: int) -> None:
+    times, angle = [0.0, 0.1, 1.0, 3.0], -0.4
+    solution = solve(scene(0.7, Beam(direction=angle, speeds="gaussian"), times))
+    exact = np.array([series(0.7, m, 2, t, gaussian_speed_moment) for t in times])
+    assert np.allclose(solution.harmonic(2, m), exact * np.exp(-1j * m * angle), rtol=1e-9)
+
+
+def two_temperature_moment(q: int, m: int, sx: float, sy: float) -> Any:
+    """<v^q e^-im phi> of independent components: the speed by hand, the angle by trapezoids."""
+    power = mp.mpf(q) / 2 + 1
+    n, total = 240, mp.mpf(0)
+    for j in range(n // 4 + 1):  # a quarter of the circle, both ends half; m is even
+        phi = 2 * mp.pi * j / n
+        shape = (mp.cos(phi) ** 2 / sx**2 + mp.sin(phi) ** 2 / sy**2) ** -power
+        total += (0.5 if 4 * j % n == 0 else 1) * mp.cos(m * phi) * shape
+    return 4 * total / n * 2 ** (power - 1) * mp.gamma(power) / (sx * sy)
+
+
+@pytest.mark.parametrize("deviations", [(1.5, 0.75), (0.75, 1.5)])
+def test_two_temperature_gaussian_in_time(deviations: tuple[float, float]) -> None:
+    times = [0.0, 0.2, 1.0]
+    solution = solve(scene(0.5, Gaussian(*deviations), times))
+    known: dict[tuple[int, int], Any] = {}
+
+    def moment(q: int, m: int) -> Any:
+        if (q, m) not in known:
+            known[q, m] = two_temperature_moment(q, m, *deviations)
+        return known[q, m]
+
+    for p, m in ((2, 0), (2, 2), (1, 4)):
+        exact = [series(0.5, m, p, t, lambda q, m=m: moment(q, m)) for t in times]
+        assert np.max(np.abs(solution.harmonic(p, m) - exact)) < 1e-9
+    assert np.all(solution.harmonic(1, 1) == 0.0)
+
+
+def test_two_temperature_gaussian_at_the_start() -> None:
+    sx, sy = 1.3, 0.4
+    outputs = ("mean_velocity", "velocity_tensor", "velocity_density")
+    solution = solve(scene(0.5, Gaussian(sx, sy), [0.0], outputs=outputs, harmonics=60), rtol=1e-6)
+    assert np.allclose(solution.velocity_tensor[0], np.diag([sx**2, sy**2]), rtol=1e-6, atol=1e-12)
+    assert np.allclose(solution.mean_velocity, 0.0, atol=1e-14)
+    v, phi = np.linspace(0.05, 3.0, 30), np.linspace(-3.0, 3.0, 25)
+    found = solution.velocity_density(v, phi)[0]
+    x, y = v[:, None] * np.cos(phi), v[:, None] * np.sin(phi)
+    exact = np.exp(-0.5 * ((x / sx) ** 2 + (y / sy) ** 2)) / (2 * np.pi * sx * sy)
+    # densities are per dv: the error of f in the plane is larger by 1/v
+    error = np.abs(found - exact) * v[:, None]
+    assert np.max(error) < 1e-5 * np.max(exact * v[:, None])
+
+
+def test_velocity_density_integrates_to_the_averages() -> None:
+    outputs = ("velocity_density", "velocity_tensor")
+    solution = solve(scene(0.6, Gaussian(1.2, 0.8), [0.8], outputs=outputs), rtol=1e-7)
+    values: dict[tuple[float, float], float] = {}
+
+    def density(v: float, phi: float) -> float:
+        if (v, phi) not in values:
+            values[v, phi] = float(solution.velocity_density([v], [phi])[0, 0, 0])
+        return values[v, phi]
+
+    limits = (0.0, np.pi, 1e-6, 8.0)
+    mass = 2 * dblquad(lambda v, a: v * density(v, a), *limits, epsabs=1e-6)[0]
+    xx = 2 * dblquad(lambda v, a: v**3 * np.cos(a) ** 2 * density(v, a), *limits, epsabs=1e-6)[0]
+    assert abs(mass - 1.0) < 1e-5
+    assert abs(xx - solution.velocity_tensor[0, 0, 0]) < 1e-5
+
+
+def test_angular_harmonics() -> None:
+    """f = g(v) (1 + 0.6 cos(phi) + 0.5 sin(2 phi))/(2 pi v), g the speed density of a Gaussian."""
+
+    def g(v: Any) -> Any:
+        return v * np.exp(-0.5 * v * v)
+
+    terms = {0: g, 1: lambda v: 0.3 * g(v), 2: lambda v: -0.25j * g(v)}
+    times = [0.0, 0.5, 2.0]
+    outputs = ("velocity_density", "mean_velocity", "velocity_tensor")
+    solution = solve(scene(0.7, AngularHarmonics(terms), times, outputs=outputs), rtol=1e-8)
+    for m, factor in ((0, 1.0), (1, 0.3), (2, -0.25j), (3, 0.0)):
+        exact = [factor * series(0.7, m, 2, t, gaussian_speed_moment) for t in times]
+        assert np.max(np.abs(solution.harmonic(2, m) - exact)) < 1e-8
+    assert abs(solution.mean_velocity[0, 0] - 0.3 * np.sqrt(np.pi / 2)) < 1e-8
+    assert abs(solution.velocity_tensor[0, 0, 1] - 0.25) < 1e-8  # <v^2> <sin 2 phi>/2
+    v, phi = np.linspace(0.1, 3.0, 8), np.linspace(0.0, 6.0, 9)
+    exact = (
+        g(v)[:, None] * (1 + 0.6 * np.cos(phi) + 0.5 * np.sin(2 * phi)) / (2 * np.pi * v[:, None])
+    )
+    assert np.max(np.abs(solution.velocity_density(v, phi)[0] - exact)) < 1e-7 * exact.max()
+
+
+def test_polar_grid_is_the_function_it_samples() -> None:
+    """A shifted Gaussian: f > 0 everywhere, all harmonics present."""
+    v = np.linspace(0.0, 7.0, 1401)
+    phi = 2 * np.pi * np.arange(32) / 32
+
+    def f(v: Any, phi: Any) -> Any:
+        x, y = v * np.cos(phi) - 0.5, v * np.sin(phi) - 0.2
+        return np.exp(-0.5 * (x * x + y * y)) / (2 * np.pi)
+
+    values = f(v[:, None], phi)
+    # what the linear interpolation of v f integrates to is part of the definition
+    values /= np.trapezoid(values.mean(axis=1) * v, v) * 2 * np.pi
+    state = PolarGrid(v, values)
+    outputs = ("mean_velocity", "velocity_tensor", "velocity_density")
+    solution = solve(scene(0.6, state, [0.0], outputs=outputs), rtol=1e-4)
+    # linear interpolation on cells of 0.005 errs by 0.005^2/12
+    assert np.allclose(solution.mean_velocity[0], [0.5, 0.2], atol=1e-5)
+    exact = np.eye(2) + np.outer([0.5, 0.2], [0.5, 0.2])
+    assert np.allclose(solution.velocity_tensor[0], exact, atol=1e-5)
+    for m in (1, 3, 8):
+        weight = np.exp(-1j * m * phi)
+        direct = np.trapezoid((values * weight).mean(axis=1) * 2 * np.pi * v**2, v)
+        assert abs(solution.harmonic(1, m)[0] - direct) < 1e-5
+    at, angle = np.array([0.5, 1.0, 2.0]), np.array([0.3, 2.0, 4.0])
+    found = solution.velocity_density(at, angle)[0]
+    assert np.max(np.abs(found - f(at[:, None], angle))) < 1e-3 * 0.16
+
+
+def velocities(n: int) -> Any:
+    return np.random.default_rng(5).normal([0.7, -0.2], [1.0, 0.5], (n, 2))
+
+
+@pytest.mark.parametrize("n", [7, 20_000])  # kept as they are, and gathered on a grid
+def test_samples_of_velocities(n: int) -> None:
+    v = velocities(n)
+    times = [0.0, 0.4]
+    outputs = ("thermal_speed", "mean_velocity", "velocity_tensor")
+    solution = solve(scene(0.4, VelocitySamples(v), times, outputs=outputs))
+    assert np.allclose(solution.mean_velocity[0], v.mean(axis=0), rtol=1e-11)
+    assert np.allclose(solution.velocity_tensor[0], v.T @ v / n, rtol=1e-11)
+    speed, phi = np.hypot(*v.T), np.arctan2(v[:, 1], v[:, 0])
+    assert np.isclose(solution.thermal_speed[0] ** 2, np.mean(speed**2), rtol=1e-12)
+    for m in (1, 2, 5):
+        turn = np.exp(-1j * m * phi)
+        known = [complex(np.mean(speed**q * turn)) for q in range(62)]
+        nu = rates(0.4, m)
+        factor, exact = 1.0, 0.0j
+        for k in range(60):
+            exact += factor * known[1 + k]
+            factor *= -times[1] * float(nu[1 + k]) / (k + 1)
+        assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
+
+
+def test_two_opposite_samples_are_two_beams() -> None:
+    state = VelocitySamples([[2.0, 0.0], [0.0, -0.5]])
+    solution = solve(scene(0.7, state))
+    for m in (0, 1, 3):
+        parts = [Beam(0.0, Monoenergetic(2.0)), Beam(-np.pi / 2, Monoenergetic(0.5))]
+        both = sum(0.5 * solve(scene(0.7, b)).harmonic(2, m) for b in parts)
+        assert np.max(np.abs(solution.harmonic(2, m) - both) / solution.moment(2)) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("directed", "isotropic"),
+    [
+        (Beam(1.0), Monoenergetic()),
+        (Beam(1.0, "gaussian"), "gaussian"),
+        (VelocitySamples(velocities(50)), SpeedSamples(np.hypot(*velocities(50).T))),
+    ],
+)
+@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
+def test_directions_do_not_change_the_speeds(e: float, directed: Any, isotropic: Any) -> None:
+    outputs = ("thermal_speed", "a2", "collisions")
+    a, b = (solve(scene(e, state, outputs=outputs)) for state in (directed, isotropic))
+    for name in outputs:
+        assert np.array_equal(getattr(a, name), getattr(b, name)), name
+
+
+def simulate(e: float, t: float, n: int, seed: int) -> Any:
+    """Velocities at t of a beam along x, collision by collision; l = 1."""
+    rng = np.random.default_rng(seed)
+    speed, angle, clock = np.ones(n), np.zeros(n), np.zeros(n)
+    moving = np.arange(n)
+    while moving.size:
+        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
+        moving = moving[clock[moving] < t]
+        y = rng.uniform(-1.0, 1.0, moving.size)
+        # a bounce: the normal component is reversed times e, y = sin of the angle of incidence
+        tangent, normal = y, np.sqrt(1.0 - y * y)
+        incoming = np.arctan2(normal, tangent)
+        outgoing = np.arctan2(-e * normal, tangent)
+        angle[moving] += outgoing - incoming
+        speed[moving] *= np.hypot(tangent, e * normal)
+    return np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1)
+
+
+@pytest.mark.parametrize("e", [0.2, 0.7, 1.0])
+def test_a_beam_collision_by_collision(e: float) -> None:
+    """60,000 tracers; 5 standard errors, so that 1 in 10^6 such comparisons fails by chance."""
+    t = 1.3
+    v = simulate(e, t, 60_000, 11)
+    outputs = ("mean_velocity", "velocity_tensor")
+    solution = solve(scene(e, Beam(), [t], outputs=outputs))
+    mean, tensor = solution.mean_velocity[0], solution.velocity_tensor[0]
+    products = v[:, :, None] * v[:, None, :]
+    for sample, exact in ((v, mean), (products, tensor)):
+        error = sample.std(axis=0) / np.sqrt(v.shape[0])
+        assert np.all(np.abs(sample.mean(axis=0) - exact) < 5 * error)
+
+
+def test_velocity_density_after_collisions() -> None:
+    """A beam with Gaussian speeds, 200,000 tracers, 4 x 6 bins of speed and angle, 5 sigma."""
+    e, t, n = 0.6, 0.8, 200_000
+    rng = np.random.default_rng(3)
+    first = np.hypot(*rng.normal(size=(2, n)))
+    speed, angle, clock = first.copy(), np.zeros(n), np.zeros(n)
+    moving = np.arange(n)
+    while moving.size:
+        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
+        moving = moving[clock[moving] < t]
+        y = rng.uniform(-1.0, 1.0, moving.size)
+        normal = np.sqrt(1.0 - y * y)
+        angle[moving] += np.arctan2(-e * normal, y) - np.arctan2(normal, y)
+        speed[moving] *= np.hypot(y, e * normal)
+    kept = angle != 0.0  # the uncollided ones are a peak in the angle
+    # so the sum over harmonics never ends: compare the harmonics bin by bin in the speed
+    solution = solve(
+        scene(e, Beam(speeds="gaussian"), [t], outputs=("velocity_density",), harmonics=3),
+        rtol=1e-7,
+    )
+    assert 0.2 < kept.mean() < 0.8
+    edges = np.array([0.1, 0.5, 1.0, 1.5, 2.5])
+    phi = 2 * np.pi * np.arange(16) / 16
+    for low, high in itertools.pairwise(edges):
+        node, weight = np.polynomial.legendre.leggauss(24)
+        v = 0.5 * (low + high) + 0.5 * (high - low) * node
+        f = solution.velocity_density(v, phi)[0]
+        inside = (speed > low) & (speed < high)
+        for m in range(4):
+            exact = (weight * v) @ f @ np.cos(m * phi) * 0.5 * (high - low) * 2 * np.pi / 16
+            sample = np.where(inside, np.cos(m * angle), 0.0)
+            assert abs(sample.mean() - exact) < 5 * sample.std() / np.sqrt(n), (low, m)
+
+
+# -- the elastic scene: nothing to discretise ---------------------------------------------------
+
+
+@pytest.mark.parametrize("m", range(1, 9))
+def test_elastic_rates(m: int) -> None:
+    """nu_m = 1 - E[cos(m chi)], cos(chi) = 2 y^2 - 1; by hand 4 m^2/(4 m^2 - 1)."""
+    nu = rates(1.0, m)[0]
+    assert abs(nu - mp.mpf(4 * m * m) / (4 * m * m - 1)) < 1e-30
+    times = np.array([0.0, 0.1, 1.0, 20.0, 600.0])
+    solution = solve(scene(1.0, Beam(0.5, Monoenergetic(1.5)), times))
+    with np.errstate(under="ignore"):
+        exact = 1.5**3 * np.exp(-1j * m * 0.5) * np.exp(-float(nu) * 1.5 * times)
+    assert np.allclose(solution.harmonic(3, m), exact, rtol=1e-12, atol=1e-300)
+
+
+def test_elastic_densities() -> None:
+    """f = g(v)/(2 pi v) (1 + 0.8 cos(2 (phi - 0.3)) exp(-nu_2 v t/l)): each speed for itself."""
+
+    def g(v: Any) -> Any:
+        return v * np.exp(-0.5 * v * v)
+
+    terms = {0: g, 2: lambda v: 0.4 * np.exp(-0.6j) * g(v)}
+    times = [0.0, 0.5, 10.0, 1e12]
+    outputs = ("speed_density", "velocity_density", "thermal_speed", "a2")
+    solution = solve(scene(1.0, AngularHarmonics(terms), times, outputs=outputs))
+    v, phi = np.linspace(0.2, 4.0, 12), np.linspace(-3.0, 3.0, 11)
+    assert np.allclose(solution.speed_density(v), g(v), rtol=1e-14)
+    assert np.allclose(solution.thermal_speed, np.sqrt(2.0), rtol=1e-10)
+    assert np.allclose(solution.a2, 0.0, atol=1e-9)
+    for t, found in zip(times, solution.velocity_density(v, phi), strict=True):
+        with np.errstate(under="ignore"):
+            kept = np.exp(-16.0 / 15.0 * v * t)[:, None]
+        turn = 1.0 + 0.8 * np.cos(2.0 * (phi - 0.3)) * kept
+        assert np.allclose(found, (g(v) / (2 * np.pi * v))[:, None] * turn, rtol=1e-12)
+
+
+def test_elastic_samples_have_no_density() -> None:
+    with pytest.raises(InputError, match=r"^initial: samples have no density"):
+        solve(scene(1.0, VelocitySamples(velocities(5)), [1.0], outputs=("velocity_density",)))
+
+
+@pytest.mark.parametrize("e", [0.0, 0.6, 1.0])
+def test_elastic_or_not_isotropic_starts_have_no_direction(e: float) -> None:
+    outputs = ("mean_velocity", "velocity_tensor", "temperature")
+    solution = solve(scene(e, "gaussian", outputs=outputs))
+    assert np.all(solution.mean_velocity == 0.0)
+    exact = solution.temperature[:, None, None] * np.eye(2)
+    assert np.allclose(solution.velocity_tensor, exact, rtol=1e-13, atol=0)
+
+
+# -- what is refused ----------------------------------------------------------------------------
+
+GRID = np.linspace(0.0, 1.0, 5)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: VelocitySamples([1.0, 2.0]), "velocity"),
+        (lambda: VelocitySamples([[1.0, 2.0, 3.0]]), "velocity"),
+        (lambda: VelocitySamples([[1.0, np.nan]]), "velocity"),
+        (lambda: VelocitySamples([[0.0, 0.0]]), "velocity"),
+        (lambda: VelocitySamples([]), "velocity"),
+        (lambda: VelocitySamples("north"), "velocity"),
+        (lambda: VelocitySamples([[1.0, 1.0j]]), "velocity"),
+        (lambda: Beam(direction=np.nan), "direction"),
+        (lambda: Beam(direction="up"), "direction"),
+        (lambda: Beam(speeds=Gaussian(1.0, 2.0)), "speeds"),
+        (lambda: Beam(speeds="warm"), "speeds"),
+        (lambda: Gaussian(-1.0, 1.0), "deviation_x"),
+        (lambda: Gaussian(1.0, np.inf), "deviation_y"),
+        (lambda: Gaussian("a", 1.0), "deviation_x"),
+        (lambda: AngularHarmonics({1: np.exp}), "terms"),
+        (lambda: AngularHarmonics({0: np.exp, -1: np.exp}), "terms"),
+        (lambda: AngularHarmonics({0: np.exp, 0.5: np.exp}), "terms"),
+        (lambda: AngularHarmonics({0: np.exp, "a": np.exp}), "terms"),
+        (lambda: AngularHarmonics({0: 1.0}), "terms"),
+        (lambda: AngularHarmonics(3.0), "terms"),
+        (lambda: PolarGrid(GRID, np.ones((4, 8))), "values"),
+        (lambda: PolarGrid(GRID, np.ones(5)), "values"),
+        (lambda: PolarGrid(GRID, np.full((5, 8), np.nan)), "values"),
+        (lambda: PolarGrid(GRID, "flat"), "values"),
+        (lambda: PolarGrid(GRID, np.ones((5, 0))), "values"),
+        (lambda: PolarGrid(GRID[::-1], np.ones((5, 8))), "speed"),
+        (lambda: PolarGrid(GRID, -np.ones((5, 8)) / np.pi), "values"),
+        (lambda: PolarGrid(GRID, np.ones((5, 8))), "values"),
+    ],
+)
+def test_bad_directed_states(make: Callable[[], Any], name: str) -> None:
+    with pytest.raises(InputError) as error:
+        make()
+    message = str(error.value)
+    assert message.startswith(f"{name}:")
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(("p", "m"), [("x", 1), (np.nan, 1), (50, 1), (1, -1), (1, 300), (1, 0.5)])
+def test_bad_harmonics(p: Any, m: Any) -> None:
+    solution = solve(scene(0.5, Beam(), [1.0]))
+    with pytest.raises(InputError, match=r"^(p|m): got"):
+        solution.harmonic(p, m)

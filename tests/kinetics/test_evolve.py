@@ -1,0 +1,312 @@
+"""solve: averages in time against Mellin-Barnes integrals and power series in mpmath."""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinetics import (
+    Beam,
+    InputError,
+    ScalingSolution,
+    Scene,
+    Solution,
+    SolverStatus,
+    SpeedSamples,
+    SpeedTable,
+    solve,
+)
+
+MEANS = ("thermal_speed", "temperature", "a2", "collisions", "msd")
+
+
+def state(name: str, formulas: ModuleType) -> Any:
+    return {
+        "gaussian": "gaussian",
+        "monoenergetic": "monoenergetic",
+        "table": SpeedTable(*formulas.TABLE),
+        "samples": SpeedSamples(formulas.SAMPLES),
+        "exponential": lambda v: v * np.exp(-v),
+        "power_law": lambda v: 5.0 * v * (1.0 + v * v) ** -3.5,
+    }[name]
+
+
+def errors(solution: Solution, rows: Any) -> dict[str, float]:
+    """Largest relative error of each output over the times; of a2 relative to 1 + a2."""
+    v2, v4 = np.array(rows["v^2"]), np.array(rows["v^4"])
+    ratio = 0.5 * v4 / v2**2
+    return {
+        "thermal_speed": float(np.max(np.abs(solution.thermal_speed / np.sqrt(v2) - 1))),
+        "temperature": float(np.max(np.abs(2 * solution.temperature / v2 - 1))),
+        "a2": float(np.max(np.abs(solution.a2 + 1 - ratio) / ratio)),
+        "collisions": float(np.max(np.abs(solution.collisions / rows["collisions"] - 1))),
+        "msd": float(np.max(np.abs(solution.msd / rows["msd"] - 1))),
+    }
+
+
+@pytest.mark.parametrize("e", ["0.0", "0.05", "0.4", "0.7", "0.9", "0.99"])
+@pytest.mark.parametrize("name", ["monoenergetic", "gaussian"])
+def test_averages_at_times_up_to_1e8(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+    scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
+    solution = solve(scene)
+    found = errors(solution, numbers["evolution"][e][name])
+    assert max(found.values()) <= 1e-10, found
+    assert solution.status is SolverStatus.CONVERGED
+    assert solution.error_estimate <= 1e-10
+
+
+@pytest.mark.parametrize("e", ["0.05", "0.7"])
+@pytest.mark.parametrize("name", ["table", "samples", "exponential"])
+def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+    scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
+    found = errors(solve(scene), numbers["evolution"][e][name])
+    assert max(found.values()) <= 1e-10, found
+
+
+@pytest.mark.parametrize("e", ["0.05", "0.7"])
+def test_a_start_with_a_tail_v_to_the_minus_6(e: str, formulas: ModuleType, numbers: Any) -> None:
+    times = formulas.TIMES
+    scene = Scene(float(e), times=times, initial=state("power_law", formulas), outputs=MEANS)
+    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e]["power_law"])
+    assert max(found.values()) <= 2e-12, found
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10, 1e-12])
+def test_what_is_asked_and_not_1000_times_less(
+    rtol: float, formulas: ModuleType, numbers: Any
+) -> None:
+    worst = 0.0
+    for e in ("0.0", "0.4", "0.7"):
+        for name in ("monoenergetic", "gaussian"):
+            scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
+            solution = solve(scene, rtol=rtol)
+            assert solution.status is SolverStatus.CONVERGED
+            found = max(errors(solution, numbers["evolution"][e][name]).values())
+            assert found <= rtol, (e, name)
+            worst = max(worst, found)
+    assert worst >= 1e-3 * rtol
+
+
+@pytest.mark.parametrize("e", ["0.0", "0.4", "0.9"])
+def test_other_moments(e: str, formulas: ModuleType, numbers: Any) -> None:
+    for name in ("monoenergetic", "gaussian"):
+        solution = solve(Scene(float(e), times=formulas.TIMES, initial=name), rtol=1e-12)
+        for p in (1.0, 2.5, 6.0):
+            reference = numbers["evolution"][e][name][f"v^{p:g}"]
+            np.testing.assert_allclose(solution.moment(p), reference, rtol=1e-11)
+
+
+def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
+    """<v^-1/2> by the power series in T: <v^p> = sum_k (-T)^k/k! lambda ... <v^(p+k)>(0)."""
+    times = [0.0, 1.0, 10.0, 40.0]
+    for e in (0.3, 0.8):
+        for name, start in (("monoenergetic", None), ("gaussian", formulas.gaussian_moment)):
+            found = solve(Scene(e, times=times, initial=name), rtol=1e-12).moment(-0.5)
+            with mp.workdps(30):
+                for t, value in zip(times[1:], found[1:], strict=True):
+                    reduced = mp.mpf(t) / formulas.FREE_PATH
+                    p = mp.mpf(-1) / 2
+                    exact = formulas.early_power(e, p, reduced, start) / reduced**p
+                    assert value == pytest.approx(float(exact), rel=1e-11)
+
+
+@pytest.mark.parametrize("m", range(1, 9))
+@pytest.mark.parametrize("e", ["0.2", "0.7"])
+def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any) -> None:
+    """<v^2 cos(m phi)> with nu_m(p) = 1 - E[s^p cos(m chi)] in place of lambda(p)."""
+    solution = solve(Scene(float(e), times=formulas.TIMES, initial=Beam()), rtol=1e-11)
+    v2 = solution.moment(2.0)
+    difference = solution.harmonic(2.0, m) - np.array(numbers["beam"][e][str(m)])
+    assert np.max(np.abs(difference) / v2) <= 1e-9
+
+
+def test_the_two_ways_to_the_references_agree(formulas: ModuleType, numbers: Any) -> None:
+    """Power series in T where the numbers are from integrals, and the forward hierarchy of r."""
+    with mp.workdps(40):
+        for e in ("0.05", "0.7", "0.99"):
+            rows = numbers["evolution"][e]["monoenergetic"]
+            k = formulas.TIMES.index(300.0)
+            reduced = mp.mpf(300) / formulas.FREE_PATH
+            early = formulas.early_power(float(e), 2, reduced) / reduced**2
+            assert rows["v^2"][k] == pytest.approx(float(early), rel=1e-15)
+            assert rows["msd"][k] == pytest.approx(
+                float(formulas.early_square(float(e), reduced) * formulas.FREE_PATH**2), rel=1e-15
+            )
+            assert rows["collisions"][k] == pytest.approx(
+                float(formulas.early_collisions(float(e), reduced)), rel=1e-15
+            )
+            forward = formulas.square_by_moments(float(e), mp.mpf(8), 90)
+            assert mp.almosteq(forward, formulas.early_square(float(e), 8), rel_eps=1e-18)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
+@pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
+def test_early_times_and_the_start(e: float, name: str) -> None:
+    times = [0.0, 1e-300, 1e-12, 1e-6]
+    solution = solve(Scene(e, times=times, initial=name, outputs=MEANS))
+    v2 = 2.0 if name == "gaussian" else 1.0
+    assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11)
+    assert solution.a2[:2] + 1 == pytest.approx([1.0 if name == "gaussian" else 0.5] * 2, rel=1e-10)
+    assert solution.collisions[0] == 0.0
+    assert solution.msd[0] == 0.0
+    mean = math.sqrt(math.pi / 2) if name == "gaussian" else 1.0
+    for k, t in enumerate(times[1:3], start=1):
+        assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10)
+        assert solution.msd[k] == pytest.approx(v2 * t * t, rel=1e-10, abs=1e-300)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 0.99])
+@pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
+def test_the_latest_times_are_the_scaling_state(e: float, name: str) -> None:
+    """v0 = 2 l/(h t), and d<r^2>/d ln t = 2 l^2/(kappa (1 - <cos chi>)), up to 1e300."""
+    exact = ScalingSolution(e)
+    times = [1e14, 1e100, 1e150, 1e300]
+    solution = solve(Scene(e, times=times, initial=name, outputs=MEANS), rtol=1e-12)
+    thermal = 2 * 12.5 / (exact.cooling_rate * np.array(times))
+    np.testing.assert_allclose(solution.thermal_speed, thermal, rtol=1e-10)
+    np.testing.assert_allclose(solution.a2, exact.a2, atol=1e-10 * (1 + abs(exact.a2)))
+    slope = np.diff(solution.msd) / np.diff(np.log(times))
+    np.testing.assert_allclose(slope, 12.5**2 * exact.diffusion_slope, rtol=1e-9)
+    rate = np.diff(solution.collisions) / np.diff(np.log(times))
+    np.testing.assert_allclose(rate, 1 / exact.law.mean_log_loss, rtol=1e-9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    e=st.floats(0.0, 0.99).filter(lambda e: e == 0.0 or e > 1e-3),
+    rise=st.lists(st.floats(0.01, 1.0), min_size=2, max_size=8),
+    heights=st.lists(st.floats(0.0, 1.0), min_size=9, max_size=9),
+)
+def test_any_table_cools_for_ever(e: float, rise: list[float], heights: list[float]) -> None:
+    v = np.cumsum([0.05, *rise])
+    f = np.array(heights[: v.size]) + 1e-3
+    f /= np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))
+    times = [0.0, *np.geomspace(1e-3, 1e9, 40)]
+    scene = Scene(e, times=times, initial=SpeedTable(v, f), outputs=MEANS)
+    solution = solve(scene, rtol=1e-8)
+    # <v^2> of the linear pieces
+    slope = np.diff(f) / np.diff(v)
+    offset = f[:-1] - slope * v[:-1]
+    energy = np.sum(offset * np.diff(v**3) / 3 + slope * np.diff(v**4) / 4)
+    assert solution.temperature[0] == pytest.approx(0.5 * energy, rel=1e-7)
+    assert np.all(np.diff(solution.temperature) <= 1e-13 * solution.temperature[:-1])
+    assert np.all(np.diff(solution.collisions) >= 0.0)
+    assert np.all(np.diff(solution.msd) >= 0.0)
+    assert np.all(solution.moment(0.0) == pytest.approx(1.0, abs=1e-12))
+    assert np.all(solution.a2 > -0.5 - 1e-8)  # <v^4> >= <v^2>^2
+    assert solution.thermal_speed == pytest.approx(np.sqrt(2 * solution.temperature), rel=1e-14)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.95, 0.999])
+def test_temperature_never_grows_and_mass_is_kept(e: float) -> None:
+    times = np.geomspace(1e-6, 1e12, 400)
+    for name in ("gaussian", "monoenergetic"):
+        solution = solve(Scene(e, times=times, initial=name, outputs=("temperature",)))
+        assert np.all(np.diff(solution.temperature) <= 0.0)
+        assert np.max(np.abs(solution.moment(0.0) - 1.0)) <= 1e-13
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e150])
+def test_a_change_of_units_changes_nothing(scale: float) -> None:
+    """Speeds times scale, times over scale: v0 times scale, the rest as it was."""
+    samples = np.array([0.3, 1.0, 1.7, 2.5])
+    times = np.array([0.0, 1.0, 100.0, 1e6])
+    outputs = ("thermal_speed", "a2", "collisions", "msd")
+    for e in (0.0, 0.6, 1.0):
+        plain = solve(Scene(e, times=times, initial=SpeedSamples(samples), outputs=outputs))
+        scene = Scene(
+            e, times=times / scale, initial=SpeedSamples(samples * scale), outputs=outputs
+        )
+        scaled = solve(scene)
+        np.testing.assert_allclose(scaled.thermal_speed / scale, plain.thermal_speed, rtol=1e-12)
+        np.testing.assert_allclose(scaled.a2 + 1, plain.a2 + 1, rtol=1e-11)
+        np.testing.assert_allclose(scaled.collisions, plain.collisions, rtol=1e-11)
+        np.testing.assert_allclose(scaled.msd, plain.msd, rtol=1e-10)
+
+
+def test_many_samples_are_averaged_as_if_one_by_one() -> None:
+    """More samples than are kept one by one, against the sum over one-speed solutions."""
+    rng = np.random.default_rng(5)
+    speed = rng.rayleigh(size=700)
+    times = np.array([0.0, 10.0, 1e3, 1e6])
+    found = solve(Scene(0.6, times=times, initial=SpeedSamples(speed), outputs=MEANS))
+    # one tracer of speed u at t is one of speed 1 at u t: <v^2>, <v^4>, N and <r^2> of speed 1
+    grid = np.concatenate([[0.0], np.sort(np.outer(times[1:], speed).ravel())])
+    one = solve(
+        Scene(
+            0.6, times=grid, initial="monoenergetic", outputs=("collisions", "msd", "temperature")
+        )
+    )
+    for k, t in enumerate(times):
+        at = np.searchsorted(grid, t * speed)
+        v2 = 2 * one.temperature[at] * speed**2
+        assert found.temperature[k] == pytest.approx(0.5 * v2.mean(), rel=1e-11)
+        assert found.collisions[k] == pytest.approx(one.collisions[at].mean(), rel=1e-11, abs=0)
+        assert found.msd[k] == pytest.approx(one.msd[at].mean(), rel=1e-11, abs=0)
+
+
+@pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
+def test_elastic_speeds_are_kept_and_diffuse(name: str) -> None:
+    """<r^2> = 2 (v l)^2/nu^2 (x - 1 + exp(-x)), x = nu v t/l, nu = 4/3; so D = (3/8) <v> l."""
+    times = np.array([0.0, 1e-9, 1.0, 30.0, 1e3, 1e8])
+    solution = solve(Scene(1.0, times=times, initial=name, outputs=MEANS), rtol=1e-13)
+    v2, mean = (2.0, math.sqrt(math.pi / 2)) if name == "gaussian" else (1.0, 1.0)
+    np.testing.assert_allclose(solution.temperature, 0.5 * v2, rtol=1e-12)
+    np.testing.assert_allclose(solution.collisions, mean * times / 12.5, rtol=1e-12)
+    if name == "monoenergetic":
+        with mp.workdps(40):
+            for t, found in zip(times[1:], solution.msd[1:], strict=True):
+                x = mp.mpf(4) / 3 * mp.mpf(t) / mp.mpf("12.5")
+                exact = 2 * mp.mpf("12.5") ** 2 * (x - 1 + mp.exp(-x)) * mp.mpf(9) / 16
+                assert found == pytest.approx(float(exact), rel=1e-12)
+    # <r^2>/4t -> D, with corrections l^2/t
+    constant = 2 * 12.5**2 * 9 / 16
+    diffusion = (solution.msd[-1] + constant) / (4 * times[-1])
+    assert diffusion == pytest.approx(3 / 8 * mean * 12.5, rel=1e-12)
+
+
+def test_elastic_harmonics_relax_at_their_own_rates(formulas: ModuleType) -> None:
+    times = np.array([0.0, 5.0, 60.0])
+    solution = solve(Scene(1.0, times=times, initial=Beam(direction=0.3)), rtol=1e-12)
+    for m in range(1, 9):
+        with mp.workdps(30):
+            nu = float(1 - formulas.ratio_power_cosine(1.0, 0, m))
+        exact = np.exp(-nu * times / 12.5 - 0.3j * m)
+        np.testing.assert_allclose(solution.harmonic(2.0, m), exact, rtol=1e-12)
+
+
+def test_nearly_elastic_is_nearly_elastic() -> None:
+    times = np.array([0.0, 1.0, 100.0])
+    elastic = solve(Scene(1.0, times=times, outputs=MEANS), rtol=1e-12)
+    for e in (1 - 1e-8, 1 - 1e-12):
+        near = solve(Scene(e, times=times, outputs=MEANS), rtol=1e-12)
+        for name in MEANS:
+            np.testing.assert_allclose(
+                getattr(near, name), getattr(elastic, name), rtol=1e3 * (1 - e) + 1e-11, atol=1e-6
+            )
+
+
+def test_density_and_diameter_only_set_the_mean_free_path() -> None:
+    times = np.array([1.0, 50.0, 1e4])
+    plain = solve(Scene(0.5, times=times, outputs=MEANS))
+    other = solve(Scene(0.5, number_density=0.01, diameter=2.0, times=2 * times, outputs=MEANS))
+    np.testing.assert_allclose(other.thermal_speed, plain.thermal_speed, rtol=1e-13)
+    np.testing.assert_allclose(other.msd, 4 * plain.msd, rtol=1e-12)
+
+
+@pytest.mark.parametrize("p", [math.nan, 41.0, "x", None])
+def test_bad_moment(p: Any) -> None:
+    with pytest.raises(InputError, match=r"^p: got "):
+        solve(Scene(0.5, times=[1.0])).moment(p)
+
+
+def test_moments_that_do_not_exist() -> None:
+    with pytest.raises(InputError, match="p > -2"):
+        solve(Scene(0.5, times=[1.0])).moment(-2.0)
+    with pytest.raises(InputError, match="p > -1"):
+        solve(Scene(0.0, times=[1.0], initial="monoenergetic")).moment(-1.0)

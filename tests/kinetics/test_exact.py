@@ -1,0 +1,194 @@
+"""ScalingSolution against products, limits and Mellin inversion in mpmath."""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from kinetics import InputError, ScalingSolution
+
+TABLE = [1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
+EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
+LIMIT = 1e-13
+
+
+@pytest.mark.parametrize("e", [*TABLE, *EXTREME])
+def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> None:
+    exact = ScalingSolution(e)
+    with mp.workdps(80):
+        y = {n: formulas.integer_moment(e, n) for n in range(-2, 9) if n != 0}
+        h = 2 / mp.sqrt(y[2])  # v0 = 2 l/(h t), and v t/l tends to Y
+        assert abs(exact.cooling_rate / h - 1) <= LIMIT
+        assert abs(exact.a2 - (y[4] / (2 * y[2] ** 2) - 1)) <= LIMIT * (1 + exact.a2)
+        for n, moment in y.items():
+            assert abs(exact.moment(n) / (moment / y[2] ** (mp.mpf(n) / 2)) - 1) <= LIMIT
+            # kappa^n is in it
+            assert abs(exact.scaled_speed_moment(n) / moment - 1) <= 2 * LIMIT
+        assert exact.moment(0) == pytest.approx(1.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.05, 0.4, 0.9, 0.99, 1e-8, 1 - 1e-8])
+def test_moments_between_the_integers(e: float, formulas: ModuleType) -> None:
+    """Newton's interpolation of ln E[Y^n] far out, and the recursion back."""
+    exact = ScalingSolution(e)
+    with mp.workdps(60):
+        moment = formulas.Product(e, 0, 90).moment
+        root = mp.sqrt(moment(2))
+        for p in [-0.5, 0.3, 1.5, 2.5, math.pi, 7.9, 40.1, *([-1.5, -6.3] if e else [])]:
+            reference = moment(p) / root ** mp.mpf(p)
+            assert abs(exact.moment(p) / reference - 1) <= 2 * LIMIT, p
+
+
+@given(e=st.floats(1e-3, 0.999), p=st.floats(-4.0, 30.0))
+def test_the_recursion_that_defines_it(e: float, p: float) -> None:
+    """lambda(p) E[Y^(p+1)] = p E[Y^p]."""
+    exact = ScalingSolution(e)
+    assume(p == 0.0 or abs(p) > 1e-280)
+    left = exact.law.decay_rate(p) * exact.scaled_speed_moment(p + 1.0)
+    assert left == pytest.approx(p * exact.scaled_speed_moment(p), rel=1e-12, abs=1e-300)
+
+
+def test_vdf_against_mellin_inversion(numbers: Any) -> None:
+    for e, reference in numbers["scaled_density"].items():
+        c, f = np.array(reference["c"])[::2], np.array(reference["F"])[::2]
+        np.testing.assert_allclose(ScalingSolution(float(e)).vdf(c), f, rtol=1e-12, err_msg=e)
+
+
+def test_the_stored_numbers_are_those_of_the_formulas(formulas: ModuleType, numbers: Any) -> None:
+    """Some of kinetic_references.json, made again."""
+    with mp.workdps(40):
+        for e, tilt in (("0.05", 2.0), ("0.9", 2.0)):
+            made = formulas.scaled_density(float(e), [tilt])
+            c = numbers["scaled_density"][e]["c"]
+            k = min(range(len(c)), key=lambda i: abs(c[i] - made["c"][0]))
+            assert made["c"][0] == pytest.approx(c[k], rel=1e-14)
+            assert made["F"][0] == pytest.approx(numbers["scaled_density"][e]["F"][k], rel=1e-14)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.9, 0.99, 0.9999])
+def test_vdf_is_normalised(e: float) -> None:
+    exact = ScalingSolution(e)
+    width = math.sqrt((1 - e * e) / 5)
+    # in x = ln c, where it is smooth and narrow as e -> 1
+    ends = (-45.0, 4.3) if e < 0.1 else (-16.0 * width * (1.5 - e) * 2, 9.0 * width)
+    x = np.linspace(*ends, 700 if e < 0.1 else 200)
+    step = x[1] - x[0]
+    c = np.exp(x)
+    weight = 2 * math.pi * c * c * exact.vdf(c) * step
+    assert weight.sum() == pytest.approx(1.0, abs=1e-12)
+    assert weight @ c**2 == pytest.approx(1.0, abs=1e-12)
+    assert weight @ c**4 == pytest.approx(2 * (1 + exact.a2), rel=1e-12)
+    assert np.all(weight >= 0)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.2, 0.5, 0.8])
+def test_exponential_tail_with_its_power_and_amplitude(e: float) -> None:
+    exact = ScalingSolution(e)
+    c = np.array([75.0, 150.0, 300.0]) * exact.cooling_rate
+    log_f = np.log(exact.vdf(c))
+    form = exact.tail_power * np.log(c) - exact.tail_rate * c + exact.log_tail_amplitude
+    # what is left is a series in 1/c: two steps of Richardson
+    left = log_f - form
+    once = 2 * left[1:] - left[:-1]
+    assert abs(once[1]) <= 0.55 * abs(once[0]) + 1e-11
+    assert abs((4 * once[1] - once[0]) / 3) < 3e-5
+    assert exact.tail_rate == pytest.approx(2 / exact.cooling_rate)
+    assert exact.tail_power == pytest.approx(1 / (1 - e * e) - 2)
+
+
+def test_zero_restitution_in_closed_form() -> None:
+    exact = ScalingSolution(0.0)
+    c = np.array([1e-300, 1e-9, 0.3, 1.0, 20.0, 400.0])
+    f = np.exp(-math.sqrt(2) * c) / (math.sqrt(2) * math.pi * c)
+    np.testing.assert_allclose(exact.vdf(c), f, rtol=1e-13)
+    assert exact.vdf(0.0) == math.inf
+    assert exact.cooling_rate == pytest.approx(math.sqrt(2), rel=1e-15)
+    assert exact.a2 == pytest.approx(2.0, rel=1e-14)
+    for p in (-0.9, 0.5, 1.0, 7.0):  # Y is exponential: c^p = Gamma(1+p) 2^(-p/2)
+        assert exact.moment(p) == pytest.approx(math.gamma(1 + p) * 2 ** (-p / 2), rel=1e-13)
+
+
+def test_low_speeds_are_a_hole() -> None:
+    """ln F ~ -(ln c)^2/(2 |ln e|): the second difference of ln F in ln c is 1/ln e."""
+    for e in (0.2, 0.6):
+        exact = ScalingSolution(e)
+        c = 1e-6 * np.exp(math.log(e) * np.arange(3.0))  # one factor e apart
+        log_f = np.log(exact.vdf(c))
+        second = (log_f[2] - 2 * log_f[1] + log_f[0]) / math.log(e) ** 2
+        assert second == pytest.approx(1 / math.log(e), rel=0.1)
+        assert exact.vdf(0.0) == 0.0
+        assert exact.vdf(1e-18) < 1e-200
+
+
+def test_the_ring_as_the_bounce_becomes_elastic() -> None:
+    """Width of c: sqrt((1-e^2)/5); h -> (4/3)(1-e); a2 -> -1/2."""
+    for e in (0.999, 1 - 1e-6, 1 - 1e-8):
+        exact = ScalingSolution(e)
+        loss = 1 - e
+        variance = 1 - exact.moment(1) ** 2
+        assert variance == pytest.approx((1 - e * e) / 5, rel=3 * loss + 2e-7)
+        assert exact.cooling_rate / loss == pytest.approx(4 / 3, rel=2 * loss + 1e-13)
+        assert exact.a2 == pytest.approx(-0.5, abs=loss)
+        width = math.sqrt(variance)
+        assert exact.vdf(1.0) * 2 * math.pi * width * math.sqrt(2 * math.pi) == pytest.approx(
+            1.0, abs=3 * width
+        )
+        assert exact.vdf(1 + 20 * width) < 1e-60 * exact.vdf(1.0)
+
+
+def test_the_elastic_limit() -> None:
+    elastic = ScalingSolution(1.0)
+    assert elastic.cooling_rate == 0.0
+    assert elastic.a2 == -0.5
+    assert elastic.moment(3.3) == 1.0
+    assert elastic.diffusion_slope == math.inf
+    assert elastic.tail_rate == elastic.tail_power == math.inf
+    with pytest.raises(InputError, match=r"restitution: got 1\.0"):
+        elastic.vdf(0.5)
+    with pytest.raises(InputError, match=r"restitution: got 1\.0"):
+        elastic.scaled_speed_moment(1.0)
+
+
+@pytest.mark.parametrize("e", [0.05, 0.5, 0.9, 0.999, 1 - 1e-8])
+def test_diffusion_slope(e: float, formulas: ModuleType) -> None:
+    with mp.workdps(50):
+        b = mp.sqrt(1 - mp.mpf(e) ** 2)
+        q = mp.atanh(b) / b
+        cosine = -mp.mpf(e) * q + (1 - mp.mpf(e) ** 2 * q) / (2 * (1 - mp.mpf(e)))
+        slope = 2 / (formulas.mean_log_loss(e) * (1 - cosine))
+    assert ScalingSolution(e).diffusion_slope == pytest.approx(float(slope), rel=1e-13)
+
+
+@pytest.mark.parametrize("p", [math.nan, math.inf, 301.0, -301, "x", None, 1j])
+def test_bad_moment(p: Any) -> None:
+    for method in (ScalingSolution(0.5).moment, ScalingSolution(0.5).scaled_speed_moment):
+        with pytest.raises(InputError, match=r"^p: got "):
+            method(p)
+
+
+def test_moments_that_do_not_exist_or_overflow() -> None:
+    with pytest.raises(InputError, match="p > -1"):
+        ScalingSolution(0.0).moment(-1.0)
+    with pytest.raises(InputError, match="overflows"):
+        ScalingSolution(0.1).moment(300.0)
+
+
+@pytest.mark.parametrize("c", [-1.0, math.nan, [0.1, math.inf], -1e-300])
+def test_bad_speed(c: Any) -> None:
+    with pytest.raises(InputError, match=r"^c: got "):
+        ScalingSolution(0.5).vdf(c)
+
+
+def test_shapes_and_unsorted_speeds() -> None:
+    exact = ScalingSolution(0.5)
+    c = np.array([[1.0, 0.2, 3.0], [0.7, 1.0, 0.0]])
+    f = exact.vdf(c)
+    assert f.shape == (2, 3)
+    assert f[0, 0] == f[1, 1]
+    assert float(exact.vdf(0.2)) == pytest.approx(f[0, 1], rel=1e-13)
+    assert exact.vdf(np.array([])).shape == (0,)

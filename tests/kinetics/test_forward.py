@@ -1,0 +1,159 @@
+"""The speed density in time: mass, positivity, moments, late times, and exact short answers."""
+
+import math
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import (
+    InputError,
+    ScalingSolution,
+    Scene,
+    Solution,
+    SolverStatus,
+    SpeedDensity,
+    solve,
+)
+
+TIMES = np.array([0.0, 0.5, 10.0, 60.0, 1e3, 1e5, 1e9])
+OUTPUTS = ("speed_density", "thermal_speed", "a2")
+
+
+def density(e: float, times: Any, initial: Any = "gaussian", **options: Any) -> Solution:
+    return solve(Scene(e, times=times, initial=initial, outputs=OUTPUTS), **options)
+
+
+def nodes(low: float, high: float, count: int = 1500) -> tuple[Any, float]:
+    """Speeds equidistant in ln v, where the trapezoid rule is spectrally accurate."""
+    x = np.linspace(math.log(low), math.log(high), count)
+    return np.exp(x), float(x[1] - x[0])
+
+
+@pytest.mark.parametrize("e", [0.0, 0.05, 0.4, 0.8, 0.95])
+def test_mass_moments_and_sign(e: float) -> None:
+    rtol = 1e-10
+    solution = density(e, TIMES, rtol=rtol)
+    assert solution.status is SolverStatus.CONVERGED
+    for k, thermal in enumerate(solution.thermal_speed):
+        v, step = nodes(1e-13 * thermal, 40.0 * thermal)
+        f = solution.speed_density(v)[k]
+        weight = step * v * f
+        assert weight.min() >= -rtol * weight.max()
+        assert weight.sum() == pytest.approx(1.0, abs=3 * rtol)
+        assert weight @ v**2 == pytest.approx(thermal**2, rel=2e-9)
+        assert weight @ v**4 == pytest.approx(2 * (1 + solution.a2[k]) * thermal**4, rel=1e-7)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.4, 0.95])
+def test_mass_does_not_drift(e: float) -> None:
+    """To 1e-13 from time to time, by a rule that is the same for all."""
+    solution = density(e, [0.0, 1.0, 10.0, 30.0, 60.0], rtol=1e-12)
+    mass = []
+    for k, thermal in enumerate(solution.thermal_speed):
+        v, step = nodes(1e-16 * thermal, 60.0 * thermal, 3000)
+        mass.append(float(step * (v @ solution.speed_density(v)[k])))
+    np.testing.assert_allclose(mass, 1.0, atol=2e-13)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.7, 0.95])
+def test_late_times_are_the_scaling_solution(e: float) -> None:
+    exact = ScalingSolution(e)
+    c = np.array([0.02, 0.3, 0.7, 1.0, 1.4, 2.5])
+    solution = density(e, [1e9, 1e13], rtol=1e-10)
+    for k, thermal in enumerate(solution.thermal_speed):
+        found = solution.speed_density(c * thermal)[k] * thermal
+        shape = 2 * math.pi * c * exact.vdf(c)
+        # transients: (t0/t)^1 e-folds of a start 1e9 away
+        assert np.max(np.abs(found - shape)) <= (2e-7 if k == 0 else 2e-9) * shape.max()
+
+
+def test_the_start_is_given_back() -> None:
+    v = np.array([0.0, 1e-3, 0.2, 1.0, 2.0, 5.0])
+    gauss = density(0.6, [0.0, 1.0], rtol=1e-11).speed_density(v)[0]
+    np.testing.assert_allclose(gauss, v * np.exp(-0.5 * v * v), atol=1e-10)
+
+    def gamma(v: Any) -> Any:
+        return 0.5 * v**2 * np.exp(-v)
+
+    found = density(0.6, [0.0, 1.0], initial=gamma, rtol=1e-9).speed_density(v)[0]
+    np.testing.assert_allclose(found, gamma(v), atol=1e-8)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9])
+def test_one_step_of_the_equation(e: float) -> None:
+    """(f(t+h) - f(t-h))/2h = -v f + integral of the gain, taken from the density itself.
+
+    The gain at v: tracers of v/s arrive with weight 1/s, at the rate v/s.
+    """
+    t, h = 15.0, 0.02
+    solution = density(e, [t - h, t, t + h], rtol=1e-12)
+    v = np.array([0.1, 0.4, 0.9, 1.5, 2.5])
+    y, w = np.polynomial.legendre.leggauss(80)
+    # y = z^3 takes up the singularity of 1/s at small e
+    z, w = 0.5 * (y + 1), 0.5 * w
+    y, w = z**3, w * 3 * z**2
+    s = np.sqrt(e * e + (1 - e * e) * y * y)
+    now = np.array([solution.speed_density(u / s)[1] @ (w * u / s**2) for u in v])
+    before, at, after = solution.speed_density(v)
+    slope = (after - before) / (2 * h)
+    right = (now - v * at) / 12.5
+    # the difference quotient is off by h^2 f'''/6
+    np.testing.assert_allclose(slope, right, atol=2e-8)
+
+
+@pytest.mark.parametrize("e", [0.2, 0.8])
+def test_convergence_is_exponential_in_the_nodes(e: float) -> None:
+    v = np.array([0.05, 0.3, 0.8, 1.5, 2.5])
+    times = [3.0, 30.0]
+    best = density(e, times, rtol=1e-13)
+    chosen = best.stats["density_nodes_m0"]
+    reference = best.speed_density(v)
+    counts = (np.linspace(0.2, 0.6, 6) * chosen / 2).astype(int) * 2
+    errors = np.array(
+        [
+            np.max(np.abs(density(e, times, rtol=1e-13, nodes=int(n)).speed_density(v) - reference))
+            for n in counts
+        ]
+    )
+    assert errors[-1] < 1e-6
+    assert np.polyfit(counts, np.log(errors), 1)[0] * chosen < -18.0
+
+
+def test_elastic_density_is_kept() -> None:
+    v = np.array([0.0, 0.5, 2.0])
+    f = density(1.0, [0.0, 1e5]).speed_density(v)
+    np.testing.assert_allclose(f, np.tile(v * np.exp(-0.5 * v * v), (2, 1)), rtol=1e-14)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.8])
+def test_zero_and_far_speeds(e: float) -> None:
+    solution = density(e, [1.0, 1e3])
+    f = solution.speed_density([0.0, 1e-300, 1e3, 1e300])
+    assert np.all(np.isfinite(f))
+    assert np.all(np.abs(f[:, 2:]) < 1e-9)
+    assert f.shape == (2, 4)
+
+
+@pytest.mark.parametrize("v", [-1.0, math.nan, [0.1, math.inf], [[1.0]], "x"])
+def test_bad_speed(v: Any) -> None:
+    with pytest.raises(InputError, match=r"^v: got "):
+        density(0.5, [1.0]).speed_density(v)
+
+
+def test_a_density_that_was_not_asked_for() -> None:
+    solution = solve(Scene(0.5, times=[1.0]))
+    with pytest.raises(InputError, match="'speed_density' was not asked for"):
+        solution.speed_density([1.0])
+    assert not next(s for s in solution.plan if s.part == "densities").solved
+
+
+def test_densities_as_functions_and_as_states_are_the_same(formulas: ModuleType) -> None:
+    def f(v: Any) -> Any:
+        return v * np.exp(-v)
+
+    v = np.array([0.3, 1.0])
+    one = density(0.6, [2.0, 50.0], initial=f, rtol=1e-8)
+    other = density(0.6, [2.0, 50.0], initial=SpeedDensity(f), rtol=1e-8)
+    np.testing.assert_array_equal(one.speed_density(v), other.speed_density(v))

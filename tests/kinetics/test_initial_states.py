@@ -1,0 +1,312 @@
+"""Isotropic initial states: their averages at the start, early in time, and what is refused."""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from kinetics import (
+    Gaussian,
+    InputError,
+    Monoenergetic,
+    Scene,
+    SpeedDensity,
+    SpeedSamples,
+    SpeedTable,
+    solve,
+)
+
+BASIC = ("thermal_speed", "temperature", "a2")
+
+
+def at_start(initial: Any, rtol: float = 1e-10) -> Any:
+    return solve(Scene(restitution=0.5, initial=initial, times=[0.0], outputs=BASIC), rtol=rtol)
+
+
+def decay(e: float, p: float) -> float:
+    """lambda(p) = 1 - E[s^p] by quadrature over the impact parameter."""
+    return quad(lambda y: 1.0 - (e * e + (1 - e * e) * y * y) ** (p / 2), 0, 1, epsabs=1e-13)[0]
+
+
+# -- densities as functions -------------------------------------------------------------------
+
+
+def tail(v: Any) -> Any:
+    """Density 5 v (1 + v^2)^-7/2, tail v^-6; <v^p> = 5/2 B(1 + p/2, (5 - p)/2), p < 5."""
+    return 5.0 * v * (1.0 + v * v) ** -3.5
+
+
+def tail_moment(p: float) -> float:
+    return float(2.5 * mp.beta(1 + mp.mpf(p) / 2, (5 - mp.mpf(p)) / 2))
+
+
+def step(v: Any) -> Any:
+    """1/2 on [1, 3)."""
+    return np.where((v >= 1.0) & (v < 3.0), 0.5, 0.0)
+
+
+def step_moment(p: float) -> float:
+    return 0.5 * (3.0 ** (p + 1) - 1.0) / (p + 1) if p != -1 else 0.5 * np.log(3.0)
+
+
+def narrow(v: Any) -> Any:
+    """A Gaussian peak of width 0.05 at v = 2."""
+    with np.errstate(under="ignore"):
+        return np.exp(-0.5 * ((v - 2.0) / 0.05) ** 2) / (0.05 * np.sqrt(2 * np.pi))
+
+
+def narrow_moment(p: float) -> float:
+    return float(mp.quad(lambda z: mp.npdf(z) * (2 + z / 20) ** p, [-12, 0, 12]))
+
+
+def two_peaks(v: Any) -> Any:
+    """Log-normal peaks at 1e-6 and 1, half the tracers each."""
+    x = np.log(np.maximum(v, 1e-300))
+    with np.errstate(under="ignore"):
+        return sum(np.exp(-0.5 * ((x - m) / 0.3) ** 2) for m in (np.log(1e-6), 0.0)) / (
+            2 * 0.3 * np.sqrt(2 * np.pi) * np.maximum(v, 1e-300)
+        )
+
+
+def two_peaks_moment(p: float) -> float:
+    return 0.5 * (1e-6**p + 1.0) * float(np.exp(0.5 * (0.3 * p) ** 2))
+
+
+FUNCTIONS = {
+    "tail": (tail, tail_moment, (-1, 0.5, 1, 2, 3, 4)),
+    "step": (step, step_moment, (-1, 0.5, 1, 2, 4, 8)),
+    "narrow": (narrow, narrow_moment, (-1, 0.5, 1, 2, 4)),
+    "two peaks": (two_peaks, two_peaks_moment, (0.5, 1, 2, 4)),
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_moments_of_functions(name: str) -> None:
+    function, exact, powers = FUNCTIONS[name]
+    for wrap in (function, SpeedDensity(function)):
+        solution = at_start(wrap)
+        for p in powers:
+            tolerance = 1e-5 if (name, p) == ("tail", 4) else 1e-9
+            assert abs(solution.moment(p)[0] / exact(p) - 1.0) < tolerance, (name, p)
+        assert np.isclose(solution.thermal_speed[0], np.sqrt(exact(2)), rtol=1e-9)
+        assert np.isclose(solution.temperature[0], 0.5 * exact(2), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["tail", "step", "narrow"])
+def test_energy_lost_early(name: str) -> None:
+    """<v^2> falls by lambda(2) <v^3> t/l at first; l = 12.5 d at the default density."""
+    function, exact, _ = FUNCTIONS[name]
+    t = 1e-5
+    solution = solve(Scene(restitution=0.5, initial=function, times=[0.0, t]))
+    lost = solution.moment(2)[0] - solution.moment(2)[1]
+    assert np.isclose(lost, decay(0.5, 2) * exact(3) * t / 12.5, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["tail", "step"])
+def test_density_is_the_given_function_at_the_start(name: str) -> None:
+    function, _, _ = FUNCTIONS[name]
+    scene = Scene(restitution=0.5, initial=function, times=[0.0], outputs=("speed_density",))
+    v = np.concatenate([np.linspace(0.05, 0.95, 10), np.linspace(1.05, 2.95, 20)])
+    found = solve(scene, rtol=1e-4).speed_density(v)[0]
+    assert np.max(np.abs(found - function(v))) < 2e-3 * np.max(function(np.linspace(0.01, 3, 3000)))
+
+
+def test_gaussian_by_all_its_names() -> None:
+    """The same start as a name, a state, a function and a table."""
+    v = np.linspace(0.0, 9.0, 9001)
+    f = v * np.exp(-0.5 * v * v)
+    times = [0.0, 1.0, 100.0, 1e5]
+    starts = [
+        Gaussian(),
+        lambda v: v * np.exp(-0.5 * v * v),
+        SpeedTable(v, f / np.trapezoid(f, v)),
+    ]
+    exact = solve(Scene(restitution=0.6, times=times, outputs=BASIC))
+    assert np.allclose(exact.thermal_speed[0], np.sqrt(2), rtol=1e-12)
+    assert abs(exact.a2[0]) < 1e-11
+    for start, error in zip(starts, (1e-15, 1e-9, 1e-6), strict=True):
+        found = solve(Scene(restitution=0.6, initial=start, times=times, outputs=BASIC))
+        assert np.allclose(found.thermal_speed, exact.thermal_speed, rtol=error)
+        assert np.allclose(found.a2, exact.a2, atol=4 * error)
+
+
+def test_a_start_at_one_speed() -> None:
+    solution = at_start(Monoenergetic(3.0))
+    assert np.isclose(solution.thermal_speed[0], 3.0, rtol=1e-14)
+    assert np.isclose(solution.a2[0], -0.5, rtol=1e-14)
+    assert np.isclose(solution.moment(-2.5)[0], 3.0**-2.5, rtol=1e-13)
+
+
+# -- tables -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("speed", "density"),
+    [
+        ([1.0, 2.0], [1.0, 1.0]),
+        ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
+        ([0.5, 0.5 + 1e-7, 1.0, 5.0], [0.0, 2.0, 1.0, 0.0]),
+        (np.geomspace(1e-3, 1e3, 40), 1.0 / (1.0 + np.geomspace(1e-3, 1e3, 40) ** 5)),
+    ],
+)
+def test_moments_of_tables(speed: Any, density: Any) -> None:
+    """Linear between the points: the integral of each piece by the power rule, in many digits."""
+    v, f = np.asarray(speed, float), np.asarray(density, float)
+    f = f / np.trapezoid(f, v)
+    solution = at_start(SpeedTable(v, f))
+    for p in (0.5, 1, 2, 3, 4):
+        total = mp.mpf(0)
+        ends = itertools.pairwise(zip(map(mp.mpf, v), map(mp.mpf, f), strict=True))
+        for (a, fa), (b, fb) in ends:
+            slope = (fb - fa) / (b - a)
+            total += (fa - slope * a) * (b ** (p + 1) - a ** (p + 1)) / (p + 1)
+            total += slope * (b ** (p + 2) - a ** (p + 2)) / (p + 2)
+        assert abs(solution.moment(p)[0] / float(total) - 1.0) < 1e-10, p
+
+
+def test_a_noisy_table() -> None:
+    rng = np.random.default_rng(2)
+    v = np.linspace(0.0, 5.0, 401)
+    f = v * np.exp(-0.5 * v * v) * rng.uniform(0.0, 2.0, v.size)
+    f /= np.trapezoid(f, v)
+    scene = Scene(
+        restitution=0.5,
+        initial=SpeedTable(v, f),
+        times=[0.0, 1.0, 10.0],
+        outputs=(*BASIC, "speed_density"),
+    )
+    solution = solve(scene, rtol=1e-4)
+    direct = quad(lambda x: x * x * np.interp(x, v, f), 0, 5, points=v[1:-1], limit=2000)[0]
+    assert np.isclose(solution.thermal_speed[0] ** 2, direct, rtol=1e-8)
+    assert np.all(np.diff(solution.thermal_speed) < 0)
+    assert solution.speed_density(v).min() >= 0.0
+
+
+# -- samples ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [1, 5, 400, 401, 100_000])
+def test_moments_of_samples(n: int) -> None:
+    """Kept as they are up to 400; beyond that gathered, and averages stay the same."""
+    speed = np.hypot(*np.random.default_rng(n).normal(size=(2, n)))
+    solution = at_start(SpeedSamples(speed))
+    for p in (-1, 0.5, 1, 2, 3, 4):
+        assert np.isclose(solution.moment(p)[0], np.mean(speed**p), rtol=1e-11), p
+
+
+def test_many_samples_in_time() -> None:
+    """Gathered or one by one (251 batches of 400 at most): the same averages at every time."""
+    speed = np.hypot(*np.random.default_rng(9).normal(size=(2, 4000)))
+    scene = dict(restitution=0.4, times=[0.1, 1.0, 30.0, 1e4])
+    found = solve(Scene(initial=SpeedSamples(speed), **scene)).moment(1.0)
+    parts = [
+        solve(Scene(initial=SpeedSamples(part), **scene)).moment(1.0)
+        for part in np.split(speed, 10)
+    ]
+    assert np.allclose(found, np.mean(parts, axis=0), rtol=1e-11)
+
+
+# -- what is refused --------------------------------------------------------------------------
+
+V = np.linspace(0.0, 1.0, 11)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: SpeedTable(V, 2 * V - 0.5), "density"),
+        (lambda: SpeedTable(V, np.full(11, np.nan)), "density"),
+        (lambda: SpeedTable(V, np.full(11, np.inf)), "density"),
+        (lambda: SpeedTable(V, 2.0 * np.ones(11)), "density"),
+        (lambda: SpeedTable(V, np.zeros(11)), "density"),
+        (lambda: SpeedTable(V, np.ones(10)), "density"),
+        (lambda: SpeedTable(V, np.ones((11, 1))), "density"),
+        (lambda: SpeedTable(V, "flat"), "density"),
+        (lambda: SpeedTable(V, V * 1j), "density"),
+        (lambda: SpeedTable(V[::-1], np.ones(11)), "speed"),
+        (lambda: SpeedTable(V - 0.5, np.ones(11)), "speed"),
+        (lambda: SpeedTable([1.0], [1.0]), "speed"),
+        (lambda: SpeedTable([0.0, 0.5, 0.5, 1.0], np.ones(4)), "speed"),
+        (lambda: SpeedTable([0.0, np.nan, 1.0], np.ones(3)), "speed"),
+        (lambda: SpeedTable("fast", np.ones(3)), "speed"),
+        (lambda: SpeedSamples([]), "speed"),
+        (lambda: SpeedSamples([1.0, 0.0]), "speed"),
+        (lambda: SpeedSamples([1.0, -1.0]), "speed"),
+        (lambda: SpeedSamples([1.0, np.nan]), "speed"),
+        (lambda: SpeedSamples([[1.0, 2.0]]), "speed"),
+        (lambda: SpeedSamples("slow"), "speed"),
+        (lambda: SpeedSamples([1.0 + 1.0j]), "speed"),
+        (lambda: Monoenergetic(0.0), "speed"),
+        (lambda: Monoenergetic(-1.0), "speed"),
+        (lambda: Monoenergetic(np.nan), "speed"),
+        (lambda: Monoenergetic("one"), "speed"),
+        (lambda: Monoenergetic(1j), "speed"),
+        (lambda: Monoenergetic([1.0, 2.0]), "speed"),
+        (lambda: Gaussian(0.0, 1.0), "deviation_x"),
+    ],
+)
+def test_bad_states(make: Callable[[], Any], name: str) -> None:
+    with pytest.raises(InputError) as error:
+        make()
+    message = str(error.value)
+    assert message.startswith(f"{name}:")
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    "initial",
+    [
+        lambda v: v * np.exp(-0.5 * v * v) - 0.1 * np.exp(-v),  # negative
+        lambda v: 2 * v * np.exp(-0.5 * v * v),  # not normalised
+        lambda v: np.zeros_like(v),
+        lambda v: v * np.nan,
+        lambda v: np.where(v > 1.0, np.nan, v),
+        lambda v: 2.0 * v / (1.0 + v * v) ** 2,  # tail v^-3: <v^2> diverges
+        lambda v: 1.0 / (1.0 + v),  # does not normalise at all
+        lambda v: np.ones(3),
+        lambda v: "much",
+        lambda v: None,
+        lambda v: v * np.exp(-0.5 * v * v) * (1.0 + 1.0j),
+        lambda: 1.0,
+        lambda v: 1.0 if v > 1 else 0.0,  # not made for arrays
+        SpeedDensity(lambda v: -v),
+        "maxwell",
+        None,
+        3.0,
+        [1.0, 2.0],
+    ],
+)
+def test_bad_initial(initial: Any) -> None:
+    with pytest.raises(InputError) as error:
+        solve(Scene(restitution=0.5, initial=initial, times=[0.0, 1.0]))
+    message = str(error.value)
+    assert message.startswith(("initial:", "density:"))
+    assert "\n" not in message
+
+
+def test_second_moments_are_asked_for_by_name() -> None:
+    with pytest.raises(InputError, match="second moment"):
+        solve(Scene(restitution=0.5, initial=lambda v: 2.0 * v / (1.0 + v * v) ** 2, times=[1.0]))
+
+
+def test_a_peak_too_narrow_to_find() -> None:
+    """One part in 10^6 wide: a function cannot be searched for it, a table can give it."""
+
+    def peak(v: Any) -> Any:
+        with np.errstate(under="ignore"):
+            return np.exp(-0.5 * ((v - 2.0) / 2e-6) ** 2) / (2e-6 * np.sqrt(2 * np.pi))
+
+    with pytest.raises(InputError, match=r"SpeedTable$"):
+        solve(Scene(restitution=0.5, initial=peak, times=[1.0]))
+    v = 2.0 + 2e-6 * np.linspace(-8.0, 8.0, 401)
+    table = SpeedTable(v, peak(v) / np.trapezoid(peak(v), v))
+    assert np.isclose(at_start(table).thermal_speed[0], np.sqrt(4.0 + 4e-12), rtol=1e-9)
+
+
+def test_a_speed_density_that_is_not_callable() -> None:
+    with pytest.raises(InputError, match=r"^\w+: .*$"):
+        solve(Scene(restitution=0.5, initial=SpeedDensity(3.0), times=[1.0]))
