@@ -7,7 +7,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from kinetics import InputError, ScalingSolution
@@ -44,6 +44,7 @@ def test_moments_between_the_integers(e: float, formulas: ModuleType) -> None:
             assert abs(exact.moment(p) / reference - 1) <= 2 * LIMIT, p
 
 
+@settings(deadline=None)
 @given(e=st.floats(1e-3, 0.999), p=st.floats(-4.0, 30.0))
 def test_the_recursion_that_defines_it(e: float, p: float) -> None:
     """lambda(p) E[Y^(p+1)] = p E[Y^p]."""
@@ -53,10 +54,17 @@ def test_the_recursion_that_defines_it(e: float, p: float) -> None:
     assert left == pytest.approx(p * exact.scaled_speed_moment(p), rel=1e-12, abs=1e-300)
 
 
-def test_vdf_against_mellin_inversion(numbers: Any) -> None:
+@pytest.mark.parametrize("e", ["0.05", "0.6", "0.95", "0.999"])
+def test_vdf_against_mellin_inversion(e: str, numbers: Any) -> None:
+    c, f = (np.array(numbers["scaled_density"][e][name])[::2] for name in ("c", "F"))
+    np.testing.assert_allclose(ScalingSolution(float(e)).vdf(c), f, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_vdf_against_all_of_the_mellin_inversions(numbers: Any) -> None:
     for e, reference in numbers["scaled_density"].items():
-        c, f = np.array(reference["c"])[::2], np.array(reference["F"])[::2]
-        np.testing.assert_allclose(ScalingSolution(float(e)).vdf(c), f, rtol=1e-12, err_msg=e)
+        found = ScalingSolution(float(e)).vdf(np.array(reference["c"]))
+        np.testing.assert_allclose(found, reference["F"], rtol=1e-12, err_msg=e)
 
 
 def test_the_stored_numbers_are_those_of_the_formulas(formulas: ModuleType, numbers: Any) -> None:
@@ -70,13 +78,13 @@ def test_the_stored_numbers_are_those_of_the_formulas(formulas: ModuleType, numb
             assert made["F"][0] == pytest.approx(numbers["scaled_density"][e]["F"][k], rel=1e-14)
 
 
-@pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.9, 0.99, 0.9999])
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 0.999])
 def test_vdf_is_normalised(e: float) -> None:
     exact = ScalingSolution(e)
     width = math.sqrt((1 - e * e) / 5)
     # in x = ln c, where it is smooth and narrow as e -> 1
-    ends = (-45.0, 4.3) if e < 0.1 else (-16.0 * width * (1.5 - e) * 2, 9.0 * width)
-    x = np.linspace(*ends, 700 if e < 0.1 else 200)
+    ends = (-45.0, 4.3) if e == 0.0 else (-16.0 * width * (1.5 - e) * 2, 9.0 * width)
+    x = np.linspace(*ends, 700 if e == 0.0 else 200)
     step = x[1] - x[0]
     c = np.exp(x)
     weight = 2 * math.pi * c * c * exact.vdf(c) * step
@@ -86,7 +94,7 @@ def test_vdf_is_normalised(e: float) -> None:
     assert np.all(weight >= 0)
 
 
-@pytest.mark.parametrize("e", [0.0, 0.2, 0.5, 0.8])
+@pytest.mark.parametrize("e", [0.0, 0.4, 0.8])
 def test_exponential_tail_with_its_power_and_amplitude(e: float) -> None:
     exact = ScalingSolution(e)
     c = np.array([75.0, 150.0, 300.0]) * exact.cooling_rate
@@ -127,7 +135,7 @@ def test_low_speeds_are_a_hole() -> None:
 
 def test_the_ring_as_the_bounce_becomes_elastic() -> None:
     """Width of c: sqrt((1-e^2)/5); h -> (4/3)(1-e); a2 -> -1/2."""
-    for e in (0.999, 1 - 1e-6, 1 - 1e-8):
+    for e in (0.999, 1 - 1e-8):
         exact = ScalingSolution(e)
         loss = 1 - e
         variance = 1 - exact.moment(1) ** 2
