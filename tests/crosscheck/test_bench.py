@@ -309,6 +309,8 @@ def test_comparison_marks_errors_failures_and_rows_of_one_run():
     assert [c.mark for c in found.changes] == ["new", "gone"]
     found = compare_bench(report(row(value=1.0), cases=("a",)), report(row(value=2.0)))
     assert [c.mark for c in found.changes] == ["new"]
+    with pytest.raises(InputError, match="is a full run, this one is a quick run"):
+        compare_bench(report(row()), report(row(), quick=False))
 
 
 def test_comparison_prints_ratios_and_says_when_the_machine_differs():
@@ -424,7 +426,7 @@ def test_command_prints_compares_and_writes(monkeypatch, tmp_path):
     old = tmp_path / "old.json"
     old.write_text(made.to_json())
     runner = CliRunner()
-    done = runner.invoke(bench, ["--compare", str(old), "-o", str(tmp_path / "out")])
+    done = runner.invoke(bench, ["--quick", "--compare", str(old), "-o", str(tmp_path / "out")])
     assert done.exit_code == 0, done.output
     assert "Compared with the earlier run" in done.output
     assert {p.name for p in (tmp_path / "out").iterdir()} >= {"bench.json", "bench.md", "cost.svg"}

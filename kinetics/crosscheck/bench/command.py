@@ -41,13 +41,14 @@ def bench(
     Prints Markdown tables: run time for an error, error asked against error reached, what skipping
     saves, cost against work, collisions per second, one core and two, and what failed.
     """
-    from kinetics.crosscheck.bench.comparison import compare_bench
+    from kinetics.crosscheck.bench.comparison import check_comparable, compare_bench
     from kinetics.crosscheck.bench.report import BenchReport
     from kinetics.crosscheck.files import require_writable_folder, write_together
 
     old = None
     if compare is not None:
         old = BenchReport.from_json(compare.read_text(encoding="utf-8", errors="replace"))
+        check_comparable(quick, old)
     if output is not None:
         require_writable_folder(output)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kinetics.crosscheck.bench.record import MEASURED, Record
+from kinetics.errors import InputError
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.bench.report import BenchReport
@@ -74,8 +75,22 @@ class Comparison:
         return "\n".join([*lines, ""])
 
 
+def check_comparable(quick: bool, old: BenchReport) -> None:
+    """InputError unless a run that is quick, or not, can be held against the old one."""
+    if quick != old.quick:
+        kinds = {True: "a quick run", False: "a full run"}
+        raise InputError(
+            f"compare: the earlier run is {kinds[old.quick]}, this one is {kinds[quick]}; "
+            "their work is not the same"
+        )
+
+
 def compare_bench(new: BenchReport, old: BenchReport) -> Comparison:
-    """Every row of either run; slower means that the quartiles of the two do not overlap."""
+    """Every row of either run; slower means that the quartiles of the two do not overlap.
+
+    Raises InputError if one run is quick and the other is not: their work is not the same.
+    """
+    check_comparable(new.quick, old)
     before = {r.key: r for r in old.records}
     after = {r.key: r for r in new.records}
     changes = [_change(row, before.get(key)) for key, row in after.items()]

@@ -66,7 +66,7 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     }
     for file, some in shown.items():
         if some:
-            columns = 2 if len(some) < 5 else 4
+            columns = 4 if len(some) % 4 == 0 else 2
             lines = -(-len(some) // columns)
             found[file] = svg(
                 lambda figure, some=some, columns=columns: _work_precision(  # type: ignore[misc]
@@ -183,7 +183,9 @@ def _skipping(figure: Figure, records: list[Record]) -> None:
         some = [r for r in rows if r.problem == group][::-1]
         ratios = [r.extra["ratio"] for r in some]
         bars = axis.barh(range(len(some)), ratios, color="#0072b2", height=0.7)
-        axis.bar_label(bars, labels=[f" {x:.2g}" for x in ratios], fontsize=8)
+        axis.bar_label(
+            bars, labels=[f" {x:.0f}" if x >= 10 else f" {x:.2g}" for x in ratios], fontsize=8
+        )
         axis.set_yticks(range(len(some)), [r.method for r in some], fontsize=8)
         axis.set_title(group, fontsize=9, loc="left")
         axis.set_xscale("log")

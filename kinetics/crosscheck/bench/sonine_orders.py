@@ -148,6 +148,8 @@ def solve_cooling(
         rtol=rtol,
         atol=1e-2 * rtol,
     )
-    if not result.success or not np.all(np.isfinite(result.y)):
+    if not result.success:
         raise ValueError(f"order = {order}: {result.message}")
+    if not np.all(np.isfinite(result.y)):
+        raise ValueError(f"order = {order}: the coefficients grow beyond all bounds")
     return np.exp(result.y[-1]) * mean_free_path / (times + unit), result.y[2]
