@@ -1,7 +1,7 @@
 """The inelastic Lorentz equation on a discretised velocity space.
 
-Units: lengths in scatterer diameters d, speeds in U, times in d/U. Names are loaded at first use, so
-that `lorentz --help` costs neither numpy nor scipy.
+Units: lengths in scatterer diameters d, speeds in U, times in d/U. Names are loaded at first use,
+so that `lorentz --help` costs neither numpy nor scipy.
 """
 
 from importlib import import_module

@@ -90,13 +90,12 @@ def one_line(error: InputError) -> None:
 def check_averages(e: float, scale: float, name: str, rtol: float = 1e-8) -> None:
     state, square = starts(scale)[name]
     scene = Scene(restitution=e, initial=state, times=TIMES, outputs=AVERAGES)
-    try:
-        solution = solve(scene, rtol=rtol)
-    except InputError as error:
+    if e == 1.0 and (scale > 1.0 or (scale == 1.0 and name == "tail")):
         # elastic tracers do not slow down: v t is beyond the largest number in the end
-        one_line(error)
-        assert e == 1.0 and "overflows" in str(error)
+        with pytest.raises(InputError, match="overflows double precision"):
+            solve(scene, rtol=rtol)
         return
+    solution = solve(scene, rtol=rtol)
     for output in AVERAGES:
         assert np.all(np.isfinite(getattr(solution, output))), output
     assert isinstance(solution.status, SolverStatus)
