@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kinetics.crosscheck.bench.command import bench
+from kinetics.crosscheck.stress.command import stress
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -382,6 +385,10 @@ class _Bar:
 
     def __exit__(self, *exception: object) -> None:
         self._bar.close()
+
+
+cli.add_command(bench)
+cli.add_command(stress)
 
 
 def main(arguments: list[str] | None = None) -> int:

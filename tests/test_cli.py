@@ -150,7 +150,7 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]) -> None:
-    assert set(cli.cli.commands) == {"report", "solve", "simulate", "derive"}
+    assert set(cli.cli.commands) == {"report", "solve", "simulate", "derive", "bench", "stress"}
     for name in cli.cli.commands:
         assert cli.main([name, "--help"]) == 0
         out = capsys.readouterr().out
