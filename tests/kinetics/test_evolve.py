@@ -112,7 +112,7 @@ def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
                     reduced = mp.mpf(t) / formulas.FREE_PATH
                     p = mp.mpf(-1) / 2
                     exact = formulas.early_power(e, p, reduced, start) / reduced**p
-                    assert value == pytest.approx(float(exact), rel=1e-11)
+                    assert value == pytest.approx(float(exact), rel=1e-11, abs=0.0)
 
 
 @pytest.mark.parametrize("m", range(1, 9))
@@ -133,12 +133,14 @@ def test_the_two_ways_to_the_references_agree(formulas: ModuleType, numbers: Any
             k = formulas.TIMES.index(300.0)
             reduced = mp.mpf(300) / formulas.FREE_PATH
             early = formulas.early_power(float(e), 2, reduced) / reduced**2
-            assert rows["v^2"][k] == pytest.approx(float(early), rel=1e-15)
+            assert rows["v^2"][k] == pytest.approx(float(early), rel=1e-15, abs=0.0)
             assert rows["msd"][k] == pytest.approx(
-                float(formulas.early_square(float(e), reduced) * formulas.FREE_PATH**2), rel=1e-15
+                float(formulas.early_square(float(e), reduced) * formulas.FREE_PATH**2),
+                rel=1e-15,
+                abs=0.0,
             )
             assert rows["collisions"][k] == pytest.approx(
-                float(formulas.early_collisions(float(e), reduced)), rel=1e-15
+                float(formulas.early_collisions(float(e), reduced)), rel=1e-15, abs=0.0
             )
             forward = formulas.square_by_moments(float(e), mp.mpf(8), 90)
             assert mp.almosteq(forward, formulas.early_square(float(e), 8), rel_eps=1e-18)
@@ -150,13 +152,15 @@ def test_early_times_and_the_start(e: float, name: str) -> None:
     times = [0.0, 1e-300, 1e-12, 1e-6]
     solution = solve(Scene(e, times=times, initial=name, outputs=MEANS))
     v2 = 2.0 if name == "gaussian" else 1.0
-    assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11)
-    assert solution.a2[:2] + 1 == pytest.approx([1.0 if name == "gaussian" else 0.5] * 2, rel=1e-10)
+    assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11, abs=0.0)
+    assert solution.a2[:2] + 1 == pytest.approx(
+        [1.0 if name == "gaussian" else 0.5] * 2, rel=1e-10, abs=0.0
+    )
     assert solution.collisions[0] == 0.0
     assert solution.msd[0] == 0.0
     mean = math.sqrt(math.pi / 2) if name == "gaussian" else 1.0
     for k, t in enumerate(times[1:3], start=1):
-        assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10)
+        assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10, abs=0.0)
         assert solution.msd[k] == pytest.approx(v2 * t * t, rel=1e-10, abs=1e-300)
 
 
@@ -193,13 +197,15 @@ def test_any_table_cools_for_ever(e: float, rise: list[float], heights: list[flo
     slope = np.diff(f) / np.diff(v)
     offset = f[:-1] - slope * v[:-1]
     energy = np.sum(offset * np.diff(v**3) / 3 + slope * np.diff(v**4) / 4)
-    assert solution.temperature[0] == pytest.approx(0.5 * energy, rel=1e-7)
+    assert solution.temperature[0] == pytest.approx(0.5 * energy, rel=1e-7, abs=0.0)
     assert np.all(np.diff(solution.temperature) <= 1e-13 * solution.temperature[:-1])
     assert np.all(np.diff(solution.collisions) >= 0.0)
     assert np.all(np.diff(solution.msd) >= 0.0)
     assert np.all(solution.moment(0.0) == pytest.approx(1.0, abs=1e-12))
     assert np.all(solution.a2 > -0.5 - 1e-8)  # <v^4> >= <v^2>^2
-    assert solution.thermal_speed == pytest.approx(np.sqrt(2 * solution.temperature), rel=1e-14)
+    assert solution.thermal_speed == pytest.approx(
+        np.sqrt(2 * solution.temperature), rel=1e-14, abs=0.0
+    )
 
 
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.95, 0.999])
@@ -245,7 +251,7 @@ def test_many_samples_are_averaged_as_if_one_by_one() -> None:
     for k, t in enumerate(times):
         at = np.searchsorted(grid, t * speed)
         v2 = 2 * one.temperature[at] * speed**2
-        assert found.temperature[k] == pytest.approx(0.5 * v2.mean(), rel=1e-11)
+        assert found.temperature[k] == pytest.approx(0.5 * v2.mean(), rel=1e-11, abs=0.0)
         assert found.collisions[k] == pytest.approx(one.collisions[at].mean(), rel=1e-11, abs=0)
         assert found.msd[k] == pytest.approx(one.msd[at].mean(), rel=1e-11, abs=0)
 
@@ -263,11 +269,11 @@ def test_elastic_speeds_are_kept_and_diffuse(name: str) -> None:
             for t, found in zip(times[1:], solution.msd[1:], strict=True):
                 x = mp.mpf(4) / 3 * mp.mpf(t) / mp.mpf("12.5")
                 exact = 2 * mp.mpf("12.5") ** 2 * (x - 1 + mp.exp(-x)) * mp.mpf(9) / 16
-                assert found == pytest.approx(float(exact), rel=1e-12)
+                assert found == pytest.approx(float(exact), rel=1e-12, abs=0.0)
     # <r^2>/4t -> D, with corrections l^2/t
     constant = 2 * 12.5**2 * 9 / 16
     diffusion = (solution.msd[-1] + constant) / (4 * times[-1])
-    assert diffusion == pytest.approx(3 / 8 * mean * 12.5, rel=1e-12)
+    assert diffusion == pytest.approx(3 / 8 * mean * 12.5, rel=1e-12, abs=0.0)
 
 
 def test_elastic_harmonics_relax_at_their_own_rates(formulas: ModuleType) -> None:
