@@ -292,6 +292,11 @@ def test_comparison_marks_what_left_the_spread():
     assert changed(row(seconds=1.15, spread=0.1), old) == ""
     assert changed(row(seconds=1.3, spread=0.1), old) == "slower"
     assert changed(row(seconds=0.7, spread=0.1), old) == "faster"
+    # runs differ by more than the repeats within one
+    sharp = row(seconds=1.0, spread=0.001)
+    assert changed(row(seconds=1.15, spread=0.001), sharp) == ""
+    assert changed(row(seconds=0.87, spread=0.001), sharp) == ""
+    assert changed(row(seconds=1.25, spread=0.001), sharp) == "slower"
     # without a spread a quarter is taken for it
     assert changed(row(seconds=1.3, spread=0.0, repeats=1), row(spread=0.0, repeats=1)) == ""
     assert changed(row(seconds=2.0, spread=0.0, repeats=1), row(spread=0.0, repeats=1)) == "slower"
