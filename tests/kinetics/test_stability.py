@@ -221,6 +221,18 @@ def test_density_nodes_everywhere(e: float, nodes: int) -> None:
         check_density(e, 1.0, name, nodes, DENSITY_TIMES)
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+@pytest.mark.parametrize("e", [0.0, 0.1, 0.5, 0.7, 0.9])
+def test_smooth_densities_keep_their_sign(e: float, rtol: float) -> None:
+    """Down to speeds of 1e-12: an error of the density of ln v would be divided by v there."""
+    scene = Scene(restitution=e, times=[0.0, 1.0, 30.0, 1e3, 1e6], outputs=DENSITY)
+    solution = solve(scene, rtol=rtol, method="spectral")
+    v = np.geomspace(1e-12, 10.0, 400)
+    for i, v0 in enumerate(solution.thermal_speed):
+        f = solution.speed_density(v * v0)[i]
+        assert f.min() >= -rtol * f.max(), i
+
+
 # -- random cases -----------------------------------------------------------------------------
 
 ANY_RESTITUTION = st.one_of(
