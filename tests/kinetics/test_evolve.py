@@ -180,7 +180,7 @@ def test_the_latest_times_are_the_scaling_state(e: float, name: str) -> None:
     np.testing.assert_allclose(rate, 1 / exact.law.mean_log_loss, rtol=1e-9)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(
     e=st.floats(0.0, 0.99).filter(lambda e: e == 0.0 or e > 1e-3),
     rise=st.lists(st.floats(0.01, 1.0), min_size=2, max_size=8),
@@ -316,3 +316,24 @@ def test_moments_that_do_not_exist() -> None:
         solve(Scene(0.5, times=[1.0])).moment(-2.0)
     with pytest.raises(InputError, match="p > -1"):
         solve(Scene(0.0, times=[1.0], initial="monoenergetic")).moment(-1.0)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("e", ["0.0", "0.9", "0.99"])
+def test_higher_moments_at_the_tolerance_asked(
+    e: str, rtol: float, formulas: ModuleType, numbers: Any
+) -> None:
+    rows = numbers["evolution"][e]["monoenergetic"]
+    scene = Scene(float(e), times=formulas.TIMES, initial="monoenergetic", outputs=MEANS)
+    solution = solve(scene, rtol=rtol)
+    assert max(errors(solution, rows).values()) <= rtol
+    np.testing.assert_allclose(solution.moment(6.0), rows["v^6"], rtol=rtol)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_a_heavy_tail_at_the_tolerance_asked(
+    rtol: float, formulas: ModuleType, numbers: Any
+) -> None:
+    initial = state("power_law", formulas)
+    solution = solve(Scene(0.7, times=formulas.TIMES, initial=initial, outputs=MEANS), rtol=rtol)
+    assert max(errors(solution, numbers["evolution"]["0.7"]["power_law"]).values()) <= rtol

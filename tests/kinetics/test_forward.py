@@ -17,7 +17,7 @@ from kinetics import (
     solve,
 )
 
-TIMES = np.array([0.0, 0.5, 10.0, 60.0, 1e3, 1e9])
+TIMES = np.array([0.0, 0.5, 10.0, 60.0, 1e3, 1e5, 1e9])
 OUTPUTS = ("speed_density", "thermal_speed", "a2")
 
 
@@ -39,9 +39,9 @@ def test_mass_moments_and_sign(e: float) -> None:
     for k, thermal in enumerate(solution.thermal_speed):
         v, step = nodes(1e-13 * thermal, 40.0 * thermal)
         f = solution.speed_density(v)[k]
+        assert f.min() >= -rtol * f.max()
         weight = step * v * f
-        assert weight.min() >= -rtol * weight.max()
-        assert weight.sum() == pytest.approx(1.0, abs=5 * rtol)
+        assert weight.sum() == pytest.approx(1.0, abs=rtol)
         assert weight @ v**2 == pytest.approx(thermal**2, rel=2e-9, abs=0.0)
         assert weight @ v**4 == pytest.approx(
             2 * (1 + solution.a2[k]) * thermal**4, rel=1e-7, abs=0.0

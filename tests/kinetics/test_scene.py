@@ -104,6 +104,8 @@ def test_bad_initial(initial: Any) -> None:
         (lambda v: 1.5 * v * np.exp(-0.5 * v * v), "integral"),
         (lambda v: v * np.exp(-0.5 * v * v) * (1.5 - 2.0 * (v > 1.5)), "negative"),
         (lambda v: np.where(v < 1.0, np.nan, np.exp(-v)), "NaN"),
+        (lambda v: 2.0 / math.pi / (1.0 + v * v), "second moment"),
+        (lambda v: 2.0 * v / (1.0 + v * v) ** 2, "second moment"),
         (lambda v: np.zeros_like(v), "integral"),
         (lambda v: 1.0 / v, r"integral|second moment"),
         (lambda v: 0.5, "shape"),
