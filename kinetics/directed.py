@@ -56,7 +56,7 @@ class VelocitySamples(State):
         object.__setattr__(self, "velocity", v)
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The samples with weights exp(-i m phi)/n."""
         v = np.asarray(self.velocity)
@@ -98,7 +98,7 @@ class Beam(State):
         return float(self.speeds.lowest_moment)
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The speeds with the weight exp(-i m phi_0)."""
         found = self.speeds.harmonic(0, rtol, lowest, highest)
@@ -150,7 +150,7 @@ class AngularHarmonics(State):
         return max(int(m) for m in self.terms)
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Adaptive Gauss panels in ln v."""
         if m == 0:
@@ -212,7 +212,7 @@ class PolarGrid(State):
         return np.asarray(column.real) if m == 0 else column
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Gauss points on the linear pieces."""
         column = self._of_order(m)

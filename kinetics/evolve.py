@@ -59,7 +59,7 @@ class Averages:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
             self._measures[m] = self.state.harmonic(
-                m, self.rtol, self.lowest, max(self.degree, 4.0)
+                m, self.rtol, self.lowest, max(self.degree, 2.0)
             )
         return self._measures[m]
 

@@ -43,7 +43,7 @@ class State:
     lowest_moment: float = -math.inf
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """f_m as weighted points that give averages to about rtol; None where it is zero.
 
@@ -112,7 +112,7 @@ class Gaussian(State):
         return factor
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Trapezoid rule in ln v; odd harmonics vanish."""
         m = abs(m)
@@ -146,7 +146,7 @@ class Monoenergetic(State):
         object.__setattr__(self, "speed", check_positive("speed", self.speed))
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """One point."""
         return LogMeasure(np.array([math.log(self.speed)]), np.ones(1)) if m == 0 else None
@@ -180,7 +180,7 @@ class SpeedTable(State):
         object.__setattr__(self, "density", f / total)
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Gauss points on the linear pieces."""
         if m:
@@ -217,7 +217,7 @@ class SpeedSamples(State):
         object.__setattr__(self, "speed", v)
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The samples, many of them gathered on a fine grid."""
         if m:
@@ -240,7 +240,7 @@ class SpeedDensity(State):
     smooth = True
 
     def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 4.0
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Adaptive Gauss panels in ln v."""
         if m:

@@ -191,10 +191,13 @@ def function(
         )
     if not _converges(mass, edges, 2.0):
         raise InputError("initial: the density has no second moment; <v^2> must be finite")
+    if not _converges(mass, edges, highest):
+        raise InputError(
+            f"initial: <v^{highest:g}> of the density does not exist, and is asked for"
+        )
     live = np.zeros(mass.shape, dtype=bool)
     for p in {0.0, 2.0, min(lowest, 0.0), max(highest, 2.0)}:
-        if _converges(mass, edges, p):
-            live |= _weight(mass, edges, p) > 1e-3 * rtol
+        live |= _weight(mass, edges, p) > 1e-3 * rtol
     first, last = np.nonzero(live)[0][[0, -1]]
     cuts = [
         np.linspace(edges[i], edges[i + 1], 129 if narrow_at[i] else 2)[:-1]

@@ -93,6 +93,8 @@ class Solution:
     def uncollided(self) -> FloatArray:
         """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
 
+        For e < 1 those that have not collided; at e = 1 all of them.
+
         Zero for other starts, whose uncollided tracers are part of :meth:`speed_density`.
         """
         peak = self._profile(0, "speed_density").peak_weight
@@ -109,11 +111,13 @@ class Solution:
         x = np.abs(_finite("v_x", v_x))
         out = np.empty((self.times.size, x.size))
         for i in range(self.times.size):
+            unit = float(self._typical[i])
 
-            def plane(v: FloatArray, i: int = i) -> FloatArray:
-                return np.asarray(profile.at(i, v).real / (2.0 * np.pi * v))
+            def plane(v: FloatArray, i: int = i, unit: float = unit) -> FloatArray:
+                # times the square of a typical speed, or it overflows late
+                return np.asarray(profile.at(i, v).real * unit * (unit / v) / (2.0 * np.pi))
 
-            out[i] = component_density(plane, x, float(self._typical[i]))
+            out[i] = component_density(plane, x, unit) / unit / unit
         if profile.peak_speed is not None and profile.peak_weight is not None:
             room = profile.peak_speed**2 - x**2
             shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

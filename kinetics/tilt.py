@@ -41,7 +41,7 @@ SPAN = 2.6
 # Below this restitution few bounces carry a tracer from the bulk (x near 0) to low speeds, and a
 # tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of the rounding.
 _FEW_BOUNCES = 0.6
-_BULK_DROP = 5.0
+_BULK_DROP = 4.0
 
 
 @dataclass(frozen=True)

@@ -287,6 +287,8 @@ def test_an_interrupted_report_leaves_nothing(
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # a shell that runs the tests in the background makes them, and children, ignore SIGINT
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
     )
     try:
         time.sleep(3)
