@@ -28,6 +28,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.barycentric import interpolation_rows
 from kinetics.collision import CollisionLaw
 
 FloatArray = NDArray[np.float64]
@@ -124,13 +125,7 @@ class BackwardEquation:
 
     def _rows(self, local: FloatArray) -> FloatArray:
         """Barycentric interpolation from the nodes to local (n,): (n, nodes)."""
-        difference = local[:, None] - self._local
-        exact = difference == 0.0
-        rows = self._weights / np.where(exact, 1.0, difference)
-        rows /= rows.sum(axis=1, keepdims=True)
-        hit = exact.any(axis=1)
-        rows[hit] = exact[hit]
-        return np.asarray(rows)
+        return interpolation_rows(local[:, None] - self._local, self._weights)
 
     @cached_property
     def _derivative(self) -> FloatArray:

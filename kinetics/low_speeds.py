@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.barycentric import interpolation_rows
 from kinetics.collision import CollisionLaw
 
 FloatArray = NDArray[np.float64]
@@ -50,7 +51,9 @@ class LowSpeeds:
         self._log_weight = log_weight - math.log(law.mean_log_loss)
         theta = (np.arange(_NODES) + 0.5) * math.pi / _NODES
         self._local = 0.5 * (1.0 - np.cos(theta))  # rising in (0, 1)
-        self._barycentric = (-1.0) ** np.arange(_NODES) * np.sin(theta)
+        self._barycentric: FloatArray = np.asarray(
+            (-1.0) ** np.arange(_NODES) * np.sin(theta), float
+        )
         reach = float(self._xi.max())
         # panel k covers [top - (k+1) width, top - k width]; negative k is above top
         self._above = math.ceil(reach / _WIDTH) + 1
@@ -60,13 +63,7 @@ class LowSpeeds:
 
     def _interpolation(self, local: FloatArray) -> FloatArray:
         """Rows of barycentric interpolation at local coordinates (n,): (n, _NODES)."""
-        difference = local[:, None] - self._local
-        exact = difference == 0.0
-        rows = self._barycentric / np.where(exact, 1.0, difference)
-        rows /= rows.sum(axis=1, keepdims=True)
-        hit = exact.any(axis=1)
-        rows[hit] = exact[hit]
-        return np.asarray(rows)
+        return interpolation_rows(local[:, None] - self._local, self._barycentric)
 
     def _prepare(self) -> None:
         """Where each point x_i + xi_k of a panel falls: the same for every panel."""

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.barycentric import interpolation_rows
 from kinetics.collision import gauss_legendre
 from kinetics.errors import InputError
 
@@ -123,12 +124,7 @@ def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
     for chunk, part in zip(np.array_split(x, pieces), np.array_split(weight, pieces), strict=True):
         level = (chunk - start) / spacing
         first = np.floor(level).astype(int) - width // 2 + 1
-        distance = (level - first)[:, None] - nodes
-        exact = distance == 0.0
-        rows = barycentric / np.where(exact, 1.0, distance)
-        rows /= rows.sum(axis=1, keepdims=True)
-        hit = exact.any(axis=1)
-        rows[hit] = exact[hit]
+        rows = interpolation_rows((level - first)[:, None] - nodes, barycentric)
         np.add.at(total, first[:, None] + np.arange(width), rows * part[:, None])
     keep = total != 0.0
     return LogMeasure((start + spacing * np.arange(cells + 1))[keep], total[keep])
