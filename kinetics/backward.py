@@ -28,8 +28,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.barycentric import interpolation_rows
 from kinetics.collision import CollisionLaw
+from kinetics.panels import PanelRule
 
 FloatArray = NDArray[np.float64]
 
@@ -102,9 +102,7 @@ class BackwardEquation:
     highest: float
     nodes: int
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
-    _kernels: dict[int, tuple[FloatArray, list[FloatArray]]] = field(
-        default_factory=dict, repr=False
-    )
+    _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         limit = _SATURATION - math.log(self.law.mean_log_loss)
@@ -113,74 +111,16 @@ class BackwardEquation:
     # -- discretisation -----------------------------------------------------------------------
 
     @cached_property
-    def _local(self) -> FloatArray:
-        """Chebyshev points of the second kind on [0, 1]."""
-        return np.asarray(0.5 * (1.0 - np.cos(np.arange(self.nodes) * math.pi / (self.nodes - 1))))
+    def rule(self) -> PanelRule:
+        """The collocation of a panel."""
+        return PanelRule(self.nodes, _WIDTH)
 
-    @cached_property
-    def _weights(self) -> FloatArray:
-        w = (-1.0) ** np.arange(self.nodes)
-        w[[0, -1]] *= 0.5
-        return np.asarray(w)
-
-    def _rows(self, local: FloatArray) -> FloatArray:
-        """Barycentric interpolation from the nodes to local (n,): (n, nodes)."""
-        return interpolation_rows(local[:, None] - self._local, self._weights)
-
-    @cached_property
-    def _derivative(self) -> FloatArray:
-        difference = self._local[:, None] - self._local
-        np.fill_diagonal(difference, 1.0)
-        matrix = self._weights / self._weights[:, None] / difference
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return np.asarray(matrix / _WIDTH)
-
-    def _kernel(self, m: int) -> tuple[FloatArray, list[FloatArray]]:
-        """Loss matrix of a panel on itself, and gains from the 1st, 2nd, ... panel below it."""
-        if m in self._kernels:
-            return self._kernels[m]
-        q = self.law.quadrature_for(float(self.nodes), m)
-        n = self.nodes
-        local = self._local[:, None] - q.log_loss / _WIDTH
-        below = np.maximum(np.ceil(-local), 0.0).astype(int)
-        rows = self._rows((local + below).ravel()).reshape(n, -1, n)
-        cosine = q.harmonic(m)
-        gain = []
-        for k in range(1, int(below.max()) + 1):
-            weight = np.where(below == k, q.weight * cosine, 0.0)
-            gain.append(np.einsum("ik,ikj->ij", weight, rows))
-        # 1 - (gain from the panel itself) without cancellation, for e near 1: the off-diagonal
-        # entries are accurate relative to themselves, and rows of the interpolation sum to 1
-        inside = np.where(below == 0, q.weight, 0.0)
-        off = np.where(
-            np.eye(n, dtype=bool)[:, None, :],
-            0.0,
-            self._close_rows(q.log_loss / _WIDTH, local, rows),
-        )
-        loss = -np.einsum("ik,ikj->ij", inside * cosine, off)
-        half = np.sin(0.5 * m * np.arccos(q.cosine)) if m else np.zeros_like(q.weight)
-        diagonal = (inside * (2.0 * half**2 + cosine * off.sum(axis=2))).sum(axis=1)
-        diagonal += np.where(below > 0, q.weight, 0.0).sum(axis=1)
-        loss[np.arange(n), np.arange(n)] = diagonal
-        self._kernels[m] = (loss, gain)
+    def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
+        """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
+        if m not in self._kernels:
+            loss, gain = self.rule.kernel(self.law, [m])
+            self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
-
-    def _close_rows(self, shift: FloatArray, local: FloatArray, rows: FloatArray) -> FloatArray:
-        """Off-diagonal interpolation weights, accurate where a point is close to its own node."""
-        if float(shift.min()) > 1e-3:
-            return rows
-        n = self.nodes
-        distance = local[:, :, None] - self._local
-        own = np.eye(n, dtype=bool)[:, None, :]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            terms = np.where(own, 0.0, self._weights / np.where(own, 1.0, distance))
-            # -shift/(own weight) times the usual barycentric quotient
-            scaled = -shift[None, :, None] * terms
-            total = self._weights[:, None, None] + scaled.sum(axis=2, keepdims=True)
-            accurate = scaled / total
-        use = np.isfinite(accurate) & (shift < 1e-3)[None, :, None]
-        return np.where(use, accurate, rows)
 
     # -- solution -----------------------------------------------------------------------------
 
@@ -205,19 +145,20 @@ class BackwardEquation:
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
         series = self._series(y)
         loss, gain = self._kernel(y.harmonic)
-        n, reach = self.nodes, len(gain)
+        n = self.nodes
+        reach = gain.shape[1] // n
+        local = self.rule.local
         table = np.empty((reach + self.count, n))
         for k in range(reach):
-            x = _START + (k - reach + self._local) * _WIDTH
+            x = _START + (k - reach + local) * _WIDTH
             table[k] = np.exp(y.degree * x) * np.polynomial.polynomial.polyval(np.exp(x), series)
         known = math.exp(y.degree * _START) * float(
             np.polynomial.polynomial.polyval(math.exp(_START), series)
         )
-        stacked = np.hstack(gain[::-1]) if gain else np.zeros((n, 0))
-        drift = self._derivative - y.degree * np.eye(n)
+        drift = self.rule.derivative - y.degree * np.eye(n)
         for j in range(self.count):
-            rate = np.exp(_START + (j + self._local) * _WIDTH)
-            drive = stacked @ table[j : j + reach].ravel() + y.constant
+            rate = np.exp(_START + (j + local) * _WIDTH)
+            drive = gain @ table[j : j + reach].ravel() + y.constant
             for factor, values in sources:
                 drive = drive + factor * values[j]
             # rows are divided by the collision rate where that is large
@@ -242,11 +183,7 @@ class BackwardEquation:
         For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
         """
         values = self._solve(observable).values
-        n = self.nodes
-        k = np.arange(n)
-        halves = np.where((k == 0) | (k == n - 1), 0.5, 1.0)
-        last = np.abs(values @ (halves * np.cos(math.pi * k) / (n - 1)))
-        before = np.abs(values @ (halves * np.cos(math.pi * k * (n - 2) / (n - 1)) * 2 / (n - 1)))
+        last, before = self.rule.last_coefficients(values)
         if observable.harmonic and not observable.sources and not observable.constant:
             scale = self._solve(speed_power(observable.degree)).values
         else:
@@ -284,7 +221,7 @@ class BackwardEquation:
         small[low] = np.polynomial.polynomial.polyval(np.exp(flat[low]), panels.series)
         inside = level[~low]
         index = np.minimum(inside.astype(int), self.count - 1)
-        rows = self._rows(np.minimum(inside - index, 1.0))
+        rows = self.rule.rows(np.minimum(inside - index, 1.0))
         value = np.einsum("ij,ij->i", rows, panels.values[index])
         beyond = inside > self.count
         last = panels.values[-1]

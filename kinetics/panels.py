@@ -1,0 +1,127 @@
+"""Collocation on equal panels in X = ln(v t/l): what the backward equations share.
+
+A bounce takes X to X - xi, xi = -ln s >= 0, whatever X is: on equal panels the collision term is
+the same few small matrices everywhere, from a panel on itself and from those below it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.barycentric import interpolation_rows
+from kinetics.collision import CollisionLaw
+
+FloatArray = NDArray[np.float64]
+
+_CLOSE = 1e-3  # shifts, in panels, below which interpolation would lose digits
+
+
+@dataclass(frozen=True)
+class PanelRule:
+    """Chebyshev collocation on a panel.
+
+    Parameters
+    ----------
+    nodes : Chebyshev points of the second kind, both ends included
+    width : of a panel in X
+    """
+
+    nodes: int
+    width: float = 1.0
+
+    @cached_property
+    def local(self) -> FloatArray:
+        """The nodes on [0, 1], shape (nodes,)."""
+        return np.asarray(0.5 * (1.0 - np.cos(np.arange(self.nodes) * math.pi / (self.nodes - 1))))
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Barycentric weights, shape (nodes,)."""
+        w = (-1.0) ** np.arange(self.nodes)
+        w[[0, -1]] *= 0.5
+        return np.asarray(w)
+
+    def rows(self, local: FloatArray) -> FloatArray:
+        """Interpolation from the nodes to local (n,), in panels: (n, nodes)."""
+        return interpolation_rows(local[:, None] - self.local, self.weights)
+
+    @cached_property
+    def derivative(self) -> FloatArray:
+        """d/dX at the nodes, shape (nodes, nodes)."""
+        difference = self.local[:, None] - self.local
+        np.fill_diagonal(difference, 1.0)
+        matrix = self.weights / self.weights[:, None] / difference
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return np.asarray(matrix / self.width)
+
+    def last_coefficients(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Sizes of the last Chebyshev coefficient and the one before; last axis is the nodes'."""
+        n = self.nodes
+        k = np.arange(n)
+        halves = np.where((k == 0) | (k == n - 1), 0.5, 1.0)
+        last = np.abs(values @ (halves * np.cos(math.pi * k) / (n - 1)))
+        before = np.abs(values @ (halves * np.cos(math.pi * k * (n - 2) / (n - 1)) * 2 / (n - 1)))
+        return last, before
+
+    def kernel(
+        self, law: CollisionLaw, harmonics: list[int], rate: float | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The collision term of each harmonic m: (1 - E[cos(m chi) .(X - xi)]) on a panel.
+
+        Returns the loss of a panel on itself, (n_m, nodes, nodes), and the gain from the panels
+        below it, farthest first, (n_m, nodes, reach * nodes). ``rate`` is how fast functions vary
+        in X, the number of nodes by default.
+        """
+        q = law.quadrature_for(float(self.nodes) if rate is None else rate, max(harmonics))
+        n = self.nodes
+        shift = q.log_loss / self.width
+        local = self.local[:, None] - shift
+        below = np.maximum(np.ceil(-local), 0.0).astype(int)
+        rows = self.rows((local + below).ravel()).reshape(n, -1, n)
+        cosine = np.stack([q.harmonic(m) for m in harmonics])
+        reach = int(below.max())
+        gain = np.zeros((len(harmonics), n, reach, n))
+        for k in range(1, reach + 1):
+            used = np.nonzero((below == k).any(axis=0))[0]
+            weight = np.where(below[:, used] == k, q.weight[used], 0.0)
+            gain[:, :, reach - k] = self._mean(cosine[:, used], weight, rows[:, used])
+        # 1 - (gain from the panel itself) without cancellation, for e near 1: the off-diagonal
+        # entries are accurate relative to themselves, and rows of the interpolation sum to 1
+        inside = np.where(below == 0, q.weight, 0.0)
+        own = np.eye(n, dtype=bool)[:, None, :]
+        off = np.where(own, 0.0, self._close_rows(shift, local, rows))
+        loss = -self._mean(cosine, inside, off)
+        left = off.sum(axis=2)
+        half = np.stack([np.sin(0.5 * m * np.arccos(q.cosine)) for m in harmonics])
+        diagonal = np.einsum("mk,ik->mi", 2.0 * half**2, inside)
+        diagonal += np.einsum("mk,ik->mi", cosine, inside * left)
+        diagonal += np.where(below > 0, q.weight, 0.0).sum(axis=1)
+        loss[:, np.arange(n), np.arange(n)] = diagonal
+        return loss, gain.reshape(len(harmonics), n, reach * n)
+
+    @staticmethod
+    def _mean(cosine: FloatArray, weight: FloatArray, rows: FloatArray) -> FloatArray:
+        """Sum over k of cosine (m, k) weight (i, k) rows (i, k, j): (m, i, j)."""
+        return np.tensordot(cosine, weight[:, :, None] * rows, axes=(1, 1))
+
+    def _close_rows(self, shift: FloatArray, local: FloatArray, rows: FloatArray) -> FloatArray:
+        """Off-diagonal interpolation weights, accurate where a point is close to its own node."""
+        if float(shift.min()) > _CLOSE:
+            return rows
+        n = self.nodes
+        distance = local[:, :, None] - self.local
+        own = np.eye(n, dtype=bool)[:, None, :]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            terms = np.where(own, 0.0, self.weights / np.where(own, 1.0, distance))
+            # -shift/(own weight) times the usual barycentric quotient
+            scaled = -shift[None, :, None] * terms
+            total = self.weights[:, None, None] + scaled.sum(axis=2, keepdims=True)
+            accurate = scaled / total
+        use = np.isfinite(accurate) & (shift < _CLOSE)[None, :, None]
+        return np.where(use, accurate, rows)
