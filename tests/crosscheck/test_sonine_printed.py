@@ -40,7 +40,7 @@ def test_below_the_threshold_there_is_no_value() -> None:
 
 
 def test_an_unknown_root_is_refused() -> None:
-    with pytest.raises(ValueError, match="root must be"):
+    with pytest.raises(ValueError, match="root: got 'upper'; it must be"):
         sonine.a2(0.7, "upper")
 
 

@@ -1,0 +1,126 @@
+"""The scaled position distribution G(R) of Section 3.3, as printed and as corrected.
+
+R = r/sqrt(<r^2>) is dimensionless and G a radial density: the integral of G over R >= 0 would be 1
+and that of R^2 G too. eta and gamma are the paper's fit parameters. Far out every form is 0 in
+double precision, without overflow on the way.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics.sonine._checks import Array, not_negative, positive
+
+TAIL_ETA = 0.25
+"""eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""
+
+TAIL_GAMMA = 7.39
+"""gamma of the same fit; the integral itself gives 2 (see :func:`position_steepest_descent`)."""
+
+PEAK_ETA = 0.75
+"""eta of the paper's fit to the peak of G(R) (eq. peakg)."""
+
+PEAK_SPEED = 1 / math.sqrt(2)
+"""Most probable scaled speed of the Gaussian, the V of eq. peakg."""
+
+
+def displacement_density(
+    distance: ArrayLike, diffusion_integral: ArrayLike, as_printed: bool = True
+) -> Array:
+    """g(r, t) of one hopping speed (eq. normg), in 1/d; normalised over r.
+
+    ``diffusion_integral`` is the integral of D_e from 0 to t, in d^2. The printed Gaussian has
+    <r^2> = 8 times that; with ``as_printed=False`` it has the 4 times of the diffusion equation.
+    """
+    r = not_negative("distance", distance)
+    width = (4 if as_printed else 2) * positive("diffusion_integral", diffusion_integral)
+    return _rayleigh(r, width)
+
+
+def _rayleigh(x: Array, width: Array) -> Array:
+    """x/width exp(-x^2/(2 width))."""
+    scaled = x / np.sqrt(width)
+    with np.errstate(under="ignore", over="ignore"):
+        return scaled / np.sqrt(width) * np.exp(-np.square(scaled) / 2)
+
+
+def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> Array:
+    """G(R, V) of one hopping speed V (eqs. posivel, peakg), normalised over R."""
+    width = positive("eta", eta) * positive("speed", speed) ** 2
+    return _rayleigh(not_negative("r", r), width)
+
+
+def position_peak(r: ArrayLike, eta: ArrayLike = PEAK_ETA, speed: ArrayLike = PEAK_SPEED) -> Array:
+    """G(R) near its peak (eq. peakg), by default with the paper's eta and V = 1/sqrt(2)."""
+    return position_given_speed(r, eta, speed)
+
+
+def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
+    """G(R) of eq. gdefi, the integral over V done: (2R/eta) K0(R sqrt(2/eta)).
+
+    Normalised over R for every eta; <R^2> = 2 eta, so that eta = 1/2 leaves nothing to fit.
+    """
+    from scipy.special import k0
+
+    x, width = not_negative("r", r), positive("eta", eta)
+    argument = x * np.sqrt(2 / width)
+    inside = argument > 0
+    with np.errstate(under="ignore"):
+        bessel = 2 * x / width * k0(np.where(inside, argument, 1.0))
+    return np.where(inside, bessel, 0.0)
+
+
+def position_exponent(r: ArrayLike, speed: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
+    """p(V, R) = ln V/R^2 + V^2/R^2 + 1/(2 eta V^2) (eq. pdefi), for R > 0 and V > 0."""
+    square, v = positive("r", r) ** 2, positive("speed", speed)
+    return np.log(v) / square + v**2 / square + 1 / (2 * positive("eta", eta) * v**2)
+
+
+def position_saddle(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
+    """V*(R), the minimum of p(V, R) over V (eq. csolu)."""
+    return np.sqrt(_saddle_squared(not_negative("r", r), positive("eta", eta)))
+
+
+def _saddle_squared(x: Array, eta: Array) -> Array:
+    """w = V*^2 = (sqrt(1 + 8 R^2/eta) - 1)/4, without cancellation and without overflow."""
+    scaled = x * np.sqrt(8 / eta)
+    return scaled / 4 * (scaled / (1 + np.hypot(1, scaled)))
+
+
+def position_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TAIL_GAMMA) -> Array:
+    """G(R) by steepest descent (eqs. pdefi, csolu, tailg) times the fitted gamma (eq. gammatailg).
+
+    gamma = 1 gives eq. tailg. The defaults are the paper's fit.
+    """
+    x, width = not_negative("r", r), positive("eta", eta)
+    factor = 2 * positive("gamma", gamma) / width
+    # On the saddle R^2 = eta (w + 2 w^2), so that R^2 p = ln(w)/2 + 2 w + 1/2 and
+    # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''.
+    w = _saddle_squared(x, width)
+    with np.errstate(under="ignore"):
+        return factor * x * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
+
+
+def position_steepest_descent(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
+    """G(R) by steepest descent, corrected: the Gaussian integral is twice what tailg prints.
+
+    That is eq. gammatailg with gamma = 2, for every eta; it tends to :func:`position_integral` far
+    out, and <R^2> = 1 wants eta = 1/2 there.
+    """
+    return position_tail(r, eta, 2.0)
+
+
+def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
+    """G(R) in the limit of large R (eq. semig), as printed."""
+    x, width = not_negative("r", r), positive("eta", eta)
+    with np.errstate(under="ignore"):
+        prefactor = np.sqrt(math.pi * x / (2 * math.sqrt(2) * width**1.5))
+        return prefactor * np.exp(-np.sqrt(2 / width) * x)
+
+
+def position_far_tail_corrected(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
+    """The same with its Gaussian integral put right: twice eq. semig, the limit of K0."""
+    return 2 * position_far_tail(r, eta)
