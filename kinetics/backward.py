@@ -60,22 +60,59 @@ class Observable:
     harmonic : m
     constant : source that does not depend on X
     sources : (factor, observable) pairs that drive it
+    growth : late, it is a polynomial of this degree in ln T; 1 or 2
     """
 
     degree: float = 0.0
     harmonic: int = 0
     constant: float = 0.0
     sources: tuple[tuple[float, Observable], ...] = ()
+    growth: int = 1
 
 
 MEAN_COLLISIONS = Observable(constant=1.0)
 DISPLACEMENT_ALONG_START = Observable(harmonic=1, constant=1.0)
 SQUARED_DISPLACEMENT = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
+# <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/scattering.py)
+_SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
+_THIRD_ORDER = Observable(
+    harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
+)
+QUARTIC_DISPLACEMENT = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
     """v^p cos(m (phi - phi_0))."""
     return Observable(degree=p, harmonic=harmonic)
+
+
+# d r^2/d ln t, driven by the velocity along the start
+MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),))
+
+
+def moment_series(
+    law: CollisionLaw, y: Observable, known: dict[Observable, FloatArray] | None = None
+) -> FloatArray:
+    """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,).
+
+    ``known`` keeps what was found on the way.
+    """
+    known = {} if known is None else known
+    if y in known:
+        return known[y]
+    driven = y.constant != 0.0 or bool(y.sources)
+    sources = [(factor, moment_series(law, other, known)) for factor, other in y.sources]
+    a = np.zeros(_TERMS + 1)
+    if not driven:
+        a[0] = 1.0
+    for k in range(_TERMS):
+        drive = y.constant if k == 0 else 0.0
+        drive += sum(factor * s[k] for factor, s in sources)
+        # at e = 0 the decay of T^0 needs no average: nothing is driven at degree 0 then
+        loss = a[k] * law.harmonic_decay_rate(y.degree + k, y.harmonic) if a[k] else 0.0
+        a[k + 1] = (drive - loss) / (k + 1.0)
+    known[y] = a
+    return a
 
 
 @dataclass(frozen=True)
@@ -102,6 +139,7 @@ class BackwardEquation:
     highest: float
     nodes: int
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
+    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -124,26 +162,11 @@ class BackwardEquation:
 
     # -- solution -----------------------------------------------------------------------------
 
-    def _series(self, y: Observable) -> FloatArray:
-        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy."""
-        driven = y.constant != 0.0 or bool(y.sources)
-        sources = [(factor, self._series(other)) for factor, other in y.sources]
-        a = np.zeros(_TERMS + 1)
-        if not driven:
-            a[0] = 1.0
-        for k in range(_TERMS):
-            drive = y.constant if k == 0 else 0.0
-            drive += sum(factor * s[k] for factor, s in sources)
-            # at e = 0 the decay of T^0 needs no average: nothing is driven at degree 0 then
-            loss = a[k] * self.law.harmonic_decay_rate(y.degree + k, y.harmonic) if a[k] else 0.0
-            a[k + 1] = (drive - loss) / (k + 1.0)
-        return a
-
     def _solve(self, y: Observable) -> _Panels:
         if y in self._solved:
             return self._solved[y]
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = self._series(y)
+        series = moment_series(self.law, y, self._series)
         loss, gain = self._kernel(y.harmonic)
         n = self.nodes
         reach = gain.shape[1] // n
@@ -206,11 +229,14 @@ class BackwardEquation:
                 np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
             )
 
-    def reduced(self, observable: Observable, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """y T^-p where X = x is below the panels, y elsewhere; NaN where the other one holds.
+    def reduced(
+        self, observable: Observable, x: FloatArray, leading: int = 0
+    ) -> tuple[FloatArray, FloatArray]:
+        """y T^-(p + leading) where X = x is below the panels, y elsewhere; NaN where not.
 
-        Below the panels by the power series, above them on the asymptote, linear in X. Apart,
-        because T^p alone may overflow. x of any shape, -inf allowed.
+        Below the panels by the power series, whose first ``leading`` terms must vanish; above
+        them on the asymptote, linear or quadratic in X. Apart, because T^p alone may overflow. x
+        of any shape, -inf allowed.
         """
         panels = self._solve(observable)
         flat = x.ravel()
@@ -218,13 +244,23 @@ class BackwardEquation:
         low = level < 0.0
         small = np.full(flat.shape, np.nan)
         large = np.full(flat.shape, np.nan)
-        small[low] = np.polynomial.polynomial.polyval(np.exp(flat[low]), panels.series)
+        series = panels.series[leading:]
+        small[low] = np.polynomial.polynomial.polyval(np.exp(flat[low]), series)
         inside = level[~low]
         index = np.minimum(inside.astype(int), self.count - 1)
         rows = self.rule.rows(np.minimum(inside - index, 1.0))
         value = np.einsum("ij,ij->i", rows, panels.values[index])
         beyond = inside > self.count
-        last = panels.values[-1]
-        value[beyond] = last[-1] + (last[-1] - last[0]) * (inside[beyond] - self.count)
+        value[beyond] = self._asymptote(panels.values, observable.growth, inside[beyond])
         large[~low] = value
         return small.reshape(x.shape), large.reshape(x.shape)
+
+    def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
+        """The polynomial in X through the ends of the last panels, at X in panels."""
+        ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
+        first = ends[0] - ends[1]
+        u = level - self.count
+        if growth < 2 or values.shape[0] <= 3:
+            return np.asarray(ends[0] + first * u)
+        second = ends[0] - 2.0 * ends[1] + ends[2]
+        return np.asarray(ends[0] + first * u + 0.5 * second * u * (u + 1.0))

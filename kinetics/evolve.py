@@ -107,12 +107,20 @@ class Averages:
                 kept = kept * np.exp(-nu * np.exp(found.x + self.log_stretch[:, None]))
         return np.asarray(kept @ found.weight)
 
-    def average(self, y: Observable) -> NDArray[Any]:
-        """<y>/v_ref^p exp(-i m phi), lengths in l; for e < 1, shape (n_times,)."""
-        found = self.measure(y.harmonic)
+    def average(
+        self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
+    ) -> NDArray[Any]:
+        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading; e < 1.
+
+        Lengths in l, v_first the root mean square of the initial speeds, shape (n_times,). m is
+        the harmonic of y by default; ``leading`` takes the T^leading out with which y begins.
+        """
+        found = self.measure(y.harmonic if m is None else m)
         if found is None:
             return np.zeros(self.times.shape)
-        x, w, p = found.x, found.weight, y.degree
+        x, w, p = found.x, found.weight, y.degree + leading
+        if start:
+            w = w * np.exp(start * (x - 0.5 * self.speeds.log_second_moment()))
         out = np.empty(self.times.shape, dtype=w.dtype)
         # in pieces of the time axis, so that memory stays flat
         piece = max(1, 200_000 // x.size)
@@ -120,10 +128,10 @@ class Averages:
             part = slice(first, first + piece)
             stretch = self.log_stretch[part, None]
             reference = self.log_reference[part, None]
-            small, large = self.equation.reduced(y, x + stretch)
+            small, large = self.equation.reduced(y, x + stretch, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
-                start = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
+                early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
                 late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
-            out[part] = (start + late) @ w
+            out[part] = (early + late) @ w
         return out

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.backward import MEAN_COLLISIONS, SQUARED_DISPLACEMENT, speed_power
+from kinetics import position
+from kinetics.backward import MEAN_COLLISIONS, Observable, speed_power
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, check_rtol, short
 from kinetics.evolve import Averages
-from kinetics.position import mean_square_displacement
 from kinetics.profile import Profile
 from kinetics.scaled import SolverStatus
 from kinetics.scene import Scene
@@ -92,7 +92,7 @@ def solve(
     return Solution(
         scene=scene,
         rtol=rtol,
-        values={name: values[name] for name in scene.outputs if name in values},
+        values=values,
         status=SolverStatus.CONVERGED
         if error <= rtol * (1.0 + 1e-9)
         else SolverStatus.TOLERANCE_NOT_REACHED,
@@ -156,7 +156,16 @@ def _means(
     if "collisions" in wanted:
         values["collisions"] = _collisions(averages)
     if "msd" in wanted:
-        values["msd"] = mean_square_displacement(averages)
+        values["msd"] = position.mean_square_displacement(averages)
+    if "kurtosis" in wanted:
+        values["kurtosis"] = position.kurtosis(averages)
+    if "velocity_autocorrelation" in wanted:
+        values["velocity_autocorrelation"] = position.velocity_autocorrelation(averages)
+    if "diffusion_coefficient" in wanted:
+        found = position.diffusion_coefficient(averages)
+        values["diffusion_coefficient"], values["msd_slope"] = found
+    if "mean_displacement" in wanted:
+        values["mean_displacement"] = position.mean_displacement(averages)
     return values
 
 
@@ -236,6 +245,11 @@ def _any_power(scene: Scene, law: CollisionLaw, p: float, m: int, rtol: float) -
     return _in_range(f"<v^{p:g}>", found)
 
 
+def _moments_of_position(wanted: set[str]) -> list[Observable]:
+    named = [y for name in sorted(wanted) for y in position.OBSERVABLES.get(name, ())]
+    return list(dict.fromkeys(named))
+
+
 def _error(
     averages: Averages,
     wanted: set[str],
@@ -247,7 +261,7 @@ def _error(
     if not averages.elastic:
         asked = [speed_power(p, m) for p, m in pairs if averages.measure(m) is not None]
         asked += [MEAN_COLLISIONS] if "collisions" in wanted else []
-        asked += [SQUARED_DISPLACEMENT] if "msd" in wanted else []
+        asked += _moments_of_position(wanted)
         estimates += [averages.equation.error_estimate(y) for y in asked]
     return max(estimates)
 
@@ -276,7 +290,7 @@ def _plan(
         PlanStep("moments of the velocity", bool(pairs) and cools, why),
         PlanStep("initial state", True, f"{count} weighted speeds stand for it"),
         PlanStep("collision number", "collisions" in wanted, _asked("collisions", wanted)),
-        PlanStep("displacement", "msd" in wanted, _asked("msd", wanted)),
+        PlanStep("displacement", *_displacement_plan(averages, wanted)),
         PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         PlanStep(
             "densities",
@@ -284,6 +298,15 @@ def _plan(
             f"{len(profiles)} harmonics, {', '.join(kinds)}" if profiles else "not asked for",
         ),
     )
+
+
+def _displacement_plan(averages: Averages, wanted: set[str]) -> tuple[bool, str]:
+    names = [name for name in position.OBSERVABLES if name in wanted]
+    if not names:
+        return False, "not asked for"
+    count = len(_moments_of_position(wanted))
+    how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
+    return True, f"{', '.join(names)}: {how}"
 
 
 def _asked(name: str, wanted: set[str]) -> str:
