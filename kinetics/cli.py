@@ -5,15 +5,12 @@ import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from kinetics.crosscheck.bench.command import bench
 from kinetics.crosscheck.stress.command import stress
-
-if TYPE_CHECKING:
-    import numpy as np
 
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
@@ -242,6 +239,19 @@ def solve(
 @restitution_option
 @density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
+@click.option(
+    "--box",
+    type=click.Choice(["periodic", "none"]),
+    default="periodic",
+    help="A periodic box, or the unbounded plane, made where a tracer goes.",
+)
+@click.option(
+    "--positions",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="CSV",
+    help="Scatterers where this file says: columns x and y. Needs --box-side.",
+)
+@click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @click.option("--media", type=int, default=100, help="Configurations of scatterers.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @click.option(
@@ -249,81 +259,33 @@ def solve(
 )
 @initial_option
 @times_option
+@click.option(
+    "--observables",
+    default="",
+    metavar="NAMES",
+    help="What to save beside the averages, separated by commas: speed_histogram, "
+    "velocity_component_histogram, displacement_histogram, free_path_histogram, positions, "
+    "velocities, finals.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="HDF5",
+    help="Save here, configuration by configuration.",
+)
+@click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @seed_option
 @workers_option
 @json_option
-def simulate(
-    medium: str,
-    restitution: float,
-    number_density: float,
-    count: int,
-    media: int,
-    tracers: int,
-    max_collisions: int | None,
-    initial: Any,
-    times: tuple[float, ...],
-    seed: int,
-    workers: int | None,
-    as_json: bool,
-) -> None:
-    """Follow particles from collision to collision; every estimate with its standard error."""
-    from kinetics.crosscheck.text import columns
-    from particles import BoltzmannGrad, HardDisks, Medium, Poisson
-    from particles import simulate as simulate_particles
+def simulate(**arguments: Any) -> None:
+    """Follow particles from collision to collision; every estimate with its standard error.
 
-    scatterers: Medium
-    if medium == "boltzmann-grad":
-        scatterers = BoltzmannGrad(number_density)
-    else:
-        scatterers = (HardDisks if medium == "hard-disks" else Poisson)(number_density, count)
-    with _Bar(media) as tell:
-        run = simulate_particles(
-            scatterers,
-            restitution=restitution,
-            initial=initial,
-            times=times,
-            media=media,
-            tracers=tracers,
-            max_collisions=max_collisions,
-            seed=seed,
-            workers=workers,
-            progress=lambda done, total: tell("configurations") if done else None,
-        )
-    names = ("thermal_speed", "a2", "msd", "collisions")
-    estimates = {name: getattr(run, name) for name in names}
-    statuses = {
-        name: getattr(run.statuses, name)
-        for name in ("finished", "collision_cap", "trapped", "escaped")
-    }
-    if as_json:
-        _print_json(
-            {
-                "medium": medium,
-                "restitution": restitution,
-                "number_density": number_density,
-                "initial": initial,
-                "media": media,
-                "tracers": tracers,
-                "seed": seed,
-                "statuses": statuses,
-                "times": run.times,
-                "samples": run.samples,
-                "mean_free_path": _value_and_error(run.mean_free_path),
-                **{name: _value_and_error(estimate) for name, estimate in estimates.items()},
-            }
-        )
-    else:
-        heads = ["t [d/U]"]
-        values: list[np.ndarray] = [run.times]
-        for head, estimate in zip(
-            ("v0 [U]", "a2", "<r^2> [d^2]", "collisions"), estimates.values(), strict=True
-        ):
-            heads += [head, "+-"]
-            values += [estimate.value, estimate.error]
-        click.echo(columns(heads, values))
-        path = run.mean_free_path
-        click.echo(f"mean free path: {path.value:.6g} +- {path.error:.2g} d")
-        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in statuses.items()))
+    With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
+    """
+    from kinetics.crosscheck.simulate_command import run_simulation
+
+    run_simulation(**arguments)
 
 
 @cli.command(short_help="Re-derive the paper's equations with sympy.")
@@ -355,10 +317,6 @@ def derive(only: str | None, latex: Path | None, as_json: bool) -> None:
         for check in checks:
             counts[check.status] = counts.get(check.status, 0) + 1
         click.echo(", ".join(f"{n} {status}" for status, n in counts.items()))
-
-
-def _value_and_error(estimate: Any) -> dict[str, Any]:
-    return {"value": estimate.value, "error": estimate.error}
 
 
 def _print_json(document: Any) -> None:

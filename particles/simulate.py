@@ -47,13 +47,14 @@ def simulate(
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
 
-    output: file that the run is saved to as it goes on (layout: particles.storage), in whole
-        configurations, written beside it and renamed; it may be killed at any moment. Saving takes
-        a tenth of the time at most. The file must not exist unless resume is True; then the
-        run goes on from it, to the same bits as one that was never stopped.
+    output: file that the run is saved to (layout: particles.storage). Each configuration is saved
+        when it is done, whole or not at all, in `<output>.journal` (particles.journal) until the
+        file itself is written again, beside it and renamed; the run may be killed at any moment.
+        The file must not exist unless resume is True; then the run goes on from it, to the same
+        bits as one that was never stopped.
 
     Raises ValueError for bad input, where the disks cannot be placed, and for an output that
-    exists (without resume), is damaged, or holds another run; it is left as it was.
+    exists (without resume), is damaged, in use, or holds another run; it is left as it was.
     """
     plan = make_plan(
         medium, restitution, initial, times, media, tracers, max_collisions, seed, observables
@@ -62,24 +63,27 @@ def simulate(
     totals = Totals(plan)
     saver = None
     if output is not None:
-        from particles.storage import Saver
+        from particles.saving import Saver
 
         saver = Saver(output, plan)
         totals = saver.begin(resume)
     elif resume:
         raise ValueError("resume = True: needs output, the file to go on from")
-    if progress is not None:
-        progress(totals.configurations, plan.media)
     try:
+        if progress is not None:
+            progress(totals.configurations, plan.media)
         for tally in run(plan, range(totals.configurations, plan.media), workers, executor):
             totals.add(tally)
             if saver is not None:
-                saver.offer(totals)
+                saver.add(tally, totals)
             if progress is not None:
                 progress(totals.configurations, plan.media)
-    finally:
+    except BaseException:
         if saver is not None:
-            saver.finish(totals)
+            saver.stop()
+        raise
+    if saver is not None:
+        saver.finish(totals)
     return totals.ensemble()
 
 

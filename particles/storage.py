@@ -17,12 +17,13 @@ unit the user's arguments were in.
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
     raw/<name>                      as the attributes of Ensemble, in d and U
+
+A run that is under way has a journal beside its file: particles.journal.
 """
 
 import hashlib
 import json
 import os
-import time
 from dataclasses import fields
 from os import PathLike
 from typing import Any
@@ -31,13 +32,10 @@ import h5py
 import numpy as np
 
 from particles.configuration import Plan
-from particles.ensemble import Totals
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
 
 FORMAT = "inelastic-lorentz particles"
 VERSION = 1
-# Saving may take this share of the time between saves.
-SAVING = 0.1
 
 _MEDIA: dict[str, type] = {m.__name__: m for m in (HardDisks, Poisson, BoltzmannGrad, Positions)}
 _UNITS = {
@@ -104,6 +102,12 @@ def _digest(text: str, done: int, arrays: dict[str, np.ndarray]) -> str:
     return total.hexdigest()
 
 
+def plan_digest(plan: Plan) -> bytes:
+    """Return the SHA-256 of a plan, 32 bytes."""
+    text, arrays = _describe(plan)
+    return bytes.fromhex(_digest(text, 0, arrays))
+
+
 def write(path: str | PathLike[str], plan: Plan, arrays: dict[str, np.ndarray], done: int) -> None:
     """Write a run beside `path` and rename it there. Raises ValueError if it cannot be written."""
     target = os.fspath(path)
@@ -122,14 +126,19 @@ def write(path: str | PathLike[str], plan: Plan, arrays: dict[str, np.ndarray], 
         with open(beside, "rb+") as file:
             os.fsync(file.fileno())
         os.replace(beside, target)
-    except OSError as error:
+    except BaseException as error:
+        # Also after an interruption: HDF5 would not open the same file again for the next one.
         if os.path.isfile(beside):
             os.unlink(beside)
-        raise ValueError(f"output = {target!r}: cannot be written ({_reason(error)})") from None
+        if isinstance(error, OSError):
+            raise cannot_write(target, error) from None
+        raise
 
 
-def _reason(error: OSError) -> str:
-    return error.strerror or str(error).splitlines()[0]
+def cannot_write(path: str, error: OSError) -> ValueError:
+    """Return what is said where a file cannot be written."""
+    reason = error.strerror or str(error).splitlines()[0]
+    return ValueError(f"output = {path!r}: cannot be written ({reason})")
 
 
 def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
@@ -168,7 +177,7 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
     return plan, {k: v for k, v in arrays.items() if not k.startswith("plan/")}, done
 
 
-def _same(plan: Plan, found: Plan) -> str:
+def difference(plan: Plan, found: Plan) -> str:
     """Return the name of an argument in which two plans differ, or an empty string."""
     text, arrays = _describe(plan)
     other_text, other_arrays = _describe(found)
@@ -181,45 +190,3 @@ def _same(plan: Plan, found: Plan) -> str:
         if a is None or b is None or a.shape != b.shape or a.tobytes() != b.tobytes():
             return f"other {name.removeprefix('plan/')}"
     return ""
-
-
-class Saver:
-    """Saves a run to its file as it goes on."""
-
-    def __init__(self, path: str | PathLike[str], plan: Plan) -> None:
-        self.path = os.fspath(path)
-        self.plan = plan
-        self._saved = -1
-        self._next = 0.0
-
-    def begin(self, resume: bool) -> Totals:
-        """Return the totals to go on from, and make sure that the file can be written."""
-        totals = Totals(self.plan)
-        if os.path.exists(self.path):
-            if not resume:
-                raise ValueError(f"output = {self.path!r}: exists; resume=True would go on from it")
-            found, arrays, done = read(self.path)
-            if difference := _same(self.plan, found):
-                raise ValueError(f"output = {self.path!r}: holds another run, with {difference}")
-            totals = Totals.restore(self.plan, arrays)
-            self._saved = done
-        else:
-            self._save(totals)
-        return totals
-
-    def offer(self, totals: Totals) -> None:
-        """Save, unless the last time is too short ago for what it took."""
-        if time.monotonic() >= self._next:
-            self._save(totals)
-
-    def finish(self, totals: Totals) -> None:
-        """Save what has not been saved."""
-        if totals.configurations > self._saved:
-            self._save(totals)
-
-    def _save(self, totals: Totals) -> None:
-        began = time.monotonic()
-        write(self.path, self.plan, totals.arrays(), totals.configurations)
-        self._saved = totals.configurations
-        ended = time.monotonic()
-        self._next = ended + (ended - began) / SAVING

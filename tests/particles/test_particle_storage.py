@@ -147,7 +147,7 @@ def refused(path: Path, message: str, **changes: object) -> None:
 
 
 def test_an_existing_file_is_not_overwritten(half_a_run: Path) -> None:
-    refused(half_a_run, "exists; resume=True would go on", resume=False)
+    refused(half_a_run, r"exists; resume=True \(--resume\) would go on", resume=False)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,171 @@
+"""The journal of a run: each configuration as it is done, appended to a file beside the run's own.
+
+A run's file (particles.storage) is only ever written whole, which takes the longer the more it
+holds, so not every configuration can have it written again. In between, each configuration becomes
+one record of `<file>.journal`, handed to the system in one piece before the run goes on; when the
+file has been written, the journal is emptied, and when the run ends, removed.
+
+Layout: HEAD; SHA-256 of the plan (32 bytes); records. A record is the length of its contents
+(8 bytes, little-endian), the CRC-32 of these 8 bytes (4 bytes), the SHA-256 of the contents
+(32 bytes), the contents: one line of JSON, which names the configuration and its arrays with their
+types and shapes, and then the arrays.
+
+A process that is killed while it appends leaves the beginning of a record at the end of the file.
+That is cut off: its configuration is run again, to the same bits. Anything else that is not as it
+was written is damage, and refused. Against a loss of power only the run's own file is made safe:
+records are not forced to the disk.
+"""
+
+import json
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from hashlib import sha256
+from io import FileIO
+
+import numpy as np
+
+from particles.configuration import Tally
+
+try:
+    import fcntl
+except ImportError:  # pragma: no cover - Windows: nothing keeps two runs from one file
+    fcntl = None  # type: ignore[assignment]
+
+HEAD = b"inelastic-lorentz particles journal 1\n"
+_LENGTH = struct.Struct("<QI")
+_DIGEST = 32
+
+
+class Journal:
+    """The journal of the run whose file is `target`.
+
+    plan: SHA-256 of the plan. `open` must come first. Methods raise ValueError where the journal
+    is damaged, foreign or in use, OSError where it cannot be written.
+    """
+
+    def __init__(self, target: str, plan: bytes) -> None:
+        self.path = f"{target}.journal"
+        self._head = HEAD + plan
+        self._file: FileIO | None = None
+
+    def open(self) -> None:
+        """Open it, made if it is not there, and keep other processes from doing the same."""
+        # Not buffered: what an interruption leaves unwritten must not follow later.
+        file = open(self.path, "a+b", buffering=0)  # noqa: SIM115 - closed by `close`
+        if fcntl is not None:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                file.close()
+                raise ValueError(f"{self.path}: another process is at this run") from None
+        self._file = file
+
+    def close(self) -> None:
+        """Close it; what it holds stays."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def recover(self, done: int) -> list[Tally]:
+        """Return the tallies from configuration `done` on; nothing is changed if this raises."""
+        file = self._opened
+        file.seek(0)
+        head = file.read(len(self._head))
+        tallies: list[Tally] = []
+        if head != self._head:
+            if not self._head.startswith(head):
+                what = "belongs to another run" if head.startswith(HEAD) else "is not a journal"
+                raise ValueError(f"{self.path}: {what}; nothing was changed")
+            self.clear()
+            return tallies
+        end = file.tell()
+        for tally, end in self._records(file):  # noqa: B007 - the last end is used
+            # What was done before the run's file was written: killed before it could be emptied.
+            if tally.configuration < done:
+                continue
+            if tally.configuration != done + len(tallies):
+                raise self._damaged(f"configuration {done + len(tallies)} is not in it")
+            tallies.append(tally)
+        file.truncate(end)
+        return tallies
+
+    def append(self, tally: Tally) -> None:
+        """Append the next configuration."""
+        contents = _pack(tally)
+        length = len(contents).to_bytes(8, "little")
+        head = length + zlib.crc32(length).to_bytes(4, "little") + sha256(contents).digest()
+        self._write(head + contents)
+
+    def clear(self) -> None:
+        """Leave the head alone in it."""
+        self._opened.truncate(0)
+        self._write(self._head)
+
+    def remove(self) -> None:
+        """Remove it from the disk."""
+        os.unlink(self.path)
+        self.close()
+
+    @property
+    def _opened(self) -> FileIO:
+        if self._file is None:
+            raise RuntimeError("the journal is not open")
+        return self._file
+
+    def _write(self, data: bytes) -> None:
+        rest = memoryview(data)
+        while rest:
+            rest = rest[self._opened.write(rest) :]
+
+    def _records(self, file: FileIO) -> Iterator[tuple[Tally, int]]:
+        """Yield each whole record's tally and where the record ends."""
+        while len(head := file.read(_LENGTH.size)) == _LENGTH.size:
+            length, check = _LENGTH.unpack(head)
+            if zlib.crc32(head[:8]) != check:
+                raise self._damaged(f"at byte {file.tell() - len(head)}")
+            digest, contents = file.read(_DIGEST), file.read(length)
+            if len(digest) < _DIGEST or len(contents) < length:
+                return
+            if sha256(contents).digest() != digest:
+                raise self._damaged(f"at byte {file.tell() - length}")
+            yield _unpack(contents), file.tell()
+
+    def _damaged(self, how: str) -> ValueError:
+        return ValueError(
+            f"{self.path}: is damaged ({how}); without it, the run goes on from its own file"
+        )
+
+
+def _pack(tally: Tally) -> bytes:
+    arrays = {
+        "moments": tally.moments,
+        "totals": tally.totals,
+        "statuses": tally.statuses,
+        "traps": tally.traps,
+        **{f"histograms/{name}": array for name, array in tally.histograms.items()},
+        **{f"raw/{name}": array for name, array in tally.raw.items()},
+    }
+    shapes = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
+    line = json.dumps({"configuration": tally.configuration, "arrays": shapes})
+    return b"".join([line.encode(), b"\n", *(array.tobytes() for array in arrays.values())])
+
+
+def _unpack(contents: bytes) -> Tally:
+    line, _, rest = contents.partition(b"\n")
+    described = json.loads(line)
+    arrays: dict[str, dict[str, np.ndarray]] = {"": {}, "histograms": {}, "raw": {}}
+    at = 0
+    for name, kind, shape in described["arrays"]:
+        count = int(np.prod(shape))
+        array = np.frombuffer(rest, kind, count, at).reshape(shape)
+        group, _, own = name.rpartition("/")
+        arrays[group][own] = array
+        at += array.nbytes
+    return Tally(
+        described["configuration"],
+        **arrays[""],
+        histograms=arrays["histograms"],
+        raw=arrays["raw"],
+    )

@@ -1,0 +1,133 @@
+"""lorentz simulate: saved runs, media, starts."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinetics import cli
+from particles import Ensemble, HardDisks, simulate
+
+
+@pytest.fixture(autouse=True)
+def _keep_the_signal_handler() -> object:
+    before = signal.getsignal(signal.SIGTERM)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
+def arrays(path: Path) -> dict[str, bytes]:
+    return {name: array.tobytes() for name, array in Ensemble.load(path).arrays.items()}
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert cli.main(["simulate", *arguments]) == cli.BAD_INPUT
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("lorentz: ")
+    assert err.count("\n") == 1
+    return err
+
+
+RUN = (
+    "-m", "kinetics.cli", "simulate", "--count", "400", "--media", "3000", "--tracers", "5",
+    "-e", "0.9", "--times", "1,1000", "--observables", "free_path_histogram", "--json",
+)  # fmt: skip
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_a_killed_run_is_resumed_to_the_same_bits(tmp_path: Path) -> None:
+    command = [sys.executable, *RUN, "--output"]
+    journal = tmp_path / "a.h5.journal"
+    for k in range(3):
+        process = subprocess.Popen(
+            [*command, "a.h5", "--resume"], cwd=tmp_path, stdout=subprocess.DEVNULL
+        )
+        while process.poll() is None and not (journal.exists() and journal.stat().st_size > 200):
+            time.sleep(0.002)
+        time.sleep(0.03 * k)
+        process.send_signal(signal.SIGKILL)
+        assert process.wait() == -signal.SIGKILL, "it had finished: make the run longer"
+    resumed = subprocess.run([*command, "a.h5", "--resume"], cwd=tmp_path, capture_output=True)
+    whole = subprocess.run([*command, "b.h5", "--workers", "1"], cwd=tmp_path, capture_output=True)
+    assert resumed.returncode == whole.returncode == 0
+    assert resumed.stderr == b""
+    assert resumed.stdout == whole.stdout
+    assert arrays(tmp_path / "a.h5") == arrays(tmp_path / "b.h5")
+    assert sorted(os.listdir(tmp_path)) == ["a.h5", "b.h5"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_leaves_its_file_alone(
+    tmp_path: Path, number: signal.Signals, status: int
+) -> None:
+    process = subprocess.Popen(
+        [sys.executable, *RUN, "--media", "1000000", "-o", "a.h5"],
+        cwd=tmp_path, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
+    )  # fmt: skip
+    journal = tmp_path / "a.h5.journal"
+    while process.poll() is None and not (journal.exists() and journal.stat().st_size > 200):
+        time.sleep(0.01)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err.strip()) == (status, "")
+    assert os.listdir(tmp_path) == ["a.h5"]
+    with pytest.raises(ValueError, match=r"holds [1-9]\d* of 1000000 configurations"):
+        Ensemble.load(tmp_path / "a.h5")
+
+
+def test_the_file_holds_what_python_gives(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    arguments = [
+        "simulate", "-e", "0.6", "--box", "none", "--media", "3", "--tracers", "4",
+        "--times", "1,9", "--initial", "monoenergetic", "--max-collisions", "7", "--seed", "5",
+        "-o", str(path), "--observables", "positions, velocities",
+    ]  # fmt: skip
+    assert cli.main([*arguments, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    expected = simulate(
+        HardDisks(0.04, box=None), 0.6, "monoenergetic", [1, 9], media=3, tracers=4,
+        max_collisions=7, seed=5, observables=["positions", "velocities"],
+    )  # fmt: skip
+    found = Ensemble.load(path)
+    np.testing.assert_array_equal(found.positions, expected.positions)
+    np.testing.assert_array_equal(found.velocities, expected.velocities)
+    assert document["kurtosis"]["value"] == expected.kurtosis.value.tolist()
+    assert document["missing"] == expected.missing.tolist()
+    assert "resume" in refused(capsys, *arguments[1:])
+    before = path.read_bytes()
+    assert "seed = 5, not 6" in refused(capsys, *arguments[1:], "--resume", "--seed", "6")
+    assert path.read_bytes() == before
+    assert cli.main([*arguments, "--resume"]) == 0
+    table = capsys.readouterr().out
+    assert f"{expected.msd.value[1]:.6g}" in table
+    path.write_text("x,y\n1,2\n")
+    assert "is damaged, or not a saved simulation" in refused(capsys, *arguments[1:], "--resume")
+    assert path.read_text() == "x,y\n1,2\n"
+
+
+def test_positions_are_read_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "disks.csv"
+    path.write_text("x,y\n3,3\n1,8\n8,2\n")
+    arguments = ["--positions", str(path), "--media", "2", "--times", "", "--max-collisions", "9"]
+    assert cli.main(["simulate", *arguments, "--box-side", "10", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["number_density"] == 0.03
+    assert document["medium"] == "positions"
+    assert document["statuses"]["collision_cap"] == 200
+    assert cli.main(["simulate", *arguments, "--box-side", "10"]) == 0
+    assert "mean free path" in capsys.readouterr().out
+    assert "--box-side" in refused(capsys, *arguments)
+    assert "box_side = -1" in refused(capsys, *arguments, "--box-side", "-1")
+    assert "times = None" in refused(capsys, "--times", "")
+    assert "resume = True: needs output" in refused(capsys, "--resume")
