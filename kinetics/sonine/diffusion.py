@@ -77,9 +77,8 @@ def msd_of_diffusion(
         )
     times = not_negative("time", time)
     if as_printed:
-        return np.asarray(4 * times * [float(coefficient(float(t))) for t in times.flat]).reshape(
-            times.shape
-        )
+        values = [float(coefficient(float(t))) for t in times.flat]
+        return 4 * times * np.reshape(values, times.shape)
     out = np.empty(times.size)
     order = np.argsort(times, axis=None)
     start = total = 0.0

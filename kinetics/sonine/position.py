@@ -42,9 +42,18 @@ def displacement_density(
 
 def _rayleigh(x: Array, width: Array) -> Array:
     """x/width exp(-x^2/(2 width))."""
-    scaled = x / np.sqrt(width)
-    with np.errstate(under="ignore", over="ignore"):
-        return scaled / np.sqrt(width) * np.exp(-np.square(scaled) / 2)
+    z = _scaled(x, width)
+    with np.errstate(under="ignore"):
+        return z / np.sqrt(width) * np.exp(-np.square(z) / 2)
+
+
+_FAR = 1e100  # every curve is 0 in double precision long before
+
+
+def _scaled(x: Array, eta: Array) -> Array:
+    """z = R/sqrt(eta), no further than _FAR: its square does not overflow."""
+    with np.errstate(over="ignore", under="ignore"):
+        return np.minimum(x / np.sqrt(eta), _FAR)
 
 
 def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> Array:
@@ -65,12 +74,12 @@ def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
     """
     from scipy.special import k0
 
-    x, width = not_negative("r", r), positive("eta", eta)
-    argument = x * np.sqrt(2 / width)
-    inside = argument > 0
+    width = positive("eta", eta)
+    z = _scaled(not_negative("r", r), width)
+    inside = z > np.finfo(float).tiny
     with np.errstate(under="ignore"):
-        bessel = 2 * x / width * k0(np.where(inside, argument, 1.0))
-    return np.where(inside, bessel, 0.0)
+        bessel = z * k0(math.sqrt(2) * np.where(inside, z, 1.0))
+        return np.where(inside, 2 / np.sqrt(width) * bessel, 0.0)
 
 
 def position_exponent(r: ArrayLike, speed: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
@@ -81,13 +90,14 @@ def position_exponent(r: ArrayLike, speed: ArrayLike, eta: ArrayLike = TAIL_ETA)
 
 def position_saddle(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
     """V*(R), the minimum of p(V, R) over V (eq. csolu)."""
-    return np.sqrt(_saddle_squared(not_negative("r", r), positive("eta", eta)))
+    return np.sqrt(_saddle_squared(not_negative("r", r) / np.sqrt(positive("eta", eta))))
 
 
-def _saddle_squared(x: Array, eta: Array) -> Array:
-    """w = V*^2 = (sqrt(1 + 8 R^2/eta) - 1)/4, without cancellation and without overflow."""
-    scaled = x * np.sqrt(8 / eta)
-    return scaled / 4 * (scaled / (1 + np.hypot(1, scaled)))
+def _saddle_squared(z: Array) -> Array:
+    """w = V*^2 = (sqrt(1 + 8 z^2) - 1)/4, z = R/sqrt(eta), without cancellation or overflow."""
+    wide = math.sqrt(8) * z
+    with np.errstate(under="ignore"):
+        return wide / 4 * (wide / (1 + np.hypot(1, wide)))
 
 
 def position_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TAIL_GAMMA) -> Array:
@@ -95,13 +105,14 @@ def position_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TA
 
     gamma = 1 gives eq. tailg. The defaults are the paper's fit.
     """
-    x, width = not_negative("r", r), positive("eta", eta)
-    factor = 2 * positive("gamma", gamma) / width
+    width = positive("eta", eta)
+    z = _scaled(not_negative("r", r), width)
+    factor = 2 * positive("gamma", gamma) / np.sqrt(width)
     # On the saddle R^2 = eta (w + 2 w^2), so that R^2 p = ln(w)/2 + 2 w + 1/2 and
     # R^2 p'' = 8 + 2/w: the square root of w goes with that of p''.
-    w = _saddle_squared(x, width)
+    w = _saddle_squared(z)
     with np.errstate(under="ignore"):
-        return factor * x * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
+        return factor * z * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
 
 
 def position_steepest_descent(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
@@ -115,10 +126,11 @@ def position_steepest_descent(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
 
 def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
     """G(R) in the limit of large R (eq. semig), as printed."""
-    x, width = not_negative("r", r), positive("eta", eta)
+    width = positive("eta", eta)
+    z = _scaled(not_negative("r", r), width)
     with np.errstate(under="ignore"):
-        prefactor = np.sqrt(math.pi * x / (2 * math.sqrt(2) * width**1.5))
-        return prefactor * np.exp(-np.sqrt(2 / width) * x)
+        prefactor = np.sqrt(math.pi * z / (2 * math.sqrt(2))) / np.sqrt(width)
+        return prefactor * np.exp(-math.sqrt(2) * z)
 
 
 def position_far_tail_corrected(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:

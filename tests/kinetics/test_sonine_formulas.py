@@ -1,0 +1,309 @@
+"""The printed predictions: the printed text itself in mpmath, their limits, extremes, bad input."""
+
+import math
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from kinetics import InputError, sonine
+
+RADII = (1e-8, 1e-3, 0.3, 1.0, 4.0, 30.0)
+ETAS = (0.01, 0.25, 0.5, 0.75, 40.0)
+
+
+# -- G(R) -----------------------------------------------------------------------------------------
+
+
+def printed_tail(r: Any, eta: Any) -> tuple[Any, Any]:
+    """Eq. tailg letter by letter, and the integral of the Gaussian that stands before it."""
+    r, eta = mp.mpf(r), mp.mpf(eta)
+
+    def p(v: Any) -> Any:
+        return mp.log(v) / r**2 + v**2 / r**2 + 1 / (2 * eta * v**2)
+
+    saddle = mp.sqrt(-mp.mpf(1) / 4 + mp.sqrt(eta + 8 * r**2) / (4 * mp.sqrt(eta)))
+    bend = mp.diff(p, saddle, 2)
+    height = mp.exp(-p(saddle) * r**2)
+    assert abs(mp.diff(p, saddle) * saddle) < mp.mpf(10) ** -15 * abs(bend) * saddle**2
+    right = 2 / eta * mp.sqrt(mp.pi / (2 * bend)) * height
+    gaussian = 2 / eta * r * height * mp.sqrt(2 * mp.pi / (bend * r**2))
+    return right, gaussian
+
+
+@pytest.mark.parametrize("eta", ETAS)
+def test_the_tail_is_the_printed_one_and_its_correction_the_gaussian_integral(eta: float) -> None:
+    with mp.workdps(60):
+        pairs = [printed_tail(r, eta) for r in RADII]
+    np.testing.assert_allclose(
+        sonine.position_tail(RADII, eta, 1.0), [float(a) for a, _ in pairs], rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        sonine.position_steepest_descent(RADII, eta), [float(b) for _, b in pairs], rtol=1e-12
+    )
+
+
+def test_the_saddle_is_where_the_exponent_is_lowest() -> None:
+    r, eta = np.array([0.2, 1.0, 7.0]), 0.4
+    saddle = sonine.position_saddle(r, eta)
+    lowest = sonine.position_exponent(r, saddle, eta)
+    for factor in (0.99, 1.01):
+        assert np.all(sonine.position_exponent(r, factor * saddle, eta) > lowest)
+    np.testing.assert_allclose(
+        saddle, np.sqrt(-1 / 4 + np.sqrt(eta + 8 * r**2) / (4 * math.sqrt(eta))), rtol=1e-14
+    )
+
+
+@pytest.mark.parametrize("eta", ETAS)
+def test_the_integral_is_the_bessel_function_with_norm_one_and_second_moment_two_eta(
+    eta: float,
+) -> None:
+    with mp.workdps(30):
+        exact = [
+            float(2 * mp.mpf(r) / eta * mp.besselk(0, r * mp.sqrt(2 / mp.mpf(eta)))) for r in RADII
+        ]
+    np.testing.assert_allclose(sonine.position_integral(RADII, eta), exact, rtol=1e-12, atol=1e-300)
+    scale = math.sqrt(eta)
+    for power, moment in ((0, 1.0), (2, 2 * eta)):
+        found = quad(
+            lambda x, power=power: scale * (scale * x) ** power
+            * float(sonine.position_integral(scale * x, eta)),
+            0,
+            40,
+            limit=200,
+        )[0]  # fmt: skip
+        assert found == pytest.approx(moment, rel=1e-9)
+
+
+def test_far_out_the_forms_meet_as_corrected_and_are_half_as_printed() -> None:
+    for eta in (0.25, 0.5):
+        exact = sonine.position_integral(60.0, eta)
+        assert sonine.position_steepest_descent(60.0, eta) / exact == pytest.approx(1, abs=0.01)
+        assert sonine.position_far_tail_corrected(60.0, eta) / exact == pytest.approx(1, abs=0.01)
+        assert sonine.position_tail(60.0, eta, 1.0) / exact == pytest.approx(0.5, abs=0.005)
+        assert sonine.position_far_tail(60.0, eta) / exact == pytest.approx(0.5, abs=0.005)
+
+
+def test_the_fitted_constants_of_the_paper_are_the_defaults() -> None:
+    r = np.array([0.5, 2.0, 5.0])
+    np.testing.assert_array_equal(sonine.position_tail(r), sonine.position_tail(r, 0.25, 7.39))
+    np.testing.assert_allclose(
+        sonine.position_peak(r), sonine.position_given_speed(r, 0.75, math.sqrt(0.5)), rtol=1e-13
+    )
+    # meant for the tail alone: it integrates to 3.3
+    total = quad(lambda x: float(sonine.position_tail(x)), 0, 30)[0]
+    assert total == pytest.approx(3.3, abs=0.05)
+    np.testing.assert_array_equal(
+        sonine.position_steepest_descent(r, 0.25), sonine.position_tail(r, 0.25, 2.0)
+    )
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        sonine.position_integral,
+        sonine.position_tail,
+        sonine.position_steepest_descent,
+        sonine.position_far_tail,
+        sonine.position_far_tail_corrected,
+        sonine.position_peak,
+    ],
+)
+def test_curves_at_the_extremes_of_the_radius(form: Any) -> None:
+    extremes = np.array([0.0, 5e-324, 1e-200, 1e3, 1e10, 1e200, 1.7e308])
+    with np.errstate(all="raise", under="ignore"):
+        for eta in (1e-3, 0.5, 1e3):
+            values = form(extremes, eta)
+            assert np.all(np.isfinite(values))
+            assert np.all(values >= 0)
+            assert values[0] == 0
+            assert np.all(values[4:] == 0)
+    assert form(np.ones((2, 1)), np.array([0.3, 0.5, 0.7])).shape == (2, 3)
+    assert np.shape(form(1.0, 0.5)) == ()
+
+
+def test_one_hopping_speed_as_printed_is_too_wide() -> None:
+    # normg: <r^2> = 8 times the integral of D where the diffusion equation has 4 times
+    for printed, factor in ((True, 8), (False, 4)):
+        moments = [
+            quad(lambda r, k=k, p=printed: r**k * float(sonine.displacement_density(r, 3.0, p)),
+                 0, 80)[0]
+            for k in (0, 2)
+        ]  # fmt: skip
+        assert moments == pytest.approx([1, factor * 3.0], rel=1e-8)
+
+
+# -- the random walk ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 1.0])
+def test_the_collision_times_of_the_random_walk_are_its_intervals_summed(e: float) -> None:
+    # taun: tau_N = l (alpha + beta t_(N-1)), step by step
+    beta = float(sonine.beta(e))
+    time = 0.0
+    for n in range(1, 8):
+        step = float(sonine.collision_interval(time, beta))
+        assert step == pytest.approx(float(sonine.collision_interval_number(n, beta)), rel=1e-12)
+        time += step
+        assert time == pytest.approx(float(sonine.collision_time(n, beta)), rel=1e-12)
+        assert float(sonine.collision_count(time, beta)) == pytest.approx(n, rel=1e-12)
+    assert float(sonine.msd_random_walk(time, e)) == pytest.approx(7 * 13.5**2, rel=1e-12)
+
+
+def test_alpha_and_beta_are_those_of_the_paper() -> None:
+    assert float(sonine.alpha()) == pytest.approx(1 / math.sqrt(2))
+    assert float(sonine.beta(0.3)) == pytest.approx(0.058 * 0.7)
+    assert float(sonine.beta(0.3, 0.1, 2.0, cooling_rate=0.5)) == pytest.approx(0.1)
+    # its h may be replaced by another
+    changed = sonine.msd_random_walk(500.0, 0.3, cooling_rate=0.9)
+    b = 0.04 * 0.9
+    expected = 13.5**2 * math.log1p(b * math.sqrt(2) * 500) / math.log1p(13.5 * b)
+    assert float(changed) == pytest.approx(expected, rel=1e-13)
+
+
+def test_the_random_walk_is_continuous_at_the_elastic_limit() -> None:
+    for function in (sonine.collision_time, sonine.collision_count):
+        near, limit = function(7.0, 1e-13), function(7.0, 0.0)
+        assert float(near) == pytest.approx(float(limit), rel=1e-10)
+    assert float(sonine.eta_random_walk(0.0)) == 4.0
+    assert float(sonine.eta_random_walk(0.1, 10.0, 0.5)) == pytest.approx(2 * math.log(2))
+
+
+def test_times_beyond_double_precision_are_infinite_and_not_wrong() -> None:
+    assert np.isinf(sonine.collision_time(1e6, 1.0))
+    assert np.isfinite(sonine.collision_count(1e300, 0.01))
+
+
+# -- diffusion ------------------------------------------------------------------------------------
+
+
+def test_the_integral_of_the_coefficient_is_the_printed_msd() -> None:
+    # the first ad8 of ad7 along veq gives the second ad8
+    e = 0.7
+    h, a2 = float(sonine.cooling_rate(e)), float(sonine.a2(e))
+
+    def coefficient(t: float) -> float:
+        return float(sonine.diffusion_coefficient(sonine.thermal_speed(t, h), e, a2))
+
+    times = np.array([[1e6, 0.0], [3.0, 400.0]])
+    found = sonine.msd_of_diffusion(times, coefficient, as_printed=False)
+    np.testing.assert_allclose(found, sonine.msd_sonine(times, e), rtol=1e-10)
+    literal = sonine.msd_of_diffusion(times, coefficient)
+    np.testing.assert_allclose(literal, 4 * times * np.vectorize(coefficient)(times))
+
+
+def test_diffuse21_of_the_printed_rates_is_ad7() -> None:
+    e, v0, a2 = 0.8, 0.37, -0.2
+    xi = 2 * v0 * 0.04 * sonine.m2(e, a2) / 2
+    found = sonine.diffusion_from_rates(v0**2 / 2, sonine.diffusion_rate(v0, e, a2), xi)
+    assert float(found) == pytest.approx(float(sonine.diffusion_coefficient(v0, e, a2)), rel=1e-13)
+    assert np.isnan(sonine.diffusion_from_rates(0.5, 1.0, 2.0))
+
+
+def test_the_coefficient_at_one_speed() -> None:
+    # ap21 with nu_D = v0/l is ap21's last form times a number, and that is ddif at v = V v0
+    v0, h, path = 0.4, 0.6, 12.5
+    found = sonine.diffusion_at_speed(0.3, v0, h, path)
+    scaling = sonine.diffusion_at_speed_scaling(0.3, v0, path)
+    assert float(found) == pytest.approx(float(scaling) / (2 + h), rel=1e-13)
+    given = sonine.diffusion_at_speed(0.3, v0, h, path, diffusion_rate=0.05)
+    assert float(given) == pytest.approx(0.045 / (h * v0 / 25 + 0.05), rel=1e-13)
+    beta = float(sonine.beta(0.5))
+    time = (1 / v0 - 1 / math.sqrt(2)) / beta
+    hopping = sonine.diffusion_at_hopping_speed(0.3 / v0, time, beta, path, prefactor=0.7)
+    # its V^2 l v0 is v^2 l/v0: the printed forms agree
+    assert float(hopping) == pytest.approx(0.7 * float(scaling), rel=1e-12)
+
+
+# -- fits -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("form", "curve", "gamma"),
+    [
+        ("tail", lambda r: sonine.position_tail(r, 0.31, 5.2), 5.2),
+        ("far_tail", lambda r: 3.1 * sonine.position_far_tail(r, 0.31), 3.1),
+        ("peak", lambda r: sonine.position_peak(r, 0.31), 1.0),
+        ("integral", lambda r: sonine.position_integral(r, 0.31), 1.0),
+    ],
+)
+def test_a_fit_finds_the_constants_of_its_own_curve(form: str, curve: Any, gamma: float) -> None:
+    r = np.linspace(0.0, 5.0, 60)
+    fit = sonine.fit_position(r, curve(r), form)
+    assert fit.eta == pytest.approx(0.31, rel=1e-6)
+    assert fit.gamma == pytest.approx(gamma, rel=1e-5)
+    assert fit.largest_residual < 1e-5
+    assert (fit.points, fit.region, fit.bounded) == (59, (r[1], 5.0), True)
+
+
+def test_a_fit_of_another_curve_has_its_residual() -> None:
+    # the exact integral by its own steepest descent: gamma near 2, eta near its own, in the tail
+    r = np.linspace(0.1, 8.0, 80)
+    true = sonine.position_integral(r, 0.5)
+    tail = sonine.fit_position(r, true, "tail", region=(3.0, 8.0))
+    assert tail.region == pytest.approx((3.0, 8.0))
+    assert tail.eta == pytest.approx(0.5, rel=0.01)
+    assert tail.gamma == pytest.approx(2.0, rel=0.02)
+    assert 0 < tail.residual < tail.largest_residual < 1e-3
+    # a Gaussian is no exponential: the residual says so
+    gaussian = 2 * r * np.exp(-(r**2))
+    worse = sonine.fit_position(r, gaussian, "tail", region=(1.0, 5.0))
+    assert worse.residual > 0.3
+    assert sonine.fit_position(r, gaussian, "peak").eta == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_fit_that_runs_away_says_so() -> None:
+    r = np.linspace(0.1, 1.0, 10)
+    assert not sonine.fit_position(r, 1e-6 * r, "peak").bounded
+
+
+# -- bad input ------------------------------------------------------------------------------------
+
+RADIUS = "r: got -1.0; it must be finite numbers, not negative"
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: sonine.position_integral(-1.0, 0.5), RADIUS),
+        (lambda: sonine.position_tail(-1.0), RADIUS),
+        (lambda: sonine.position_far_tail(-1.0), RADIUS),
+        (lambda: sonine.position_peak(-1.0), RADIUS),
+        (lambda: sonine.position_integral(math.nan), "r: got nan"),
+        (lambda: sonine.position_integral(math.inf), "r: got inf"),
+        (lambda: sonine.position_integral("x"), "r: got 'x'"),
+        (lambda: sonine.position_integral([1.0, [2.0]]), "r: got"),
+        (lambda: sonine.position_integral(1.0, 0.0), "eta: got 0.0; it must be finite numbers abo"),
+        (lambda: sonine.position_tail(1.0, -0.5), "eta: got -0.5"),
+        (lambda: sonine.position_tail(1.0, 0.5, 0.0), "gamma: got 0.0"),
+        (lambda: sonine.position_given_speed(1.0, 0.5, 0.0), "speed: got 0.0"),
+        (lambda: sonine.position_exponent(0.0, 1.0), "r: got 0.0"),
+        (lambda: sonine.displacement_density(1.0, 0.0), "diffusion_integral: got 0.0"),
+        (lambda: sonine.a2(1.2), "restitution: got 1.2; it must be numbers from 0 to 1"),
+        (lambda: sonine.cooling_rate([-0.1, 0.5]), r"restitution: got \[-0.1, 0.5\]"),
+        (lambda: sonine.beta(math.nan), "restitution: got nan"),
+        (lambda: sonine.a2(0.7, "upper"), "root: got 'upper'"),
+        (lambda: sonine.vdf(-1.0, 0.0), "c: got -1.0"),
+        (lambda: sonine.m2(0.5, "x"), "a2: got 'x'"),
+        (lambda: sonine.thermal_speed(-1.0, 0.5), "time: got -1.0"),
+        (lambda: sonine.thermal_speed(1.0, 0.5, number_density=0.0), "number_density: got 0.0"),
+        (lambda: sonine.msd_random_walk(-1.0, 0.5), "time: got -1.0"),
+        (lambda: sonine.msd_sonine(1.0, 0.7, diameter=-1.0), "diameter: got -1.0"),
+        (lambda: sonine.collision_time(-1.0, 0.1), "collisions: got -1.0"),
+        (lambda: sonine.collision_count(1.0, -0.1), "beta: got -0.1"),
+        (lambda: sonine.collision_interval(1.0, 0.1, free_path=0.0), "free_path: got 0.0"),
+        (lambda: sonine.alpha(0.0), "start: got 0.0"),
+        (lambda: sonine.diffusion_at_speed(-1.0, 1.0, 0.5), "speed: got -1.0"),
+        (lambda: sonine.msd_of_diffusion(1.0, 3.0), "coefficient: got 3.0"),  # type: ignore[arg-type]
+        (lambda: sonine.fit_position([1, 2, 3], [1, 1, 1], "cubic"), "form: got 'cubic'"),
+        (lambda: sonine.fit_position([1, 2, 3], [1, 1]), "density: got 2 values; r has 3"),
+        (lambda: sonine.fit_position([1, 2, 3], [1, 0, 1]), "density: got values that are 0"),
+        (lambda: sonine.fit_position([1, 2, 3], [1, 1, 1], region=(2, 9)), "it holds 2 points"),
+    ],
+)
+def test_bad_input_is_one_clear_line(call: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        call()
+    assert "\n" not in str(caught.value)

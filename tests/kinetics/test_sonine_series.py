@@ -1,0 +1,299 @@
+"""Sonine of any order against moments in mpmath, the exact state and the printed first order."""
+
+import math
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from kinetics import CollisionLaw, InputError, ScalingSolution, sonine
+from kinetics.sonine.series import SeriesStatus
+
+GAUSS_SPEED = math.sqrt(math.pi) / 2  # <c> of the Gaussian
+
+
+# -- the scaled state -----------------------------------------------------------------------------
+
+
+def moment_equations(e: float, order: int) -> tuple[mp.matrix, mp.matrix]:
+    """j h m_(2j) = lambda(2j) m_(2j+1), j = 1 ... order + 1, in monomials and many digits.
+
+    m_(2j)/j! = sum_k (-1)^k C(j, k) a_k, m_(2j+1) with C(j + 1/2, k) and Gamma(j + 3/2): nothing
+    of the module's basis or quadrature.
+    """
+    squared = mp.mpf(e) ** 2
+    kept = [0, *range(2, order + 2)]
+    left, right = mp.matrix(order + 1), mp.matrix(order + 1)
+    for row, j in enumerate(range(1, order + 2)):
+        rate = 1 - mp.fsum(
+            mp.binomial(j, i) * squared ** (j - i) * (1 - squared) ** i / (2 * i + 1)
+            for i in range(j + 1)
+        )
+        odd = rate * mp.gamma(j + mp.mpf(3) / 2) / mp.factorial(j)
+        for column, k in enumerate(kept):
+            left[row, column] = odd * (-1) ** k * mp.binomial(j + mp.mpf(1) / 2, k)
+            right[row, column] = j * (-1) ** k * mp.binomial(j, k)
+    return left, right
+
+
+def polished(e: float, order: int, h: float, a: np.ndarray) -> tuple[Any, list[Any]]:
+    """Newton's iteration on the moment equations from h and a."""
+    left, right = moment_equations(e, order)
+    x = mp.matrix([a[0], *a[2:]])
+    h = mp.mpf(h)
+    for _ in range(8):
+        bent = left - h * right
+        slope, fall = bent.copy(), right * x
+        for row in range(order + 1):
+            slope[row, 0] = -fall[row]
+        step = mp.lu_solve(slope, -(bent * x))
+        h += step[0]
+        for k in range(1, order + 1):
+            x[k] += step[k]
+        if abs(step[0]) < mp.mpf(10) ** -30:
+            return h, list(x)
+    raise ArithmeticError("Newton's iteration did not settle")
+
+
+@pytest.mark.parametrize(
+    ("e", "order", "digits"),
+    [(0.0, 2, 1e-13), (0.4, 8, 1e-13), (0.4, 20, 1e-12), (0.9, 20, 1e-13), (0.4, 32, 1e-8)],
+)
+def test_a_real_root_is_that_of_the_moment_equations(e: float, order: int, digits: float) -> None:
+    state = sonine.scaled_state(e, order)
+    with mp.workdps(60):
+        h, a = polished(e, order, state.cooling_rate, state.coefficients)
+        error = float(abs(state.cooling_rate / h - 1))
+        assert error < digits
+        assert error <= state.rounding
+        assert float(abs(state.a2 - a[1])) < 10 * digits
+
+
+@pytest.mark.parametrize("e", [0.6, 0.7, 0.9, 0.999])
+def test_the_first_order_is_the_printed_one(e: float) -> None:
+    state = sonine.scaled_state(e, 1)
+    assert state.a2 == pytest.approx(float(sonine.a2(e)), rel=1e-12)
+    assert state.cooling_rate == pytest.approx(float(sonine.cooling_rate(e)), rel=1e-12)
+    c = np.linspace(0.0, 3.0, 7)
+    np.testing.assert_allclose(state.vdf(c), sonine.vdf(c, state.a2), rtol=1e-12)
+    roots = np.sort(state.roots.real)
+    printed = [sonine.m2(e, sonine.a2(e, root)) / 2 for root in ("stable", "unstable")]
+    np.testing.assert_allclose(roots, printed, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("order", "edge"), [(1, 0.5815), (3, 0.632), (5, 0.663), (9, 0.70)])
+def test_odd_orders_lose_their_real_root_where_they_are_said_to(order: int, edge: float) -> None:
+    assert sonine.scaled_state(edge + 0.01, order).status is SeriesStatus.REAL
+    lost = sonine.scaled_state(edge - 0.01, order)
+    assert lost.status is SeriesStatus.NO_REAL_SOLUTION
+    assert math.isnan(lost.cooling_rate)
+    assert math.isnan(lost.a2)
+    assert np.any(lost.roots.imag > 1e-3)
+
+
+@pytest.mark.parametrize("order", [2, 4, 10, 20])
+def test_even_orders_have_a_real_root_at_every_restitution(order: int) -> None:
+    for e in np.linspace(0.0, 0.99, 12):
+        assert sonine.scaled_state(float(e), order).status is SeriesStatus.REAL
+
+
+def test_for_small_restitution_higher_orders_lead_away() -> None:
+    rates = [sonine.scaled_state(0.4, n).cooling_rate for n in (2, 10, 20, 40)]
+    np.testing.assert_allclose(rates, [0.742, 0.520, 0.394, 0.289], atol=5e-4)
+    assert ScalingSolution(0.4).cooling_rate == pytest.approx(0.847, abs=5e-4)
+    a2 = [sonine.scaled_state(0.4, n).a2 for n in (2, 10, 20, 40)]
+    assert np.all(np.diff(a2) < 0)
+    assert a2[-1] == pytest.approx(-0.838, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("e", "orders", "ratios"),
+    [
+        (0.8, (10, 20, 30, 40), (0.9810, 0.9898, 0.9987, 0.9419)),
+        (0.9, (5, 10, 20, 40, 100), (0.9979, 0.9328, 1.0135, 0.9999, 1.0004)),
+        (0.99, (5, 10, 20, 40), (0.9798, 0.8658, 1.1058, 0.9359)),
+    ],
+)
+def test_near_the_elastic_limit_the_orders_come_near_and_leave(
+    e: float, orders: tuple[int, ...], ratios: tuple[float, ...]
+) -> None:
+    exact = ScalingSolution(e).cooling_rate
+    found = [sonine.scaled_state(e, n).cooling_rate / exact for n in orders]
+    np.testing.assert_allclose(found, ratios, atol=1e-4)
+
+
+def test_orders_that_rounding_spoils_say_so() -> None:
+    spoilt = sonine.scaled_state(0.4, 60)
+    assert spoilt.status is SeriesStatus.ILL_CONDITIONED
+    assert math.isnan(spoilt.a2)
+    assert spoilt.rounding > 1e-4
+
+
+def test_the_exact_coefficients_are_projections_of_the_exact_state() -> None:
+    e = 0.7
+    exact = ScalingSolution(e)
+    x, w = np.polynomial.legendre.leggauss(160)
+    c = 7.5 * (x + 1.0)
+    weight = 7.5 * w * 2.0 * math.pi * c * exact.vdf(c)
+    a = sonine.exact_coefficients(e, 13)
+    for k in range(13):
+        unit = np.zeros(k + 1)
+        unit[k] = 1.0
+        polynomial = np.polynomial.laguerre.lagval(c**2, unit)
+        # F is good to 1e-12 relative, and S_k has both signs
+        room = 1e-12 * (weight @ np.abs(polynomial))
+        assert a[k] == pytest.approx(weight @ polynomial, abs=room, rel=0)
+    assert a[:2] == pytest.approx([1.0, 0.0], abs=1e-15)
+    assert a[2] == pytest.approx(exact.a2, rel=1e-13)
+
+
+@pytest.mark.parametrize(("e", "k"), [(0.0, 50), (0.5, 50), (0.7, 50), (0.8, 56)])
+def test_the_expansion_itself_diverges_as_its_tail_says(e: float, k: int) -> None:
+    # <c^(2k)> ~ Gamma(2k + b) (h/2)^(2k), b = 1/(1 - e^2), over k!: neighbours grow by
+    a = sonine.exact_coefficients(e, k + 2)
+    h, b = ScalingSolution(e).cooling_rate, 1 / (1 - e**2)
+    expected = (2 * k + b) * (2 * k + b + 1) * h**2 / (4 * (k + 1))
+    assert -a[k + 1] / a[k] == pytest.approx(expected, rel=0.01)
+    assert expected > 4
+
+
+@pytest.mark.parametrize(("e", "place"), [(0.4, 2), (0.6, 2), (0.7, 10), (0.8, 29)])
+def test_the_exact_coefficients_are_smallest_where_they_are_said_to(e: float, place: int) -> None:
+    a = np.abs(sonine.exact_coefficients(e, 60))
+    envelope = np.maximum(a[2:-1], a[3:])  # their signs alternate in waves
+    assert 2 + int(np.argmin(envelope)) == place
+    assert envelope[-1] > 1e10
+
+
+# -- diffusion ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.6, 0.75, 0.9])
+def test_diffusion_of_first_order_is_the_printed_one(e: float) -> None:
+    # l = 1 for number_density 1/2; eq. ad7 in units of l v0
+    printed = float(sonine.diffusion_coefficient(1.0, e, sonine.a2(e), number_density=0.5))
+    found = sonine.diffusion_of_order(e, 1)
+    assert found.coefficient == pytest.approx(printed, rel=1e-12)
+    # d<r^2>/d ln t of eq. ad8 is its prefactor
+    late = sonine.msd_sonine([1e12, math.e * 1e12], e, number_density=0.5)
+    assert found.slope == pytest.approx(float(np.diff(late)[0]), rel=1e-9)
+
+
+def test_elastic_diffusion_converges_to_the_exact_one_as_a_power() -> None:
+    orders = np.array([5, 10, 20, 40])
+    exact = 3 / 8 * GAUSS_SPEED
+    error = np.array(
+        [1 - sonine.diffusion_of_order(1.0, int(n)).coefficient / exact for n in orders]
+    )
+    assert sonine.diffusion_of_order(1.0, 1).coefficient == pytest.approx(
+        1 / (2 * math.sqrt(math.pi))
+    )
+    assert np.all(error > 0)
+    slopes = np.diff(np.log(error)) / np.diff(np.log(orders))
+    np.testing.assert_allclose(slopes, -1.5, atol=0.08)
+    assert error[-1] == pytest.approx(9.3e-4, rel=0.01)
+    assert math.isinf(sonine.diffusion_of_order(1.0, 3).slope)
+
+
+@pytest.mark.parametrize(("e", "order"), [(0.4, 2), (0.7, 5), (0.95, 8), (1.0, 6)])
+def test_the_expansion_of_b_solves_its_equation_in_the_mean(e: float, order: int) -> None:
+    # the weak form by quadrature over speed and impact parameter, nothing of the module's basis
+    found = sonine.diffusion_of_order(e, order)
+    if e == 1.0:
+        h, a = 0.0, np.array([1.0])
+    else:
+        state = sonine.scaled_state(e, order)
+        h, a = state.cooling_rate, state.coefficients
+    x, w = np.polynomial.legendre.leggauss(120)
+    c, dc = 5.0 * (x + 1.0), 5.0 * w
+    y, dy = (x + 1.0) / 2, w / 2
+    ratio2 = e**2 + (1 - e**2) * y**2
+    parallel = -e + (1 + e) * y**2
+
+    def vector(k: int, z: np.ndarray) -> np.ndarray:
+        """S_k of parameter 1: the sum of the scalar ones up to k."""
+        return np.polynomial.laguerre.lagval(z, np.ones(k + 1))
+
+    density = 2 * c * np.exp(-(c**2)) * np.polynomial.laguerre.lagval(c**2, a)  # 2 pi c F
+    b = c * density * sum(d * vector(k, c**2) for k, d in enumerate(found.expansion))
+    for j in range(order):
+        test, slope = c * vector(j, c**2), _derivative(j, c)
+        after = np.array([(parallel * vector(j, ratio2 * s**2)) @ dy * s for s in c])
+        left = h / 2 * (dc @ (b * c * slope)) - dc @ (b * c * (test - after))
+        assert left == pytest.approx(dc @ (c * density * vector(j, c**2) * c), abs=1e-9)
+    assert -0.5 * (dc @ (c * b)) == pytest.approx(found.coefficient, rel=1e-9)
+
+
+def _derivative(j: int, c: np.ndarray) -> np.ndarray:
+    """d/dc of c S_j(c^2)."""
+    series = np.polynomial.laguerre.Laguerre(np.ones(j + 1))
+    return series(c**2) + 2 * c**2 * series.deriv()(c**2)
+
+
+def test_diffusion_inherits_the_divergence() -> None:
+    for e, orders, ratios in (
+        (0.9, (1, 3, 5, 10, 20), (0.893, 0.941, 1.003, 1.073, 0.987)),
+        (0.4, (2, 4, 6, 10, 20), (1.296, 0.750, 1.510, 1.798, 2.345)),
+    ):
+        exact = ScalingSolution(e).moment(1.0) / (2 * CollisionLaw(e).harmonic_decay_rate(0.0, 1))
+        found = [sonine.diffusion_of_order(e, n).coefficient / exact for n in orders]
+        np.testing.assert_allclose(found, ratios, atol=1e-3)
+    assert math.isnan(sonine.diffusion_of_order(0.4, 3).coefficient)
+    assert sonine.diffusion_of_order(0.4, 3).status is SeriesStatus.NO_REAL_SOLUTION
+
+
+# -- cooling in time ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
+def test_cooling_ends_in_the_scaled_state_of_its_order(initial: str) -> None:
+    found = sonine.cooling(0.9, [0.0, 1e9], 4, initial=initial)
+    state = sonine.scaled_state(0.9, 4)
+    assert found.status is SeriesStatus.REAL
+    assert found.thermal_speed[0] == pytest.approx(math.sqrt(2) if initial == "gaussian" else 1)
+    assert found.a2[0] == (0.0 if initial == "gaussian" else -0.5)
+    assert found.a2[-1] == pytest.approx(state.a2, rel=1e-6)
+    # v0 t -> 2 l/h
+    assert found.thermal_speed[-1] * 1e9 == pytest.approx(25 / state.cooling_rate, rel=1e-6)
+
+
+def test_the_elastic_gas_does_not_cool() -> None:
+    found = sonine.cooling(1.0, [0.0, 10.0, 1000.0], 3)
+    np.testing.assert_allclose(found.thermal_speed, math.sqrt(2), rtol=1e-7)
+    np.testing.assert_allclose(found.coefficients, [[1, 0, 0, 0, 0]] * 3, atol=1e-12)
+
+
+def test_cooling_without_a_scaled_state_to_go_to_says_so() -> None:
+    found = sonine.cooling(0.05, [1e6], 1)
+    assert found.status is SeriesStatus.INTEGRATION_FAILED
+    assert np.all(np.isnan(found.thermal_speed))
+
+
+# -- bad input ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: sonine.scaled_state(1.0, 2), "restitution: got 1.0"),
+        (lambda: sonine.scaled_state(-0.1, 2), "restitution: got -0.1"),
+        (lambda: sonine.scaled_state(0.5, 0), "order: got 0; .* from 1 to 100"),
+        (lambda: sonine.scaled_state(0.5, True), "order: got True"),
+        (lambda: sonine.scaled_state(0.5, 2.0), "order: got 2.0"),
+        (lambda: sonine.scaled_state(0.9, 2).vdf(-1.0), "c: got -1.0"),
+        (lambda: sonine.exact_coefficients(0.5, 61), "count: got 61"),
+        (lambda: sonine.exact_coefficients(1.0, 3), "restitution: got 1.0"),
+        (lambda: sonine.diffusion_of_order(0.5, 41), "order: got 41; .* from 1 to 40"),
+        (lambda: sonine.diffusion_of_order(1.5, 1), "restitution: got 1.5"),
+        (lambda: sonine.cooling(0.5, [2.0, 1.0], 2), r"times: got \[2.0, 1.0\]"),
+        (lambda: sonine.cooling(0.5, [], 2), "times: got"),
+        (lambda: sonine.cooling(0.5, [1.0], 2, initial="uniform"), "initial: got 'uniform'"),
+        (lambda: sonine.cooling(0.5, [1.0], 2, mean_free_path=0.0), "mean_free_path: got 0.0"),
+        (lambda: sonine.cooling(0.5, [1.0], 2, rtol=0.5), "rtol: got 0.5"),
+    ],
+)
+def test_bad_input_is_one_clear_line(call: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        call()
+    assert "\n" not in str(caught.value)
