@@ -134,8 +134,8 @@ def test_the_exact_coefficients_are_projections_of_the_exact_state() -> None:
     e = 0.7
     exact = ScalingSolution(e)
     x, w = np.polynomial.legendre.leggauss(160)
-    c = 7.5 * (x + 1.0)
-    weight = 7.5 * w * 2.0 * math.pi * c * exact.vdf(c)
+    c = 10.0 * (x + 1.0)
+    weight = 10.0 * w * 2.0 * math.pi * c * exact.vdf(c)
     a = sonine.exact_coefficients(e, 13)
     for k in range(13):
         unit = np.zeros(k + 1)
