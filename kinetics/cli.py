@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from kinetics.crosscheck.bench.command import bench
+from kinetics.crosscheck.comparison.command import compare
 from kinetics.crosscheck.stress.command import stress
 
 UNITS = (
@@ -346,6 +347,7 @@ class _Bar:
 
 
 cli.add_command(bench)
+cli.add_command(compare)
 cli.add_command(stress)
 
 

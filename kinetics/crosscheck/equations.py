@@ -147,3 +147,28 @@ def report_equations() -> list[Equation]:
             _diffusion(),
         ),
     ]
+
+
+def _chi_square() -> Markup:
+    d, p, g = (_i(name) for name in "dpG")
+    inverse = _power(_i("C"), _o("−") + _n("1"))
+    square = _power(_i("χ"), _n("2"))
+    ratio = _over(_row(_paren(g, _MINUS, p), square), _row(p, _paren(g, _MINUS, _n("1"))))
+    law = _sub(_F, _row(p, _o(","), g, _MINUS, p))
+    return _math(
+        square, _EQUALS, _power(d, _o("⊤")), inverse, d, _COMMA, ratio, _o("∼"), law,
+    )  # fmt: skip
+
+
+def comparison_equations() -> list[Equation]:
+    """The equations of a comparison of data with the solver, in its order."""
+    *first, _ = report_equations()[:3]
+    return [
+        *first,
+        Equation(
+            "Differences d at p times have the covariance C, estimated from G independent groups "
+            "by the jackknife; the chi-square's p-value is that of Hotelling's law, G being less "
+            "where a few tracers make most of a variance.",
+            _chi_square(),
+        ),
+    ]

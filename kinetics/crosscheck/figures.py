@@ -5,7 +5,8 @@ A figure's data are plain lists and strings (`figure_data` builds them):
     {"title", "description", "x": {"label", "unit", "scale", "limits"}, "y": {...},
      "series": [{"source", "restitution", "x", "y", "error"}]}
 
-`source` is who says so and decides the stroke; `restitution` decides the colour, None is ink.
+`source` is who says so and decides the stroke; `restitution` decides the colour, None is ink. A
+series may have a "group" (a text, or None) instead, which then decides the colour.
 """
 
 import io
@@ -29,6 +30,11 @@ CSS_VARIABLE = {INK: "var(--ink)", FAINT: "var(--faint)"} | {
     stand_in: f"var(--series-{i})" for i, stand_in in enumerate(COLOURS)
 }
 
+PAPER = {INK: "#16191d", FAINT: "#dde1e6"} | dict(
+    zip(COLOURS, ("#0072b2", "#d55e00", "#009e73", "#b3478f", "#9a7500", "#3c4bb0"), strict=True)
+)
+"""The page's light colours, for figures that stand alone."""
+
 _LINE = {"linewidth": 1.5}
 _DOTS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
 STROKES: dict[str, dict[str, Any]] = {
@@ -36,6 +42,7 @@ STROKES: dict[str, dict[str, Any]] = {
     "exact": {"linestyle": "-", **_LINE},
     "solver": {"linestyle": "none", "marker": "x", "markersize": 5.5},
     "Boltzmann-Grad": {"marker": "o", "markersize": 3.6, **_DOTS},
+    "data": {"marker": "o", "markersize": 3.6, **_DOTS},
     "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_DOTS},
     "Sonine": {"linestyle": (0, (4, 2)), **_LINE},
     "Sonine, unstable root": {"linestyle": (0, (1, 1.5)), **_LINE},
@@ -77,12 +84,16 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def draw(data: FigureData, axis: "Axes") -> None:
-    """Draw every series of one figure on the axis, and label the axis with its units."""
+def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = None) -> None:
+    """Draw every series of one figure on the axis, and label the axis with its units.
+
+    `palette` maps the stand-in colours to others.
+    """
     from matplotlib.ticker import NullFormatter
 
     for series, colour in zip(data["series"], _colours(data), strict=True):
         stroke = STROKES[series["source"]]
+        colour = (palette or {}).get(colour, colour)
         x, y = _with_gaps(series["x"]), _with_gaps(series["y"])
         if "elinewidth" in stroke:
             error = None if series["error"] is None else _with_gaps(series["error"])
@@ -110,8 +121,8 @@ def legend_entries(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
         stroke = {k: v for k, v in STROKES[series["source"]].items() if k in _LEGEND_KEYS}
         entries.setdefault(series["source"], {"color": INK, **stroke})
     for series, colour in zip(data["series"], _colours(data), strict=True):
-        if series["restitution"] is not None:
-            label = f"e = {series['restitution']:g}"
+        label = _group(series)
+        if label is not None and label not in STROKES:
             entries.setdefault(label, {"color": colour, "linewidth": 5})
     return list(entries.items())
 
@@ -119,15 +130,18 @@ def legend_entries(data: FigureData) -> list[tuple[str, dict[str, Any]]]:
 _LEGEND_KEYS = {"linestyle", "linewidth", "marker", "markersize", "markerfacecolor"}
 
 
+def _group(series: Mapping[str, Any]) -> str | None:
+    """What a series shares its colour with, as the legend says it; None for ink."""
+    if series.get("group") is not None:
+        return str(series["group"])
+    return None if series["restitution"] is None else f"e = {series['restitution']:g}"
+
+
 def _colours(data: FigureData) -> list[str]:
-    """The colour of each series: restitutions take theirs in the order in which they appear."""
-    order = list(
-        dict.fromkeys(s["restitution"] for s in data["series"] if s["restitution"] is not None)
-    )
-    return [
-        INK if s["restitution"] is None else COLOURS[order.index(s["restitution"]) % len(COLOURS)]
-        for s in data["series"]
-    ]
+    """The colour of each series: groups take theirs in the order in which they appear."""
+    groups = [_group(s) for s in data["series"]]
+    order = list(dict.fromkeys(g for g in groups if g is not None))
+    return [INK if g is None else COLOURS[order.index(g) % len(COLOURS)] for g in groups]
 
 
 def _with_gaps(values: Sequence[float | None]) -> list[float]:
@@ -141,23 +155,43 @@ def svg(name: str, data: FigureData) -> str:
     Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
     is the title and description of the data, and the same data give the same text.
     """
+    return _embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
+
+
+def figure_file(name: str, data: FigureData, kind: str) -> bytes:
+    """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
+    if kind != "svg":
+        return _drawn(data, kind, PAPER)
+    text = _drawn(data, kind, PAPER).decode()
+    head, body = text.split("<svg", 1)
+    attributes, rest = body.split(">", 1)
+    alternative = (
+        f"<title>{escape(data['title'])}</title><desc>{escape(data['description'])}</desc>"
+    )
+    return f'{head}<svg{attributes} role="img">{alternative}{rest}'.encode()
+
+
+def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None) -> bytes:
+    """The figure as matplotlib's file: with the stand-ins as colours, or those of a palette."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    buffer = io.StringIO()
-    with mpl.rc_context(STYLE):
+    buffer = io.BytesIO()
+    colours = palette or {}
+    style = {key: _in_palette(value, colours) for key, value in STYLE.items()}
+    with mpl.rc_context(style):
         entries = legend_entries(data)
         legend_height = 0.12 + 0.19 * math.ceil(len(entries) / _LEGEND_COLUMNS)
         height = _AXIS_HEIGHT + _BELOW_AXIS + legend_height
         figure = Figure(figsize=(_WIDTH, height))
-        FigureCanvasSVG(figure)
+        FigureCanvasAgg(figure)  # knows the other formats as well
         # Margins set by hand: a layout engine would draw everything a second time to find them.
         bottom, top = _BELOW_AXIS / height, _AXIS_HEIGHT / height
-        draw(data, figure.add_axes((0.145, bottom, 0.83, top)))
+        draw(data, figure.add_axes((0.145, bottom, 0.83, top)), colours)
         figure.legend(
-            handles=[Line2D([], [], **stroke) for _, stroke in entries],
+            handles=[Line2D([], [], **_recoloured(stroke, colours)) for _, stroke in entries],
             labels=[label for label, _ in entries],
             loc="upper left",
             ncols=_LEGEND_COLUMNS,
@@ -165,8 +199,17 @@ def svg(name: str, data: FigureData) -> str:
             columnspacing=1.2,
             borderaxespad=0.0,
         )
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return _embeddable(buffer.getvalue(), name, data["title"], data["description"])
+        dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
+        figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
+    return buffer.getvalue()
+
+
+def _in_palette(value: Any, palette: Mapping[str, str]) -> Any:
+    return palette.get(value, value) if isinstance(value, str) else value
+
+
+def _recoloured(stroke: Mapping[str, Any], palette: Mapping[str, str]) -> dict[str, Any]:
+    return {key: _in_palette(value, palette) for key, value in stroke.items()}
 
 
 def _power_of_ten(value: float, position: int | None = None) -> str:

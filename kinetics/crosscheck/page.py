@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
 from kinetics.crosscheck.equations import report_equations
 from kinetics.crosscheck.figures import svg
 from kinetics.crosscheck.rows import TITLES, scale_of
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 SHORT = {
     "free_path": "mean free path",
@@ -21,25 +24,33 @@ SHORT = {
 """The name of each observable where space is short."""
 
 
-def render(document: Mapping[str, Any]) -> str:
-    """The page. Every text of the document is escaped."""
+def environment() -> "Environment":
+    """Jinja's, for the templates of this package: everything is escaped, nothing is undefined."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    environment = Environment(
+    return Environment(
         loader=PackageLoader("kinetics.crosscheck"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    return environment.get_template("report.html.j2").render(
-        doc=document,
-        svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
-        equations=report_equations(),
-        matrix=matrix(document),
-        groups=_groups(document["rows"]),
-        algebra=[_algebra(check) for check in document["algebra"]],
-        method=_method(document),
+
+
+def render(document: Mapping[str, Any]) -> str:
+    """The page. Every text of the document is escaped."""
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            doc=document,
+            svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
+            equations=report_equations(),
+            matrix=matrix(document),
+            groups=_groups(document["rows"]),
+            algebra=[_algebra(check) for check in document["algebra"]],
+            method=_method(document),
+        )
     )
 
 

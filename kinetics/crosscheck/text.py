@@ -14,16 +14,17 @@ def verdict_table(document: Mapping[str, Any]) -> str:
             f"{cell['verdict']} {cell['deviation']}" if cell else "-" for cell in line["cells"]
         ]
         lines.append([line["quantity"], line["comparison"], *cells])
-    return _aligned(lines, right=False)
+    return aligned(lines, right=False)
 
 
 def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
     """A table of numbers, one column per head."""
     rows = zip(*values, strict=True)
-    return _aligned([list(heads), *([f"{v:.6g}" for v in row] for row in rows)], right=True)
+    return aligned([list(heads), *([f"{v:.6g}" for v in row] for row in rows)], right=True)
 
 
-def _aligned(lines: Sequence[Sequence[str]], right: bool) -> str:
+def aligned(lines: Sequence[Sequence[str]], right: bool = False) -> str:
+    """Lines of cells as text whose columns stand below each other."""
     widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
     align = str.rjust if right else str.ljust
     return "\n".join(

@@ -80,7 +80,7 @@ def worst(values: ArrayLike, errors: ArrayLike, theory: ArrayLike) -> Worst | No
     return Worst(int(usable[k]), float(z[k]), int(usable.size))
 
 
-def corrected_sigmas(sigmas: float, groups: int, trials: int) -> float:
+def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
     """Two-sided Gaussian sigmas of a deviation, the worst of `trials`, with errors from `groups`.
 
     0 where the corrected p-value reaches 1.

@@ -1,0 +1,1 @@
+"""Particle data, from any code, held against the kinetic equation."""

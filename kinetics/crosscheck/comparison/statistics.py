@@ -1,0 +1,119 @@
+"""Chi-square where errors are correlated, and known only from the spread of groups.
+
+`d` is a vector of differences between data and theory, `replicates` the same vector with each of
+G independent groups left out in turn. Its covariance C is their jackknife spread. With p
+components T^2 = d C^-1 d is the chi-square; because C is an estimate it is spread more widely than
+chi-square's law, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
+degrees of freedom (Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same
+tracers followed over many times are thus counted once, and not once per time. Hotelling's law is
+that of Gaussian groups; for others G is replaced by `effective_groups`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GROUPS_PER_FREEDOM = 4
+"""Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
+_SMALLEST_EIGENVALUE = 1e-9
+"""Of the correlation matrix, relative to the largest: below, two components are the same."""
+
+
+@dataclass(frozen=True)
+class ChiSquare:
+    """A chi-square, its degrees of freedom and p-value; groups behind it, None if exact."""
+
+    value: float
+    freedom: int
+    p_value: float
+    groups: int | None
+
+
+def errors(replicates: Array) -> Array:
+    """Standard errors from delete-one replicates (G, p)."""
+    return np.asarray(np.sqrt(np.diagonal(covariance(replicates))))
+
+
+def covariance(replicates: Array) -> Array:
+    """Covariance from delete-one replicates (G, p): (p, p)."""
+    n = len(replicates)
+    deviation = replicates - replicates.mean(axis=0)
+    return np.asarray((n - 1) / n * (deviation.T @ deviation))
+
+
+def most_freedom(groups: int) -> int:
+    """Components that a chi-square from so many groups may have."""
+    return max(1, (groups - 1) // GROUPS_PER_FREEDOM)
+
+
+def spread_out(count: int, most: int) -> list[int]:
+    """At most so many of the indices 0 .. count - 1, evenly, with the last."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
+
+
+def effective_groups(replicates: Array) -> Array:
+    """Groups that a variance from delete-one replicates (G, p) is as good as: (p,), G at most.
+
+    Where a few tracers far out make most of a variance, it is known as poorly as from few Gaussian
+    groups: the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
+    """
+    deviation = replicates - replicates.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        variance = np.mean(deviation**2, axis=0)
+        excess = np.mean(deviation**4, axis=0) / variance**2 - 3
+    excess = np.where(np.isfinite(excess), np.maximum(excess, 0.0), 0.0)
+    return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
+
+
+def whitening(matrix: Array) -> Array:
+    """W with W C W^T = 1 on the components that C has: (rank, p)."""
+    scale = np.sqrt(np.diagonal(matrix))
+    scale = np.where(scale > 0, scale, np.inf)
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = values > _SMALLEST_EIGENVALUE * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
+
+
+def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
+    """Chi-square of a difference (p,) with its replicates (G, p); None without freedom."""
+    from scipy.special import betainc
+
+    groups = len(replicates)
+    axes = whitening(covariance(replicates))
+    white = axes @ difference
+    freedom = white.size
+    if freedom == 0 or groups <= freedom:
+        return None
+    value = float(white @ white)
+    effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
+    # The F-distribution's upper tail by the incomplete beta function.
+    tail = 1 / (1 + value / (effective - 1))
+    p = float(betainc((effective - freedom) / 2, freedom / 2, tail))
+    return ChiSquare(value, freedom, p, groups)
+
+
+def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
+    """Chi-square of counts against those expected, of the same sum; independent samples.
+
+    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981,
+    first order).
+    """
+    from scipy.special import gammaincc
+
+    if counts.size < 2:
+        return None
+    value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
+    freedom = counts.size - 1
+    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None)
+
+
+def gaussian_sigmas(p_value: float) -> float:
+    """Two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
+    from scipy.special import ndtri
+
+    return 0.0 if p_value >= 1 else float(-ndtri(max(p_value, 1e-300) / 2))

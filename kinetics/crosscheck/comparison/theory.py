@@ -1,0 +1,184 @@
+"""What the kinetic equation says about a sample: averages over time, and shares of bins."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample
+from kinetics.initial import State
+from kinetics.measure import LogMeasure
+
+if TYPE_CHECKING:
+    from kinetics import Scene, Solution
+
+Array = NDArray[np.float64]
+
+RTOL = 1e-9
+"""Asked of the solver for averages: far below any standard error."""
+DENSITY_RTOL = 1e-6
+"""Asked of the solver for densities."""
+MOMENTS = {"thermal_speed": 2, "a2": 4, "msd": 2, "kurtosis": 4}
+"""The averages that are compared, and the highest moment that each needs."""
+SPEED, DISPLACEMENT = "speed_density", "position_density"
+
+
+def averages() -> tuple[str, ...]:
+    """The averages that the solver gives and a sample has."""
+    from kinetics.scene import OUTPUTS
+
+    return tuple(name for name in MOMENTS if name in OUTPUTS)
+
+
+def densities() -> tuple[str, ...]:
+    """The densities that the solver gives and a sample may have counts of."""
+    from kinetics.solution import Solution
+
+    return tuple(name for name in (SPEED, DISPLACEMENT) if hasattr(Solution, name))
+
+
+@dataclass(frozen=True, eq=False)
+class SampledStart(State):
+    """The speeds of a sample at time 0, in fine bins: mean square (n_bins,) in U^2 and counts."""
+
+    squares: Array
+    counts: Array
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """One point per bin; the tracers at rest stay there and are no part of it."""
+        if m:
+            return None
+        moving = self.squares > 0
+        weight = self.counts[moving] / self.counts[moving].sum()
+        return LogMeasure(0.5 * np.log(self.squares[moving]), weight)
+
+
+def sampled_start(sample: Sample) -> SampledStart:
+    """The start as the sample has it at time 0."""
+    assert sample.start is not None
+    squares, counts = sample.start
+    return SampledStart(squares, counts.sum(axis=0).astype(float))
+
+
+def scene(
+    restitution: float, free_path: float, initial: Any, times: Array, outputs: Sequence[str]
+) -> "Scene":
+    """The scene of a mean free path l (in d) instead of a density."""
+    from kinetics import Scene
+
+    return Scene(
+        restitution=restitution,
+        number_density=1 / (2 * free_path),
+        initial=initial,
+        times=times,
+        outputs=tuple(outputs),
+    )
+
+
+def observed(sums: Array, sample: Sample, names: Sequence[str]) -> Array:
+    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
+        values = {
+            "thermal_speed": lambda: sample.speed_scale * np.sqrt(v2 / n),
+            "a2": lambda: v4 * n / (2 * v2**2) - 1,
+            "msd": lambda: sample.length_scale**2 * r2 / n,
+            "kurtosis": lambda: r4 * n / r2**2,
+        }
+        return np.stack([values[name]() for name in names], axis=-2)
+
+
+class Expectation:
+    """What is expected of a sample: of all of it, and with each group left out.
+
+    With a start of its own (a name, a density) the theory is the same for every group. With the
+    sample's own start it moves with the sample: each group's theory starts from its speeds.
+    """
+
+    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
+        self.sample, self.names = sample, tuple(names)
+        total = sample.sums.sum(axis=0)
+        self.values = observed(total, sample, names)
+        self.replicates = observed(total - sample.sums, sample, names)
+
+    def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
+        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
+        from kinetics import solve
+
+        times = self.sample.times
+        if isinstance(initial, SampledStart):
+            return self._from_start(restitution, free_path)
+        found = solve(scene(restitution, free_path, initial, times, self.names), rtol=RTOL)
+        values = np.stack([getattr(found, name) for name in self.names])
+        return values, values
+
+    def _from_start(self, restitution: float, free_path: float) -> tuple[Array, Array]:
+        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
+        assert self.sample.start is not None
+        squares, counts = self.sample.start
+        times = self.sample.times
+        moments = _one_speed(restitution, free_path, self.names, np.sqrt(squares)[:, None] * times)
+        v2 = squares[:, None]
+        powers: dict[int, Any] = {V2: v2, V4: v2**2, R2: 1.0, R4: 1.0}
+        kernel = np.stack([moments[k] * powers[k] for k in (V2, V4, R2, R4)], axis=-1)
+        total = counts.sum(axis=0)
+
+        def averaged(weights: Array) -> Array:
+            sums = np.empty((*weights.shape[:-1], times.size, 5))
+            sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
+            sums[..., N] = weights.sum(axis=-1)[..., None]
+            plain = replace(
+                self.sample, speed_scale=np.ones(times.size), length_scale=np.ones(times.size)
+            )
+            return observed(sums, plain, self.names)
+
+        return averaged(total.astype(float)), averaged((total - counts).astype(float))
+
+
+def _one_speed(
+    restitution: float, free_path: float, names: Sequence[str], times: Array
+) -> dict[int, Array]:
+    """<v^2>, <v^4>, <r^2>, <r^4> from speed 1 at any times: arrays of the shape of `times`."""
+    from kinetics import solve
+
+    flat, back = np.unique(times, return_inverse=True)
+    wanted = ["thermal_speed", "a2", "msd", *(("kurtosis",) if "kurtosis" in names else ())]
+    found = solve(scene(restitution, free_path, "monoenergetic", flat, wanted), rtol=RTOL)
+    v2, r2 = found.thermal_speed**2, found.msd
+    v4 = 2 * (1 + found.a2) * v2**2
+    r4 = np.zeros(flat.size)
+    if "kurtosis" in names:
+        r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2
+    moments = {V2: v2, V4: v4, R2: r2, R4: r4}
+    return {k: m[back].reshape(times.shape) for k, m in moments.items()}
+
+
+def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
+    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
+
+    Of the speed or of the displacement at the time of this index. Gauss-Legendre in each bin,
+    finer where the start is rough; what is above the last edge is the rest.
+    """
+    density: Callable[[Array], Array] = getattr(solution, name)
+    pieces = 2 if solution.scene.state.smooth else 12
+    every = np.concatenate([[0.0], edges])
+    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
+    node, weight = np.polynomial.legendre.leggauss(4)
+    half = np.diff(fine)[:, None] / 2
+    x = fine[:-1, None] + half * (node + 1)
+    values = np.asarray(density(x.ravel())[index]).reshape(x.shape)
+    shares = np.maximum((values * weight * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
+    if name == SPEED:
+        peak, speed = float(solution.uncollided[index]), _peak_speed(solution)
+        if peak > 0 and speed < every[-1]:
+            shares[np.searchsorted(every, speed, side="right") - 1] += peak
+    return np.append(shares, max(1 - shares.sum(), 0.0))
+
+
+def _peak_speed(solution: "Solution") -> float:
+    """Where the uncollided tracers of a start with one speed are."""
+    return float(getattr(solution.scene.state, "speed", 1.0))
