@@ -7,6 +7,7 @@ loaded here, whatever the name of the array: only headers of plain numbers are a
 import zipfile
 import zlib
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +29,14 @@ from kinetics.errors import InputError
 def read_npz(path: Path, progress: Progress) -> Iterator[Rows]:
     """The rows of an .npz file of arrays `time`, `x`, ... of shape (n,)."""
     try:
-        with zipfile.ZipFile(path) as archive:
+        with ExitStack() as stack:
+            archive = stack.enter_context(zipfile.ZipFile(path))
             members = [n for n in archive.namelist() if n.endswith(".npy")]
             found = find_columns(path, [m.removesuffix(".npy") for m in members])
-            streams = {name: archive.open(members[place]) for name, place in found.items()}
+            streams = {
+                name: stack.enter_context(archive.open(members[place]))
+                for name, place in found.items()
+            }
             kinds, sizes = {}, {}
             for name, stream in streams.items():
                 shape, kinds[name] = _npy_header(path, name, stream)

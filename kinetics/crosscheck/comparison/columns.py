@@ -6,7 +6,7 @@ is only read, and never as a whole: it comes as a sequence of `Rows`.
 """
 
 import difflib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,7 +42,7 @@ class Rows:
     medium: Ids | None = None
 
 
-def read_rows(path: Path, progress: Progress | None = None) -> Iterator[Rows]:
+def read_rows(path: Path, progress: Progress | None = None) -> Generator[Rows, None, None]:
     """The rows of a .csv, .npz or .h5 file in pieces, in the order of the file.
 
     InputError in one line for a file that is missing, damaged, of another kind, without a column

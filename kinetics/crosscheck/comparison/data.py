@@ -1,6 +1,7 @@
 """Files of particle data as one sample: which rule reads the positions, and what makes a group."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -166,7 +167,8 @@ def _known_labels(files: _Files) -> frozenset[str]:
     """The labels that every file has; InputError where only some have one."""
     has: list[frozenset[str]] = []
     for path in files.paths:
-        rows = next(read_rows(path), None)
+        with closing(read_rows(path)) as pieces:
+            rows = next(pieces, None)
         if rows is None or rows.time.size == 0:
             raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
         labels = {"tracer": rows.tracer, "medium": rows.medium}
@@ -249,9 +251,8 @@ def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:
         return sample.rescaled(float(speed_unit), diameter)
     if sample.start is None:
         raise InputError("speed_unit: 'data' needs velocities at time 0; give U as a number")
-    squares, counts = sample.start
-    count = counts.sum(axis=0)
-    size = float(np.sqrt(squares @ count / count.sum() / 2))
+    count = sample.start.counts
+    size = float(np.sqrt(sample.start.squares @ count / max(count.sum(), 1) / 2))
     if not size > 0:
         raise InputError("speed_unit: all speeds at time 0 are zero; there is nothing to scale by")
     return replace(

@@ -5,16 +5,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, SampledStart, scene
+from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, scene
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.comparison.judge import Judged
+    from kinetics.crosscheck.comparison.judged import Judged
 
 Data = dict[str, Any]
 
 _POINTS = 60
+_DECADES = 30.0
+"""Largest over smallest value from which on an axis is logarithmic."""
 _AXES: dict[str, tuple[str, str, str, str]] = {
-    "thermal_speed": ("Thermal speed", r"$v_0=\sqrt{\langle v^2\rangle}$", "U", "log"),
+    "thermal_speed": ("Thermal speed", "$v_0$", "U", "log"),
     "a2": ("Second Sonine coefficient", "$a_2$", "", "linear"),
     "msd": ("Mean square displacement", r"$\langle r^2\rangle$", "d²", "log"),
     "kurtosis": (
@@ -56,21 +58,7 @@ def _lines(judged: "Judged") -> dict[str, Any]:
     fine = solve(
         scene(found.restitution, found.mean_free_path, start, times, names), rtol=max(RTOL, 1e-8)
     )
-    at_rest = _share_at_rest(start)
-    lines = {name: np.asarray(getattr(fine, name)) for name in names} | {"times": times}
-    if at_rest:  # what never moved is in the data, and in the theory beside them
-        lines["thermal_speed"] = lines["thermal_speed"] * np.sqrt(1 - at_rest)
-        lines["msd"] = lines["msd"] * (1 - at_rest)
-        lines["a2"] = (1 + lines["a2"]) / (1 - at_rest) - 1
-        if "kurtosis" in lines:
-            lines["kurtosis"] = lines["kurtosis"] / (1 - at_rest)
-    return lines
-
-
-def _share_at_rest(start: Any) -> float:
-    if not isinstance(start, SampledStart):
-        return 0.0
-    return float(start.counts[start.squares == 0].sum() / start.counts.sum())
+    return {name: np.asarray(getattr(fine, name)) for name in names} | {"times": times}
 
 
 def _axis(label: str, unit: str = "", scale: str = "linear") -> Data:
@@ -98,7 +86,8 @@ def _over_time(judged: "Judged", i: int, name: str, lines: dict[str, Any]) -> Da
     times = judged.sample.times
     shown = (times > 0) & np.isfinite(judged.expectation.values[i])
     values, error = judged.expectation.values[i, shown], judged.error[i, shown]
-    if scale == "log" and not (np.all(values > 0) and np.all(lines[name] > 0)):
+    every = np.concatenate([values, lines[name]])
+    if scale == "log" and not (every.min() > 0 and every.max() > _DECADES * every.min()):
         scale = "linear"
     return {
         "title": title,

@@ -20,17 +20,18 @@ from kinetics.crosscheck.rows import contact_value
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, Verdict, chance
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.comparison.judge import Judged
+    from kinetics.crosscheck.comparison.judged import Judged
 
 Array = NDArray[np.float64]
 
 AGREES_ABOVE = chance(AGREES_BELOW)
 """p-value from which on what a hypothesis leaves agrees."""
 _FAR_SLOWER = 8.0
+_LEAST_GAIN = 16.0  # of chi-square by one parameter: 4 sigma
 _SPEED_AVERAGES = ("thermal_speed", "a2")
 
 
-def explanations(judged: "Judged", verdict: Verdict) -> Iterator[Explanation]:
+def explanations_of(judged: "Judged", verdict: Verdict) -> Iterator[Explanation]:
     """Hypotheses, where there is a difference; and what is to be noted in any case."""
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
         case = _case(judged)
@@ -95,7 +96,9 @@ class _Case:
 
 
 def _case(judged: "Judged") -> _Case | None:
-    components = choose_components(judged.usable, judged.sample.groups, 2)
+    # Not time 0: there a hypothesis on the start would leave nothing that could differ.
+    usable = judged.usable & (judged.sample.times > 0)
+    components = choose_components(usable, judged.sample.groups, 2)
     if components.size < 2:
         return None
     difference = judged.difference.ravel()[components]
@@ -108,7 +111,8 @@ def _outcome(before: ChiSquare, after: ChiSquare) -> str:
     if after.p_value >= AGREES_ABOVE:
         # Averages that agreed already need no explaining.
         return "explains" if before.p_value < AGREES_ABOVE else "does not"
-    return "in part" if after.value < before.value / 2 else "does not"
+    gained = before.value - after.value
+    return "in part" if gained > max(_LEAST_GAIN, 0.15 * before.value) else "does not"
 
 
 def _tested(
@@ -202,7 +206,7 @@ def _recollisions(case: _Case) -> Iterator[Explanation]:
 
 def _restitution(case: _Case) -> Iterator[Explanation]:
     e = case.judged.solution.scene.restitution
-    found = case.fit("restitution", lambda at: case.theory(e=at), [e, 0.3, 0.9], 0.0, 1.0)
+    found = case.fit("restitution", lambda at: case.theory(e=at), [e], 0.0, 1.0)
     if found is None or found.chi_square is None:
         return
     value, error = float(found.values[0]), float(found.errors[0])
@@ -252,7 +256,7 @@ def _speed_unit(case: _Case) -> Iterator[Explanation]:
         scaled = values * unit**speeds
         return scaled, scaled
 
-    found = case.fit("log_unit", model, [-0.5, 0.0, 0.5], -5.0, 5.0)
+    found = case.fit("log_unit", model, [0.0], -5.0, 5.0)
     if found is None or found.chi_square is None:
         return
     unit = float(np.exp(found.values[0]))

@@ -133,8 +133,8 @@ def _start(sample: Sample, initial: str) -> Any:
         if initial == "data":
             raise InputError("initial: 'data' needs velocities at time 0, and there are none")
         return "gaussian"
-    squares, _ = sample.start
-    if not np.any(squares > 0):
+    squares = sample.start.squares
+    if squares.size == 0:
         raise InputError("data: every speed at time 0 is zero; nothing will move")
     if initial == "auto":
         if np.all(np.abs(squares - 1) < 1e-6):

@@ -126,7 +126,7 @@ def _descend(
     left = residual(at)
     size = float(left @ left)
     for _ in range(_ROUNDS):
-        slope = _slopes(residual, at, low, high)
+        slope = _ahead(residual, at, left, high)
         if not np.all(np.isfinite(slope)):
             return None
         step = -np.linalg.lstsq(slope, left, rcond=None)[0]
@@ -140,9 +140,19 @@ def _descend(
         else:
             break
         gain, at, left, size = size - tried_size, new, tried, tried_size
-        if gain < 1e-4:
+        if gain < 1e-3:
             break
     return (size, at) if np.isfinite(size) else None
+
+
+def _ahead(residual: Callable[[Array], Array], at: Array, left: Array, high: Array) -> Array:
+    """Derivatives (p, k) from one more point for each parameter: good enough to descend."""
+    out = []
+    for k in range(at.size):
+        moved = at.copy()
+        moved[k] += _STEP if at[k] + _STEP <= high[k] else -_STEP
+        out.append((residual(moved) - left) / (moved[k] - at[k]))
+    return np.stack(out, axis=1)
 
 
 def _slopes(residual: Callable[[Array], Array], at: Array, low: Array, high: Array) -> Array:

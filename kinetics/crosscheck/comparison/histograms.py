@@ -67,6 +67,8 @@ def compare_histogram(
     share = counts / samples
     edges = np.concatenate([[0.0], binned.edges[index][starts[1:] - 1], [np.inf]])
     error, groups = _errors(binned, index, starts, share, samples)
+    # The spread of a bin that is emptier than expected is too small: at least binomial.
+    error = np.maximum(error, np.sqrt(theory * (1 - theory) / samples))
     if independent or groups is None:
         effect = 1.0 if binned.design_effect is None else float(binned.design_effect[index])
         chi_square = pearson(counts, theory * samples, effect)

@@ -14,6 +14,15 @@ from kinetics.crosscheck.page import environment, number
 from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
 
+SHORT = {
+    "thermal_speed": "v₀(t)",
+    "a2": "a₂(t)",
+    "msd": "⟨r²(t)⟩",
+    "kurtosis": "kurtosis of r",
+    "speed_density": "speed density",
+    "position_density": "displacement density",
+}
+"""The name of each observable where space is short."""
 UNITS = (
     "Lengths in d, the diameter of a scatterer and of the tracer; speeds in U, the standard "
     "deviation of one component of the initial velocity; times in d/U; densities in d⁻²."
@@ -92,7 +101,7 @@ def _parameter(name: str, parameter: Mapping[str, Any]) -> dict[str, str]:
 
 def _test(test: Mapping[str, Any]) -> dict[str, str]:
     return {
-        "observable": TITLES.get(test["observable"], test["observable"]),
+        "observable": SHORT.get(test["observable"], test["observable"]),
         "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
         "chi_square": f"{test['chi_square']:.4g}",
         "dof": str(test["dof"]),

@@ -13,6 +13,7 @@ from kinetics.crosscheck.comparison.sample import (
     PER_OCTAVE,
     Binned,
     Sample,
+    StartBins,
     bin_edges,
 )
 from kinetics.crosscheck.comparison.seen import Seen
@@ -79,13 +80,14 @@ def _accumulate(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _start(at: Any, zero: int, group: Any, vx: Any, vy: Any, counts: Any, squares: Any) -> None:
+def _start(at: Any, zero: int, group: Any, vx: Any, vy: Any, counts: Any, powers: Any) -> None:
     for i in range(at.size):
         if at[i] == zero:
             v = np.hypot(vx[i], vy[i])
             k = _bin(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
             counts[group[i], k] += 1
-            squares[k] += v * v
+            powers[0, k] += v * v
+            powers[1, k] += v * v * v * v
 
 
 class Reduction:
@@ -106,7 +108,7 @@ class Reduction:
         self._length_scale = np.ones(0)
         self._rows_at = np.zeros(0, np.int64)
         self._start_counts = np.zeros((MOST_GROUPS, _START_BINS + 2), np.int64)
-        self._start_squares = np.zeros(_START_BINS + 2)
+        self._start_powers = np.zeros((2, _START_BINS + 2))
         self._seen = Seen()
 
     def add(self, rows: Rows, file: int = 0) -> None:
@@ -129,7 +131,7 @@ class Reduction:
         )  # fmt: skip
         if self._known.min() == 0:
             zero = int(np.argmin(self._known))
-            _start(at, zero, group, vx, vy, self._start_counts, self._start_squares)
+            _start(at, zero, group, vx, vy, self._start_counts, self._start_powers)
 
     @property
     def moved_at_zero(self) -> bool:
@@ -190,11 +192,9 @@ class Reduction:
         start = None
         if self._known.min() == 0:
             count = self._start_counts.sum(axis=0)
-            there = count > 0
-            start = (
-                self._start_squares[there] / count[there],
-                self._start_counts[:, there][used],
-            )
+            moving = self._start_powers[0] > 0
+            squares, quartics = self._start_powers[:, moving] / count[moving]
+            start = StartBins(squares, quartics, self._start_counts[:, moving][used])
         return Sample(
             names=names,
             times=self._known[order],

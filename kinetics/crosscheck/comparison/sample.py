@@ -41,6 +41,28 @@ class Binned:
 
 
 @dataclass(frozen=True, eq=False)
+class StartBins:
+    """Speeds at time 0 in fine bins, of the tracers that move.
+
+    squares, quartics (n_bins,): mean v^2 and v^4 in each bin, in U^2 and U^4; by_group (n_groups,
+    n_bins): counts.
+    """
+
+    squares: Array
+    quartics: Array
+    by_group: Counts
+
+    @property
+    def counts(self) -> Counts:
+        """Tracers in each bin, (n_bins,)."""
+        return np.asarray(self.by_group.sum(axis=0))
+
+    def rescaled(self, speed: float) -> "StartBins":
+        """The same with U = `speed` in the unit that it had."""
+        return StartBins(self.squares / speed**2, self.quartics / speed**4, self.by_group)
+
+
+@dataclass(frozen=True, eq=False)
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
 
@@ -51,8 +73,7 @@ class Sample:
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales
     speed_scale, length_scale : (n_times,), in U and in d
     speeds, displacements : counts in bins, None where unknown
-    start : at time 0, None without one: mean square speed of each fine bin that is not empty
-        (n_bins,) in U^2, and the counts (n_groups, n_bins)
+    start : the speeds at time 0, None without one
     at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
     capped : collisions after which tracers were stopped, None if unknown or never
@@ -69,7 +90,7 @@ class Sample:
     length_scale: Array
     speeds: Binned | None
     displacements: Binned | None
-    start: tuple[Array, Counts] | None
+    start: StartBins | None
     at_rest: Counts
     grouping: str
     capped: int | None = None
@@ -94,7 +115,7 @@ class Sample:
         def binned(found: Binned | None, unit: float) -> Binned | None:
             return None if found is None else replace(found, edges=found.edges / unit)
 
-        start = None if self.start is None else (self.start[0] / speed**2, self.start[1])
+        start = None if self.start is None else self.start.rescaled(speed)
         told = dict(self.told)
         if "number_density" in told:
             told["number_density"] *= length**2
