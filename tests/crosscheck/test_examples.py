@@ -14,6 +14,7 @@ def test_every_example_is_tested() -> None:
     assert {p.name for p in (ROOT / "examples").glob("*.py")} == {
         "cooling_gas.py",
         "cooling_rate.py",
+        "sonine_convergence.py",
     }
 
 
@@ -32,6 +33,24 @@ def test_cooling_gas_example() -> None:
     # 7 times each, correlated: 4.5 sigma is passed by chance once in 10 000 seeds.
     assert np.abs(result["speed_sigmas"]).max() < 4.5
     assert np.abs(result["msd_sigmas"]).max() < 4.5
+
+
+def test_sonine_convergence_example(tmp_path: Path) -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "sonine_convergence.py"))
+    series, exact = result["SERIES"], result["EXACT"]
+    # the elastic coefficient converges, from below
+    elastic = np.array(list(result["ELASTIC"].values())) / result["ELASTIC_EXACT"]
+    assert np.all(np.diff(elastic) > 0)
+    assert elastic[0] == pytest.approx(0.849, abs=1e-3)
+    assert elastic[-1] == pytest.approx(0.9974, abs=1e-4)
+    # the cooling rate does not: away for e = 0.4, near and past it for e = 0.9
+    rate = {(e, n): values[0] / exact[e][0] for (e, n), values in series.items()}
+    assert [round(rate[0.4, n], 2) for n in (2, 10, 20)] == [0.88, 0.61, 0.47]
+    assert [round(rate[0.9, n], 2) for n in (1, 5, 10, 20)] == [1.17, 1.0, 0.93, 1.01]
+    assert np.isnan(rate[0.4, 1])
+    assert series[0.9, 20][1] == pytest.approx(-0.3957, abs=1e-4)
+    result["draw"](str(tmp_path / "figure.png"))
+    assert (tmp_path / "figure.png").stat().st_size > 10_000
 
 
 def test_the_example_of_the_readme_prints_what_it_says(

@@ -1,0 +1,79 @@
+"""The Sonine expansion at orders 1 to 20, beside the exact cooling rate, a2 and diffusion.
+
+python examples/sonine_convergence.py [--figure FILE]
+
+At order 1 these are the paper's formulas. For e < 0.75 higher orders lead away from the exact
+values (odd ones have no real solution there); closer to 1 they pass by, swing about them and come
+near. The elastic diffusion coefficient alone converges.
+"""
+
+import sys
+from typing import Any
+
+from kinetics import ScalingSolution, sonine
+
+RESTITUTIONS = (0.4, 0.7, 0.8, 0.9, 0.99)
+ORDERS = tuple(range(1, 21))
+SHOWN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20)
+
+
+def exact_diffusion(restitution: float) -> float:
+    """D_e/(l v0) = <c>/(2 (1 - <cos chi>)) of the scaled state."""
+    exact = ScalingSolution(restitution)
+    return exact.moment(1) / (2 * exact.law.harmonic_decay_rate(0, 1))
+
+
+EXACT = {
+    e: (ScalingSolution(e).cooling_rate, ScalingSolution(e).a2, exact_diffusion(e))
+    for e in RESTITUTIONS
+}
+SERIES = {
+    (e, n): (state.cooling_rate, state.a2, sonine.diffusion_of_order(e, n).coefficient)
+    for e in RESTITUTIONS
+    for n in ORDERS
+    for state in [sonine.scaled_state(e, n)]
+}
+# The elastic gas keeps its Gaussian: D = (3/8) l <|v|> = 0.3323 l v0.
+ELASTIC = {n: sonine.diffusion_of_order(1.0, n).coefficient for n in ORDERS}
+ELASTIC_EXACT = 3 / 8 * 0.8862269254527580  # sqrt(pi)/2
+
+
+def draw(path: str) -> None:
+    """Relative to the exact values: h, and D_e, over the order."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), sharex=True, layout="constrained")
+    for axis, which, name in ((axes[0], 0, "$h_n/h$"), (axes[1], 2, "$D_n/D$")):
+        for k, e in enumerate(RESTITUTIONS):
+            ratio = [SERIES[e, n][which] / EXACT[e][which] for n in ORDERS]
+            known = [(n, y) for n, y in zip(ORDERS, ratio, strict=True) if y == y]
+            axis.plot(*zip(*known, strict=True), "o-", color=f"C{k}", ms=3, lw=1, label=f"e = {e}")
+        axis.axhline(1, color="black", lw=0.8)
+        axis.set(xlabel="order $n$", ylabel=name, xticks=range(0, 21, 4))
+    elastic = [ELASTIC[n] / ELASTIC_EXACT for n in ORDERS]
+    axes[1].plot(ORDERS, elastic, "ks-", ms=3, lw=1, label="e = 1")
+    axes[1].set(ylim=(0.4, 2.5))
+    axes[1].legend(fontsize="small", ncols=2, frameon=False)
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def show(row: Any) -> str:
+    """One row of the table; a dash where there is no real solution."""
+    return "  ".join(f"{x:8.4f}" if x == x else "       -" for x in row)
+
+
+if __name__ == "__main__":
+    for number, title in ((0, "h"), (1, "a2"), (2, "D_e/(l v0)")):
+        heads = [f"e = {e:g}" for e in RESTITUTIONS] + (["e = 1"] if number == 2 else [])
+        print(f"{title:10s}", "  ".join(f"{head:>8s}" for head in heads))
+        for n in SHOWN:
+            row = [SERIES[e, n][number] for e in RESTITUTIONS]
+            print(f"  n = {n:<5d}", show(row + ([ELASTIC[n]] if number == 2 else [])))
+        row = [EXACT[e][number] for e in RESTITUTIONS]
+        print("  exact    ", show(row + ([ELASTIC_EXACT] if number == 2 else [])))
+    if len(sys.argv) == 3 and sys.argv[1] == "--figure":
+        draw(sys.argv[2])
