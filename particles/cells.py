@@ -4,33 +4,24 @@ A cell lists the scatterers whose circle of radius 1 (in d) overlaps it, so that
 looks at no other. Positions are kept relative to the centre of the cell, so nothing is lost far
 from the origin. A cell has SLOTS places in one block; the few that need more go on in a chain.
 
-A periodic box stores all its cells. The unbounded plane stores a window of those last visited and
-makes a cell anew when a tracer enters it: its scatterers are drawn from the stream of
-(seed, configuration, cell), so it always holds the same ones.
+A periodic box stores all its cells. The unbounded plane stores a window of those last visited, in
+square blocks, and makes a block anew when a tracer enters it (particles.blocks): its scatterers
+are drawn from streams of (seed, configuration, place), so it always holds the same ones.
 """
 
-from math import sqrt
+from math import ceil, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from particles.lanes import SLOTS
-from particles.plane import (
-    Law,
-    candidate,
-    candidates,
-    is_clear,
-    is_kept,
-    make_law,
-    open_region,
-)
-from particles.streams import uniform
+from particles.plane import Counts, Law, candidate_density, make_counts, make_law
 
 EMPTY = 1e150  # far away, and its square is still finite
-# The unbounded plane keeps 2**WINDOW by 2**WINDOW cells, each with room for CHAIN beyond SLOTS.
+# The unbounded plane keeps 2**WINDOW by 2**WINDOW blocks of 2**BLOCK by 2**BLOCK cells.
+BLOCK = 2
 WINDOW = 7
-CHAIN = 64
 _NOWHERE = -(2**62)
 
 
@@ -39,8 +30,9 @@ class Cells(NamedTuple):
 
     side: of a cell. slots (n_cells, 2 * SLOTS): x of each slot, then y; EMPTY where free.
     fill (n_cells,): scatterers in each cell. head (n_cells,), links, nodes (, 2): chains of those
-    beyond SLOTS, -1 ends one. Of the plane only: keys (n_cells, 2): which cell is stored there;
-    law: what it is drawn from.
+    beyond SLOTS, -1 ends one. keys: a box's is of bytes and empty. Of the plane only: keys
+    (n_blocks, 2): which block is stored there; law, counts: what it is drawn from; draft (, 6),
+    pairs (, 2), who (, SLOTS): to draw it in.
     """
 
     side: float
@@ -52,6 +44,10 @@ class Cells(NamedTuple):
     nodes: np.ndarray
     keys: np.ndarray
     law: Law
+    counts: Counts
+    draft: np.ndarray
+    pairs: np.ndarray
+    who: np.ndarray
 
 
 def cell_side(number_density: float) -> float:
@@ -69,36 +65,76 @@ def empty_box(box: float, number_density: float, count: int) -> Cells:
     """
     n = max(int(box / cell_side(number_density)), 1)
     n -= n % 2 == 0
+    side = box / n
     # A scatterer is listed at most 4 times where cells are wider than 2, 9 times otherwise.
-    law = make_law(box / n, 0.0, False, np.uint64(0), 0)
-    return _allocate(law, n, n * n, 9 * count)
-
-
-def plane(number_density: float, hard: bool, seed: np.uint64, configuration: int) -> Cells:
-    """Return the unbounded plane, nothing of it made yet."""
-    side = max(cell_side(number_density), 3.0)
-    n_cells = 4**WINDOW
-    law = make_law(side, number_density, hard, seed, configuration)
-    return _allocate(law, 0, n_cells, n_cells * CHAIN)
-
-
-def _allocate(law: Law, n: int, n_cells: int, room: int) -> Cells:
-    window = 0 if n else n_cells
+    room = 9 * count
     return Cells(
-        side=law.side,
+        side=side,
         n=n,
-        slots=np.full((n_cells, 2 * SLOTS), EMPTY),
-        fill=np.zeros(n_cells, np.int32),
-        head=np.full(n_cells, -1, np.int32),
+        slots=_rows(n * n, EMPTY),
+        fill=np.zeros(n * n, np.int32),
+        head=np.full(n * n, -1, np.int32),
         links=np.empty(room, np.int32),
         nodes=np.empty((room, 2)),
-        keys=np.full((window, 2), _NOWHERE),
-        law=law,
+        keys=np.empty((0, 2), np.int8),
+        law=make_law(side, 0.0, False, np.uint64(0), 0),
+        counts=Counts(np.empty((0, 0)), np.empty((0, 0), np.int64)),
+        draft=np.empty((0, 6)),
+        pairs=np.empty((0, 2), np.int64),
+        who=np.empty((0, SLOTS), np.int64),
     )
 
 
+def plane(number_density: float, hard: bool, seed: np.uint64, configuration: int) -> Cells:
+    """Return the unbounded plane, nothing of it made yet.
+
+    What is not made is not touched either, so the system has no memory to find for it.
+    """
+    side = max(cell_side(number_density), 3.0)
+    density = candidate_density(number_density) if hard else number_density
+    law = make_law(side * 2**BLOCK, -0.5 * side, hard, seed, configuration)
+    counts = make_counts(law.side, law.band, density)
+    # Nine regions, none larger than a core.
+    candidates = 9 * counts.cumulative.shape[1]
+    n_blocks, n_cells = 4**WINDOW, 4 ** (WINDOW + BLOCK)
+    room = n_blocks * block_room(density, side)
+    return Cells(
+        side=side,
+        n=0,
+        slots=_rows(n_cells),
+        fill=np.empty(n_cells, np.int32),
+        head=np.empty(n_cells, np.int32),
+        links=np.empty(room, np.int32),
+        nodes=np.empty((room, 2)),
+        keys=np.full((n_blocks, 2), _NOWHERE),
+        law=law,
+        counts=counts,
+        draft=np.empty((candidates, 6)),
+        pairs=np.empty((8 * candidates, 2), np.int64),
+        who=np.empty((4**BLOCK, SLOTS), np.int64),
+    )
+
+
+def _rows(n_cells: int, value: float | None = None) -> np.ndarray:
+    """Return slots whose rows begin where lines of the processor's cache do."""
+    line = 64 // 8
+    whole = np.empty(n_cells * 2 * SLOTS + line)
+    begin = -(whole.ctypes.data // 8) % line
+    slots = whole[begin : begin + n_cells * 2 * SLOTS].reshape(n_cells, 2 * SLOTS)
+    if value is not None:
+        slots[:] = value
+    return slots
+
+
+def block_room(density: float, side: float) -> int:
+    """Return room for all that the cells of one block list: twelve standard deviations."""
+    mean = density * (side + 2.0) ** 2 * 4**BLOCK
+    # Of what is listed up to four times the deviation is up to twice that of a Poisson number.
+    return ceil(mean + 24.0 * sqrt(mean) + 64.0)
+
+
 @njit(error_model="numpy", forceinline=True)
-def _list(
+def enlist(
     slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
     cell: int, x: float, y: float, spare: int,
 ) -> int:  # fmt: skip
@@ -141,7 +177,7 @@ def insert(
             rx, ry = x - di * side, y - dj * side
             if _reaches(rx, ry, half):
                 cell = (i + di) % n * n + (j + dj) % n
-                spare = _list(slots, fill, head, links, nodes, cell, rx, ry, spare)
+                spare = enlist(slots, fill, head, links, nodes, cell, rx, ry, spare)
     return spare
 
 
@@ -162,39 +198,3 @@ def is_free(
             return False
         node = links[node]
     return True
-
-
-@njit(error_model="numpy")
-def make(
-    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    keys: np.ndarray, law: Law, cell: int, i: int, j: int,
-) -> None:  # fmt: skip
-    """Make cell (i, j) of the plane in this place of the window."""
-    half = 0.5 * law.side
-    keys[cell, 0], keys[cell, 1] = i, j
-    slots[cell] = EMPTY
-    fill[cell] = 0
-    head[cell] = -1
-    spare = cell * CHAIN
-    # 1 is the farthest that the origin's clearing reaches: only cells around it need look.
-    near = abs(i) + abs(j) < 3
-    for dp in range(-1, 2):
-        for dq in range(-1, 2):
-            p, q = 2 * i + dp, 2 * j + dq
-            state, gamma = open_region(law, p, q)
-            for k in range(candidates(law, p, q, state)):
-                x, y = candidate(law, p, q, state, gamma, k)
-                if near and not is_clear(law, p, q, x, y):
-                    continue
-                if law.hard and not is_kept(law, p, q, x, y, uniform(state, gamma, 3 * k + 3)):
-                    continue
-                spare = _list(
-                    slots, fill, head, links, nodes, cell, x + dp * half, y + dq * half, spare
-                )
-
-
-@njit(error_model="numpy", inline="always")
-def place(i: int, j: int) -> int:
-    """Return where the window stores cell (i, j); cells less than its width apart never collide."""
-    inside = 2**WINDOW - 1
-    return ((i & inside) << WINDOW) | (j & inside)

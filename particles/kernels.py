@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells, make, place
+from particles.blocks import is_there, make, place
+from particles.cells import Cells
 from particles.events import contact, is_collapsing, scatter, touch
-from particles.lanes import SLOTS, strike
+from particles.lanes import SLOTS, is_plane, strike
 from particles.records import (
     Q_CAUGHT,
     Q_COLLISIONS,
@@ -174,10 +175,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
     side, n, keys = cells.side, cells.n, cells.keys
     middle = n // 2
-    first = middle * n + middle
-    if n == 0:
-        first = place(0, 0)
-        make(slots, cells.fill, head, links, nodes, keys, cells.law, first, 0, 0)
+    first = place(0, 0) if is_plane(keys) else middle * n + middle
     lanes = np.empty((LANES, 19))
     wholes = np.empty((LANES, 11), np.int64)
     struck = np.empty((LANES, 3))
@@ -198,6 +196,12 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
         for a in range(active):
             x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
             cell = wholes[a, CELL]
+            if is_plane(keys) and not is_there(keys, cell, wholes[a, CI], wholes[a, CJ]):
+                # Never made, or lost to another lane since.
+                make(
+                    slots, cells.fill, head, links, nodes, keys, cells.law, cells.counts,
+                    cells.draft, cells.pairs, cells.who, cell, wholes[a, CI], wholes[a, CJ],
+                )  # fmt: skip
             path, slot = strike(slots, cell, x, y, ux, uy)
             cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             node = head[cell]
@@ -225,17 +229,14 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 di, dj = across * wholes[a, STEP_X], along * wholes[a, STEP_Y]
                 i, j = i + di, j + dj
                 wholes[a, CI], wholes[a, CJ] = i, j
-                if n:
+                if not is_plane(keys):
                     w, v = wholes[a, W] + di, wholes[a, V] + dj
                     w = n - 1 if w < 0 else 0 if w == n else w
                     v = n - 1 if v < 0 else 0 if v == n else v
                     wholes[a, W], wholes[a, V] = w, v
                     wholes[a, CELL] = w * n + v
                 else:
-                    cell = place(i, j)
-                    wholes[a, CELL] = cell
-                    if keys[cell, 0] != i or keys[cell, 1] != j:
-                        make(slots, cells.fill, head, links, nodes, keys, cells.law, cell, i, j)
+                    wholes[a, CELL] = place(i, j)
                 a += 1
                 continue
             x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]

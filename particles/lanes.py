@@ -1,10 +1,12 @@
-"""The innermost step, eight scatterers at once: which slot of a cell is struck first.
+"""The innermost steps, eight scatterers at once: which slot of a cell is struck first, which are
+near.
 
-In Python this is a loop over `contact`. Compiled, it is the same arithmetic on vectors of eight
+In Python these are loops over the slots. Compiled, it is the same arithmetic on vectors of eight
 doubles, written in LLVM's own terms because the loop, with its minimum and its index, is not
 vectorised by the compiler. Nothing is contracted or reordered: every bit is that of the loop.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -63,19 +65,26 @@ def _minimum(builder: Any, vector: Any) -> Any:
     return builder.extract_element(vector, ir.Constant(_INT32, 0))
 
 
+def _loader(context: Any, builder: Any, sig: Any, args: Any) -> Callable[[int], Any]:
+    """Return what loads eight numbers from somewhere in a cell's slots."""
+    array = context.make_array(sig.args[0])(context, builder, args[0])
+    row = builder.gep(array.data, [builder.mul(args[1], ir.Constant(_INT64, 2 * SLOTS))])
+
+    def load(offset: int) -> Any:
+        start = builder.gep(row, [ir.Constant(_INT64, offset)])
+        vector = builder.load(builder.bitcast(start, _VECTOR.as_pointer()))
+        vector.align = 8
+        return vector
+
+    return load
+
+
 @intrinsic
 def _strike(typingctx, slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     signature = types.Tuple((types.float64, types.int64))(slots, cell, x, y, ux, uy)
 
     def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
-        array = context.make_array(sig.args[0])(context, b, args[0])
-        row = b.gep(array.data, [b.mul(args[1], ir.Constant(_INT64, 2 * SLOTS))])
-
-        def load(offset: int) -> Any:
-            start = b.gep(row, [ir.Constant(_INT64, offset)])
-            vector = b.load(b.bitcast(start, _VECTOR.as_pointer()))
-            vector.align = 8
-            return vector
+        load = _loader(context, b, sig, args)
 
         def constant(value: float) -> Any:
             return ir.Constant(_VECTOR, [value] * SLOTS)
@@ -106,3 +115,43 @@ def _strike(typingctx, slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-de
 @overload(strike, inline="always")
 def _compiled_strike(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     return lambda slots, cell, x, y, ux, uy: _strike(slots, cell, x, y, ux, uy)
+
+
+def is_plane(keys: np.ndarray) -> bool:
+    """Tell a plane's keys from a box's by their type: known when a kernel is compiled."""
+    return keys.dtype == np.int64
+
+
+@overload(is_plane, inline="always")
+def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
+    if keys.dtype == types.int64:
+        return lambda keys: True
+    return lambda keys: False
+
+
+def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
+    """Return which slots of a cell are nearer than 1 to (x, y), one bit each."""
+    mask = 0
+    for slot in range(SLOTS):
+        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
+        mask |= int(dx * dx + dy * dy < 1.0) << slot
+    return mask
+
+
+@intrinsic
+def _crowd(typingctx, slots, cell, x, y):  # type: ignore[no-untyped-def]
+    signature = types.int64(slots, cell, x, y)
+
+    def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
+        load = _loader(context, b, sig, args)
+        dx, dy = (b.fsub(load(at), _splat(b, a)) for at, a in ((0, args[2]), (SLOTS, args[3])))
+        square = b.fadd(b.fmul(dx, dx), b.fmul(dy, dy))
+        near = b.fcmp_ordered("<", square, ir.Constant(_VECTOR, [1.0] * SLOTS))
+        return b.zext(b.bitcast(near, ir.IntType(SLOTS)), _INT64)
+
+    return signature, generate
+
+
+@overload(crowd, inline="always")
+def _compiled_crowd(slots, cell, x, y):  # type: ignore[no-untyped-def]
+    return lambda slots, cell, x, y: _crowd(slots, cell, x, y)

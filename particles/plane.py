@@ -1,9 +1,9 @@
 """The scatterers of the unbounded plane, drawn from the streams of its regions.
 
-The plane is cut by a grid whose lines lie alternately side - 2 and 2 apart: cores of cells, bands
-along their edges and squares at their corners. A cell lists what can be touched in it, which is
-the 3 by 3 regions around its core: no more than is listed is ever drawn, and each region, whichever
-cell asks for it, is drawn from its own stream and so always the same.
+The plane is cut into blocks of cells, and each axis into bands around the edges of blocks and what
+is left between them: cores of blocks, bands along their edges and squares at their corners. Each
+such region is drawn from its own stream and so always the same, whichever block asks for it; a
+block looks at the 3 by 3 regions in and around it.
 
 A region's candidates are a Poisson process, each with a mark uniform on (0, 1). Overlapping
 scatterers are all of them. Hard disks are those that random sequential addition in the order of
@@ -11,51 +11,71 @@ the marks keeps: a candidate is refused if one of lower mark, itself kept, is ne
 chains are short, so a candidate is decided by a few others around it.
 """
 
-from math import exp, pi, sqrt
+from functools import lru_cache
+from math import ceil, lgamma, log, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import int64, njit, uint64
 
-from particles.streams import mix, plane_key, to_unit, uniform
+from particles.streams import bits, mix, plane_key, to_unit
 
-BAND = 2.0  # a circle of radius 1 reaches over an edge from no farther
 # Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
 _SQRT2, _SQRT3 = 0x6A09E667F3BCC909, 0xBB67AE8584CAA73B
-# Candidates per region that are drawn at most; means are below 16.
-ROOM = 100
+_GUIDES = 256
+_TO_UNIT = 2.0**-32
 
 
 class Law(NamedTuple):
     """What a plane is drawn from.
 
-    side: of a cell. Mean number of candidates of a core, a band and a corner, and the chance of
-    none. hard: whether they exclude one another. key: of its regions' streams. Plain numbers,
-    which cost nothing to pass.
+    side: of a block. band: width of the bands. edge: from the origin to the left and the lower edge
+    of block (0, 0). hard: whether scatterers exclude one another. key: of the regions' streams.
+    Plain numbers, which cost nothing to pass.
     """
 
     side: float
-    core_mean: float
-    band_mean: float
-    corner_mean: float
-    core_none: float
-    band_none: float
-    corner_none: float
+    band: float
+    edge: float
     hard: bool
     key: Any
 
 
-def make_law(
-    side: float, number_density: float, hard: bool, seed: np.uint64, configuration: int
-) -> Law:
-    """Return the law of a plane of this density (d^-2) whose cells have this side (at least 3)."""
-    core = side - BAND
-    density = candidate_density(number_density) if hard else number_density
-    inner, band, corner = density * core * core, density * core * BAND, density * BAND * BAND
-    return Law(
-        side, inner, band, corner, exp(-inner), exp(-band), exp(-corner), hard,
-        plane_key(seed, configuration),
-    )  # fmt: skip
+class Counts(NamedTuple):
+    """Distribution of the number of candidates of a core, a band and a corner.
+
+    cumulative (3, most + 1): chance of no more than n. guides (3, 256): where to begin looking for
+    a number u in it, by the first 8 bits of u.
+    """
+
+    cumulative: np.ndarray
+    guides: np.ndarray
+
+
+def make_law(side: float, edge: float, hard: bool, seed: np.uint64, configuration: int) -> Law:
+    """Return the law of a plane whose blocks have this side (at least 8).
+
+    A circle of radius 1 reaches over an edge from no farther than 1; what excludes a hard disk
+    there lies no farther than 2.
+    """
+    key = np.uint64(plane_key(seed, configuration))
+    return Law(side, 4.0 if hard else 2.0, edge, hard, key)
+
+
+@lru_cache(maxsize=8)
+def make_counts(side: float, band: float, density: float) -> Counts:
+    """Return the counts of regions of these sizes for a density of candidates in d^-2."""
+    core = side - band
+    means = [density * core * core, density * core * band, density * band * band]
+    # Twelve standard deviations: never reached.
+    most = ceil(means[0] + 12.0 * sqrt(means[0]) + 40.0)
+    n = np.arange(most + 1)
+    factorials = np.array([lgamma(k + 1.0) for k in n])
+    cumulative = np.array([np.cumsum(np.exp(n * log(mean) - mean - factorials)) for mean in means])
+    cumulative[:, -1] = 1.0
+    steps = np.arange(_GUIDES) / _GUIDES
+    guides = np.array([np.searchsorted(row, steps) for row in cumulative])
+    return Counts(cumulative, guides)
 
 
 def candidate_density(number_density: float) -> float:
@@ -72,69 +92,82 @@ def candidate_density(number_density: float) -> float:
     return float(0.5 * theta * np.sum(weights / room) * 4 / pi)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", inline="always")
 def open_region(law: Law, p: int, q: int) -> tuple[Any, Any]:
-    """Return the stream of region (p, q): core of cell (i, j) at (2i, 2j), bands at odd p or q."""
+    """Return the stream of region (p, q): core of block (I, J) at (2I, 2J), bands at odd p or q."""
     place = uint64(int64(p)) * uint64(_SQRT2) + uint64(int64(q)) * uint64(_SQRT3)
     state = mix(uint64(law.key) + place)
     return state, mix(state ^ uint64(law.key)) | uint64(1)
 
 
-@njit(error_model="numpy", forceinline=True)
-def candidates(law: Law, p: int, q: int, state: Any) -> int:
-    """Return the number of candidates of a region: Poisson, by inversion of its stream's state."""
-    mean, probability = law.band_mean, law.band_none
-    if (p & 1) + (q & 1) == 0:
-        mean, probability = law.core_mean, law.core_none
-    elif p & q & 1:
-        mean, probability = law.corner_mean, law.corner_none
-    left = to_unit(state)
-    n = 0
-    while left > probability and n < ROOM:
-        left -= probability
+@njit(error_model="numpy", inline="always")
+def count(counts: Counts, p: int, q: int, state: Any) -> int:
+    """Return the number of candidates of a region, by inversion of its stream's state."""
+    kind = (p & 1) + (q & 1)
+    u = to_unit(state)
+    n = counts.guides[kind, int(u * _GUIDES)]
+    while u > counts.cumulative[kind, n]:
         n += 1
-        probability *= mean / n
     return n
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", inline="always")
 def width(law: Law, p: int) -> float:
     """Return the width of the regions of this column, or height of this row."""
-    return BAND if p & 1 else law.side - BAND
+    return law.band if p & 1 else law.side - law.band
 
 
-@njit(error_model="numpy", forceinline=True)
-def candidate(law: Law, p: int, q: int, state: Any, gamma: Any, k: int) -> tuple[float, float]:
-    """Return a candidate's place from the centre of its region."""
-    x = (uniform(state, gamma, 3 * k + 1) - 0.5) * width(law, p)
-    y = (uniform(state, gamma, 3 * k + 2) - 0.5) * width(law, q)
-    return x, y
+@njit(error_model="numpy", inline="always")
+def begin(law: Law, p: int) -> float:
+    """Return where this column of regions begins, from the left edge of its block.
+
+    Bands at odd p belong to the block on their left.
+    """
+    return law.side - 0.5 * law.band if p & 1 else 0.5 * law.band
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", inline="always")
+def spot(state: Any, gamma: Any, k: int) -> tuple[float, float]:
+    """Return the place of candidate k as shares of its region's width and height."""
+    word = bits(state, gamma, 2 * k + 1)
+    x = float(int64(word >> uint64(32))) + 0.5
+    y = float(int64(word & uint64(0xFFFFFFFF))) + 0.5
+    return x * _TO_UNIT, y * _TO_UNIT
+
+
+@njit(error_model="numpy", inline="always")
+def mark(state: Any, gamma: Any, k: int) -> float:
+    """Return when the turn of candidate k comes."""
+    return to_unit(bits(state, gamma, 2 * k + 2))
+
+
+@njit(error_model="numpy", inline="always")
 def is_clear(law: Law, p: int, q: int, x: float, y: float) -> bool:
-    """Tell whether a place in a region is not within 1 of the origin, where tracers start."""
-    ox, oy = x + 0.5 * p * law.side, y + 0.5 * q * law.side
+    """Tell whether (x, y) of a region is not within 1 of the origin, where tracers start."""
+    ox = (p >> 1) * law.side + begin(law, p) + law.edge + x
+    oy = (q >> 1) * law.side + begin(law, q) + law.edge + y
     return ox * ox + oy * oy >= 1.0
 
 
 @njit(error_model="numpy")
-def is_kept(law: Law, p: int, q: int, x: float, y: float, mark: float) -> bool:
-    """Tell whether a candidate of region (p, q) finds room when its mark is up."""
-    half = 0.5 * law.side
+def is_kept(law: Law, counts: Counts, p: int, q: int, x: float, y: float, turn: float) -> bool:
+    """Tell whether a candidate at (x, y) of region (p, q) finds room when its turn comes."""
     for dp in range(-1, 2):
-        if dp * x < abs(dp) * (0.5 * width(law, p) - 1.0):
+        if (dp < 0 and x > 1.0) or (dp > 0 and x < width(law, p) - 1.0):
             continue
+        ox = -width(law, p - 1) if dp < 0 else dp * width(law, p)
         for dq in range(-1, 2):
-            if dq * y < abs(dq) * (0.5 * width(law, q) - 1.0):
+            if (dq < 0 and y > 1.0) or (dq > 0 and y < width(law, q) - 1.0):
                 continue
+            oy = -width(law, q - 1) if dq < 0 else dq * width(law, q)
             state, gamma = open_region(law, p + dp, q + dq)
-            for k in range(candidates(law, p + dp, q + dq, state)):
-                px, py = candidate(law, p + dp, q + dq, state, gamma, k)
-                dx, dy = px + dp * half - x, py + dq * half - y
+            for k in range(count(counts, p + dp, q + dq, state)):
+                sx, sy = spot(state, gamma, k)
+                px, py = sx * width(law, p + dp), sy * width(law, q + dq)
+                dx, dy = ox + px - x, oy + py - y
                 if dx * dx + dy * dy >= 1.0 or not is_clear(law, p + dp, q + dq, px, py):
                     continue
-                earlier = uniform(state, gamma, 3 * k + 3)
-                if earlier < mark and is_kept(law, p + dp, q + dq, px, py, earlier):
+                earlier = mark(state, gamma, k)
+                if earlier < turn and is_kept(law, counts, p + dp, q + dq, px, py, earlier):
                     return False
     return True

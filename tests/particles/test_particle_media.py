@@ -8,8 +8,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from particles import BoltzmannGrad, HardDisks, Poisson, Positions, simulate
+from particles.blocks import make, place
 from particles.build import build
-from particles.cells import EMPTY, SLOTS, Cells, make, place
+from particles.cells import BLOCK, EMPTY, SLOTS, WINDOW, Cells
 from particles.equilibrate import centres
 
 
@@ -25,15 +26,16 @@ def listed(cells: Cells, i: int, j: int) -> np.ndarray:
     cell = place(i, j)
     make(
         cells.slots, cells.fill, cells.head, cells.links, cells.nodes, cells.keys, cells.law,
-        cell, i, j,
+        cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
     )  # fmt: skip
     row = cells.slots[cell]
     found = [(row[k], row[SLOTS + k]) for k in range(SLOTS) if row[k] != EMPTY]
     node = cells.head[cell]
     while node >= 0:
-        found.append(tuple(cells.nodes[node]))
+        if cells.nodes[node, 0] != EMPTY:
+            found.append(tuple(cells.nodes[node]))
         node = cells.links[node]
-    assert len(found) == cells.fill[cell]
+    assert len(found) <= cells.fill[cell]
     return np.array(found).reshape(-1, 2) + np.array([i, j]) * cells.side
 
 
@@ -98,20 +100,21 @@ def test_a_cell_of_the_plane_is_the_same_whoever_asks(medium: HardDisks | Poisso
     one = build(medium, np.uint64(7), 3)
     other = build(medium, np.uint64(7), 3)
     side = one.side
-    cells = [(i, j) for i in (-3, -1, 0, 1, 200) for j in (-2, 0, 5)]
+    cells = [(i, j) for i in (-3, -1, 0, 1, 2, 3, 200) for j in (-2, 0, 3, 5)]
     first = {c: listed(one, *c) for c in cells}
     for c in reversed(cells):
         again = listed(other, *c)
         assert np.array_equal(first[c], again)
-        # The neighbour lists the same scatterers along the common edge.
-        right = listed(other, c[0] + 1, c[1])
-        edge, top = (c[0] + 0.5) * side, (c[1] + 0.5) * side
-        strips = []
-        for disks in (again, right):
-            near = (abs(disks[:, 0] - edge) < 1) & (abs(disks[:, 1] - top + side / 2) < side / 2)
-            strip = disks[near]
-            strips.append(strip[np.lexsort(strip.T)])
-        np.testing.assert_allclose(*strips, atol=1e-9)
+        # The neighbours list the same scatterers along the common edges.
+        middle = np.array(c) * side
+        for axis in (0, 1):
+            neighbour = listed(other, c[0] + 1 - axis, c[1] + axis)
+            strips = []
+            for disks in (again, neighbour):
+                x, y = (disks - middle).T[:: 1 - 2 * axis]
+                strip = disks[(abs(x - side / 2) < 1) & (abs(y) < side / 2)]
+                strips.append(strip[np.lexsort(strip.T)])
+            np.testing.assert_allclose(*strips, atol=1e-9)
     assert not np.array_equal(listed(build(medium, np.uint64(7), 4), 0, 0), listed(one, 0, 0))
 
 
@@ -134,6 +137,58 @@ def test_the_plane_has_the_density_asked_for() -> None:
         distance, _ = cKDTree(disks).query(disks, k=2)
         assert distance[:, 1].min() >= 1.0 - 1e-12
         assert np.hypot(*disks.T).min() >= 1.0
+
+
+def test_hard_disks_of_the_plane_are_what_random_sequential_addition_keeps() -> None:
+    # All candidates of 5 by 5 blocks, from their regions' streams, taken in the order of their
+    # marks; what comes of it in the middle block does not depend on what lies beyond.
+    from particles import plane
+
+    cells = build(HardDisks(0.3, box=None), np.uint64(3), 0)
+    law, counts = cells.law, cells.counts
+    for block in ((0, 0), (-1, 0), (7, -4)):
+        candidates = []
+        for p in range(2 * block[0] - 4, 2 * block[0] + 5):
+            for q in range(2 * block[1] - 4, 2 * block[1] + 5):
+                state, gamma = map(np.uint64, plane.open_region(law, p, q))
+                for k in range(plane.count(counts, p, q, state)):
+                    u, v = plane.spot(state, gamma, k)
+                    x, y = u * plane.width(law, p), v * plane.width(law, q)
+                    if plane.is_clear(law, p, q, x, y):
+                        x += (p >> 1) * law.side + plane.begin(law, p) + law.edge
+                        y += (q >> 1) * law.side + plane.begin(law, q) + law.edge
+                        candidates.append((plane.mark(state, gamma, k), x, y))
+        kept: list[tuple[float, float]] = []
+        for _, x, y in sorted(candidates):
+            if all((x - a) ** 2 + (y - b) ** 2 >= 1 for a, b in kept):
+                kept.append((x, y))
+        disks = np.array(kept)
+        assert len(candidates) > 1.1 * len(kept)
+        for i in range(block[0] << BLOCK, (block[0] + 1) << BLOCK):
+            for j in range(block[1] << BLOCK, (block[1] + 1) << BLOCK):
+                offset = abs(disks - np.array([i, j]) * cells.side) - cells.side / 2
+                expected = disks[(offset < 1 - 1e-6).all(axis=1)]
+                found = listed(cells, i, j)
+                offset = abs(found - np.array([i, j]) * cells.side) - cells.side / 2
+                found = found[(offset < 1 - 1e-6).all(axis=1)]
+                np.testing.assert_allclose(
+                    found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-9
+                )
+
+
+@pytest.mark.parametrize("kind", [HardDisks, Poisson])
+def test_tracers_far_apart_in_the_plane_do_not_take_each_others_cells(kind: type) -> None:
+    # Tracers run together share the window of cells; alone, each has it for itself. They come so
+    # far that places in the window are wanted by several at once.
+    medium = kind(0.05, box=None)
+    velocities = np.random.default_rng(4).normal(size=(8, 2))
+    arguments = dict(restitution=1.0, max_collisions=60_000, media=1, observables=["finals"])
+    together = simulate(medium, initial=velocities, tracers=8, **arguments).finals
+    window = build(medium, np.uint64(1), 0).side * 2 ** (BLOCK + WINDOW)
+    assert np.ptp(together[:, 2:4], axis=0).max() > 1.2 * window
+    for one, velocity in zip(together, velocities, strict=True):
+        alone = simulate(medium, initial=velocity[None], tracers=1, **arguments).finals
+        np.testing.assert_array_equal(alone[0], one)
 
 
 @pytest.mark.parametrize("kind", [HardDisks, Poisson])

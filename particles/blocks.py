@@ -1,0 +1,236 @@
+"""Blocks of the unbounded plane, drawn when a tracer enters them."""
+
+from math import floor
+
+import numpy as np
+from numba import njit
+
+from particles.cells import BLOCK, EMPTY, WINDOW, enlist
+from particles.lanes import SLOTS, crowd
+from particles.plane import (
+    Counts,
+    Law,
+    begin,
+    count,
+    is_clear,
+    is_kept,
+    mark,
+    open_region,
+    spot,
+    width,
+)
+
+_ACROSS = 2**BLOCK
+_CELLS = _ACROSS * _ACROSS
+# A cell lists what is no farther than this from it: a hair more than 1, against rounding.
+_REACH = 1.0 + 1e-9
+# Columns of a draft: place from the corner of the block, turn, whether it is kept, and its region
+# relative to the block's core.
+_X, _Y, _TURN, _KEPT, _P, _Q = range(6)
+
+
+@njit(error_model="numpy", inline="always")
+def place(i: int, j: int) -> int:
+    """Return where the window stores cell (i, j); blocks less than its width apart differ."""
+    inside, within = 2**WINDOW - 1, 2**BLOCK - 1
+    block = (((i >> BLOCK) & inside) << WINDOW) | ((j >> BLOCK) & inside)
+    return (((block << BLOCK) | (i & within)) << BLOCK) | (j & within)
+
+
+@njit(error_model="numpy", inline="always")
+def is_there(keys: np.ndarray, cell: int, i: int, j: int) -> bool:
+    """Tell whether the window holds cell (i, j) in its place."""
+    block = cell >> 2 * BLOCK
+    return keys[block, 0] == i >> BLOCK and keys[block, 1] == j >> BLOCK
+
+
+@njit(error_model="numpy")
+def make(
+    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    keys: np.ndarray, law: Law, counts: Counts, draft: np.ndarray, pairs: np.ndarray,
+    who: np.ndarray, cell: int, i: int, j: int,
+) -> None:  # fmt: skip
+    """Make the block of cell (i, j) in its place of the window."""
+    block = cell >> 2 * BLOCK
+    first = block << 2 * BLOCK
+    i, j = i >> BLOCK, j >> BLOCK
+    keys[block, 0], keys[block, 1] = i, j
+    for c in range(first, first + _CELLS):
+        fill[c] = 0
+        head[c] = -1
+        for k in range(2 * SLOTS):
+            slots[c, k] = EMPTY
+    drawn, fringe = _draw(law, counts, draft, i, j)
+    side = law.side / _ACROSS
+    per_side = 1.0 / side
+    last = _ACROSS - 1
+    spare = block * (links.size >> 2 * WINDOW)
+    for k in range(drawn):
+        x, y = draft[k, _X], draft[k, _Y]
+        a0, a1 = max(floor((x - _REACH) * per_side), 0), min(floor((x + _REACH) * per_side), last)
+        b0, b1 = max(floor((y - _REACH) * per_side), 0), min(floor((y + _REACH) * per_side), last)
+        for a in range(a0, a1 + 1):
+            for b in range(b0, b1 + 1):
+                within = a * _ACROSS + b
+                if law.hard and fill[first + within] < SLOTS:
+                    who[within, fill[first + within]] = k
+                spare = enlist(
+                    slots, fill, head, links, nodes, first + within,
+                    x - (a + 0.5) * side, y - (b + 0.5) * side, spare,
+                )  # fmt: skip
+    if law.hard:
+        n_pairs = _pair_all(slots, head, links, nodes, draft, pairs, who, drawn, fringe, first, law)
+        _settle(slots, head, links, nodes, law, counts, draft, pairs, n_pairs, first, i, j)
+
+
+@njit(error_model="numpy")
+def _draw(law: Law, counts: Counts, draft: np.ndarray, i: int, j: int) -> tuple[int, int]:
+    """Draw the candidates in and around block (i, j).
+
+    Those that a cell of the block can list begin the draft, those farther out end it; return the
+    numbers of both.
+    """
+    near = abs(i) <= 1 and abs(j) <= 1
+    drawn, fringe = 0, 0
+    for dp in range(-1, 2):
+        p = 2 * i + dp
+        ox, wide = begin(law, p), width(law, p)
+        if dp < 0:
+            ox -= law.side
+        for dq in range(-1, 2):
+            q = 2 * j + dq
+            oy, high = begin(law, q), width(law, q)
+            if dq < 0:
+                oy -= law.side
+            state, gamma = open_region(law, p, q)
+            for k in range(count(counts, p, q, state)):
+                x, y = spot(state, gamma, k)
+                x *= wide
+                y *= high
+                if near and not is_clear(law, p, q, x, y):
+                    continue
+                x += ox
+                y += oy
+                row = drawn
+                if law.hard:
+                    if min(x, y) < -_REACH or max(x, y) > law.side + _REACH:
+                        fringe += 1
+                        row = draft.shape[0] - fringe
+                        drawn -= 1
+                    draft[row, _TURN] = mark(state, gamma, k)
+                    draft[row, _KEPT] = 1.0
+                    draft[row, _P], draft[row, _Q] = dp, dq
+                draft[row, _X], draft[row, _Y] = x, y
+                drawn += 1
+    return drawn, fringe
+
+
+@njit(error_model="numpy")
+def _pair_all(
+    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    draft: np.ndarray, pairs: np.ndarray, who: np.ndarray, drawn: int, fringe: int,
+    first: int, law: Law,
+) -> int:  # fmt: skip
+    """Find the pairs of candidates that are too near to each other, some twice.
+
+    Return their number. Each is an earlier and a later one, in the order of the later one's turn.
+    The fringe only comes as the earlier one: what else befalls it is not this block's to decide.
+    """
+    side = law.side / _ACROSS
+    per_side = 1.0 / side
+    last = _ACROSS - 1
+    n_pairs = 0
+    for k in range(drawn):
+        x, y = draft[k, _X], draft[k, _Y]
+        a = min(max(floor(x * per_side), 0), last)
+        b = min(max(floor(y * per_side), 0), last)
+        home = a * _ACROSS + b
+        x -= (a + 0.5) * side
+        y -= (b + 0.5) * side
+        near = crowd(slots, first + home, x, y)
+        if near & (near - 1):  # others than itself
+            for slot in range(SLOTS):
+                if near >> slot & 1 and who[home, slot] < k:
+                    n_pairs = _pair(draft, pairs, n_pairs, k, who[home, slot])
+        node = head[first + home]
+        while node >= 0:
+            dx, dy = nodes[node, 0] - x, nodes[node, 1] - y
+            node = links[node]
+            if dx * dx + dy * dy < 1.0:
+                # Rare, and whose place it is has not been noted: all that are near, perhaps again.
+                for other in range(drawn):
+                    dx, dy = draft[other, _X] - draft[k, _X], draft[other, _Y] - draft[k, _Y]
+                    if dx * dx + dy * dy < 1.0 and other != k:
+                        n_pairs = _pair(draft, pairs, n_pairs, k, other)
+                break
+        if min(draft[k, _X], draft[k, _Y]) < 0.0 or max(draft[k, _X], draft[k, _Y]) > law.side:
+            for other in range(draft.shape[0] - fringe, draft.shape[0]):
+                dx, dy = draft[other, _X] - draft[k, _X], draft[other, _Y] - draft[k, _Y]
+                if dx * dx + dy * dy < 1.0 and draft[other, _TURN] < draft[k, _TURN]:
+                    n_pairs = _pair(draft, pairs, n_pairs, k, other)
+    return n_pairs
+
+
+@njit(error_model="numpy")
+def _pair(draft: np.ndarray, pairs: np.ndarray, n_pairs: int, one: int, other: int) -> int:
+    """Put a pair where it belongs in the order; return the number of pairs."""
+    earlier, later = one, other
+    if draft[other, _TURN] < draft[one, _TURN]:
+        earlier, later = other, one
+    at = n_pairs
+    while at > 0 and draft[pairs[at - 1, 1], _TURN] > draft[later, _TURN]:
+        pairs[at] = pairs[at - 1]
+        at -= 1
+    pairs[at, 0], pairs[at, 1] = earlier, later
+    return n_pairs + 1
+
+
+@njit(error_model="numpy")
+def _settle(
+    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    law: Law, counts: Counts, draft: np.ndarray, pairs: np.ndarray, n_pairs: int,
+    first: int, i: int, j: int,
+) -> None:  # fmt: skip
+    """Go through the pairs in order; refuse each later one whose earlier one is kept."""
+    side = law.side / _ACROSS
+    for m in range(n_pairs):
+        earlier, later = pairs[m, 0], pairs[m, 1]
+        if draft[later, _KEPT] == 0.0:
+            continue
+        x, y = draft[earlier, _X], draft[earlier, _Y]
+        if min(x, y) < -_REACH or max(x, y) > law.side + _REACH:
+            dp, dq = int(draft[earlier, _P]), int(draft[earlier, _Q])
+            p, q = 2 * i + dp, 2 * j + dq
+            x -= begin(law, p) - (law.side if dp < 0 else 0.0)
+            y -= begin(law, q) - (law.side if dq < 0 else 0.0)
+            kept = is_kept(law, counts, p, q, x, y, draft[earlier, _TURN])
+        else:
+            kept = draft[earlier, _KEPT] == 1.0
+        if not kept:
+            continue
+        draft[later, _KEPT] = 0.0
+        x, y = draft[later, _X], draft[later, _Y]
+        a0, a1 = max(floor((x - _REACH) / side), 0), min(floor((x + _REACH) / side), _ACROSS - 1)
+        b0, b1 = max(floor((y - _REACH) / side), 0), min(floor((y + _REACH) / side), _ACROSS - 1)
+        for a in range(a0, a1 + 1):
+            for b in range(b0, b1 + 1):
+                _strike_out(
+                    slots, head, links, nodes, first + a * _ACROSS + b,
+                    x - (a + 0.5) * side, y - (b + 0.5) * side,
+                )  # fmt: skip
+
+
+@njit(error_model="numpy")
+def _strike_out(
+    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    cell: int, x: float, y: float,
+) -> None:  # fmt: skip
+    """Remove the scatterer at exactly (x, y) from a cell that may list it; its slot stays free."""
+    for k in range(SLOTS):
+        if slots[cell, k] == x and slots[cell, SLOTS + k] == y:
+            slots[cell, k] = slots[cell, SLOTS + k] = EMPTY
+    node = head[cell]
+    while node >= 0:
+        if nodes[node, 0] == x and nodes[node, 1] == y:
+            nodes[node, 0] = nodes[node, 1] = EMPTY
+        node = links[node]
