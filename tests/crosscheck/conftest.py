@@ -1,7 +1,10 @@
 """A made-up case whose truth is known: a Gaussian VDF, a cooling law and an msd by formula."""
 
+import importlib.util
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -99,3 +102,21 @@ def make_case() -> Callable[..., Case]:
 @pytest.fixture
 def settings() -> ReportSettings:
     return ReportSettings(restitutions=(0.7,), final_times=(1000.0,))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Debian's Chromium (chromium.py); skips where there is none."""
+    spec = importlib.util.spec_from_file_location(
+        "chromium_of_these_tests", Path(__file__).with_name("chromium.py")
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look for it there
+    spec.loader.exec_module(module)
+    program = module.found()
+    if program is None:
+        pytest.skip("no Chromium on PATH")
+    with module.Browser(program) as opened:
+        yield opened

@@ -112,7 +112,7 @@ def _outcome(before: ChiSquare, after: ChiSquare) -> str:
         # Averages that agreed already need no explaining.
         return "explains" if before.p_value < AGREES_ABOVE else "does not"
     gained = before.value - after.value
-    return "in part" if gained > max(_LEAST_GAIN, 0.15 * before.value) else "does not"
+    return "in part" if gained > max(_LEAST_GAIN, 0.1 * before.value) else "does not"
 
 
 def _tested(

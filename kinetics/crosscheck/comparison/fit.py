@@ -26,6 +26,8 @@ Model = Callable[[Array], tuple[Array, Array]]
 """Parameters to theory (p,), and its replicates (p,) or (G, p)."""
 _STEP = 1e-4
 _ROUNDS = 30
+_TRIED = 2
+"""Starts that are descended from."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def fit(
     lower: Sequence[float],
     upper: Sequence[float],
 ) -> Fit | None:
-    """Least squares from each start, the best of them; None where nothing converges.
+    """Least squares from the best starts; None where nothing converges.
 
     data: values (p_all,) and replicates (G, p_all); model gives the same p_all. Parameters stay
     between lower and upper.
@@ -92,8 +94,7 @@ def fit(
         return (values - theory)[components], (replicates - moved)[..., components]
 
     best: tuple[float, Array] | None = None
-    for start in starts:
-        at = np.clip(np.asarray(start, float), low, high)
+    for at in _most_promising(residual, [np.clip(np.asarray(s, float), low, high) for s in starts]):
         white = whitening(covariance(residual(at)[1]))
         found = _descend(partial(_whitened, residual, white), at, low, high)
         if found is not None and (best is None or found[0] < best[0]):
@@ -113,6 +114,20 @@ def fit(
     return Fit(
         tuple(names), at, np.sqrt(np.diagonal(spread)), chi_square, influence, slope, components
     )
+
+
+def _most_promising(
+    residual: Callable[[Array], tuple[Array, Array]], starts: list[Array]
+) -> list[Array]:
+    """The starts with the least sum of squares: from the others the way is only longer."""
+    if len(starts) <= _TRIED:
+        return starts
+    sizes = []
+    for at in starts:
+        left, moved = residual(at)
+        white = whitening(covariance(moved)) @ left
+        sizes.append(float(white @ white))
+    return [starts[k] for k in np.argsort(sizes)[:_TRIED]]
 
 
 def _whitened(residual: Callable[[Array], tuple[Array, Array]], white: Array, at: Array) -> Array:

@@ -59,7 +59,8 @@ def compare(
 
         order = list(OUTCOMES)
         explanations = sorted(
-            explanations_of(judged, verdict), key=lambda item: order.index(item.outcome)
+            explanations_of(judged, verdict),
+            key=lambda item: (order.index(item.outcome), item.chi_square_after or 0.0),
         )
         figures = figures_of(judged)
     scene = solution.scene

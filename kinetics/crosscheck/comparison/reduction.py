@@ -232,6 +232,7 @@ def _distinct(times: Any) -> Any:
 
 
 def _root_mean_square(x: Any, y: Any) -> float:
+    """Rounded to a power of 2, so that it hardly depends on which rows come first."""
     with np.errstate(over="ignore", under="ignore"):
         size = float(np.sqrt(np.mean(x * x + y * y)))
-    return size if np.isfinite(size) and size > 0 else 1.0
+    return float(2.0 ** np.round(np.log2(size))) if np.isfinite(size) and size > 0 else 1.0

@@ -87,7 +87,7 @@ class Explanation:
     """Something that may explain a difference, held against the data.
 
     outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by
-    15 % at least), "does not",
+    a tenth at least), "does not",
     "noted" (a fact about data or theory; `tested` is then False) or "found" (an effect that the
     data show by itself). `chi_square` is the sum over the averages before and after.
     """

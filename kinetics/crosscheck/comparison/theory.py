@@ -172,10 +172,10 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     finer where the start is rough; what is above the last edge is the rest.
     """
     density: Callable[[Array], Array] = getattr(solution, name)
-    pieces = 2 if solution.scene.state.smooth else 12
+    pieces = 1 if solution.scene.state.smooth else 12
     every = np.concatenate([[0.0], edges])
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    node, weight = np.polynomial.legendre.leggauss(4)
+    node, weight = np.polynomial.legendre.leggauss(3)
     half = np.diff(fine)[:, None] / 2
     x = fine[:-1, None] + half * (node + 1)
     values = np.asarray(density(x.ravel())[index]).reshape(x.shape)
