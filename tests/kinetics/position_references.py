@@ -28,9 +28,11 @@ right of w, less than 1 away:
 Run this file to write ``position_references.json`` beside it (half an hour; gmpy2 helps).
 """
 
+import copy
 import importlib.util
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -158,19 +160,38 @@ def moments_forward(e: Any, reduced_time: Any, count: int) -> tuple[Any, Any]:
 
 # -- Mellin-Barnes integrals ---------------------------------------------------------------------
 
-STEP = mp.mpf(1) / 48  # of Im w; what is neglected is exp(-2 pi 0.2/STEP) = 1e-26
+# Missing is 2e-17 at T = 1, less later: at the ends the integrand is 1e-27 times a power of w.
+STEP = mp.mpf(1) / 48  # of Im w: exp(-2 pi 0.2/STEP) = 1e-26
 HALF_LENGTH = 40  # of the lines: exp(-pi HALF_LENGTH/2) = 1e-27
 WINDOW = 20  # of the convolutions: exp(-pi WINDOW) = 1e-27
 CENTRES = [mp.mpf(c) / 20 for c in (-4, -9, -14, -19)]  # Re w of M_10; M_20, M_11; M_21; M_22
 
 
+def principal(e: Any, m: int) -> Callable[[Any], Any]:
+    """Q_m(z); at e = 0, where s = cos(chi) = y, by gamma functions."""
+    if e != 0:
+        return _formulas().Product(e, m, HALF_LENGTH + 4)  # type: ignore[no-any-return]
+    if m == 0:  # nu = z/(z+1)
+        return lambda z: z
+    if m == 1:  # nu = (z+1)/(z+2)
+        return lambda z: (z + 1) / 2
+    # nu = (z^2 + 3z + 4)/((z+1)(z+3))
+    zero = mp.mpc(-3, mp.sqrt(7)) / 2
+
+    def unscaled(z: Any) -> Any:
+        gammas = [mp.loggamma(z + 1), mp.loggamma(z + 3)]
+        return mp.exp(sum(gammas) - mp.loggamma(z - zero) - mp.loggamma(z - mp.conj(zero)))
+
+    one = unscaled(mp.mpf(1))
+    return lambda z: unscaled(z) / one
+
+
 class Lines:
-    """<r^2>/l^2 and <r^4>/l^4 at any T, best above 1, for any start; 0 <= e < 1."""
+    """<r^2>/l^2 and <r^4>/l^4 at any T, best above 1, for a start at speed 1; 0 <= e < 1."""
 
     def __init__(self, e: Any) -> None:
-        base = _formulas()
         count = int(HALF_LENGTH / STEP)
-        turns = [base.Product(e, m, HALF_LENGTH + 4) for m in (0, 1, 2)]
+        turns = [principal(e, m) for m in (0, 1, 2)]
         self.w = [[mp.mpc(c, n * STEP) for n in range(count + 1)] for c in CENTRES]
 
         def step(source: list[Any], level: int, m: int) -> list[Any]:
@@ -203,16 +224,24 @@ class Lines:
         third = step([2 * a + b for a, b in zip(self.square, second, strict=True)], 2, 1)
         self.fourth = step([4 * t for t in third], 3, 0)
 
-    def __call__(self, reduced_time: Any, start: Any = None) -> tuple[Any, Any]:
-        """(<r^2>/l^2, <r^4>/l^4) at t/l; ``start`` is w -> <v^-w>, speed 1 without it."""
+    def weighted(self, start: Callable[[Any], Any]) -> "Lines":
+        """The same for a start with many speeds: ``start`` is w -> <v^-w>."""
+        other = copy.copy(self)
+        other.square = [v * start(w) for v, w in zip(self.square, self.w[1], strict=True)]
+        other.fourth = [v * start(w) for v, w in zip(self.fourth, self.w[3], strict=True)]
+        return other
+
+    def __call__(self, reduced_time: Any) -> tuple[Any, Any]:
+        """(<r^2>/l^2, <r^4>/l^4) at T = t/l."""
         log_t = mp.log(mp.mpf(reduced_time))
+        turn = mp.expj(-STEP * log_t)
         out = []
         for line, values in ((1, self.square), (3, self.fourth)):
-            total = mp.mpf(0)
-            for n, (w, value) in enumerate(zip(self.w[line], values, strict=True)):
-                weight = value if start is None else value * start(w)
-                total += (weight * mp.exp(-w * log_t)).real * (1 if n else mp.mpf(1) / 2)
-            out.append(total * STEP / mp.pi)
+            total, phase = mp.mpf(0), mp.mpc(1)
+            for n, value in enumerate(values):
+                total += (value * phase).real * (1 if n else mp.mpf(1) / 2)
+                phase *= turn
+            out.append(total * STEP / mp.pi * mp.exp(-CENTRES[line] * log_t))
         return out[0], out[1]
 
 
@@ -291,7 +320,7 @@ SERIES_TO = 100.0
 def table(e: float) -> dict[str, Any]:
     """<r^2>/l^2 and <r^4>/l^4 at TIMES, for speeds 1 (or Gaussian, in U)."""
     early, lines = Early(e, SERIES_TO), Lines(e)
-    gaussian = _formulas().gaussian_speeds
+    averaged = lines.weighted(_formulas().gaussian_speeds)
     apart = max(
         abs(a / b - 1)
         for t in (1.0, 10.0, SERIES_TO)
@@ -304,7 +333,7 @@ def table(e: float) -> dict[str, Any]:
         "gaussian": {"square": [], "fourth": []},
     }
     # at the shortest times the integrals lose digits: the series in <v^p> does not
-    many = [gaussian_series(early, t) if t < 0.03 else lines(t, gaussian) for t in TIMES]
+    many = [gaussian_series(early, t) if t < 0.03 else averaged(t) for t in TIMES]
     for name, pairs in (("monoenergetic", one), ("gaussian", many)):
         for which, key in enumerate(("square", "fourth")):
             out[name][key] = [float(pair[which]) for pair in pairs]
