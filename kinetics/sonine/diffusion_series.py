@@ -33,6 +33,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import check_restitution
 from kinetics.sonine._checks import whole
 from kinetics.sonine.series import (
+    ROUNDING_LIMIT,
     FloatArray,
     SeriesStatus,
     laguerre_products,
@@ -49,8 +50,10 @@ class SonineDiffusion:
     restitution, order : as asked
     coefficient : D_e/(l v0(t)), dimensionless; NaN without a real scaled state
     slope : d<r^2>/d ln t in units of l^2, 8 D_e/(l v0 h); infinite at e = 1
-    expansion : d_0 ... d_(order-1)
-    status : SeriesStatus, that of the scaled state
+    expansion : b_i in b(c) = c exp(-c^2)/pi sum_i b_i S_i(c^2)
+    rounding : estimate of the relative rounding error of the coefficient: 1e-11 at order 10, some
+        1e-6 at order 20; NaN without a real scaled state
+    status : SeriesStatus: that of the scaled state, or ILL_CONDITIONED
     """
 
     restitution: float
@@ -58,13 +61,15 @@ class SonineDiffusion:
     coefficient: float
     slope: float
     expansion: FloatArray
+    rounding: float
     status: SeriesStatus
 
 
 def diffusion_of_order(restitution: float, order: int) -> SonineDiffusion:
     """D_e at this order (1 to 40), 0 <= e <= 1; the Gaussian is the state at e = 1.
 
-    InputError for bad arguments; where the scaled state has no real solution, so has D_e.
+    InputError for bad arguments. Where the scaled state has no real solution, neither has D_e, and
+    the status says so.
     """
     e, n = check_restitution(restitution), whole("order", order, 1, 40)
     if e == 1.0:
@@ -72,31 +77,34 @@ def diffusion_of_order(restitution: float, order: int) -> SonineDiffusion:
     else:
         state = scaled_state(e, n)
         rate, a, status = state.cooling_rate, state.coefficients, state.status
-    if status is not SeriesStatus.REAL:
-        nothing = np.full(n, np.nan)
-        return SonineDiffusion(e, n, math.nan, math.nan, nothing, status)
-    d, first = _solve(CollisionLaw(e), n, rate, a)
+    b, rounding = np.full(n + len(a), np.nan), math.nan
+    if status is SeriesStatus.REAL:
+        b, rounding = _solve(CollisionLaw(e), n, rate, a)
+        if not rounding < ROUNDING_LIMIT:
+            b, status = np.full(n + len(a), np.nan), SeriesStatus.ILL_CONDITIONED
     # the integral of c.b is that of x e^-x times the polynomial: its coefficient of S_0
-    coefficient = -0.5 * first
-    slope = 8.0 * coefficient / rate if rate > 0.0 else math.inf
-    return SonineDiffusion(e, n, coefficient, slope, d, status)
+    coefficient = -0.5 * float(b[0])
+    slope = math.inf if e == 1.0 else 8.0 * coefficient / rate
+    return SonineDiffusion(e, n, coefficient, slope, b, rounding, status)
 
 
 def _solve(law: CollisionLaw, n: int, rate: float, a: FloatArray) -> tuple[FloatArray, float]:
-    """d_k, and the coefficient of S_0 in F_n/phi times their sum."""
-    weighted = _times_state(n, a)
-    size = len(weighted)
+    """b_i, shape (n + len(a),), and the rounding error to expect."""
+    trial = _trial_functions(n, a)
+    size = len(trial)
     collide = vector_loss_matrix(law, size) @ laguerre_products(size, 1)
     j = np.arange(float(size))
     # c.grad of c S_j: (1 + 2j) S_j - 2 (j + 1) S_(j-1), the norm of S_j being j + 1
     scale = np.diag((1.0 + 2.0 * j) * (j + 1.0)) - np.diag(2.0 * (j[1:] + 1.0) * j[1:], -1)
-    left = (0.5 * rate * scale - collide)[:n] @ weighted
-    # S_k = S_k - S_(k-1), the polynomials of the scalar in terms of those of the vector
+    left = (0.5 * rate * scale - collide)[:n] @ trial
+    # S_k of the scalar state is S_k - S_(k-1) of the vector
     padded = np.zeros(n + 1)
     padded[: min(n + 1, len(a))] = a[: n + 1]
     right = (j[:n] + 1.0) * (padded[:-1] - padded[1:])
-    d = np.linalg.solve(left, right)
-    return d, float(weighted[0] @ d)
+    size_of_rows = np.linalg.norm(left, axis=1)
+    left, right = left / size_of_rows[:, None], right / size_of_rows
+    rounding = float(np.finfo(float).eps * np.linalg.cond(left))
+    return np.asarray(trial @ np.linalg.solve(left, right)), rounding
 
 
 def vector_loss_matrix(law: CollisionLaw, size: int) -> FloatArray:
@@ -114,12 +122,23 @@ def vector_loss_matrix(law: CollisionLaw, size: int) -> FloatArray:
     return out
 
 
-def _times_state(n: int, a: FloatArray) -> FloatArray:
-    """F_n/phi times S_k in terms of S_i, shape (n + len(a), n), S of parameter 1."""
+def _trial_functions(n: int, a: FloatArray) -> FloatArray:
+    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n).
+
+    F_n/phi times 1, x, x^2, ... made orthogonal one after the other (Arnoldi): the products with
+    S_k themselves are all but dependent where F_n changes sign.
+    """
     from scipy.special import eval_genlaguerre, roots_genlaguerre
 
     size = n + len(a)
     x, w = roots_genlaguerre(size + n, 1.0)
-    basis = np.array([eval_genlaguerre(i, 1.0, x) for i in range(size)])
-    state = np.polynomial.laguerre.lagval(x, a)
-    return np.asarray((basis * (w * state)) @ basis[:n].T / np.arange(1.0, size + 1.0)[:, None])
+    root = np.sqrt(w)
+    basis = root * np.array([eval_genlaguerre(i, 1.0, x) for i in range(size)])
+    trial = np.zeros((n, x.size))
+    vector = root * np.polynomial.laguerre.lagval(x, a)
+    for k in range(n):
+        for _ in range(2):
+            vector = vector - trial[:k].T @ (trial[:k] @ vector)
+        trial[k] = vector / np.linalg.norm(vector)
+        vector = x * trial[k]
+    return np.asarray(basis @ trial.T / np.arange(1.0, size + 1.0)[:, None])

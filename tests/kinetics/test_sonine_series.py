@@ -216,7 +216,8 @@ def test_the_expansion_of_b_solves_its_equation_in_the_mean(e: float, order: int
         return np.polynomial.laguerre.lagval(z, np.ones(k + 1))
 
     density = 2 * c * np.exp(-(c**2)) * np.polynomial.laguerre.lagval(c**2, a)  # 2 pi c F
-    b = c * density * sum(d * vector(k, c**2) for k, d in enumerate(found.expansion))
+    gauss = 2 * c * np.exp(-(c**2))
+    b = c * gauss * sum(d * vector(k, c**2) for k, d in enumerate(found.expansion))
     for j in range(order):
         test, slope = c * vector(j, c**2), _derivative(j, c)
         after = np.array([(parallel * vector(j, ratio2 * s**2)) @ dy * s for s in c])
@@ -241,6 +242,12 @@ def test_diffusion_inherits_the_divergence() -> None:
         np.testing.assert_allclose(found, ratios, atol=1e-3)
     assert math.isnan(sonine.diffusion_of_order(0.4, 3).coefficient)
     assert sonine.diffusion_of_order(0.4, 3).status is SeriesStatus.NO_REAL_SOLUTION
+    spoilt = sonine.diffusion_of_order(0.4, 40)
+    assert spoilt.status is SeriesStatus.ILL_CONDITIONED
+    assert math.isnan(spoilt.coefficient)
+    # as 70 digits have it, within the rounding that is said
+    kept = sonine.diffusion_of_order(0.4, 20)
+    assert abs(kept.coefficient / 0.932364706647683 - 1) < kept.rounding < 1e-5
 
 
 # -- cooling in time ------------------------------------------------------------------------------
