@@ -3,9 +3,10 @@
 from math import floor
 
 import numpy as np
-from numba import njit
+from numba import int64, njit
+from numba.extending import overload
 
-from particles.cells import BLOCK, EMPTY, WINDOW, enlist
+from particles.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
 from particles.lanes import SLOTS, crowd
 from particles.plane import (
     Counts,
@@ -37,11 +38,39 @@ def place(i: int, j: int) -> int:
     return (((block << BLOCK) | (i & within)) << BLOCK) | (j & within)
 
 
-@njit(error_model="numpy", inline="always")
-def is_there(keys: np.ndarray, cell: int, i: int, j: int) -> bool:
-    """Tell whether the window holds cell (i, j) in its place."""
+def is_plane(keys: np.ndarray) -> bool:
+    """Tell a plane's keys from a box's by their type: known when a kernel is compiled."""
+    return keys.dtype == np.int64
+
+
+@overload(is_plane, inline="always")
+def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
+    if keys.dtype == int64:
+        return lambda keys: True
+    return lambda keys: False
+
+
+def require(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
+    """Make cell (i, j) of the plane unless the window holds it in its place. A box has all."""
+    if is_plane(keys):
+        _require(keys, cells, cell, i, j)
+
+
+@overload(require, inline="always")
+def _compiled_require(keys, cells, cell, i, j):  # type: ignore[no-untyped-def]
+    if keys.dtype == int64:
+        return lambda keys, cells, cell, i, j: _require(keys, cells, cell, i, j)
+    return lambda keys, cells, cell, i, j: None
+
+
+@njit(error_model="numpy", forceinline=True)
+def _require(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
     block = cell >> 2 * BLOCK
-    return keys[block, 0] == i >> BLOCK and keys[block, 1] == j >> BLOCK
+    if keys[block, 0] != i >> BLOCK or keys[block, 1] != j >> BLOCK:
+        make(
+            cells.slots, cells.fill, cells.head, cells.links, cells.nodes, keys, cells.law,
+            cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
+        )  # fmt: skip
 
 
 @njit(error_model="numpy")

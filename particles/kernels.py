@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.blocks import is_there, make, place
+from particles.blocks import is_plane, place, require
 from particles.cells import Cells
 from particles.events import contact, is_collapsing, scatter, touch
-from particles.lanes import SLOTS, is_plane, strike
+from particles.lanes import SLOTS, strike
 from particles.records import (
     Q_CAUGHT,
     Q_COLLISIONS,
@@ -196,12 +196,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
         for a in range(active):
             x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
             cell = wholes[a, CELL]
-            if is_plane(keys) and not is_there(keys, cell, wholes[a, CI], wholes[a, CJ]):
-                # Never made, or lost to another lane since.
-                make(
-                    slots, cells.fill, head, links, nodes, keys, cells.law, cells.counts,
-                    cells.draft, cells.pairs, cells.who, cell, wholes[a, CI], wholes[a, CJ],
-                )  # fmt: skip
+            # Perhaps never made, or lost to another lane since.
+            require(keys, cells, cell, wholes[a, CI], wholes[a, CJ])
             path, slot = strike(slots, cell, x, y, ux, uy)
             cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             node = head[cell]
@@ -346,6 +342,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
         path = -mean_path * log(uniform(state, gamma, 2 * wholes[a, N_COLLISIONS]))
         end = lanes[a, TIME] + path * lanes[a, SLOW]
         status = RUNNING
+        # As in `follow`: one function for both cost 4 % of either.
         while end >= lanes[a, DUE] and wholes[a, OUTPUT] < times.size:
             if queued == QUEUE:
                 enter(records, queue, queued)

@@ -117,18 +117,6 @@ def _compiled_strike(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     return lambda slots, cell, x, y, ux, uy: _strike(slots, cell, x, y, ux, uy)
 
 
-def is_plane(keys: np.ndarray) -> bool:
-    """Tell a plane's keys from a box's by their type: known when a kernel is compiled."""
-    return keys.dtype == np.int64
-
-
-@overload(is_plane, inline="always")
-def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
-    if keys.dtype == types.int64:
-        return lambda keys: True
-    return lambda keys: False
-
-
 def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     """Return which slots of a cell are nearer than 1 to (x, y), one bit each."""
     mask = 0
