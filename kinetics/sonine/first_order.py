@@ -61,9 +61,9 @@ def cooling_rate(restitution: ArrayLike) -> Array:
     return math.sqrt(math.pi) * (1 - e2) * bracket / 2
 
 
-def cooling_rate_fitted(restitution: ArrayLike) -> Array:
+def cooling_rate_fitted(restitution: ArrayLike, factor: ArrayLike = FITTED_COOLING_FACTOR) -> Array:
     """h(e) = 1.45 (1 - e) (eq. hsimu)."""
-    return FITTED_COOLING_FACTOR * (1 - restitutions(restitution))
+    return positive("factor", factor) * (1 - restitutions(restitution))
 
 
 def stability(restitution: ArrayLike, root: str = "stable") -> Array:

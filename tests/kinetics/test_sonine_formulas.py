@@ -155,6 +155,8 @@ def test_the_collision_times_of_the_random_walk_are_its_intervals_summed(e: floa
 def test_alpha_and_beta_are_those_of_the_paper() -> None:
     assert float(sonine.alpha()) == pytest.approx(1 / math.sqrt(2))
     assert float(sonine.beta(0.3)) == pytest.approx(0.058 * 0.7)
+    assert float(sonine.cooling_rate_fitted(0.3)) == pytest.approx(1.45 * 0.7)
+    assert float(sonine.cooling_rate_fitted(0.3, 1.4)) == pytest.approx(1.4 * 0.7)
     assert float(sonine.beta(0.3, 0.1, 2.0, cooling_rate=0.5)) == pytest.approx(0.1)
     # its h may be replaced by another
     changed = sonine.msd_random_walk(500.0, 0.3, cooling_rate=0.9)
