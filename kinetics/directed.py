@@ -64,6 +64,12 @@ class VelocitySamples(State):
         phase = np.exp(-1j * m * np.arctan2(v[:, 1], v[:, 0])) if m else np.ones(x.size)
         return measure.samples(x, phase / x.size)
 
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """The speed of every sample."""
+        v = np.asarray(self.velocity)
+        return np.hypot(v[:, 0], v[:, 1]), np.full(v.shape[0], 1.0 / v.shape[0])
+
 
 @dataclass(frozen=True)
 class Beam(State):
@@ -96,6 +102,17 @@ class Beam(State):
     def lowest_moment(self) -> float:  # type: ignore[override]
         """That of the speeds."""
         return float(self.speeds.lowest_moment)
+
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray] | None:
+        """Those of the speeds."""
+        found: tuple[FloatArray, FloatArray] | None = self.speeds.peaks
+        return found
+
+    @property
+    def kinks(self) -> FloatArray:
+        """Those of the speeds."""
+        return np.asarray(self.speeds.kinks)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
@@ -232,3 +249,8 @@ class PolarGrid(State):
             return np.asarray(real + 1j * np.interp(v, speed, column.imag, left=0.0, right=0.0))
 
         return value
+
+    @property
+    def kinks(self) -> FloatArray:
+        """The speeds of the grid."""
+        return np.asarray(self.speed)

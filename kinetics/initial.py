@@ -42,6 +42,16 @@ class State:
     smooth: bool = False
     lowest_moment: float = -math.inf
 
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray] | None:
+        """Speeds of delta peaks and their shares, (n,) each; None for densities."""
+        return None
+
+    @property
+    def kinks(self) -> FloatArray:
+        """Speeds where the density is not smooth, (n,)."""
+        return np.empty(0)
+
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
@@ -151,6 +161,11 @@ class Monoenergetic(State):
         """One point."""
         return LogMeasure(np.array([math.log(self.speed)]), np.ones(1)) if m == 0 else None
 
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """One."""
+        return np.array([self.speed]), np.ones(1)
+
 
 @dataclass(frozen=True)
 class SpeedTable(State):
@@ -194,6 +209,11 @@ class SpeedTable(State):
         speed, values = np.asarray(self.speed), np.asarray(self.density)
         return lambda v: np.asarray(np.interp(v, speed, values, left=0.0, right=0.0))
 
+    @property
+    def kinks(self) -> FloatArray:
+        """The points of the table."""
+        return np.asarray(self.speed)
+
 
 @dataclass(frozen=True)
 class SpeedSamples(State):
@@ -224,6 +244,12 @@ class SpeedSamples(State):
             return None
         x = np.log(np.asarray(self.speed))
         return measure.samples(x, np.full(x.size, 1.0 / x.size))
+
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """Every sample."""
+        speed = np.asarray(self.speed)
+        return speed, np.full(speed.size, 1.0 / speed.size)
 
 
 @dataclass(frozen=True)

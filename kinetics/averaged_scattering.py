@@ -1,0 +1,124 @@
+"""F(k, t): the scattering function of :mod:`kinetics.scattering`, averaged over the start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.initial import State
+from kinetics.measure import LogMeasure, panels
+from kinetics.scattering import Waves, solve_waves
+
+FloatArray = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+_POINTS = 10  # Gauss points of a panel of initial speeds
+_HALVINGS = 6
+
+
+def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
+    """The initial speeds as points that resolve functions varying over ``spacing`` in ln v.
+
+    Peaks and samples are the points that they are; densities get Gauss panels no wider than
+    spacing, with an edge at each kink.
+    """
+    found = state.harmonic(0, rtol)
+    assert found is not None  # harmonic 0 is never zero
+    profile = state.profile(0)
+    if profile is None:
+        return found
+    low, high = float(found.x.min()), float(found.x.max())
+    kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
+    kinks = kinks[(kinks > low) & (kinks < high)]
+    for halving in range(_HALVINGS + 1):
+        count = math.ceil((high - low) / spacing * 2**halving) + 1
+        edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
+        x, w = panels(edges, _POINTS)
+        v = np.exp(x)
+        weight = np.asarray(profile(v).real * v * w)
+        total = float(weight.sum())
+        if abs(total - 1.0) < rtol:
+            break
+    return LogMeasure(x, weight / total)
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """F for one system and start.
+
+    Parameters
+    ----------
+    law, mean_free_path : of the medium, l in d
+    state : the start
+    times : in d/U, shape (n_times,)
+    """
+
+    law: CollisionLaw
+    mean_free_path: float
+    state: State
+    times: FloatArray
+
+    def log_stretch(self, which: Indices) -> FloatArray:
+        """ln(t/l) of some of the times."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(self.times[which]) - math.log(self.mean_free_path))
+
+    def _waves(
+        self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
+    ) -> tuple[Waves, LogMeasure]:
+        """What the backward equation gives for K = k l, and the speeds to average it over."""
+        speeds = points_of(self.state, 1.0, tolerance)
+        highest = max(-10.0, float(speeds.x.max() + self.log_stretch(which).max()))
+        found = solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
+        return found, points_of(self.state, found.rule.width, tolerance)
+
+    def collided(
+        self, wave_numbers: FloatArray, which: Indices, tolerance: float
+    ) -> tuple[FloatArray, float]:
+        """F without the tracers that have not collided, (n_which, n_k), and its error.
+
+        wave_numbers : K = k l, of similar size, shape (n_k,)
+        """
+        from scipy.special import j0
+
+        waves, speeds = self._waves(wave_numbers, which, tolerance)
+        out = np.empty((which.size, wave_numbers.size))
+        for i, stretch in enumerate(self.log_stretch(which)):
+            x = speeds.x + stretch
+            left = waves(x)
+            near = x < 6.0  # beyond, exp(-T) is nothing
+            path = np.exp(x[near])
+            left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, wave_numbers))
+            out[i] = speeds.weight @ left
+        return out, waves.error_estimate
+
+    def whole(
+        self, wave_numbers: FloatArray, direction: float | None, tolerance: float
+    ) -> tuple[NDArray[Any], float]:
+        """F (n_times, n_k), and its error; real where k has no direction or the start has none.
+
+        wave_numbers : K = k l, of similar size, shape (n_k,)
+        direction : angle of k to the x axis; None for the mean over the directions
+        """
+        which = np.arange(self.times.size)
+        most = self.state.highest_harmonic
+        kept = 0
+        if direction is not None and most != 0:
+            kept = 10**6 if most is None else most
+        waves, speeds = self._waves(wave_numbers, which, tolerance, kept)
+        out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
+        for m in range(min(kept + 1, waves.values.shape[1])):
+            start = speeds if m == 0 else self.state.harmonic(m, tolerance)
+            if start is None:
+                continue
+            turn = np.exp(1j * m * (direction or 0.0))
+            for i, stretch in enumerate(self.log_stretch(which)):
+                mean = start.weight @ waves(start.x + stretch, m)
+                # harmonics m and -m together
+                out[i] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
+        return out, waves.error_estimate

@@ -1,0 +1,256 @@
+r"""The distribution of the displacement: g(r, t), and what the scaled G(R) is made of.
+
+With F(k, t), the average of exp(i k.r) over the start and the paths
+(:mod:`kinetics.averaged_scattering`),
+
+    g(r, t) = r integral of k J_0(k r) F(k, t) dk
+
+(paper, section on the position distribution). Tracers that have not collided are kept apart
+(:mod:`kinetics.front`); only the others are transformed, whose F falls fast in k, until a power
+of 1/k is left (:mod:`kinetics.cusp`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.averaged_scattering import Indices, Scattering, points_of
+from kinetics.barycentric import interpolation_rows
+from kinetics.collision import CollisionLaw, gauss_legendre
+from kinetics.cusp import PowerTail, fit_tail
+from kinetics.front import fronts, reach, uncollided_density
+from kinetics.initial import State
+
+FloatArray = NDArray[np.float64]
+
+_LARGEST = 400.0  # K, and K T, up to which F is solved for
+_DEEPEST = 7  # halvings of an interval of wave numbers
+_BEST = 1e-11  # accuracy of F at small K, where it costs nothing
+_CHEAP = 2.0  # K up to which that is
+
+
+@dataclass(frozen=True)
+class WavePanel:
+    """F of the collided on an interval of K = k l, at Chebyshev points.
+
+    Attributes
+    ----------
+    low, high : its ends
+    which : indices of the times at which it is not negligible, shape (n_which,)
+    values : shape (n_which, nodes)
+    """
+
+    low: float
+    high: float
+    which: Indices
+    values: FloatArray
+
+    @property
+    def nodes(self) -> FloatArray:
+        """K at the points, shape (nodes,)."""
+        local, _ = _chebyshev(self.values.shape[1])
+        return self.low + (self.high - self.low) * local
+
+    def of(self, time: int) -> FloatArray | None:
+        """F at the nodes at one of the times; None where it is negligible."""
+        place = np.nonzero(self.which == time)[0]
+        return None if place.size == 0 else np.asarray(self.values[place[0]])
+
+    def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gauss nodes and weights in K, and F there."""
+        node, weight = gauss_legendre(points)
+        local, barycentric = _chebyshev(f.size)
+        rows = interpolation_rows(node[:, None] - local, barycentric)
+        width = self.high - self.low
+        return self.low + width * node, width * weight, rows @ f
+
+
+def _chebyshev(nodes: int) -> tuple[FloatArray, FloatArray]:
+    """Chebyshev points of the first kind on [0, 1], rising, and their barycentric weights."""
+    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
+    weights: FloatArray = (-1.0) ** np.arange(nodes) * np.sin(angle)
+    return np.asarray(0.5 * (1.0 + np.cos(angle))), weights
+
+
+def _last_coefficients(values: FloatArray) -> float:
+    """Size of the last two Chebyshev coefficients of values at those points, (n, nodes)."""
+    nodes = values.shape[1]
+    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
+    order = np.array([nodes - 2, nodes - 1])
+    coefficients = values @ np.cos(np.outer(angle, order)) * (2.0 / nodes)
+    return float(np.abs(coefficients).max())
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """g(r, t) at the times of a scene.
+
+    Attributes
+    ----------
+    mean_free_path : l, in d
+    times : in d/U, shape (n_times,)
+    root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
+    panels : F of the collided on intervals of k l
+    tails : and beyond them, for each time; None where nothing is left
+    uncollided : (time index, r (n_r,)) -> density of those that have not collided, if they have
+        one, in 1/d
+    front_radius, front_weight : where and how many they are if they have none, in d and as
+        shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
+    reach : the largest radius that can be reached, in d, shape (n_times,)
+    error_estimate : absolute, of G(R)
+    """
+
+    mean_free_path: float
+    times: FloatArray
+    root_mean_square: FloatArray
+    panels: tuple[WavePanel, ...]
+    tails: tuple[PowerTail | None, ...]
+    uncollided: Callable[[int, FloatArray], FloatArray]
+    front_radius: FloatArray
+    front_weight: FloatArray
+    reach: FloatArray
+    error_estimate: float
+
+    @property
+    def wave_numbers(self) -> int:
+        """How many were solved for."""
+        return sum(panel.values.shape[1] for panel in self.panels)
+
+    def density(self, time: int, r: FloatArray) -> FloatArray:
+        """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
+        collided = r / self.mean_free_path**2 * self._transform(time, r, 0)
+        return np.asarray(collided + self.uncollided(time, r))
+
+    def collided_within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers that have collided and are within r, shape (n_r,)."""
+        return np.asarray(r / self.mean_free_path * self._transform(time, r, 1))
+
+    def collided_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Density in the plane of the collided, in 1/d^2, and its slope in 1/d^3, (n_r,) each."""
+        area = 2.0 * math.pi * self.mean_free_path**2
+        value = self._transform(time, r, 0) / area
+        slope = -self._transform(time, r, 2) / area / self.mean_free_path
+        return value, slope
+
+    def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
+        """Integral over K of F times K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) at r; 0 out of reach."""
+        from scipy.special import j0, j1
+
+        out = np.zeros(r.shape)
+        inside = r <= self.reach[time]
+        rho = r[inside] / self.mean_free_path
+        if rho.size == 0:
+            return out
+        tail = self.tails[time]
+        total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
+        bessel = j0 if kind == 0 else j1
+        for panel in self.panels:
+            f = panel.of(time)
+            if f is None:
+                continue
+            turns = float(rho.max()) * (panel.high - panel.low)
+            k, weight, values = panel.gauss(f, 8 + f.size + int(0.5 * turns))
+            if tail is not None:
+                values = values - tail.at(k)
+            total += bessel(np.outer(rho, k)) @ (weight * values * k ** (1, 0, 2)[kind])
+        out[inside] = total
+        return out
+
+
+def solve_displacement(
+    law: CollisionLaw,
+    mean_free_path: float,
+    state: State,
+    times: FloatArray,
+    root_mean_square: FloatArray,
+    rtol: float,
+) -> Displacement:
+    """g(r, t) at the times, such that G(R) is right to about rtol, absolute.
+
+    root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
+    """
+    width = root_mean_square / mean_free_path
+    active = np.nonzero(width > 0.0)[0]
+    panels: list[WavePanel] = []
+    tails: list[PowerTail | None] = [None] * times.size
+    missed = np.zeros(times.size)
+    system = Scattering(law, mean_free_path, state, times)
+    fastest = float(np.exp(points_of(state, 1.0, 1e-3).x.max())) / mean_free_path
+    low, high = 0.0, 1.0 / float(width.max()) if active.size else 0.0
+    size = 1.0
+    while active.size:
+        if high > _LARGEST and high * float(times[active].max()) * fastest > _LARGEST:
+            break
+        sharp = max(1.0, float(width[active].max()) * high)
+        tolerance = min(rtol / sharp, _BEST if high < _CHEAP else 1.0)
+        new, error = _interval(system, low, high, active, tolerance, size)
+        panels += new
+        size = max(float(np.abs(panel.values).max()) for panel in new)
+        for i in active:
+            tails[i], left = _rest(panels, int(i), state.peaks is None)
+            # F missing at K adds about K sigma F to G
+            missed[i] = (left + error) * max(1.0, width[i] * high)
+        active = active[missed[active] > 2.0 * rtol]
+        low, high = high, 2.0 * high
+    radius, weight = fronts(state, mean_free_path, times)
+    return Displacement(
+        mean_free_path,
+        times,
+        root_mean_square,
+        tuple(panels),
+        tuple(tails),
+        uncollided_density(state, mean_free_path, times),
+        radius,
+        weight,
+        reach(state, times),
+        float(missed.max(initial=0.0)),
+    )
+
+
+def _interval(
+    system: Scattering,
+    low: float,
+    high: float,
+    active: Indices,
+    tolerance: float,
+    size: float,
+    depth: int = 0,
+) -> tuple[list[WavePanel], float]:
+    """F on an interval of K, halved until its Chebyshev coefficients end; and the error.
+
+    tolerance : of F; size : about the largest value there
+    """
+    nodes = math.ceil(4.0 + 1.1 * math.log10(max(10.0, size / tolerance)))
+    trial = WavePanel(low, high, active, np.empty((active.size, nodes)))
+    values, error = system.collided(trial.nodes, active, 0.1 * tolerance)
+    missed = _last_coefficients(values)
+    if missed > tolerance and depth < _DEEPEST:
+        middle = 0.5 * (low + high)
+        more = (active, tolerance, size, depth + 1)
+        left, first = _interval(system, low, middle, *more)
+        right, second = _interval(system, middle, high, *more)
+        return left + right, max(first, second)
+    return [WavePanel(low, high, active, values)], missed + error
+
+
+def _rest(panels: list[WavePanel], time: int, smooth: bool) -> tuple[PowerTail | None, float]:
+    """How F goes on beyond the panels, and how much of it is not known there."""
+    high = panels[-1].high
+    k, f = [], []
+    for panel in panels:
+        values = panel.of(time)
+        if values is not None and panel.high > 0.3 * high:
+            k.append(panel.nodes)
+            f.append(values)
+    last = float(np.abs(f[-1]).max())
+    if not smooth or high < _CHEAP:
+        return None, last
+    all_k, all_f = np.concatenate(k), np.concatenate(f)
+    use = all_k > 0.3 * high
+    tail, left = fit_tail(all_k[use], all_f[use])
+    return (tail, left) if left < 0.5 * last else (None, last)

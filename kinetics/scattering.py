@@ -1,0 +1,257 @@
+r"""The intermediate scattering function of a tracer: <exp(i k.r)> from the backward equation.
+
+For a tracer that starts with speed v at angle theta to k, psi = <exp(i k.r(t))> is a function of
+theta and T = v t/l alone, for each K = k l. The inelastic Lorentz equation with its
+free-streaming term (paper, label ``inelaslorentz``) gives for it
+
+    dpsi/dT = i K cos(theta) psi + E[psi(theta + chi, s T)] - psi,    psi = 1 at T = 0,
+
+and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real,
+
+    da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
+
+On panels in X = ln T, as in :mod:`kinetics.backward`, each panel is a block-tridiagonal system in
+m, solved downwards from the highest harmonic for all wave numbers at once. a_0 is the mean over
+the directions: all that an isotropic start, or a radial density, needs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.panels import PanelRule
+
+FloatArray = NDArray[np.float64]
+
+_TERMS = 60  # of the power series at the start
+_SERIES = 5.0  # (K + 2) T up to which the series loses two digits at most
+_SATURATION = 38.0  # beyond ln(1/kappa) + this, a_m falls as a power of T, to rounding
+_FREE = 40.0  # T above which nothing is left that has not collided
+
+
+@dataclass(frozen=True)
+class Waves:
+    """a_m for some wave numbers.
+
+    Attributes
+    ----------
+    wave_numbers : K = k l, shape (n_k,)
+    rule : the collocation
+    start : X where the panels begin
+    values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
+    coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
+    ended : whether everything was below the tolerance at the last panel: 0 from there on
+    error_estimate : absolute, of a_0
+    """
+
+    wave_numbers: FloatArray
+    rule: PanelRule
+    start: float
+    values: FloatArray
+    coefficients: FloatArray
+    ended: bool
+    error_estimate: float
+
+    def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
+        """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
+        level = (x - self.start) / self.rule.width
+        out = np.empty((x.size, self.wave_numbers.size))
+        low = level < 0.0
+        if low.any():
+            out[low] = _sum(self.coefficients[:, m], np.exp(x[low]))
+        count = self.values.shape[0]
+        inside = level[~low]
+        index = np.minimum(inside.astype(int), count - 1)
+        rows = self.rule.rows(np.minimum(inside - index, 1.0))
+        found = np.einsum("ij,ijk->ik", rows, self.values[index, m])
+        beyond = inside > count
+        if beyond.any():
+            found[beyond] = self._late(inside[beyond] - count, m)
+        out[~low] = found
+        return out
+
+    def _late(self, panels: FloatArray, m: int) -> FloatArray:
+        """Beyond the last panel: 0, or the power of T with which the last panel falls."""
+        if self.ended:
+            return np.zeros((panels.size, self.wave_numbers.size))
+        last = self.values[-1, m, -1]
+        with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
+            fall = np.where(last != 0.0, last / self.values[-1, m, 0], 0.0)
+            return np.asarray(last * np.abs(fall) ** panels[:, None])
+
+
+def solve_waves(
+    law: CollisionLaw,
+    wave_numbers: FloatArray,
+    highest: float,
+    tolerance: float,
+    kept: int = 0,
+) -> Waves:
+    """Solve for wave numbers K = k l (n_k,), of similar size, up to X = highest.
+
+    Parameters
+    ----------
+    tolerance : absolute, of a_0
+    kept : largest m that is wanted
+    """
+    largest = float(wave_numbers.max())
+    rule = _rule(largest, highest, tolerance)
+    first = math.log(_SERIES / (largest + 2.0))
+    start = rule.width * math.floor(min(first, highest) / rule.width)
+    limit = highest
+    if law.restitution < 1.0:
+        limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
+    count = max(1, math.ceil((limit - start) / rule.width))
+    top = max(_harmonics(largest, min(highest, limit), tolerance), kept + 2)
+    return _sweep(law, wave_numbers, rule, start, count, top, tolerance, kept)
+
+
+def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
+    """Panels that resolve exp(-T + i K T), the fastest that there is."""
+    # measured: panels of width 1.25/(K + 1) gain a digit every 1.4 nodes
+    width = 1.0
+    while width > 1.0 / 256.0 and width * (largest + 1.0) > 1.5:
+        width *= 0.5
+    digits = math.log10(1.0 / tolerance)
+    return PanelRule(int(min(18, max(7, math.ceil(1.4 * digits)))), width)
+
+
+def _harmonics(largest: float, highest: float, tolerance: float) -> int:
+    """m beyond which a_m is left out."""
+    digits = math.log10(1.0 / tolerance)
+    # measured at late times; early, free flights reach m = K T and no further
+    late = 2.0 + digits * (0.45 + 0.85 * largest)
+    early = 4.0 + 2.0 * digits + largest * math.exp(min(highest, 10.0))
+    return math.ceil(min(late, early))
+
+
+def _coefficients(law: CollisionLaw, wave_numbers: FloatArray, top: int) -> FloatArray:
+    """Of T^j in a_m, shape (terms, top + 1, n_k)."""
+    q = law.quadrature_for(float(_TERMS), top)
+    cosine = np.stack([q.harmonic(m) for m in range(top + 1)]) * q.weight
+    loss = 1.0 - cosine @ np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+    loss[0] = [law.decay_rate(float(j)) for j in range(_TERMS)]
+    out = np.zeros((_TERMS + 1, top + 1, wave_numbers.size))
+    out[0, 0] = 1.0
+    for j in range(_TERMS):
+        a = out[j]
+        coupled = np.zeros_like(a)
+        coupled[1:] += a[:-1]
+        coupled[:-1] -= a[1:]
+        coupled[0] -= a[1]
+        out[j + 1] = (0.5 * wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
+    return out
+
+
+def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
+    """The series at small T = path (n,): shape (n, ...)."""
+    with np.errstate(under="ignore"):
+        powers = path[:, None] ** np.arange(_TERMS + 1)
+    return np.tensordot(powers, coefficients, axes=1)
+
+
+def _sweep(
+    law: CollisionLaw,
+    wave_numbers: FloatArray,
+    rule: PanelRule,
+    start: float,
+    count: int,
+    top: int,
+    tolerance: float,
+    kept: int,
+) -> Waves:
+    """Panel after panel upwards."""
+    n, size = rule.nodes, wave_numbers.size
+    loss, gain = rule.kernel(law, list(range(top + 1)), rate=2.0 * n / rule.width)
+    reach = gain.shape[2] // n
+    # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
+    table = np.empty((reach + count, top + 1, n, size))
+    local = rule.local * rule.width
+    series = _coefficients(law, wave_numbers, top)
+    if reach:
+        x = (start + (np.arange(reach) - reach)[:, None] * rule.width + local).ravel()
+        before = _sum(series, np.exp(x)).reshape(reach, n, top + 1, size)
+        table[:reach] = np.moveaxis(before, 2, 1)
+    known = _sum(series, np.exp(np.array([start])))[0]
+    # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
+    closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
+    done, ended = count, False
+    for j in range(count):
+        rate = np.exp(start + j * rule.width + local)
+        if reach:
+            below = np.moveaxis(table[j : j + reach], 0, 1).reshape(top + 1, reach * n, size)
+            drive = rate[:, None] * (gain @ below)
+        else:
+            drive = np.zeros((top + 1, n, size))
+        found = _panel(rule, loss, rate, drive, known, wave_numbers, closure)
+        table[reach + j] = found
+        known = found[:, -1]
+        if np.abs(found).max() < 1e-3 * tolerance and rate[0] > _FREE:
+            done, ended = j + 1, True
+            break
+    values = table[reach : reach + done]
+    last, before_last = rule.last_coefficients(np.moveaxis(values[:, 0], 1, 2))
+    fall = np.minimum(1.0, (last + 1e-17) / (before_last + 1e-17))
+    chebyshev = float((last * np.sqrt(fall)).max())
+    # what the highest harmonic misses goes back to m = 0 as weakened as it came
+    left_out = float(np.abs(values[:, top]).max()) ** 2
+    return Waves(
+        wave_numbers,
+        rule,
+        start,
+        values[:, : kept + 1].copy(),
+        series[:, : kept + 1].copy(),
+        ended,
+        chebyshev + left_out,
+    )
+
+
+def _panel(
+    rule: PanelRule,
+    loss: FloatArray,
+    rate: FloatArray,
+    drive: FloatArray,
+    known: FloatArray,
+    wave_numbers: FloatArray,
+    closure: FloatArray,
+) -> FloatArray:
+    """One panel: block elimination from the highest harmonic down; shape (m, nodes, n_k)."""
+    top, n, size = drive.shape[0] - 1, rule.nodes, wave_numbers.size
+    scale = 1.0 / np.maximum(1.0, rate)
+    turn = (0.5 * rate * scale)[:, None] * wave_numbers  # (nodes, n_k)
+    turn[0] = 0.0
+    turn = turn.T  # (n_k, nodes)
+    blocks = rule.derivative * scale[:, None] + (rate * scale)[:, None] * loss
+    blocks[:, 0] = 0.0
+    blocks[:, 0, 0] = 1.0
+    right = np.moveaxis(drive * scale[:, None], 2, 1).copy()  # (m, n_k, nodes)
+    right[:, :, 0] = known
+    # a_m = up[m] a_(m-1) + rest[m]
+    up = np.empty((top + 1, size, n, n))
+    rest = np.empty((top + 1, size, n))
+    diagonal = np.arange(n)
+    both = np.zeros((size, n, n + 1))
+    for m in range(top, 0, -1):
+        matrix = np.repeat(blocks[m][None], size, axis=0)
+        if m == top:
+            matrix[:, diagonal, diagonal] += turn * closure[:, None]
+            both[:, :, n] = right[m]
+        else:
+            matrix += turn[:, :, None] * up[m + 1]
+            both[:, :, n] = right[m] - turn * rest[m + 1]
+        both[:, diagonal, diagonal] = turn
+        solved = np.linalg.solve(matrix, both)
+        up[m], rest[m] = solved[:, :, :n], solved[:, :, n]
+    matrix = blocks[0] + 2.0 * turn[:, :, None] * up[1]
+    a = np.linalg.solve(matrix, (right[0] - 2.0 * turn * rest[1])[:, :, None])[:, :, 0]
+    found = np.empty((top + 1, size, n))
+    found[0] = a
+    for m in range(1, top + 1):
+        a = np.einsum("kij,kj->ki", up[m], a) + rest[m]
+        found[m] = a
+    return np.moveaxis(found, 1, 2)
