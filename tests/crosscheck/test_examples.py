@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def test_every_example_is_tested() -> None:
     assert {p.name for p in (ROOT / "examples").glob("*.py")} == {
+        "compare_data.py",
         "cooling_gas.py",
         "cooling_rate.py",
         "sonine_convergence.py",
@@ -33,6 +34,18 @@ def test_cooling_gas_example() -> None:
     # 7 times each, correlated: 4.5 sigma is passed by chance once in 10 000 seeds.
     assert np.abs(result["speed_sigmas"]).max() < 4.5
     assert np.abs(result["msd_sigmas"]).max() < 4.5
+
+
+def test_compare_data_example() -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "compare_data.py"))
+    assert result["RIGHT"].verdict == "agrees"
+    assert result["WRONG"].verdict == "differs"
+    explaining = [item for item in result["WRONG"].explanations if item.outcome == "explains"]
+    assert explaining[0].name == "restitution"
+    assert explaining[0].value == pytest.approx(0.75, abs=0.004)
+    found = result["FOUND"].parameters
+    assert found["restitution"].value == pytest.approx(0.75, abs=0.01)
+    assert found["number_density"].value == pytest.approx(0.04, rel=0.03)
 
 
 def test_sonine_convergence_example(tmp_path: Path) -> None:

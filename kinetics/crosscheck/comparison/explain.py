@@ -310,7 +310,9 @@ def _traps(judged: "Judged") -> Iterator[Explanation]:
         assert binned is not None
         edges = binned.edges[k]
         cut = max(int(np.searchsorted(edges, found.edges[1] / _FAR_SLOWER)), 0)
-        shares = bin_shares(judged.solution, SPEED, int(judged.solution_index[k]), edges)
+        density = judged.densities[SPEED]
+        at = int(np.argmin(np.abs(density.times - judged.sample.times[k])))
+        shares = bin_shares(density, SPEED, at, edges)
         count, theory = int(binned.totals[k, : cut + 1].sum()), float(shares[: cut + 1].sum())
         expected = theory * found.samples
         share = (count - expected) / found.samples

@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.comparison.fit import Fit, choose_components, fit
 from kinetics.crosscheck.comparison.result import Comparison, Parameter
 from kinetics.crosscheck.comparison.sample import Sample
-from kinetics.crosscheck.comparison.statistics import covariance, hotelling
+from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
     DENSITY_RTOL,
+    DISPLACEMENT,
+    DISPLACEMENT_RTOL,
+    RTOL,
+    SPEED,
     Expectation,
     averages,
-    densities,
+    has_displacements,
     sampled_start,
     scene,
 )
@@ -44,14 +48,23 @@ class Question:
     found: Fit | None
 
     def solve(self, times: Array) -> "Solution":
-        """The solution with every average and density that can be compared."""
+        """The solution with every average that can be compared."""
+        return self._solve(times, averages(), RTOL)
+
+    def solve_densities(self, times: Array) -> "dict[str, Solution]":
+        """The densities, as far as the solver has them, by name: they cost more for each time."""
+        if times.size == 0:
+            return {}
+        found = {SPEED: self._solve(times, (SPEED,), DENSITY_RTOL)}
+        if has_displacements():
+            found[DISPLACEMENT] = self._solve(times, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+        return found
+
+    def _solve(self, times: Array, outputs: tuple[str, ...], rtol: float) -> "Solution":
         from kinetics import solve
 
-        outputs = (*averages(), *densities())
-        return solve(
-            scene(self.restitution, self.free_path, self.initial, times, outputs),
-            rtol=DENSITY_RTOL,
-        )
+        asked = scene(self.restitution, self.free_path, self.initial, times, outputs)
+        return solve(asked, rtol=rtol)
 
 
 def compare_sample(
@@ -69,6 +82,7 @@ def compare_sample(
         numbers out of range, and where the data cannot tell what was not told.
     """
     from kinetics.crosscheck.comparison.judge import compare
+    from kinetics.crosscheck.comparison.judged import histogram_times
 
     if restitution is None:
         restitution = sample.told.get("restitution")
@@ -78,7 +92,8 @@ def compare_sample(
         initial = sample.told.get("initial", "auto")
     question = ask(sample, restitution, number_density, initial)
     solution = question.solve(sample.times)
-    return compare(solution, sample, explain, question.parameters, question.found)
+    densities = question.solve_densities(sample.times[histogram_times(sample)])
+    return compare(solution, sample, explain, densities, question.parameters, question.found)
 
 
 def ask(
@@ -177,7 +192,7 @@ def find(sample: Sample, restitution: float | None, path: float | None, initial:
     expectation = Expectation(sample, averages())
     groups = sample.groups
     flat = expectation.replicates.reshape(groups, -1)
-    spread = np.sqrt(np.diagonal(covariance(flat))).reshape(expectation.values.shape)
+    spread = errors(flat).reshape(expectation.values.shape)
     with np.errstate(invalid="ignore"):
         usable = (spread > 1e-9 * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for

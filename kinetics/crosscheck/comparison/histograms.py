@@ -14,6 +14,7 @@ from kinetics.crosscheck.comparison.statistics import (
     pearson,
 )
 from kinetics.crosscheck.comparison.theory import SPEED, bin_shares
+from kinetics.initial import Monoenergetic
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -31,9 +32,8 @@ _MOST_BINS = 40
 class HistogramResult:
     """One histogram at one time against the theory, in bins of LEAST_EXPECTED samples or more.
 
-    edges (n + 1,): the first is 0, the last infinite; shares of the samples, their standard
-    errors and the theory (n,); above: samples beyond the last finite edge, `expected_above` in
-    theory.
+    edges (n + 1,): the first is 0, the last infinite; share of the samples, its standard error
+    (from `groups` groups) and the theory (n,).
     """
 
     edges: Array
@@ -41,6 +41,7 @@ class HistogramResult:
     error: Array
     theory: Array
     samples: int
+    groups: int
     chi_square: ChiSquare | None
 
 
@@ -57,8 +58,12 @@ def compare_histogram(
     shares = bin_shares(solution, name, at, binned.edges[index])
     shares = shares / shares.sum()
     independent = sample.grouping != "medium" or sample.free
-    most = _MOST_BINS if independent else min(_MOST_BINS, most_freedom(sample.groups) + 1)
-    fixed = float(solution.scene.state.speed) if hasattr(solution.scene.state, "speed") else None
+    most = _MOST_BINS
+    if not independent and binned.by_group is not None:
+        most = min(most, most_freedom(len(binned.by_group)) + 1)
+    fixed = None
+    if isinstance(solution.scene.state, Monoenergetic):
+        fixed = solution.scene.state.speed * (1.0 if name == SPEED else sample.times[index])
     starts = _merged(shares * samples, samples, most, binned.edges[index], fixed)
     if starts.size < 2:
         return None
@@ -77,7 +82,8 @@ def compare_histogram(
         rest = counts - groups
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
-    return HistogramResult(edges, share, error, theory, samples, chi_square)
+    behind = sample.groups if binned.by_group is None else len(binned.by_group)
+    return HistogramResult(edges, share, error, theory, samples, behind, chi_square)
 
 
 def _errors(

@@ -1,6 +1,6 @@
 """compare(): a sample against a solution."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from kinetics.crosscheck.comparison.fit import Fit
@@ -26,6 +26,7 @@ def compare(
     solution: "Solution",
     ensemble: "Ensemble | Sample",
     explain: bool = True,
+    densities: "Mapping[str, Solution] | None" = None,
     parameters: dict[str, Parameter] | None = None,
     found: Fit | None = None,
 ) -> Comparison:
@@ -37,6 +38,8 @@ def compare(
         a2, msd, kurtosis, speed_density, position_density is compared, at the times that both have
     ensemble : a particle run, or a Sample (comparison.data.read_sample), in the scene's units
     explain : test what may explain a difference, and prepare figures; False is quicker
+    densities : solutions of the same scene for "speed_density" and "position_density", at some of
+        the times; without them `solution` is asked
     parameters, found : where the scene's numbers come from, if they were fitted to these data
 
     Returns
@@ -48,7 +51,7 @@ def compare(
     InputError (a ValueError) : no time or no observable in common, or fewer than two groups
     """
     sample = ensemble if isinstance(ensemble, Sample) else from_ensemble(ensemble)
-    judged = judge(solution, sample, found)
+    judged = judge(solution, sample, found, densities)
     rows, tests = rows_of(judged), tests_of(judged)
     verdict = overall(rows, tests)
     explanations: list[Any] = []

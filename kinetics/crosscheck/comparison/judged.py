@@ -1,6 +1,6 @@
 """Data and theory side by side, with the replicates from which every error follows."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -39,8 +39,7 @@ class Judged:
 
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the
     difference; compared: where there is something to compare; usable: and where it has spread.
-    solution_index (n_times,): the solution's index of each of the sample's times. histograms:
-    name, index of the time, result.
+    densities: the solution of each density. histograms: name, index of the time, result.
     """
 
     sample: Sample
@@ -52,7 +51,7 @@ class Judged:
     error: Array
     compared: NDArray[np.bool_]
     usable: NDArray[np.bool_]
-    solution_index: NDArray[np.int64]
+    densities: "Mapping[str, Solution]"
     histograms: list[tuple[str, int, HistogramResult]]
 
     @property
@@ -61,7 +60,12 @@ class Judged:
         return self.replicates.reshape(self.sample.groups, -1)
 
 
-def judge(solution: "Solution", sample: Sample, found: Fit | None = None) -> Judged:
+def judge(
+    solution: "Solution",
+    sample: Sample,
+    found: Fit | None = None,
+    densities: "Mapping[str, Solution] | None" = None,
+) -> Judged:
     """A sample and a solution at the times and in the observables that both have.
 
     InputError if they have none in common, or the sample fewer than two groups.
@@ -77,7 +81,7 @@ def judge(solution: "Solution", sample: Sample, found: Fit | None = None) -> Jud
         )
     index = np.array([m for m in matches if m is not None], np.int64)
     sample = sample.at(keep)
-    names, kinds = _in_common(solution, sample)
+    names, owners = _in_common(solution, sample, densities or {})
     expectation = Expectation(sample, names)
     theory, moved = _theory(solution, expectation, index)
     difference = expectation.values - theory
@@ -93,13 +97,14 @@ def judge(solution: "Solution", sample: Sample, found: Fit | None = None) -> Jud
         usable = compared & (error > _NO_SPREAD * size) & np.isfinite(error)
     histograms = [
         (name, k, result)
-        for name in kinds
-        for k in _histogram_times(sample)
-        if (result := compare_histogram(sample, solution, name, k, int(index[k]))) is not None
+        for name, density in owners.items()
+        for k in histogram_times(sample)
+        if (at := _match(sample.times[k], density.times)) is not None
+        and (result := compare_histogram(sample, density, name, k, at)) is not None
     ]
     return Judged(
         sample, solution, expectation, theory, difference, replicates, error, compared, usable,
-        index, histograms,
+        owners, histograms,
     )  # fmt: skip
 
 
@@ -108,22 +113,23 @@ def _match(time: float, times: Array) -> int | None:
     return k if abs(times[k] - time) <= SAME_TIME * max(time, 1e-300) else None
 
 
-def _in_common(solution: "Solution", sample: Sample) -> tuple[list[str], list[str]]:
-    """Averages and densities that the solution was asked for and the sample has."""
+def _in_common(
+    solution: "Solution", sample: Sample, densities: "Mapping[str, Solution]"
+) -> tuple[list[str], dict[str, "Solution"]]:
+    """Averages, and densities with their solution, that were asked for and the sample has."""
     outputs = solution.scene.outputs
     names = [name for name in MOMENTS if name in outputs]
-    binned = {SPEED: sample.speeds, DISPLACEMENT: sample.displacements}
-    kinds = [
-        name
-        for name, counts in binned.items()
-        if name in outputs and counts is not None and hasattr(type(solution), name)
-    ]
-    if not names and not kinds:
+    owners = {}
+    for name, counts in ((SPEED, sample.speeds), (DISPLACEMENT, sample.displacements)):
+        owner = densities.get(name, solution)
+        if name in owner.scene.outputs and counts is not None and hasattr(type(owner), name):
+            owners[name] = owner
+    if not names and not owners:
         raise InputError(
             f"solution: was asked for {', '.join(outputs)}; needed is at least one of "
             f"{', '.join((*MOMENTS, SPEED))}"
         )
-    return names, kinds
+    return names, owners
 
 
 def _theory(solution: "Solution", expectation: Expectation, index: Any) -> tuple[Array, Array]:
@@ -166,6 +172,7 @@ def _slopes(solution: "Solution", expectation: Expectation, found: Fit) -> Array
     return np.stack(out)
 
 
-def _histogram_times(sample: Sample) -> list[int]:
+def histogram_times(sample: Sample) -> list[int]:
+    """The indices of the times at which densities are compared."""
     later = np.flatnonzero(sample.times > 0)
     return [int(later[k]) for k in spread_out(later.size, HISTOGRAM_TIMES)]

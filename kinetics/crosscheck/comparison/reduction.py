@@ -22,6 +22,8 @@ from kinetics.errors import InputError
 MOST_GROUPS = 251
 """Groups that tracers or configurations are gathered in, at most: a prime, so that labels with a
 regular pattern spread over all of them. More would not make a standard error better known."""
+HISTOGRAM_GROUPS = 83
+"""The same for the counts in bins, which take most of the memory."""
 MOST_TIMES = 400
 """Different times that data may have: bounds the memory."""
 SAME_TIME = 1e-9
@@ -75,8 +77,9 @@ def _accumulate(
         sums[k, g, 3] += r2
         sums[k, g, 4] += r2 * r2
         at_rest[k] += v == 0.0
-        speeds[k, g, _bin(v, LOWEST, PER_OCTAVE, BINS)] += 1
-        displacements[k, g, _bin(r, LOWEST, PER_OCTAVE, BINS)] += 1
+        h = g % speeds.shape[1]
+        speeds[k, h, _bin(v, LOWEST, PER_OCTAVE, BINS)] += 1
+        displacements[k, h, _bin(r, LOWEST, PER_OCTAVE, BINS)] += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -101,8 +104,8 @@ class Reduction:
         self.grouping = grouping
         self._known = np.empty(0)
         self._sums = np.zeros((0, MOST_GROUPS, 5))
-        self._speeds = np.zeros((0, MOST_GROUPS, BINS + 2), np.int32)
-        self._displacements = np.zeros((0, MOST_GROUPS, BINS + 2), np.int32)
+        self._speeds = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
+        self._displacements = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
         self._at_rest = np.zeros(0, np.int64)
         self._speed_scale = np.ones(0)
         self._length_scale = np.ones(0)
@@ -186,7 +189,8 @@ class Reduction:
         used = self._sums[:, :, 0].sum(axis=0) > 0
 
         def binned(counts: Any, scale: Any) -> Binned:
-            by_group = np.ascontiguousarray(counts[order][:, used].swapaxes(0, 1))
+            there = np.flatnonzero(counts.sum(axis=(0, 2)) > 0)
+            by_group = counts.swapaxes(0, 1)[np.ix_(there, order)]
             return Binned(bin_edges(scale[order]), by_group.sum(axis=0, dtype=np.int64), by_group)
 
         start = None

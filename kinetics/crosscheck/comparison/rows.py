@@ -51,7 +51,7 @@ def rows_of(judged: Judged) -> list[ComparisonRow]:
         mine = [h for h in judged.histograms if h[0] == name]
         looks = sum(h[2].share.size for h in mine)
         for _, k, found in mine:
-            rows += _bin_rows(name, float(sample.times[k]), found, sample.groups, looks)
+            rows += _bin_rows(name, float(sample.times[k]), found, looks)
     return rows
 
 
@@ -60,9 +60,7 @@ def _judged(row: ComparisonRow, sigmas: float, groups: float, looks: int) -> Com
     return replace(row, sigmas=sigmas, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
 
 
-def _bin_rows(
-    name: str, time: float, found: HistogramResult, groups: int, looks: int
-) -> list[ComparisonRow]:
+def _bin_rows(name: str, time: float, found: HistogramResult, looks: int) -> list[ComparisonRow]:
     rows = []
     for k in range(found.share.size):
         low, high = float(found.edges[k]), float(found.edges[k + 1])
@@ -73,7 +71,7 @@ def _bin_rows(
             low, high if np.isfinite(high) else None,
         )  # fmt: skip
         sigmas = float((found.share[k] - found.theory[k]) / found.error[k])
-        rows.append(_judged(row, sigmas, groups, looks))
+        rows.append(_judged(row, sigmas, found.groups, looks))
     return rows
 
 

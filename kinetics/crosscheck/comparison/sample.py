@@ -30,8 +30,9 @@ class Binned:
     """Counts in bins of speed or displacement, in U or d.
 
     edges (n_times, n_bins + 1); totals (n_times, n_bins + 2), the first and last of what lies
-    outside; by_group (n_groups, n_times, n_bins + 2), None where only totals are known. Then
-    design_effect (n_times,) is the variance of a count over that of independent samples.
+    outside; by_group (n, n_times, n_bins + 2) of independent groups, not those of the sums, None
+    where only totals are known. Then design_effect (n_times,) is the variance of a count over that
+    of independent samples.
     """
 
     edges: Array

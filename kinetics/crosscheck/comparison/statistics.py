@@ -34,7 +34,9 @@ class ChiSquare:
 
 def errors(replicates: Array) -> Array:
     """Standard errors from delete-one replicates (G, p)."""
-    return np.asarray(np.sqrt(np.diagonal(covariance(replicates))))
+    n = len(replicates)
+    deviation = replicates - replicates.mean(axis=0)
+    return np.asarray(np.sqrt((n - 1) / n * np.sum(deviation**2, axis=0)))
 
 
 def covariance(replicates: Array) -> Array:

@@ -20,6 +20,8 @@ RTOL = 1e-7
 """Asked of the solver for averages: far below any standard error."""
 DENSITY_RTOL = 1e-6
 """Asked of the solver for densities."""
+DISPLACEMENT_RTOL = 1e-4
+"""Asked of the solver for densities of the displacement, which cost more."""
 MOMENTS = {"thermal_speed": 2, "a2": 4, "msd": 2, "kurtosis": 4}
 """The averages that are compared, and the highest moment that each needs."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
@@ -32,11 +34,11 @@ def averages() -> tuple[str, ...]:
     return tuple(name for name in MOMENTS if name in OUTPUTS)
 
 
-def densities() -> tuple[str, ...]:
-    """The densities that the solver gives and a sample may have counts of."""
+def has_displacements() -> bool:
+    """Whether the solver gives the density of the displacement."""
     from kinetics.solution import Solution
 
-    return tuple(name for name in (SPEED, DISPLACEMENT) if hasattr(Solution, name))
+    return hasattr(Solution, DISPLACEMENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,18 +177,30 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     pieces = 1 if solution.scene.state.smooth else 12
     every = np.concatenate([[0.0], edges])
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    node, weight = np.polynomial.legendre.leggauss(3)
+    node, gauss = np.polynomial.legendre.leggauss(3)
     half = np.diff(fine)[:, None] / 2
     x = fine[:-1, None] + half * (node + 1)
     values = np.asarray(density(x.ravel())[index]).reshape(x.shape)
-    shares = np.maximum((values * weight * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
-    if name == SPEED:
-        peak, speed = float(solution.uncollided[index]), _peak_speed(solution)
-        if peak > 0 and speed < every[-1]:
-            shares[np.searchsorted(every, speed, side="right") - 1] += peak
+    shares = np.maximum((values * gauss * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
+    for place, weight in _peaks(solution, name, index):
+        if place < every[-1]:
+            shares[np.searchsorted(every, place, side="right") - 1] += weight
     return np.append(shares, max(1 - shares.sum(), 0.0))
 
 
-def _peak_speed(solution: "Solution") -> float:
-    """Where the uncollided tracers of a start with one speed are."""
-    return float(getattr(solution.scene.state, "speed", 1.0))
+def _peaks(solution: "Solution", name: str, index: int) -> list[tuple[float, float]]:
+    """Delta peaks that a density leaves out, (place, weight): tracers that have not collided.
+
+    Of a start that is no function of the speed: at their speeds, or that times the time away.
+    """
+    state = solution.scene.state
+    if name == SPEED:
+        share = float(solution.uncollided[index])
+        return [(float(getattr(state, "speed", 1.0)), share)] if share > 0 else []
+    if state.profile(0) is not None:
+        return []
+    points = state.harmonic(0, DENSITY_RTOL)
+    assert points is not None  # harmonic 0 is never zero
+    path = np.exp(points.x) * solution.times[index]
+    weights = points.weight.real * np.exp(-path / solution.scene.mean_free_path)
+    return list(zip(path.tolist(), weights.tolist(), strict=True))
