@@ -16,7 +16,7 @@ What the series does (h and a_2 of order 1 ... 60 against the exact ones; the ro
 - The expansion itself diverges for every e < 1. F falls as exp(-2c/h), so that F^2 exp(c^2) has no
   integral, and the exact a_k (:func:`exact_coefficients`) end up growing, neighbours by the factor
   k h^2, as the moments of that tail do. It is an asymptotic series; its smallest coefficients stand
-  at k = 2 for e <= 0.6, 10 for e = 0.7, 29 for e = 0.8, later for larger e.
+  at k = 2 for e <= 0.6, 10 for e = 0.7, 29 for e = 0.8, beyond 40 for e >= 0.85.
 - The Galerkin truncations do not approach F either. For e < 0.75 they pass it by: h_n falls towards
   0 and a_2 towards -1 (e = 0.4: h = 0.742, 0.520, 0.394, 0.289 at order 2, 10, 20, 40; exact
   0.847). Even orders have a real root at every e; odd orders lose it below e = 0.582 (order 1, eq.
@@ -58,7 +58,7 @@ class SeriesStatus(enum.Enum):
 
     REAL = "a real solution"
     NO_REAL_SOLUTION = "no real solution with a positive cooling rate: try another order"
-    ILL_CONDITIONED = "rounding spoils the eigenvalues of this order: try a lower one"
+    ILL_CONDITIONED = "rounding spoils the numbers of this order: try a lower one"
     INTEGRATION_FAILED = "the coefficients could not be followed to the last time: lower the order"
 
 
