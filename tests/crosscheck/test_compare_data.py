@@ -85,10 +85,11 @@ def test_sums_are_those_of_the_rows(tmp_path: Path, kind: str) -> None:
         counts, _ = np.histogram(values[80:], binned.edges[2])
         np.testing.assert_array_equal(binned.totals[2, 1:-1], counts)
         assert binned.totals[2].sum() == 40
-    assert sample.start is not None
-    np.testing.assert_allclose(sample.start.squares @ sample.start.counts, speed2[:40].sum())
+    start = sample.start
+    assert start is not None
+    np.testing.assert_allclose(start.squares @ start.counts, speed2[:40].sum())
     np.testing.assert_allclose(
-        sample.start.quartics @ sample.start.counts, (speed2[:40] ** 2).sum()
+        start.flatness * start.squares**2 @ start.counts, (speed2[:40] ** 2).sum()
     )
 
 
@@ -458,3 +459,67 @@ def test_bins_count_what_lies_outside() -> None:
     assert sample.speeds.totals[0, -1] == 1
     assert sample.at_rest.tolist() == [1]
     assert reduction.SAME_TIME < 1e-8
+
+
+def tracers_at(times: Any, count: int, speed: Any = None, scale: float = 1.0) -> dict[str, Any]:
+    """Tracers that spread as they fly; `speed`: all of them the same."""
+    data = made_up(count, times)
+    data = {k: v for k, v in data.items() if k != "medium"}
+    for name in ("x", "y", "vx", "vy"):
+        data[name] = data[name] * scale
+    if speed is not None:
+        data["vx"], data["vy"] = np.full(data["time"].size, speed), np.zeros(data["time"].size)
+    return data
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (tracers_at([1.0], 2), {"restitution": 0.7}),
+        (tracers_at([1.0, 2, 3], 3), {"restitution": 0.7}),
+        (tracers_at([0.0], 50), {"restitution": 0.7}),
+        (tracers_at([1.0, 10.0], 50, speed=1.0), {"restitution": 0.7}),
+        (tracers_at([1.0, 10.0], 50, speed=0.0), {"restitution": 0.7}),
+        (tracers_at([0.0, 1.0, 10.0], 80, speed=1.0), {"restitution": 0.0}),
+        (tracers_at([0.0, 1.0, 10.0], 80, speed=1.0), {"restitution": 1.0}),
+        (tracers_at([1e-200, 1e-3], 80), {"restitution": 0.5}),
+        (tracers_at([1e10, 1e12], 80), {"restitution": 0.5}),
+        (tracers_at([1.0, 10.0], 50, scale=1e-170), {"restitution": 0.5}),
+    ],
+)
+def test_odd_data_have_an_answer(
+    data: dict[str, Any], told: dict[str, float], tmp_path: Path
+) -> None:
+    from kinetics.crosscheck.comparison.find import compare_sample
+    from kinetics.crosscheck.comparison.pages import files_of
+
+    result = compare_sample(
+        read_sample([write(tmp_path, "npz", data)]), number_density=0.04, **told
+    )
+    assert result.verdict in ("agrees", "unclear", "differs", "undefined")
+    assert set(files_of(result, tmp_path / "page.html")) == {"page.html", "page.json"}
+    if told["restitution"] == 0.7 and len(data["time"]) < 10:
+        assert result.verdict != "differs"  # two or three tracers cannot
+
+
+@pytest.mark.parametrize(
+    ("data", "told", "message"),
+    [
+        (tracers_at([1.0, 2.0], 3), {}, "cannot be found in so few times and groups"),
+        (tracers_at([0.0], 50), {}, "cannot be found in so few times and groups"),
+        (tracers_at([0.0, 1.0], 50, speed=0.0), {"restitution": 0.7}, "every speed at time 0"),
+        (tracers_at([1.0], 50), {"restitution": 0.7, "initial": "data"}, "needs velocities at"),
+        (tracers_at([1.0], 50), {"restitution": 0.7, "initial": "ring"}, "must be one of auto"),
+        (tracers_at([1.0], 50, scale=1e160), {"restitution": 0.7}, "give --speed-unit"),
+        (tracers_at([0.0, 1.0], 50, scale=1e-100), {"restitution": 0.7}, "give --speed-unit"),
+    ],
+)
+def test_what_cannot_be_compared_is_said(
+    data: dict[str, Any], told: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    from kinetics.crosscheck.comparison.find import compare_sample
+
+    density = None if told == {} else 0.04
+    path = write(tmp_path, "npz", data)
+    with pytest.raises(InputError, match=message):
+        compare_sample(read_sample([path]), number_density=density, **told)

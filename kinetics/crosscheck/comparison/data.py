@@ -18,6 +18,7 @@ POSITIONS = ("auto", "displacement", "absolute")
 MOST_ORIGINS = 4_000_000
 """Tracers whose place at time 0 is remembered, at most: bounds the memory."""
 
+_LARGEST = 1e70
 Tell = Callable[[str, float], None]
 """Called with a file's name and the share of it that has been read."""
 
@@ -55,7 +56,7 @@ def read_sample(
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
         run = load_ensemble(ensembles[0])
         return from_ensemble(run, paths[0].name).rescaled(1.0, run.medium.diameter)
-    return _scaled(_read(_Files(paths, tell), positions), speed_unit, diameter)
+    return _in_range(_scaled(_read(_Files(paths, tell), positions), speed_unit, diameter))
 
 
 def load_ensemble(path: Path) -> Any:
@@ -244,6 +245,18 @@ def _keys(rows: Rows, file: int) -> Any:
     assert rows.tracer is not None
     medium = np.empty(0, np.int64) if rows.medium is None else rows.medium
     return tracer_keys(rows.tracer, medium, file)
+
+
+def _in_range(sample: Sample) -> Sample:
+    """The sample; InputError where fourth powers would overflow, or a start vanish."""
+    start = 1.0 if sample.start is None else float(sample.speed_scale[0])
+    largest = max(float(sample.speed_scale.max()), float(sample.length_scale.max()), 1 / start)
+    if largest > _LARGEST:
+        raise InputError(
+            f"{', '.join(sample.names)}: speeds of {sample.speed_scale[0]:.3g} U and displacements "
+            f"of up to {sample.length_scale.max():.3g} d; give --speed-unit and --diameter"
+        )
+    return sample
 
 
 def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:

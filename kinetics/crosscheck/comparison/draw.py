@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 Data = dict[str, Any]
 
 _POINTS = 60
+_LEAST_BINS = 3
 _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
 _AXES: dict[str, tuple[str, str, str, str]] = {
@@ -39,7 +40,7 @@ def figures_of(judged: "Judged") -> dict[str, Data]:
     if np.any(judged.usable & (judged.sample.times > 0)):
         figures["sigmas"] = _sigmas(judged)
     for name in (SPEED, DISPLACEMENT):
-        if any(h[0] == name for h in judged.histograms):
+        if any(h[0] == name and h[2].share.size > _LEAST_BINS for h in judged.histograms):
             figures[name.replace("_", "-")] = _density(judged, name)
     return figures
 
@@ -123,7 +124,9 @@ def _sigmas(judged: "Judged") -> Data:
 
 def _density(judged: "Judged", name: str) -> Data:
     series = []
-    for _, k, found in (h for h in judged.histograms if h[0] == name):
+    for kind, k, found in judged.histograms:
+        if kind != name or found.share.size <= _LEAST_BINS:
+            continue
         group = f"t = {judged.sample.times[k]:.4g}"
         # The first bin begins at 0 and the last has no end: a logarithmic axis has neither.
         low, high = found.edges[1:-2], found.edges[2:-1]

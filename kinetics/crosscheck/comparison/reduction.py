@@ -30,7 +30,7 @@ SAME_TIME = 1e-9
 """Relative difference below which two times are one."""
 
 _ROUNDING = 1e-9
-_START_PER_OCTAVE, _START_LOWEST, _START_BINS = 64, -40, 64 * 60
+_START_PER_OCTAVE, _START_LOWEST, _START_BINS = 64, -30, 64 * 40
 
 
 @njit(cache=True, nogil=True)
@@ -83,10 +83,12 @@ def _accumulate(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _start(at: Any, zero: int, group: Any, vx: Any, vy: Any, counts: Any, powers: Any) -> None:
+def _start(
+    at: Any, zero: int, scale: float, group: Any, vx: Any, vy: Any, counts: Any, powers: Any
+) -> None:
     for i in range(at.size):
         if at[i] == zero:
-            v = np.hypot(vx[i], vy[i])
+            v = np.hypot(vx[i], vy[i]) / scale
             k = _bin(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
             counts[group[i], k] += 1
             powers[0, k] += v * v
@@ -134,13 +136,14 @@ class Reduction:
         )  # fmt: skip
         if self._known.min() == 0:
             zero = int(np.argmin(self._known))
-            _start(at, zero, group, vx, vy, self._start_counts, self._start_powers)
+            scale = float(self._speed_scale[zero])
+            _start(at, zero, scale, group, vx, vy, self._start_counts, self._start_powers)
 
     @property
     def moved_at_zero(self) -> bool:
         """Whether positions at time 0 are not the origin, rounding apart."""
-        squares = self._sums[:, :, 3].sum(axis=1) * self._length_scale**2
-        size = np.sqrt(squares / np.maximum(self._sums[:, :, 0].sum(axis=1), 1))
+        squares, rows = self._sums[:, :, 3].sum(axis=1), self._sums[:, :, 0].sum(axis=1)
+        size = np.sqrt(squares / np.maximum(rows, 1)) * self._length_scale
         return bool(np.any(size[self._known == 0] > _ROUNDING * size.max()))
 
     def _indices(self, rows: Rows) -> Any:
@@ -198,7 +201,10 @@ class Reduction:
             count = self._start_counts.sum(axis=0)
             moving = self._start_powers[0] > 0
             squares, quartics = self._start_powers[:, moving] / count[moving]
-            start = StartBins(squares, quartics, self._start_counts[:, moving][used])
+            unit = self._speed_scale[order][0]
+            start = StartBins(
+                squares * unit**2, quartics / squares**2, self._start_counts[:, moving][used]
+            )
         return Sample(
             names=names,
             times=self._known[order],
@@ -237,6 +243,9 @@ def _distinct(times: Any) -> Any:
 
 def _root_mean_square(x: Any, y: Any) -> float:
     """Rounded to a power of 2, so that it hardly depends on which rows come first."""
-    with np.errstate(over="ignore", under="ignore"):
-        size = float(np.sqrt(np.mean(x * x + y * y)))
-    return float(2.0 ** np.round(np.log2(size))) if np.isfinite(size) and size > 0 else 1.0
+    largest = max(float(np.abs(x).max()), float(np.abs(y).max()))
+    if largest == 0.0:
+        return 1.0
+    with np.errstate(under="ignore"):
+        size = np.log2(np.mean((x / largest) ** 2 + (y / largest) ** 2)) / 2 + np.log2(largest)
+    return float(2.0 ** np.clip(np.round(size), -1000, 1000))

@@ -45,12 +45,12 @@ class Binned:
 class StartBins:
     """Speeds at time 0 in fine bins, of the tracers that move.
 
-    squares, quartics (n_bins,): mean v^2 and v^4 in each bin, in U^2 and U^4; by_group (n_groups,
-    n_bins): counts.
+    squares (n_bins,): mean v^2 in each bin, in U^2; flatness (n_bins,): <v^4>/<v^2>^2 in it, a
+    little above 1; by_group (n_groups, n_bins): counts.
     """
 
     squares: Array
-    quartics: Array
+    flatness: Array
     by_group: Counts
 
     @property
@@ -60,7 +60,7 @@ class StartBins:
 
     def rescaled(self, speed: float) -> "StartBins":
         """The same with U = `speed` in the unit that it had."""
-        return StartBins(self.squares / speed**2, self.quartics / speed**4, self.by_group)
+        return StartBins(self.squares / speed**2, self.flatness, self.by_group)
 
 
 @dataclass(frozen=True, eq=False)

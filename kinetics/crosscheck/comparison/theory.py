@@ -104,7 +104,8 @@ class Expectation:
         self.sample, self.names = sample, tuple(names)
         total = sample.sums.sum(axis=0)
         self.values = observed(total, sample, names)
-        self.replicates = observed(total - sample.sums, sample, names)
+        with np.errstate(invalid="ignore"):
+            self.replicates = observed(total - sample.sums, sample, names)
         self._last: tuple[tuple[float, float, Any], tuple[Array, Array]] | None = None
 
     def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
@@ -132,8 +133,8 @@ class Expectation:
             restitution, free_path, self.names, np.sqrt(start.squares)[:, None] * times
         )
         # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
-        v2, v4 = start.squares[:, None], start.quartics[:, None]
-        powers: dict[int, Any] = {V2: v2, V4: v4, R2: 1.0, R4: v4 / v2**2}
+        v2, flatness = start.squares[:, None], start.flatness[:, None]
+        powers: dict[int, Any] = {V2: v2, V4: flatness * v2**2, R2: 1.0, R4: flatness}
         kernel = np.stack([moments[k] * powers[k] for k in (V2, V4, R2, R4)], axis=-1)
         total = start.counts
 
