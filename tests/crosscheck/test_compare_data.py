@@ -1,5 +1,6 @@
 """Particle data in files: what is read, what is refused, and that it is read in pieces."""
 
+import os
 import pickle
 import zipfile
 from pathlib import Path
@@ -523,3 +524,20 @@ def test_what_cannot_be_compared_is_said(
     path = write(tmp_path, "npz", data)
     with pytest.raises(InputError, match=message):
         compare_sample(read_sample([path]), number_density=density, **told)
+
+
+def test_a_file_may_have_any_name(tmp_path: Path) -> None:
+    """Also bytes that are no text."""
+    from kinetics.crosscheck.comparison.find import compare_sample
+    from kinetics.crosscheck.comparison.pages import files_of
+
+    path = write(tmp_path, "csv", made_up()).rename(tmp_path / os.fsdecode(b"a\xff<b>.csv"))
+    result = compare_sample(read_sample([path]), 0.7, 0.04)
+    assert result.names == ("a?<b>.csv",)
+    page = files_of(result, tmp_path / "page.html")["page.html"]
+    assert isinstance(page, str)
+    assert "a?&lt;b&gt;.csv" in page
+    page.encode()
+    path.write_text("time\n")
+    with pytest.raises(InputError, match=r"a\?<b>\.csv: column 'x' is missing"):
+        read_sample([path])

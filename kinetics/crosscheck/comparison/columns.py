@@ -69,8 +69,17 @@ def read_rows(path: Path, progress: Progress | None = None) -> Generator[Rows, N
 
 
 def shown(path: Path) -> str:
-    """A file's name on one line of a message."""
-    return " ".join(str(path).split()) or "''"
+    """A file's path on one line of a message."""
+    return " ".join(_readable(str(path)).split()) or "''"
+
+
+def plain_name(path: Path) -> str:
+    """A file's name as text that can be written: names may be any bytes."""
+    return _readable(path.name)
+
+
+def _readable(text: str) -> str:
+    return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def find_columns(path: Path, names: Sequence[str]) -> dict[str, int]:

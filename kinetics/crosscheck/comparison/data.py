@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.columns import Rows, read_rows, shown
+from kinetics.crosscheck.comparison.columns import Rows, plain_name, read_rows, shown
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
 from kinetics.crosscheck.comparison.seen import tracer_keys
@@ -55,7 +55,7 @@ def read_sample(
         if len(paths) > 1:
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
         run = load_ensemble(ensembles[0])
-        return from_ensemble(run, paths[0].name).rescaled(1.0, run.medium.diameter)
+        return from_ensemble(run, plain_name(paths[0])).rescaled(1.0, run.medium.diameter)
     return _in_range(_scaled(_read(_Files(paths, tell), positions), speed_unit, diameter))
 
 
@@ -89,7 +89,7 @@ class _Files:
 
     @property
     def names(self) -> tuple[str, ...]:
-        return tuple(path.name for path in self.paths)
+        return tuple(plain_name(path) for path in self.paths)
 
     def __iter__(self) -> Iterator[tuple[int, Rows]]:
         for number, path in enumerate(self.paths):
