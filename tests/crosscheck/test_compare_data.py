@@ -86,6 +86,9 @@ def test_sums_are_those_of_the_rows(tmp_path: Path, kind: str) -> None:
         counts, _ = np.histogram(values[80:], binned.edges[2])
         np.testing.assert_array_equal(binned.totals[2, 1:-1], counts)
         assert binned.totals[2].sum() == 40
+        assert binned.by_group is not None
+        third, _ = np.histogram(values[80:][data["medium"][80:] == 2], binned.edges[2])
+        np.testing.assert_array_equal(binned.by_group[2, 2, 1:-1], third)
     start = sample.start
     assert start is not None
     np.testing.assert_allclose(start.squares @ start.counts, speed2[:40].sum())

@@ -176,6 +176,7 @@ def test_the_command_writes_a_page(
     assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
     assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {p.name for p in output.parent.iterdir()}
+    assert "<code>page.json</code>" in output.read_text(encoding="utf-8")
     figures = {f"page-{name}.png" for name in document["figures"]}
     assert names == {"page.html", "page.json"} | figures
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
+from kinetics.crosscheck import compare
 from kinetics.crosscheck.comparison.columns import Rows
 from kinetics.crosscheck.comparison.fit import choose_components, fit
 from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED, compare_histogram
@@ -21,7 +22,13 @@ from kinetics.crosscheck.comparison.statistics import (
     spread_out,
     whitening,
 )
-from kinetics.crosscheck.comparison.theory import SPEED, Expectation, bin_shares, sampled_start
+from kinetics.crosscheck.comparison.theory import (
+    DISPLACEMENT,
+    SPEED,
+    Expectation,
+    bin_shares,
+    sampled_start,
+)
 from kinetics.errors import InputError
 from particles import BoltzmannGrad, HardDisks, simulate
 
@@ -220,7 +227,7 @@ def test_a_theory_from_the_data_s_own_start_is_exact_at_time_0() -> None:
     speeds = rng.gamma(4.0, 0.3, 200)
     reduction = Reduction("tracer")
     zeros = np.zeros(200)
-    times = (0.0, 5.0, 50.0)
+    times = (0.0, 1e-9, 5.0, 50.0)
     for time in times:
         reduction.add(Rows(np.full(200, time), zeros + time, zeros, speeds, zeros, np.arange(200)))
     sample = reduction.sample(("x",))
@@ -232,6 +239,8 @@ def test_a_theory_from_the_data_s_own_start_is_exact_at_time_0() -> None:
     solution = solve(scene)
     for k, name in enumerate(names):
         np.testing.assert_allclose(values[k, 1:], getattr(solution, name)[1:], rtol=3e-4)
+        # nobody has collided yet: all that is left is the theory's own error
+        assert values[k, 1] == pytest.approx(getattr(solution, name)[1], rel=1e-6)
     without = Scene(
         0.7, 0.04, initial=SpeedSamples(np.delete(speeds, 17)), times=times, outputs=names
     )
@@ -270,3 +279,42 @@ def test_one_group_has_no_error() -> None:
     )
     with pytest.raises(InputError, match="standard errors need at least two"):
         from_ensemble(run)
+
+
+class Flights:
+    """Stands for a solution in a medium so dilute that nobody collides: r = v t."""
+
+    def __init__(self, scene: Scene, stretch: float = 1.0) -> None:
+        self.scene, self.times, self._stretch = scene, np.asarray(scene.times), stretch
+
+    def position_density(self, r: np.ndarray) -> np.ndarray:
+        if self.scene.initial == "monoenergetic":
+            return np.zeros((self.times.size, r.size))  # a ring only, which a density leaves out
+        size = self._stretch * self.times[:, None]
+        return r / size**2 * np.exp(-((r / size) ** 2) / 2)
+
+
+def test_displacements_are_held_against_their_density() -> None:
+    times = [2.0, 20.0]
+    run = simulate(
+        BoltzmannGrad(1e-9), restitution=0.6, times=times, media=20, tracers=200, seed=3,
+        workers=1, observables=("positions", "velocities"),
+    )  # fmt: skip
+    scene = Scene(0.6, 1e-9, times=times, outputs=("position_density",))
+    solution = solve(Scene(0.6, 1e-9, times=times, outputs=("msd",)))
+    right, wrong = (
+        compare(solution, run, densities={DISPLACEMENT: Flights(scene, stretch)})  # type: ignore[dict-item]
+        for stretch in (1.0, 1.1)
+    )
+    for time in times:
+        assert right.p_value(DISPLACEMENT, time) > 1e-3
+        assert wrong.p_value(DISPLACEMENT, time) < 1e-6
+    assert "position-density" in right.figures
+    assert any(row.low is not None for row in right.observable(DISPLACEMENT))
+
+
+def test_a_ring_of_tracers_that_have_not_collided_is_counted() -> None:
+    scene = Scene(0.6, 0.04, initial="monoenergetic", times=[5.0], outputs=("position_density",))
+    edges = np.array([1.0, 4.0, 6.0, 8.0])
+    shares = bin_shares(Flights(scene), DISPLACEMENT, 0, edges)  # type: ignore[arg-type]
+    np.testing.assert_allclose(shares[:4], [0, 0, np.exp(-5.0 / 12.5), 0], atol=1e-12)

@@ -201,7 +201,7 @@ def test_hard_disks_show_their_density() -> None:
     result = compare(solve(Scene(0.75, DENSITY, times=TIMES, outputs=outputs)), run)
     assert result.verdict == "differs"
     path = explained(result, "free path")
-    assert path.outcome in ("in part", "explains")
+    assert path.outcome == "in part"  # recollisions remain
     assert path.value is not None
     assert 11.4 < path.value < 12.3
     assert "finite density" in path.text
