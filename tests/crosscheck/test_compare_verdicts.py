@@ -165,6 +165,7 @@ def test_a_start_of_no_name_is_taken_from_the_data() -> None:
     assert result.initial == "the data's own speeds at time 0"
     assert result.verdict == "agrees"
     assert {row.time for row in result.rows} == set(TIMES)  # at 0 theory and data are the same
+    assert "own start" in {item.name for item in result.explanations}
     # Where few have collided the difference is known far better than the value.
     early = result.observable("thermal_speed")[0]
     told = compare(

@@ -14,7 +14,7 @@ from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
 from kinetics.crosscheck.comparison.hypotheses import AGREES_ABOVE, tested_hypotheses
 from kinetics.crosscheck.comparison.result import Explanation
 from kinetics.crosscheck.comparison.statistics import hotelling
-from kinetics.crosscheck.comparison.theory import SPEED, bin_shares
+from kinetics.crosscheck.comparison.theory import SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.verdicts import DIFFERS_ABOVE, Verdict
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def explanations_of(judged: "Judged", verdict: Verdict) -> Iterator[Explanation]
         yield from tested_hypotheses(judged)
     yield from _traps(judged)
     yield from _missing(judged)
+    yield from _own_start(judged)
     yield from _not_forgotten(judged)
     yield from _tails(judged)
 
@@ -122,6 +123,17 @@ def _missing(judged: "Judged") -> Iterator[Explanation]:
         dof=None if whole is None else whole.freedom,
         p_value=None if whole is None else whole.p_value,
     )  # fmt: skip
+
+
+def _own_start(judged: "Judged") -> Iterator[Explanation]:
+    """A density that started from the data's own speeds cannot differ much from them early."""
+    if isinstance(judged.solution.scene.state, SampledStart) and judged.histograms:
+        text = (
+            "The theory starts from the data's own speeds. The averages' errors allow for that; the "
+            "densities' do not, and while most tracers have not collided their p-values are too "
+            "high."
+        )
+        yield Explanation("own start", "noted", text, False)
 
 
 def _not_forgotten(judged: "Judged") -> Iterator[Explanation]:
