@@ -50,27 +50,37 @@ def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
     return lambda keys: False
 
 
-def require(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
-    """Make cell (i, j) of the plane unless the window holds it in its place. A box has all."""
-    if is_plane(keys):
-        _require(keys, cells, cell, i, j)
-
-
-@overload(require, inline="always")
-def _compiled_require(keys, cells, cell, i, j):  # type: ignore[no-untyped-def]
-    if keys.dtype == int64:
-        return lambda keys, cells, cell, i, j: _require(keys, cells, cell, i, j)
-    return lambda keys, cells, cell, i, j: None
-
-
-@njit(error_model="numpy", forceinline=True)
-def _require(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
+def is_missing(keys: np.ndarray, cell: int, i: int, j: int) -> bool:
+    """Tell whether the window lacks cell (i, j) in its place. A box lacks none."""
     block = cell >> 2 * BLOCK
-    if keys[block, 0] != i >> BLOCK or keys[block, 1] != j >> BLOCK:
-        make(
-            cells.slots, cells.fill, cells.head, cells.links, cells.nodes, keys, cells.law,
-            cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
-        )  # fmt: skip
+    return is_plane(keys) and (keys[block, 0] != i >> BLOCK or keys[block, 1] != j >> BLOCK)
+
+
+@overload(is_missing, inline="always")
+def _compiled_is_missing(keys, cell, i, j):  # type: ignore[no-untyped-def]
+    if keys.dtype == int64:
+        return lambda keys, cell, i, j: (
+            keys[cell >> 2 * BLOCK, 0] != i >> BLOCK or keys[cell >> 2 * BLOCK, 1] != j >> BLOCK
+        )
+    return lambda keys, cell, i, j: False
+
+
+def supply(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
+    """Make cell (i, j) of a plane; nothing is compiled for a box."""
+    make(
+        cells.slots, cells.fill, cells.head, cells.links, cells.nodes, keys, cells.law,
+        cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
+    )  # fmt: skip
+
+
+_supply = njit(error_model="numpy")(supply)
+
+
+@overload(supply, inline="always")
+def _compiled_supply(keys, cells, cell, i, j):  # type: ignore[no-untyped-def]
+    if keys.dtype == int64:
+        return lambda keys, cells, cell, i, j: _supply(keys, cells, cell, i, j)
+    return lambda keys, cells, cell, i, j: None
 
 
 @njit(error_model="numpy")

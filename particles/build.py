@@ -7,10 +7,13 @@ from particles.media import BoltzmannGrad, HardDisks, Medium, Positions
 from particles.placement import place_at_random, place_given
 
 
-def build(medium: Medium, seed: np.uint64, configuration: int) -> Cells | None:
+def build(
+    medium: Medium, seed: np.uint64, configuration: int, old: Cells | None = None
+) -> Cells | None:
     """Return the scatterers of one configuration, or None where the medium has none.
 
-    Tracers start at the centre of the middle cell. Raises ValueError if the disks do not all
+    Tracers start at the centre of the middle cell. old: scatterers that are done with and whose
+    memory may be used again. Raises ValueError if the disks do not all
     find room.
     """
     if isinstance(medium, BoltzmannGrad):
@@ -21,7 +24,7 @@ def build(medium: Medium, seed: np.uint64, configuration: int) -> Cells | None:
         own = medium.positions if medium.positions.ndim == 2 else medium.positions[configuration]
         return _place(own / d, np.array(medium.start) / d, medium.box_side / d)
     if medium.box is None:
-        return plane(density, not medium.overlapping, seed, configuration)
+        return plane(density, not medium.overlapping, seed, configuration, old)
     side = medium.box_side / d
     cells = empty_box(side, density, medium.count)
     placed = place_at_random(cells, medium.count, medium.overlapping, seed, configuration)

@@ -85,15 +85,22 @@ def empty_box(box: float, number_density: float, count: int) -> Cells:
     )
 
 
-def plane(number_density: float, hard: bool, seed: np.uint64, configuration: int) -> Cells:
+def plane(
+    number_density: float, hard: bool, seed: np.uint64, configuration: int,
+    old: Cells | None = None,
+) -> Cells:  # fmt: skip
     """Return the unbounded plane, nothing of it made yet.
 
-    What is not made is not touched either, so the system has no memory to find for it.
+    What is not made is not touched, so the system has no memory to find for it. That takes longer
+    than making a cell: a plane of the same law that is done with, `old`, gives its memory.
     """
     side = max(cell_side(number_density), 3.0)
     density = candidate_density(number_density) if hard else number_density
     law = make_law(side * 2**BLOCK, -0.5 * side, hard, seed, configuration)
     counts = make_counts(law.side, law.band, density)
+    if old is not None and old.counts is counts:
+        old.keys[:] = _NOWHERE
+        return old._replace(law=law)
     # Nine regions, none larger than a core.
     candidates = 9 * counts.cumulative.shape[1]
     n_blocks, n_cells = 4**WINDOW, 4 ** (WINDOW + BLOCK)

@@ -1,5 +1,6 @@
 """One configuration of scatterers and the tracers in it: the unit of work of an ensemble."""
 
+import threading
 from dataclasses import dataclass, field, replace
 from math import ceil, log2
 
@@ -31,6 +32,15 @@ PER_OCTAVE = 16
 BLOCK = 4096
 # A flight of so many mean free paths meets nothing any more.
 ESCAPE_PATHS = 1e6
+
+
+# The scatterers of this thread's last configuration, whose memory the next one may use.
+_done_with = threading.local()
+
+
+def forget() -> None:
+    """Give back the memory kept for this thread's next configuration."""
+    _done_with.cells = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +132,8 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
     nothing = np.zeros((0, 0), np.int64)
     histograms = [tally.histograms.get(name, nothing) for name in HISTOGRAMS]
     grid = np.ascontiguousarray(grids[:, :2])
-    cells = build(plan.medium, np.uint64(plan.seed), configuration)
+    old, _done_with.cells = getattr(_done_with, "cells", None), None
+    cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
     traps: list[np.ndarray] = []
     raw: dict[str, list[np.ndarray]] = {name: [] for name in RAW if name in plan.observables}
     for first in range(0, plan.tracers, BLOCK):
@@ -156,6 +167,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
             traps.append(caught[:n_caught])
         for name, pieces in raw.items():
             pieces.append(block[name])
+    _done_with.cells = cells
     return replace(
         tally,
         traps=np.concatenate(traps) if traps else tally.traps,

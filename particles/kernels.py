@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.blocks import is_plane, place, require
+from particles.blocks import is_missing, is_plane, place, supply
 from particles.cells import Cells
 from particles.events import contact, is_collapsing, scatter, touch
 from particles.lanes import SLOTS, strike
@@ -196,8 +196,9 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
         for a in range(active):
             x, y, ux, uy = lanes[a, X], lanes[a, Y], lanes[a, UX], lanes[a, UY]
             cell = wholes[a, CELL]
-            # Perhaps never made, or lost to another lane since.
-            require(keys, cells, cell, wholes[a, CI], wholes[a, CJ])
+            if is_missing(keys, cell, wholes[a, CI], wholes[a, CJ]):
+                # Never made, or lost to another lane since.
+                supply(keys, cells, cell, wholes[a, CI], wholes[a, CJ])
             path, slot = strike(slots, cell, x, y, ux, uy)
             cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             node = head[cell]

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from particles.configuration import OBSERVABLES, Plan, Tally, run_configurations
+from particles.configuration import OBSERVABLES, Plan, Tally, forget, run_configurations
 from particles.ensemble import Ensemble, Totals
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
 
@@ -200,8 +200,11 @@ def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
 def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Tally]:
     """Yield the tallies of these configurations in order, whatever order they are done in."""
     if executor is None and (workers == 1 or len(which) == 1):
-        for c in which:
-            yield from run_configurations(plan, c, c + 1)
+        try:
+            for c in which:
+                yield from run_configurations(plan, c, c + 1)
+        finally:
+            forget()
         return
     if executor is not None:
         # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.

@@ -49,14 +49,16 @@ def diffusion(density: float, media: int = 15_000, tracers: int = 8) -> tuple[fl
 def test_elastic_diffusion_among_overlapping_scatterers() -> None:
     # Measured before, by another program, to 0.001 or 0.002.
     expected = {0.005: 0.970, 0.01: 0.947, 0.02: 0.908}
-    densities = np.array([0.0025, 0.005, 0.01, 0.02])
+    densities = np.array([0.00125, 0.0025, 0.005, 0.01, 0.02])
     values, errors = np.array([diffusion(density) for density in densities]).T
     for density, value, error in zip(densities, values, errors, strict=True):
         assert error < 0.005
         if density in expected:
             assert abs(value - expected[density]) < 0.01, (density, value, error)
-    # To zero density: D_B/D = 1 - 4/3 rho ln rho + b rho + ... (van Leeuwen & Weijland, Physica 36,
-    # 457, 1967); the intercept is fitted, the logarithm's coefficient is theirs.
-    x, y = densities[:3], 1 / values[:3] + 4 / 3 * densities[:3] * np.log(densities[:3])
-    fit, covariance = np.polyfit(x, y, 1, w=1 / errors[:3], cov="unscaled")
-    assert abs(fit[1] - 1) < 3 * np.sqrt(covariance[1, 1]), (values, errors, fit)
+    # To zero density: D_B/D = 1 + a rho ln rho + b rho + ... A logarithm is expected (van Leeuwen &
+    # Weijland, Physica 36, 457, 1967); its coefficient is fitted here like the others.
+    x, y, sigma = densities, 1 / values, errors / values**2
+    columns = np.stack([np.ones(x.size), x * np.log(x), x]).T / sigma[:, None]
+    covariance = np.linalg.inv(columns.T @ columns)
+    limit = (covariance @ columns.T @ (y / sigma))[0]
+    assert abs(limit - 1) < 3 * np.sqrt(covariance[0, 0]), (values, errors, limit)
