@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
+from kinetics.evolve import Averages
 from kinetics.initial import State
 from kinetics.measure import LogMeasure, panels
 from kinetics.scattering import Waves, solve_waves
@@ -19,6 +21,8 @@ Indices = NDArray[np.intp]
 
 _POINTS = 10  # Gauss points of a panel of initial speeds
 _HALVINGS = 6
+_LARGEST = 200.0  # K, or K T, that can be asked for
+_BEST = 1e-12
 
 
 def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
@@ -122,3 +126,30 @@ class Scattering:
                 # harmonics m and -m together
                 out[i] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
         return out, waves.error_estimate
+
+
+def scattering_function(
+    averages: Averages, wave_numbers: FloatArray, direction: float | None
+) -> NDArray[Any]:
+    """F (n_times, n_k) at wave numbers in 1/d (n_k,); InputError where they are too large."""
+    path, times = averages.mean_free_path, averages.times
+    scaled = wave_numbers * path
+    typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
+    limit = _LARGEST * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
+    if float(scaled.max()) > limit:
+        raise InputError(
+            f"wave_numbers: got up to {wave_numbers.max():.4g}; for these times they may reach "
+            f"{limit / path:.4g} per d"
+        )
+    directed = direction is not None and averages.state.highest_harmonic != 0
+    out = np.ones((times.size, scaled.size), dtype=complex if directed else float)
+    late = times > 0.0
+    system = Scattering(averages.law, path, averages.state, times[late])
+    left = (scaled > 0.0) & bool(late.any())
+    while left.any():
+        # those within a factor of two share their panels
+        group = left & (scaled > 0.5 * float(scaled[left].max()))
+        found, _ = system.whole(scaled[group], direction, max(averages.rtol, _BEST))
+        out[np.ix_(late, group)] = found
+        left &= ~group
+    return out

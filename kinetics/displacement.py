@@ -28,9 +28,13 @@ from kinetics.initial import State
 
 FloatArray = NDArray[np.float64]
 
-_LARGEST = 400.0  # K, and K T, up to which F is solved for
+# F that does not end before is solved for up to this K or K T: of peaks, and of densities
+_LARGEST = 8.0
+_TURNS = 30.0
+_FAR = 50.0  # R beyond which G is nothing
+_FREE = 12.0  # T up to which F of a start of one speed swings with cos(K T)
 _DEEPEST = 7  # halvings of an interval of wave numbers
-_BEST = 1e-11  # accuracy of F at small K, where it costs nothing
+_BEST = 3e-12  # accuracy of F at small K, where it costs nothing
 _CHEAP = 2.0  # K up to which that is
 
 
@@ -73,7 +77,7 @@ class WavePanel:
 def _chebyshev(nodes: int) -> tuple[FloatArray, FloatArray]:
     """Chebyshev points of the first kind on [0, 1], rising, and their barycentric weights."""
     angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
-    weights: FloatArray = (-1.0) ** np.arange(nodes) * np.sin(angle)
+    weights = np.asarray((-1.0) ** np.arange(nodes) * np.sin(angle), dtype=float)
     return np.asarray(0.5 * (1.0 + np.cos(angle))), weights
 
 
@@ -97,11 +101,12 @@ class Displacement:
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     panels : F of the collided on intervals of k l
     tails : and beyond them, for each time; None where nothing is left
+    cut : K from which F is tapered, for each time; infinite where it ends by itself
     uncollided : (time index, r (n_r,)) -> density of those that have not collided, if they have
         one, in 1/d
     front_radius, front_weight : where and how many they are if they have none, in d and as
         shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
-    reach : the largest radius that can be reached, in d, shape (n_times,)
+    reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     """
 
@@ -110,6 +115,7 @@ class Displacement:
     root_mean_square: FloatArray
     panels: tuple[WavePanel, ...]
     tails: tuple[PowerTail | None, ...]
+    cut: FloatArray
     uncollided: Callable[[int, FloatArray], FloatArray]
     front_radius: FloatArray
     front_weight: FloatArray
@@ -128,7 +134,26 @@ class Displacement:
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
-        return np.asarray(r / self.mean_free_path * self._transform(time, r, 1))
+        inside = r / self.mean_free_path * self._transform(time, r, 1)
+        return np.where(r <= self.reach[time], inside, self._collided(time))
+
+    def _collided(self, time: int) -> float:
+        """Share of all tracers that have collided: F at k = 0."""
+        f = self.panels[0].of(time) if self.panels else None
+        if f is None:
+            return 0.0
+        local, barycentric = _chebyshev(f.size)
+        return float((interpolation_rows(-local[None], barycentric) @ f)[0])
+
+    def within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
+        front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
+        free = np.zeros(r.shape)
+        edges = np.concatenate([[0.0], np.sort(r)])
+        if self.front_radius.shape[1] == 0:
+            # the density of the initial speeds, on pieces as fine as the radii asked for
+            free = np.interp(r, edges, _integral(lambda x: self.uncollided(time, x), edges))
+        return np.asarray(self.collided_within(time, r) + front + free)
 
     def collided_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density in the plane of the collided, in 1/d^2, and its slope in 1/d^3, (n_r,) each."""
@@ -157,9 +182,24 @@ class Displacement:
             k, weight, values = panel.gauss(f, 8 + f.size + int(0.5 * turns))
             if tail is not None:
                 values = values - tail.at(k)
+            elif panel.high > self.cut[time]:
+                # without the ringing that a sharp end would leave everywhere
+                level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
+                values = values * np.cos(0.5 * math.pi * level) ** 2
             total += bessel(np.outer(rho, k)) @ (weight * values * k ** (1, 0, 2)[kind])
         out[inside] = total
         return out
+
+
+def _integral(density: Callable[[FloatArray], FloatArray], edges: FloatArray) -> FloatArray:
+    """Of a density, from the first edge to each, shape (n_edges,)."""
+    node, weight = gauss_legendre(20)
+    parts = 8
+    cuts = edges[:-1, None] + np.diff(edges)[:, None] * np.arange(parts) / parts
+    width = np.diff(edges)[:, None, None] / parts
+    x = cuts[:, :, None] + width * node
+    share = (density(x.ravel()).reshape(x.shape) * width * weight).sum(axis=(1, 2))
+    return np.concatenate([[0.0], np.cumsum(share)])
 
 
 def solve_displacement(
@@ -180,23 +220,30 @@ def solve_displacement(
     tails: list[PowerTail | None] = [None] * times.size
     missed = np.zeros(times.size)
     system = Scattering(law, mean_free_path, state, times)
-    fastest = float(np.exp(points_of(state, 1.0, 1e-3).x.max())) / mean_free_path
+    speeds = points_of(state, 1.0, 1e-3)
+    typical = math.exp(0.5 * speeds.log_second_moment()) / mean_free_path
     low, high = 0.0, 1.0 / float(width.max()) if active.size else 0.0
+    cut = np.full(times.shape, np.inf)
+    peaks = state.peaks is not None
     size = 1.0
     while active.size:
-        if high > _LARGEST and high * float(times[active].max()) * fastest > _LARGEST:
+        longest = float(times[active].max()) * typical
+        if low >= (_LARGEST if peaks else _TURNS) and low * longest > _TURNS:
             break
         sharp = max(1.0, float(width[active].max()) * high)
         tolerance = min(rtol / sharp, _BEST if high < _CHEAP else 1.0)
-        new, error = _interval(system, low, high, active, tolerance, size)
+        swing = 0.5 * (high - low) * min(longest, _FREE) if peaks else 0.0
+        new, error = _interval(system, low, high, active, tolerance, size, swing)
         panels += new
         size = max(float(np.abs(panel.values).max()) for panel in new)
         for i in active:
-            tails[i], left = _rest(panels, int(i), state.peaks is None)
+            tails[i], left = _rest(panels, int(i), not peaks)
             # F missing at K adds about K sigma F to G
             missed[i] = (left + error) * max(1.0, width[i] * high)
         active = active[missed[active] > 2.0 * rtol]
         low, high = high, 2.0 * high
+    if active.size:
+        cut[[i for i in active if tails[i] is None]] = 0.5 * panels[-1].high
     radius, weight = fronts(state, mean_free_path, times)
     return Displacement(
         mean_free_path,
@@ -204,10 +251,11 @@ def solve_displacement(
         root_mean_square,
         tuple(panels),
         tuple(tails),
+        cut,
         uncollided_density(state, mean_free_path, times),
         radius,
         weight,
-        reach(state, times),
+        np.minimum(reach(state, times, 0.1 * rtol), _FAR * root_mean_square),
         float(missed.max(initial=0.0)),
     )
 
@@ -219,19 +267,20 @@ def _interval(
     active: Indices,
     tolerance: float,
     size: float,
+    swing: float,
     depth: int = 0,
 ) -> tuple[list[WavePanel], float]:
     """F on an interval of K, halved until its Chebyshev coefficients end; and the error.
 
-    tolerance : of F; size : about the largest value there
+    tolerance : of F; size : about the largest value there; swing : nodes for its turns
     """
-    nodes = math.ceil(4.0 + 1.1 * math.log10(max(10.0, size / tolerance)))
+    nodes = math.ceil(4.0 + 1.2 * math.log10(max(10.0, size / tolerance)) + swing)
     trial = WavePanel(low, high, active, np.empty((active.size, nodes)))
-    values, error = system.collided(trial.nodes, active, 0.1 * tolerance)
+    values, error = system.collided(trial.nodes, active, 0.3 * tolerance)
     missed = _last_coefficients(values)
     if missed > tolerance and depth < _DEEPEST:
         middle = 0.5 * (low + high)
-        more = (active, tolerance, size, depth + 1)
+        more = (active, tolerance, size, 0.5 * swing, depth + 1)
         left, first = _interval(system, low, middle, *more)
         right, second = _interval(system, middle, high, *more)
         return left + right, max(first, second)

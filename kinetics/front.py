@@ -42,10 +42,17 @@ def uncollided_density(
     return density
 
 
-def reach(state: State, times: FloatArray) -> FloatArray:
-    """The largest radius there can be, (n_times,): no tracer outruns its initial speed."""
+def reach(state: State, times: FloatArray, rtol: float) -> FloatArray:
+    """The largest radius there can be, (n_times,): no tracer outruns its initial speed.
+
+    For densities, up to the speed that all but about rtol of the tracers keep below.
+    """
     peaks = state.peaks
     if peaks is None:
-        return np.full(times.shape, np.inf)
+        found = state.harmonic(0, rtol)
+        assert found is not None
+        fastest = float(np.exp(found.x.max()))
+    else:
+        fastest = float(np.max(peaks[0]))
     with np.errstate(over="ignore"):
-        return np.asarray(times * float(np.max(peaks[0])))
+        return np.asarray(times * fastest)

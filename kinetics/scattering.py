@@ -97,7 +97,7 @@ def solve_waves(
     Parameters
     ----------
     tolerance : absolute, of a_0
-    kept : largest m that is wanted
+    kept : largest m that is wanted, if it is not negligible
     """
     largest = float(wave_numbers.max())
     rule = _rule(largest, highest, tolerance)
@@ -107,7 +107,7 @@ def solve_waves(
     if law.restitution < 1.0:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
-    top = max(_harmonics(largest, min(highest, limit), tolerance), kept + 2)
+    top = _harmonics(largest, min(highest, limit), tolerance)
     return _sweep(law, wave_numbers, rule, start, count, top, tolerance, kept)
 
 

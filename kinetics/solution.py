@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinetics.displacement import Displacement
 from kinetics.errors import InputError, short
 from kinetics.marginal import component_density
 from kinetics.profile import Profile
@@ -51,6 +52,10 @@ class Solution:
     stats: dict[str, Any]
     _profiles: Mapping[int, Profile] = field(default_factory=dict, repr=False)
     _harmonic: Callable[[float, int], NDArray[Any]] | None = field(default=None, repr=False)
+    _displacement: Displacement | None = field(default=None, repr=False)
+    _scattering: Callable[[FloatArray, float | None], NDArray[Any]] | None = field(
+        default=None, repr=False
+    )
     _typical: FloatArray = field(default_factory=lambda: np.ones(0), repr=False)
 
     @property
@@ -141,6 +146,101 @@ class Solution:
             out += (profile.continuous(v_)[:, :, None] * turn).real
         return out / (2.0 * np.pi * v_[:, None])
 
+    # -- position -----------------------------------------------------------------------------
+
+    @property
+    def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
+        """Tracers of a start of sharp speeds that have not collided: radius in d, and share.
+
+        Shape (n_times, n_speeds) each: delta peaks, which :meth:`position_density` leaves out.
+        n_speeds is 0 for a start that has a speed density.
+        """
+        found = self._position()
+        return found.front_radius, found.front_weight
+
+    def position_density(self, r: ArrayLike) -> FloatArray:
+        """g(r, t), the radial density of the displacement (paper, fig. ``inelasticposi``), in 1/d.
+
+        Shape (n_times, n_r). The integral over r is 1, less what :attr:`ballistic_front` holds. Its
+        absolute error is max(rtol, 1e-8) over sqrt(<r^2>). Raises InputError for negative radii,
+        or if "position_density" was not among the outputs.
+        """
+        found, r_ = self._position(), _not_negative("r", r)
+        return np.array([found.density(i, r_) for i in range(self.times.size)])
+
+    def scaled_position_density(self, scaled: ArrayLike) -> FloatArray:
+        """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R).
+
+        NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
+        """
+        found, x = self._position(), _not_negative("scaled", scaled)
+        out = np.full((self.times.size, x.size), np.nan)
+        for i, root in enumerate(found.root_mean_square):
+            if root > 0.0:
+                out[i] = root * found.density(i, x * root)
+        return out
+
+    def position_fraction(self, edges: ArrayLike) -> FloatArray:
+        """Share of all tracers with r between the edges, in d: shape (n_times, n_edges - 1).
+
+        For histograms: the ballistic front is in it, in (low, high]. Raises InputError for edges
+        that are negative or do not rise.
+        """
+        found, r = self._position(), _not_negative("edges", edges)
+        if r.size < 2 or np.any(np.diff(r) <= 0.0):
+            raise InputError(f"edges: got {short(edges)}; they must rise, two at least")
+        return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
+
+    def position_tail(self, scaled: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
+
+        Both of shape (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the exponent is n: 2 for a
+        Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and the rate -d ln p/dR.
+        Tracers that have not collided are left out. NaN where p is below its error. Raises
+        InputError as :meth:`scaled_position_density` does.
+        """
+        found, x = self._position(), _not_negative("scaled", scaled)
+        exponent = np.full((self.times.size, x.size), np.nan)
+        rate = np.full_like(exponent, np.nan)
+        for i, root in enumerate(found.root_mean_square):
+            if root == 0.0:
+                continue
+            p, slope = found.collided_in_plane(i, x * root)
+            center, _ = found.collided_in_plane(i, np.zeros(1))
+            floor = found.error_estimate / (2.0 * np.pi * np.maximum(x, 0.1) * root**2)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                good = (p > floor) & (x > 0.0)
+                rate[i] = np.where(good, -root * slope / p, np.nan)
+                exponent[i] = np.where(good, x * rate[i] / np.log(center / p), np.nan)
+        return exponent, rate
+
+    def intermediate_scattering(
+        self, wave_numbers: ArrayLike, direction: float | None = None
+    ) -> NDArray[Any]:
+        """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
+
+        ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
+        complex; by default F is the mean over the directions of k, and real. Raises InputError for
+        wave numbers that are none, negative, not finite or larger than can be solved for, or if
+        "intermediate_scattering" was not among the outputs.
+        """
+        if self._scattering is None:
+            raise InputError(
+                "outputs: 'intermediate_scattering' was not asked for; name it among the scene's "
+                "outputs"
+            )
+        k = _not_negative("wave_numbers", wave_numbers)
+        if direction is not None and not np.isfinite(direction):
+            raise InputError(f"direction: got {short(direction)}; it must be a finite angle")
+        return self._scattering(k, direction)
+
+    def _position(self) -> Displacement:
+        if self._displacement is None:
+            raise InputError(
+                "outputs: 'position_density' was not asked for; name it among the scene's outputs"
+            )
+        return self._displacement
+
     def _profile(self, m: int, output: str) -> Profile:
         if output not in self.scene.outputs and not (
             output == "speed_density" and "velocity_density" in self.scene.outputs
@@ -158,6 +258,13 @@ def _finite(name: str, values: ArrayLike) -> FloatArray:
         array = np.array([np.nan])
     if array.ndim != 1 or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: got {short(values)}; it must be finite numbers, 1-dimensional")
+    return array
+
+
+def _not_negative(name: str, values: ArrayLike) -> FloatArray:
+    array = _finite(name, values)
+    if array.size == 0 or np.any(array < 0.0):
+        raise InputError(f"{name}: got {short(values)}; give at least one, none negative")
     return array
 
 

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics import position
+from kinetics.averaged_scattering import scattering_function
 from kinetics.backward import MEAN_COLLISIONS, Observable, speed_power
 from kinetics.collision import CollisionLaw
+from kinetics.displacement import Displacement, solve_displacement
 from kinetics.errors import InputError, check_rtol, short
 from kinetics.evolve import Averages
 from kinetics.profile import Profile
@@ -23,6 +25,7 @@ FloatArray = NDArray[np.float64]
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
+_BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _ROUNDING = 1e-13  # what sums over the initial state and up the panels may leave
 _LOWEST_AT_ZERO = -0.25  # bounces to s < e^-40, of weight s^(1 + p), are left out
 # (power, harmonic) pairs that an output is made of
@@ -45,7 +48,8 @@ def solve(
     ----------
     scene : system, initial state, times and outputs
     rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics), and of
-        the densities relative to their maximum; 1e-14 to 0.1
+        the densities relative to their maximum; 1e-14 to 0.1. The scaled position density G(R) is
+        solved to max(rtol, 1e-8), absolute
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
         positivity exact, second order, for rough ones), or None for the solver's choice. Averages
         need no density, and are the same for either.
@@ -83,25 +87,45 @@ def solve(
     for name, value in values.items():
         _in_range(name, value)
     profiles = _profiles(scene, law, rtol, method, nodes)
+    displacement = _displacement(averages, wanted)
     error = _error(averages, wanted, pairs, profiles)
+    good = error <= rtol * (1.0 + 1e-9)
+    if displacement is not None:
+        good &= displacement.error_estimate <= max(rtol, _BEST_DENSITY)
+        error = max(error, displacement.error_estimate)
 
     def harmonic(p: float, m: int) -> NDArray[Any]:
         """<v^p exp(-i m phi)>, solved when it is asked for."""
         return _any_power(scene, law, p, m, rtol)
 
+    def scattering(wave_numbers: FloatArray, direction: float | None) -> NDArray[Any]:
+        """F(k, t), solved when it is asked for."""
+        return scattering_function(averages, wave_numbers, direction)
+
     return Solution(
         scene=scene,
         rtol=rtol,
         values=values,
-        status=SolverStatus.CONVERGED
-        if error <= rtol * (1.0 + 1e-9)
-        else SolverStatus.TOLERANCE_NOT_REACHED,
+        status=SolverStatus.CONVERGED if good else SolverStatus.TOLERANCE_NOT_REACHED,
         error_estimate=error,
-        plan=_plan(averages, wanted, pairs, profiles),
-        stats=_stats(averages, profiles),
+        plan=_plan(averages, wanted, pairs, profiles, displacement),
+        stats=_stats(averages, profiles, displacement),
         _profiles=profiles,
         _harmonic=harmonic,
+        _displacement=displacement,
+        _scattering=scattering if "intermediate_scattering" in wanted else None,
         _typical=np.exp(averages.log_reference),
+    )
+
+
+def _displacement(averages: Averages, wanted: set[str]) -> Displacement | None:
+    """The distribution of the displacement, if it is asked for."""
+    if "position_density" not in wanted:
+        return None
+    root = np.sqrt(position.mean_square_displacement(averages))
+    path, rtol = averages.mean_free_path, max(averages.rtol, _BEST_DENSITY)
+    return solve_displacement(
+        averages.law, path, averages.state, averages.times, _in_range("msd", root), 0.4 * rtol
     )
 
 
@@ -271,6 +295,7 @@ def _plan(
     wanted: set[str],
     pairs: list[tuple[float, int]],
     profiles: dict[int, Profile],
+    displacement: Displacement | None,
 ) -> tuple[PlanStep, ...]:
     """What was solved, what was skipped, and why."""
     cools = not averages.elastic
@@ -286,11 +311,13 @@ def _plan(
     most = averages.state.highest_harmonic
     others = "the start is isotropic" if most == 0 else "no output needs more"
     kinds = sorted({p.method for p in profiles.values()})
+    waves = "not asked for" if displacement is None else f"{displacement.wave_numbers} wave numbers"
     return (
         PlanStep("moments of the velocity", bool(pairs) and cools, why),
         PlanStep("initial state", True, f"{count} weighted speeds stand for it"),
         PlanStep("collision number", "collisions" in wanted, _asked("collisions", wanted)),
         PlanStep("displacement", *_displacement_plan(averages, wanted)),
+        PlanStep("position density", displacement is not None, waves),
         PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         PlanStep(
             "densities",
@@ -313,11 +340,16 @@ def _asked(name: str, wanted: set[str]) -> str:
     return "asked for" if name in wanted else "not asked for"
 
 
-def _stats(averages: Averages, profiles: dict[int, Profile]) -> dict[str, Any]:
+def _stats(
+    averages: Averages, profiles: dict[int, Profile], displacement: Displacement | None
+) -> dict[str, Any]:
     stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
     if not averages.elastic:
         stats["panels"] = averages.equation.count
         stats["nodes_per_panel"] = averages.equation.nodes
     for m, profile in profiles.items():
         stats[f"density_nodes_m{m}"] = profile.nodes
+    if displacement is not None:
+        stats["wave_numbers"] = displacement.wave_numbers
+        stats["position_density_error"] = displacement.error_estimate
     return stats
