@@ -92,6 +92,28 @@ def test_a_journal_cut_anywhere_keeps_its_whole_records(killed: Path, whole: Ens
         assert same(ensemble, whole)
 
 
+def test_what_follows_a_torn_record_is_read_again(killed: Path, whole: Ensemble) -> None:
+    # Killed in the middle of a record, resumed, and killed again two configurations later.
+    journal = Path(f"{killed}.journal")
+    file, good = killed.read_bytes(), journal.read_bytes()
+    journal.write_bytes(good[:-9])
+    later = []
+
+    def progress(done: int, total: int) -> None:
+        if done == 6:
+            later.append(journal.read_bytes())
+
+    # The file is written at the end only, as the first run's was.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("particles.saving.time.monotonic", lambda: -1.0)
+        simulate(**ARGUMENTS, output=killed, resume=True, progress=progress)
+    killed.write_bytes(file)
+    journal.write_bytes(later[0])
+    ensemble, done = resume(killed)
+    assert done == 6
+    assert same(ensemble, whole)
+
+
 def test_killed_between_writing_the_file_and_emptying_the_journal(
     killed: Path, whole: Ensemble
 ) -> None:
