@@ -129,9 +129,9 @@ def _own_start(judged: "Judged") -> Iterator[Explanation]:
     """A density that started from the data's own speeds cannot differ much from them early."""
     if isinstance(judged.solution.scene.state, SampledStart) and judged.histograms:
         text = (
-            "The theory starts from the data's own speeds. The averages' errors allow for that; the "
-            "densities' do not, and while most tracers have not collided their p-values are too "
-            "high."
+            "The theory starts from the data's own speeds. The averages' errors allow for that; "
+            "the densities' do not, and while most tracers have not collided their p-values are "
+            "too high."
         )
         yield Explanation("own start", "noted", text, False)
 
