@@ -1,6 +1,6 @@
 """What the kinetic equation says about a sample: averages over time, and shares of bins."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -32,13 +32,6 @@ def averages() -> tuple[str, ...]:
     from kinetics.scene import OUTPUTS
 
     return tuple(name for name in MOMENTS if name in OUTPUTS)
-
-
-def has_displacements() -> bool:
-    """Whether the solver gives the density of the displacement."""
-    from kinetics.solution import Solution
-
-    return hasattr(Solution, DISPLACEMENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,37 +164,22 @@ def _one_speed(
 def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
     """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
 
-    Of the speed or of the displacement at the time of this index. Gauss-Legendre in each bin,
-    finer where the start is rough; what is above the last edge is the rest.
+    Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
+    bin, finer where the start is rough; what is above the last edge is the rest.
     """
-    density: Callable[[Array], Array] = getattr(solution, name)
+    if name == DISPLACEMENT:
+        shares = solution.position_fraction(np.concatenate([[0.0], edges]))[index]
+        return np.append(shares, max(1 - shares.sum(), 0.0))
     pieces = 1 if solution.scene.state.smooth else 12
     every = np.concatenate([[0.0], edges])
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
     node, gauss = np.polynomial.legendre.leggauss(3)
     half = np.diff(fine)[:, None] / 2
     x = fine[:-1, None] + half * (node + 1)
-    values = np.asarray(density(x.ravel())[index]).reshape(x.shape)
+    values = np.asarray(solution.speed_density(x.ravel())[index]).reshape(x.shape)
     shares = np.maximum((values * gauss * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
-    for place, weight in _peaks(solution, name, index):
-        if place < every[-1]:
-            shares[np.searchsorted(every, place, side="right") - 1] += weight
+    peak = float(solution.uncollided[index])
+    if peak > 0:  # tracers of a start with one speed that have not collided
+        speed = float(getattr(solution.scene.state, "speed", 1.0))
+        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
     return np.append(shares, max(1 - shares.sum(), 0.0))
-
-
-def _peaks(solution: "Solution", name: str, index: int) -> list[tuple[float, float]]:
-    """Delta peaks that a density leaves out, (place, weight): tracers that have not collided.
-
-    Of a start that is no function of the speed: at their speeds, or that times the time away.
-    """
-    state = solution.scene.state
-    if name == SPEED:
-        share = float(solution.uncollided[index])
-        return [(float(getattr(state, "speed", 1.0)), share)] if share > 0 else []
-    if state.profile(0) is not None:
-        return []
-    points = state.harmonic(0, DENSITY_RTOL)
-    assert points is not None  # harmonic 0 is never zero
-    path = np.exp(points.x) * solution.times[index]
-    weights = points.weight.real * np.exp(-path / solution.scene.mean_free_path)
-    return list(zip(path.tolist(), weights.tolist(), strict=True))
