@@ -77,7 +77,7 @@ class Scattering:
     ) -> tuple[Waves, LogMeasure]:
         """What the backward equation gives for K = k l, and the speeds to average it over."""
         speeds = points_of(self.state, 1.0, tolerance)
-        highest = max(-10.0, float(speeds.x.max() + self.log_stretch(which).max()))
+        highest = float(speeds.x.max() + self.log_stretch(which).max())
         found = solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
         return found, points_of(self.state, found.rule.width, tolerance)
 

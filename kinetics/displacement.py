@@ -25,6 +25,7 @@ from kinetics.collision import CollisionLaw, gauss_legendre
 from kinetics.cusp import PowerTail, fit_tail
 from kinetics.front import fronts, reach, uncollided_density
 from kinetics.initial import State
+from kinetics.measure import panels_of
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +33,7 @@ FloatArray = NDArray[np.float64]
 _LARGEST = 8.0
 _TURNS = 30.0
 _FAR = 50.0  # R beyond which G is nothing
+_PIECES = 200  # on which the uncollided are integrated
 _FREE = 12.0  # T up to which F of a start of one speed swings with cos(K T)
 _DEEPEST = 7  # halvings of an interval of wave numbers
 _BEST = 3e-12  # accuracy of F at small K, where it costs nothing
@@ -149,10 +151,10 @@ class Displacement:
         """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
         free = np.zeros(r.shape)
-        edges = np.concatenate([[0.0], np.sort(r)])
-        if self.front_radius.shape[1] == 0:
-            # the density of the initial speeds, on pieces as fine as the radii asked for
-            free = np.interp(r, edges, _integral(lambda x: self.uncollided(time, x), edges))
+        if self.front_radius.shape[1] == 0 and np.isfinite(self.reach[time]):
+            near = np.minimum(r, self.reach[time])
+            edges = np.union1d(np.linspace(0.0, self.reach[time], _PIECES), near)
+            free = np.interp(near, edges, _integral(lambda x: self.uncollided(time, x), edges))
         return np.asarray(self.collided_within(time, r) + front + free)
 
     def collided_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -193,12 +195,8 @@ class Displacement:
 
 def _integral(density: Callable[[FloatArray], FloatArray], edges: FloatArray) -> FloatArray:
     """Of a density, from the first edge to each, shape (n_edges,)."""
-    node, weight = gauss_legendre(20)
-    parts = 8
-    cuts = edges[:-1, None] + np.diff(edges)[:, None] * np.arange(parts) / parts
-    width = np.diff(edges)[:, None, None] / parts
-    x = cuts[:, :, None] + width * node
-    share = (density(x.ravel()).reshape(x.shape) * width * weight).sum(axis=(1, 2))
+    x, w = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), 12)
+    share = (density(x.ravel()).reshape(x.shape) * w).sum(axis=1)
     return np.concatenate([[0.0], np.cumsum(share)])
 
 

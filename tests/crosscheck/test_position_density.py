@@ -12,15 +12,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from kinetics import Scene, Solution, solve
+from kinetics import Scene, solve
 from particles import BoltzmannGrad, simulate
 
 LEAST = 50.0  # expected counts of a bin: neighbours are merged up to there
 RARE = 1e-4
-
-asked = pytest.mark.skipif(
-    not hasattr(Solution, "position_density"), reason="no position_density yet"
-)
 
 
 @dataclass(frozen=True)
@@ -167,14 +163,12 @@ def compare(e: float, initial: str, number: int, rtol: float) -> list[float]:
     return out
 
 
-@asked
 @pytest.mark.parametrize(("e", "initial"), CASES)
 def test_the_density_meets_a_million_flights(e: float, initial: str) -> None:
     p = compare(e, initial, 1_000_000, 1e-5)
     assert min(p) > RARE, p
 
 
-@asked
 @pytest.mark.slow
 @pytest.mark.parametrize(("e", "initial"), CASES)
 def test_the_density_meets_a_hundred_million_flights(e: float, initial: str) -> None:
