@@ -15,6 +15,7 @@ def test_every_example_is_tested() -> None:
         "compare_data.py",
         "cooling_gas.py",
         "cooling_rate.py",
+        "localisation.py",
         "sonine_convergence.py",
     }
 
@@ -62,6 +63,44 @@ def test_sonine_convergence_example(tmp_path: Path) -> None:
     assert [round(rate[0.9, n], 2) for n in (1, 5, 10, 20)] == [1.17, 1.0, 0.93, 1.01]
     assert np.isnan(rate[0.4, 1])
     assert series[0.9, 20][1] == pytest.approx(-0.3957, abs=1e-4)
+    result["draw"](str(tmp_path / "figure.png"))
+    assert (tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_localisation_example(tmp_path: Path) -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "localisation.py"))
+    # between a Gaussian and an exponential, with a rate that goes on growing
+    for e, (exponent, rate) in result["TAILS"].items():
+        known = ~np.isnan(exponent)
+        assert known.sum() == (5 if e == 0.9 else 6)
+        assert np.all((exponent[known] > 1.19) & (exponent[known] < 1.76))
+        assert np.all(np.diff(exponent[known]) < 0)
+        assert np.all(np.diff(rate[known]) > 0)
+        assert rate[0] < 2.83 < rate[1]
+    # the constant of the kurtosis, from its slopes, is what it tends to
+    times = np.log(result["KURTOSIS_TIMES"])
+    constants = [c for _, c in result["KURTOSIS"].values()]
+    assert constants == pytest.approx([2.9954, 2.3983, 1.8472, 1.3368, 0.8617, 0.4174], abs=1e-4)
+    for values, c in result["KURTOSIS"].values():
+        assert (values[-1] - 2) * times[-1] == pytest.approx(c, rel=0.01)
+        assert np.all(np.diff(values) < 0)
+    # one curve is left only as ln t grows, and it is the Gaussian: the first correction is
+    # (kurtosis - 2)/2 times the second Laguerre polynomial
+    r, late = result["RADII"], np.log(result["LATE_TIMES"])
+    apart = result["largest"](result["LATE_G"][0.4] - result["LATE_G"][0.9])
+    assert apart[0] == pytest.approx(0.0876, abs=1e-4)
+    assert apart[3:] * late[3:] == pytest.approx([0.62] * 3, rel=0.03)
+    laguerre = 1 - 2 * r**2 + r**4 / 2
+    for e, found in result["LATE_G"].items():
+        excess = result["LATE"][e].kurtosis[-1] - 2
+        assert found[-1] - result["GAUSSIAN"] == pytest.approx(
+            result["GAUSSIAN"] * laguerre * excess / 2, abs=2e-5
+        )
+    assert np.all(result["largest"](result["LATE_G"][0.4] - result["INTEGRAL"]) > 0.42)
+    # no eta and gamma serves all of them
+    fits = [result["FITTED"][e, "tail", 2.0, 4.0] for e, _ in result["PAIRS"]]
+    assert [round(fit.eta, 3) for fit in fits] == [0.209, 0.221, 0.184, 0.128]
+    assert [round(fit.gamma, 1) for fit in fits] == [9.7, 8.4, 13.3, 41.5]
     result["draw"](str(tmp_path / "figure.png"))
     assert (tmp_path / "figure.png").stat().st_size > 10_000
 
