@@ -38,6 +38,9 @@ def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
         return found
     low, high = float(found.x.min()), float(found.x.max())
     kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
+    if kinks.size:
+        # the points of a table stop short of its ends
+        low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
     kinks = kinks[(kinks > low) & (kinks < high)]
     for halving in range(_HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1

@@ -19,56 +19,58 @@ TERMS = 7
 
 @dataclass(frozen=True)
 class PowerTail:
-    """sum_j c_j (K^2 + 1)^(-nu - 1), nu = (1 + j)/2, K = k l.
+    """sum_j c_j (q^2 + 1)^(-nu - 1), nu = (1 + j)/2, q = K/scale, K = k l.
 
-        integral of K J_0(K rho) (K^2 + 1)^(-nu - 1) dK = (rho/2)^nu K_nu(rho)/Gamma(nu + 1)
+        integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
 
     (DLMF 10.22.46).
     """
 
     coefficients: FloatArray
+    scale: float
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
-        return np.asarray(_terms(k, self.coefficients.size) @ self.coefficients)
+        return np.asarray(_terms(k / self.scale, self.coefficients.size) @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
         from scipy.special import gamma, kv
 
-        x = np.clip(rho, 1e-12, 700.0)
+        whole = self.scale * rho
+        x = np.clip(whole, 1e-12, 700.0)
         out = np.zeros(rho.shape)
         with np.errstate(under="ignore"):
             for j, c in enumerate(self.coefficients):
                 nu = 0.5 * (1 + j)
-                scale = c / (2.0**nu * gamma(nu + 1.0))
+                part = c / (2.0**nu * gamma(nu + 1.0))
                 if kind == 0:
-                    out += scale * x**nu * kv(nu, x)
+                    out += part * x**nu * kv(nu, x)
                 elif kind == 1:
-                    out += (c - scale * x ** (nu + 1.0) * kv(nu + 1.0, x)) / np.maximum(rho, x)
+                    out += (c - part * x ** (nu + 1.0) * kv(nu + 1.0, x)) / np.maximum(whole, x)
                 else:
-                    out += scale * x**nu * kv(nu - 1.0, x)
-        return out
+                    out += part * x**nu * kv(nu - 1.0, x)
+        return out * self.scale ** (2, 1, 3)[kind]
 
 
-def fit_tail(k: FloatArray, f: FloatArray) -> tuple[PowerTail, float]:
+def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k (n_k,), and how far off it is.
 
-    Errors count relative to K^-3. The terms are judged by the upper third of the range, after a
-    fit to the rest; infinite where there are too few points.
+    Errors count relative to K^-3; ``scale`` is where the powers begin. The terms are judged by the
+    upper part of the range, after a fit to the rest; infinite where there are too few points.
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
-        return PowerTail(np.zeros(0)), np.inf
-    trial = _fit(k[below], f[below])
-    return _fit(k, f), float(np.abs(trial.at(k) - f).max())
+        return PowerTail(np.zeros(0), scale), np.inf
+    trial = _fit(k[below], f[below], scale)
+    return _fit(k, f, scale), float(np.abs(trial.at(k) - f).max())
 
 
-def _fit(k: FloatArray, f: FloatArray) -> PowerTail:
+def _fit(k: FloatArray, f: FloatArray, scale: float) -> PowerTail:
     weight = k**3
-    found = np.linalg.lstsq(_terms(k, TERMS) * weight[:, None], f * weight, rcond=1e-13)
-    return PowerTail(np.asarray(found[0]))
+    found = np.linalg.lstsq(_terms(k / scale, TERMS) * weight[:, None], f * weight, rcond=1e-13)
+    return PowerTail(np.asarray(found[0]), scale)
 
 
-def _terms(k: FloatArray, count: int) -> FloatArray:
-    return np.asarray((1.0 + k[:, None] ** 2) ** (-0.5 * (3.0 + np.arange(count))))
+def _terms(q: FloatArray, count: int) -> FloatArray:
+    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (3.0 + np.arange(count))))

@@ -235,7 +235,7 @@ def solve_displacement(
         panels += new
         size = max(float(np.abs(panel.values).max()) for panel in new)
         for i in active:
-            tails[i], left = _rest(panels, int(i), not peaks)
+            tails[i], left = _rest(panels, int(i), math.inf if peaks else max(1.0, 1.0 / width[i]))
             # F missing at K adds about K sigma F to G
             missed[i] = (left + error) * max(1.0, width[i] * high)
         active = active[missed[active] > 2.0 * rtol]
@@ -285,8 +285,11 @@ def _interval(
     return [WavePanel(low, high, active, values)], missed + error
 
 
-def _rest(panels: list[WavePanel], time: int, smooth: bool) -> tuple[PowerTail | None, float]:
-    """How F goes on beyond the panels, and how much of it is not known there."""
+def _rest(panels: list[WavePanel], time: int, scale: float) -> tuple[PowerTail | None, float]:
+    """How F goes on beyond the panels, and how much of it is not known there.
+
+    scale : K where its powers begin; infinite where it does not end in powers
+    """
     high = panels[-1].high
     k, f = [], []
     for panel in panels:
@@ -295,9 +298,10 @@ def _rest(panels: list[WavePanel], time: int, smooth: bool) -> tuple[PowerTail |
             k.append(panel.nodes)
             f.append(values)
     last = float(np.abs(f[-1]).max())
-    if not smooth or high < _CHEAP:
+    if high < 5.0 * scale:
         return None, last
     all_k, all_f = np.concatenate(k), np.concatenate(f)
     use = all_k > 0.3 * high
-    tail, left = fit_tail(all_k[use], all_f[use])
-    return (tail, left) if left < 0.5 * last else (None, last)
+    tail, left = fit_tail(all_k[use], all_f[use], scale)
+    # beyond the panels it is worse than where it was judged: by 5 where that was measured
+    return (tail, 5.0 * left) if left < 0.2 * last else (None, last)

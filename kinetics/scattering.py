@@ -113,12 +113,13 @@ def solve_waves(
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     """Panels that resolve exp(-T + i K T), the fastest that there is."""
-    # measured: panels of width 1.25/(K + 1) gain a digit every 1.4 nodes
+    # measured: panels of width 1.25/(K + 1) gain a digit every 1.4 nodes; early, K T counts
+    turns = largest * min(1.0, math.exp(highest)) + 1.0
     width = 1.0
-    while width > 1.0 / 256.0 and width * (largest + 1.0) > 1.5:
+    while width > 1.0 / 256.0 and width * turns > 1.5:
         width *= 0.5
     digits = math.log10(1.0 / tolerance)
-    return PanelRule(int(min(18, max(7, math.ceil(1.4 * digits)))), width)
+    return PanelRule(int(min(18, max(7, math.ceil(1.45 * digits)))), width)
 
 
 def _harmonics(largest: float, highest: float, tolerance: float) -> int:
