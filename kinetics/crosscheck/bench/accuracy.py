@@ -8,17 +8,19 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.bench import references
-from kinetics.crosscheck.bench.precision import (
-    NUMBER_DENSITY,
-    SCALED_SPEEDS,
-    SPECTRAL,
-    relative,
-)
+from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
+from kinetics.crosscheck.bench.precision import SCALED_SPEEDS, relative
 from kinetics.crosscheck.bench.record import Record, failed
 from kinetics.crosscheck.bench.timing import Effort
 
 SECTION = "accuracy"
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
+_QUANTITIES = {
+    "thermal_speed": "v0(t)",
+    "a2": "1 + a2(t)",
+    "msd": "<r^2>(t)",
+    "kurtosis": "kurtosis(t)",
+}
 AGREE = 100.0  # asked and reached may differ by this factor
 
 WITHIN = "within a factor 100"
@@ -65,8 +67,8 @@ def _in_time(e: float) -> Iterator[Problem]:
     for start in references.STARTS:
         for horizon in references.HORIZONS:
             times = references.times(horizon)
-            for quantity in ("thermal_speed", "a2", "msd"):
-                if quantity == "msd" and horizon == "long":
+            for quantity, shown in _QUANTITIES.items():
+                if quantity in ("msd", "kurtosis") and horizon == "long":
                     continue
                 exact = references.reference(quantity, e, start, horizon)
                 shift = 1.0 if quantity == "a2" else 0.0
@@ -83,8 +85,7 @@ def _in_time(e: float) -> Iterator[Problem]:
                     error = relative(shift + getattr(solution, quantity), target)
                     return error, solution.status.name == "CONVERGED"
 
-                name = {"thermal_speed": "v0(t)", "a2": "1 + a2(t)", "msd": "<r^2>(t)"}[quantity]
-                yield f"{name}, {start}, t <= {times[-1]:.0e}, e = {e:g}", run
+                yield f"{shown}, {start}, t <= {times[-1]:.0e}, e = {e:g}", run
 
 
 def problems(effort: Effort) -> Iterator[Problem]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.crosscheck.bench.accuracy import MISSED, MISSED_AND_SAID
-from kinetics.crosscheck.bench.precision import CONSERVATIVE, MONTE_CARLO, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.methods import CONSERVATIVE, MONTE_CARLO, STRAIGHTFORWARD
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
 
 TARGETS = (1e-3, 1e-6, 1e-8, 1e-10)

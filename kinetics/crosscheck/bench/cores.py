@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.bench import references, straightforward
-from kinetics.crosscheck.bench.precision import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.methods import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
 from kinetics.crosscheck.bench.record import Record, timed
 from kinetics.crosscheck.bench.timing import Effort, measure
 

@@ -1,4 +1,4 @@
-"""Cost against work: nodes, times, harmonics, scatterers, tracers; with fitted exponents."""
+"""Cost against work: nodes, times, harmonics, wave numbers, scatterers, tracers; exponents."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench import precision, references, straightforward
-from kinetics.crosscheck.bench.precision import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
-from kinetics.crosscheck.bench.record import MEASURED, Record, failed, not_available, timed
+from kinetics.crosscheck.bench import methods, references, straightforward
+from kinetics.crosscheck.bench.methods import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.record import MEASURED, Record, failed, timed
 from kinetics.crosscheck.bench.timing import Effort, measure
 
 SECTION = "cost"
@@ -64,7 +64,7 @@ def grow(
 
 def cost(effort: Effort) -> list[Record]:
     """All sweeps, at e = 0.7."""
-    return [*_solvers(effort), *_particles(effort), *_missing()]
+    return [*_solvers(effort), *_position(effort), *_particles(effort)]
 
 
 def _solvers(effort: Effort) -> list[Record]:
@@ -93,7 +93,7 @@ def _solvers(effort: Effort) -> list[Record]:
         return solve(scene, 1e-8)
 
     def masses(nodes: int) -> Any:
-        return precision.conservative(e, "gaussian", np.array([100.0]), nodes)
+        return methods.conservative(e, "gaussian", np.array([100.0]), nodes)
 
     def dense(nodes: int) -> Any:
         times = references.times("short")
@@ -108,12 +108,42 @@ def _solvers(effort: Effort) -> list[Record]:
               (256, 512, 1024, 2048, *((4096, 8192) if big else ())), masses, effort),
         *grow("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
               dense, effort),
-        *grow("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, 10_000),
+        *grow("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, *((10_000,) if big else ())),
               averages, effort),
         *grow("speed density", SPECTRAL, "times", (4, 16, 64, *((256,) if big else ())),
               density, effort),
         *grow("velocity density", SPECTRAL, "harmonics", (1, 2, 4, *((8, 16) if big else ())),
               harmonics, effort),
+    ]  # fmt: skip
+
+
+def _position(effort: Effort) -> list[Record]:
+    from kinetics import Scene, solve
+
+    e = 0.7
+    big = not effort.quick
+
+    def moments(count: int) -> Any:
+        times = np.geomspace(1.0, 1e6, count)
+        return solve(Scene(e, times=times, outputs=("msd", "kurtosis")), 1e-10)
+
+    def density(count: int) -> Any:
+        times = np.geomspace(100.0, 1e3, count)
+        scene = Scene(e, times=times, outputs=("position_density",))
+        return solve(scene, 1e-3).scaled_position_density(np.linspace(0.0, 6.0, 200))
+
+    def scattering(count: int) -> Any:
+        # wave lengths from a thousand mean free paths to half of one
+        wave_numbers = np.geomspace(5e-4, 1.0, count)
+        scene = Scene(e, times=[300.0], outputs=("intermediate_scattering",))
+        return solve(scene, 1e-4).intermediate_scattering(wave_numbers)
+
+    return [
+        *grow("<r^2>(t), kurtosis(t)", SPECTRAL, "times",
+              (10, 100, 1000, *((10_000,) if big else ())), moments, effort),
+        *grow("G(R)", SPECTRAL, "times", (1, 3, 9, *((27, 81) if big else ())), density, effort),
+        *grow("F(k)", SPECTRAL, "wave numbers", (4, 16, 64, *((256,) if big else ())),
+              scattering, effort),
     ]  # fmt: skip
 
 
@@ -142,9 +172,3 @@ def _particles(effort: Effort) -> list[Record]:
         *grow("300 collisions of each tracer", PARTICLES, "tracers",
               (100, 1000, 10_000, *((100_000,) if big else ())), tracers, effort),
     ]  # fmt: skip
-
-
-def _missing() -> list[Record]:
-    return [
-        not_available(SECTION, "G(R)", SPECTRAL, "no solver gives G(R) yet", setting="wave numbers")
-    ]

@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from kinetics.crosscheck.bench import accuracy, cost, precision, skipping
+from kinetics.crosscheck.bench import accuracy, cost, methods, precision, skipping
 from kinetics.crosscheck.bench.analysis import front, of_problem, problems
 from kinetics.crosscheck.bench.record import MEASURED, Record
 
@@ -15,11 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STYLES: dict[str, dict[str, Any]] = {
-    precision.SPECTRAL: {"color": "#0072b2", "marker": "o", "linestyle": "-"},
-    precision.CONSERVATIVE: {"color": "#009e73", "marker": "s", "linestyle": "--"},
-    precision.STRAIGHTFORWARD: {"color": "#d55e00", "marker": "^", "linestyle": "-."},
-    precision.SONINE: {"color": "#cc79a7", "marker": "v", "linestyle": ":"},
-    precision.MONTE_CARLO: {"color": "#222222", "marker": "x", "linestyle": (0, (1, 1))},
+    methods.SPECTRAL: {"color": "#0072b2", "marker": "o", "linestyle": "-"},
+    methods.CONSERVATIVE: {"color": "#009e73", "marker": "s", "linestyle": "--"},
+    methods.STRAIGHTFORWARD: {"color": "#d55e00", "marker": "^", "linestyle": "-."},
+    methods.SONINE: {"color": "#cc79a7", "marker": "v", "linestyle": ":"},
+    methods.MONTE_CARLO: {"color": "#222222", "marker": "x", "linestyle": (0, (1, 1))},
+    methods.PRINTED: {"color": "#777777", "marker": "", "linestyle": (0, (4, 2))},
     cost.PARTICLES: {"color": "#222222", "marker": "x", "linestyle": (0, (1, 1))},
 }
 STYLE: dict[Any, Any] = {
@@ -62,7 +63,7 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     shown = {
         "precision-scaled.svg": [n for n in names if n.startswith("scaled")],
         "precision-cooling.svg": [n for n in names if n.startswith("v0(t)")],
-        "precision-position.svg": [n for n in names if n.startswith("<r^2>")],
+        "precision-position.svg": [n for n in names if n.startswith(("<r^2>", "kurtosis", "G(R)"))],
     }
     for file, some in shown.items():
         if some:
@@ -78,7 +79,7 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     if any(r.section == accuracy.SECTION and r.error for r in records):
         found["accuracy.svg"] = svg(lambda f: _accuracy(f.add_subplot(), records), 5.4, 4.6)
     if any(r.section == cost.SECTION and r.seconds for r in records):
-        found["cost.svg"] = svg(lambda f: _cost(f, records), 10.5, 4.4)
+        found["cost.svg"] = svg(lambda f: _cost(f, records), 13.0, 4.4)
     if any(r.section == skipping.SECTION and r.seconds for r in records):
         found["skipping.svg"] = svg(lambda f: _skipping(f, records), 10.5, 6.4)
     return found
@@ -93,11 +94,15 @@ def _work_precision(figure: Figure, records: list[Record], names: list[str], col
     used: dict[str, Any] = {}
     for axis, name in zip(flat, names, strict=False):
         here = of_problem(records, precision.SECTION, name)
-        for method in precision.METHODS:
+        for method in methods.METHODS:
             rows = [r for r in here if r.method == method and r.seconds and r.error is not None]
             if not rows:
                 continue
             style = STYLES[method]
+            if method == methods.PRINTED:  # at no cost to speak of
+                for row in rows:
+                    used[method] = axis.axhline(row.error or 0.0, **style)
+                continue
             axis.plot(*_points(rows), **{**style, "linestyle": "none", "alpha": 0.4})
             (line,) = axis.plot(*_points(front(rows)), **style)
             used.setdefault(method, line)
@@ -126,10 +131,11 @@ def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
         "v0(t)": ("#009e73", "s", "v0(t)"),
         "1 + a2": ("#d55e00", "^", "1 + a2(t)"),
         "<r^2>": ("#222222", "x", "<r²>(t)"),
+        "kurtosis": ("#cc79a7", "v", "kurtosis(t)"),
     }
     for k, (start, (colour, marker, label)) in enumerate(kinds.items()):
         some = [r for r in rows if r.problem.startswith(start)]
-        shift = 10.0 ** (0.12 * (k - 1.5))  # side by side
+        shift = 10.0 ** (0.12 * (k - 2.0))  # side by side
         axis.plot(
             [(r.asked or 0.0) * shift for r in some],
             [max(r.error or 0.0, 1e-17) for r in some],
@@ -150,6 +156,7 @@ def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
 def _cost(figure: Figure, records: list[Record]) -> None:
     rows = [r for r in records if r.section == cost.SECTION and r.seconds and r.value]
     groups = {"nodes": ["nodes"], "times, harmonics": ["times", "harmonics"],
+              "wave numbers": ["wave numbers"],
               "scatterers, tracers": ["scatterers", "tracers"]}  # fmt: skip
     axes = figure.subplots(1, len(groups), sharey=True)
     for axis, (label, settings) in zip(axes, groups.items(), strict=True):

@@ -4,8 +4,9 @@ Error measures, all relative:
 
 - scaled F(c): the largest |F - F_exact| over 0.1 <= c <= 4, over the largest F_exact there;
 - scaled h and a2: the larger error of h and of 1 + a2;
-- v0(t), a2(t): the largest error of v0 and of 1 + a2 over 25 log-spaced times;
-- <r^2>(t): the largest error over 25 log-spaced times.
+- v0(t), a2(t): the largest error of v0 and of 1 + a2 over 25 log-spaced times.
+
+Those of the displacement are in :mod:`kinetics.crosscheck.bench.position`.
 """
 
 from __future__ import annotations
@@ -18,24 +19,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.bench import references, sonine_orders, straightforward
-from kinetics.crosscheck.bench.record import Record, failed, not_available, timed
+from kinetics.crosscheck.bench import methods, references, sonine_orders, straightforward
+from kinetics.crosscheck.bench.methods import (
+    CONSERVATIVE,
+    MONTE_CARLO,
+    NUMBER_DENSITY,
+    SONINE,
+    SPECTRAL,
+    STRAIGHTFORWARD,
+    TIGHTEST,
+)
+from kinetics.crosscheck.bench.record import Record, failed, timed
 from kinetics.crosscheck.bench.timing import Effort, measure
 
 FloatArray = NDArray[np.float64]
 
 SECTION = "precision"
-SPECTRAL, CONSERVATIVE = "spectral", "conservative"
-STRAIGHTFORWARD, SONINE, MONTE_CARLO = "straightforward", "Sonine", "Monte Carlo"
-METHODS = (SPECTRAL, CONSERVATIVE, STRAIGHTFORWARD, SONINE, MONTE_CARLO)
-
-NUMBER_DENSITY = 0.04  # of the paper: l = references.MEAN_FREE_PATH
 SCALED_SPEEDS = np.linspace(0.1, 4.0, 79)
 _LATE = {CONSERVATIVE: 1e10, MONTE_CARLO: 1e7}  # d/U, where the scaling state is reached
-_TIGHTEST = 1e-13  # rtol of the runs whose nodes are given
-_MEDIA = 50  # blocks of a Monte Carlo run
-_TOLERANCES = tuple(10.0**-k for k in range(2, 13))
-_NO_DENSITY = "a moment expansion: it has no displacement"
+TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 
 
 def restitutions(effort: Effort) -> tuple[float, ...]:
@@ -97,7 +99,8 @@ def _orders(effort: Effort) -> list[int]:
     return [1, 2, 3, 5, 10, 20] if effort.quick else list(range(1, 21))
 
 
-def _samples(effort: Effort) -> list[int]:
+def sample_numbers(effort: Effort) -> list[int]:
+    """Of Monte Carlo runs."""
     return [1_000, 7_000, 49_000] if effort.quick else [1_000, 10_000, 100_000, 400_000]
 
 
@@ -132,7 +135,7 @@ def _scaled_density(e: float, effort: Effort) -> list[Record]:
         return solve_scaled(e, rtol).vdf(c)
 
     def spectral_nodes(nodes: float) -> Any:
-        return solve_scaled(e, _TIGHTEST, nodes=int(nodes)).vdf(c)
+        return solve_scaled(e, TIGHTEST, nodes=int(nodes)).vdf(c)
 
     def sonine(order: float) -> FloatArray:
         return sonine_orders.solve_scaled(e, int(order)).vdf(c)
@@ -141,19 +144,19 @@ def _scaled_density(e: float, effort: Effort) -> list[Record]:
         return straightforward.solve_scaled(e, int(nodes), _fastest(e)).vdf(c)
 
     def monte_carlo(samples: float) -> Any:
-        return _particles(
+        return methods.particles(
             e, "gaussian", np.array([_LATE[MONTE_CARLO]]), int(samples), ("speed_histogram",)
         )
 
     return [
-        *sweep(problem, SPECTRAL, "rtol", _TOLERANCES, spectral, error, effort),
+        *sweep(problem, SPECTRAL, "rtol", TOLERANCES, spectral, error, effort),
         *sweep(problem, SPECTRAL, "nodes", (16, 32, 64, 128, 256), spectral_nodes, error, effort),
         *sweep(
             problem,
             CONSERVATIVE,
             "nodes",
             _grids(effort, 4097),
-            lambda n: _conservative_vdf(e, int(n)),
+            lambda n: methods.conservative_vdf(e, int(n), _LATE[CONSERVATIVE], SCALED_SPEEDS),
             error,
             effort,
         ),
@@ -163,7 +166,7 @@ def _scaled_density(e: float, effort: Effort) -> list[Record]:
             problem,
             MONTE_CARLO,
             "samples",
-            _samples(effort),
+            sample_numbers(effort),
             monte_carlo,
             lambda run: histogram_error(run, exact),
             effort,
@@ -186,12 +189,12 @@ def _scaled_moments(e: float, effort: Effort) -> list[Record]:
 
     def conservative(nodes: float) -> tuple[float, float]:
         late = _LATE[CONSERVATIVE]
-        speed, a2 = _conservative_cooling(e, "gaussian", np.array([late]), int(nodes))
+        speed, a2 = methods.conservative_cooling(e, "gaussian", np.array([late]), int(nodes))
         return 2.0 * references.MEAN_FREE_PATH / (speed[0] * late), 1.0 + a2[0]
 
     def monte_carlo(samples: float) -> tuple[float, float]:
         late = _LATE[MONTE_CARLO]
-        run = _particles(e, "gaussian", np.array([late]), int(samples))
+        run = methods.particles(e, "gaussian", np.array([late]), int(samples))
         rate = 2.0 * references.MEAN_FREE_PATH / (run.thermal_speed.value[0] * late)
         return rate, 1.0 + run.a2.value[0]
 
@@ -207,11 +210,11 @@ def _scaled_moments(e: float, effort: Effort) -> list[Record]:
         return sweep(problem, method, setting, values, work, error, effort)
 
     return [
-        *of(SPECTRAL, "rtol", _TOLERANCES, lambda rtol: both(solve_scaled(e, rtol))),
+        *of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: both(solve_scaled(e, rtol))),
         *of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
         *of(STRAIGHTFORWARD, "nodes", _grids(effort, 2049), dense),
         *of(SONINE, "order", _orders(effort), sonine),
-        *of(MONTE_CARLO, "samples", _samples(effort), monte_carlo),
+        *of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo),
     ]
 
 
@@ -245,10 +248,10 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Record]
         return solution.thermal_speed, solution.a2
 
     def spectral_nodes(nodes: float) -> tuple[FloatArray, FloatArray]:
-        return _panels(e, start, times, int(nodes))
+        return methods.panels(e, start, times, int(nodes))
 
     def conservative(nodes: float) -> tuple[FloatArray, FloatArray]:
-        return _conservative_cooling(e, start, times, int(nodes))
+        return methods.conservative_cooling(e, start, times, int(nodes))
 
     def dense(nodes: float) -> tuple[FloatArray, FloatArray]:
         found = straightforward.solve_cooling(
@@ -268,7 +271,7 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Record]
         )
 
     def monte_carlo(samples: float) -> tuple[FloatArray, FloatArray]:
-        run = _particles(e, start, times, int(samples))
+        run = methods.particles(e, start, times, int(samples))
         return run.thermal_speed.value, run.a2.value
 
     def of(
@@ -277,145 +280,15 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Record]
         return sweep(problem, method, setting, values, work, error, effort)
 
     largest = 1025 if horizon == "short" else 513
-    samples = [n for n in _samples(effort) if n < 400_000 or horizon == "short"]
+    samples = [n for n in sample_numbers(effort) if n < 400_000 or horizon == "short"]
     return [
-        *of(SPECTRAL, "rtol", _TOLERANCES, spectral),
+        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
         *of(SPECTRAL, "nodes", (6, 8, 10, 12, 16, 20), spectral_nodes),
         *of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
         *of(STRAIGHTFORWARD, "nodes", _grids(effort, largest), dense),
         *of(SONINE, "order", _orders(effort), sonine),
         *of(MONTE_CARLO, "samples", samples, monte_carlo),
     ]
-
-
-# -- position ---------------------------------------------------------------------------------
-
-
-def position(effort: Effort) -> list[Record]:
-    """<r^2>(t), and what is missing: G(R)."""
-    from kinetics import Scene, solve
-
-    rows: list[Record] = []
-    times = references.times("short")
-    for e in restitutions(effort):
-        for start in references.STARTS:
-            problem = f"<r^2>(t), {start}, t <= {times[-1]:.0e}, e = {e:g}"
-            exact = references.reference("msd", e, start, "short")
-            scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=("msd",))
-
-            def error(found: FloatArray, exact: FloatArray = exact) -> float:
-                return relative(found, exact)
-
-            def spectral(rtol: float, scene: Scene = scene) -> FloatArray:
-                return solve(scene, rtol).msd
-
-            def monte_carlo(samples: float, e: float = e, start: str = start) -> FloatArray:
-                return np.asarray(_particles(e, start, times, int(samples)).msd.value)
-
-            def of(
-                method: str,
-                setting: str,
-                values: Sequence[float],
-                work: Callable[[Any], Any],
-                problem: str = problem,
-                error: Callable[[Any], float] = error,
-            ) -> list[Record]:
-                return sweep(problem, method, setting, values, work, error, effort)
-
-            rows += of(SPECTRAL, "rtol", _TOLERANCES, spectral)
-            rows += of(MONTE_CARLO, "samples", _samples(effort), monte_carlo)
-            rows += [
-                not_available(SECTION, problem, method, why)
-                for method, why in (
-                    (CONSERVATIVE, "it makes densities of the speed alone"),
-                    (STRAIGHTFORWARD, "not written: it would need a second matrix for m = 1"),
-                    (SONINE, _NO_DENSITY),
-                )
-            ]
-    rows += [
-        not_available(SECTION, "G(R)", method, "no solver gives G(R) yet")
-        for method in (SPECTRAL, STRAIGHTFORWARD)
-    ]
-    return rows
-
-
-# -- the methods of this package, asked in the way that the comparison needs -------------------
-
-
-def _panels(e: float, start: str, times: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:
-    """The spectral averages with so many nodes in a panel of the backward equation."""
-    from kinetics import CollisionLaw
-    from kinetics.evolve import Averages
-    from kinetics.initial import NAMED
-
-    averages = Averages(
-        CollisionLaw(e), references.MEAN_FREE_PATH, NAMED[start], times, 1e-13, nodes=nodes
-    )
-    second, fourth = averages.power(2.0), averages.power(4.0)
-    return (
-        np.asarray(np.exp(averages.log_reference) * np.sqrt(second)),
-        np.asarray(0.5 * fourth / second**2 - 1.0),
-    )
-
-
-def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
-    """The conservative scheme's speed density, as a user asks for it.
-
-    At the tightest tolerance the scheme itself serves every time; none is left to the scaling
-    state, which is spectral.
-    """
-    from kinetics import Scene, solve
-
-    scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=("speed_density",))
-    return solve(scene, _TIGHTEST, method=CONSERVATIVE, nodes=nodes)
-
-
-def _conservative_cooling(
-    e: float, start: str, times: FloatArray, nodes: int
-) -> tuple[FloatArray, FloatArray]:
-    """v0 and a2 from the conservative scheme."""
-    return _density_moments(conservative(e, start, times, nodes), start, nodes)
-
-
-def _density_moments(solution: Any, start: str, nodes: int) -> tuple[FloatArray, FloatArray]:
-    """v0 and a2 from the density: the trapezoid rule in ln v, four points for each node."""
-    # from far below the scaling state's thermal speed at the end up to the fastest of the start
-    slowest = 1e-5 * min(1.0, references.MEAN_FREE_PATH / solution.times[-1])
-    fastest = 2.0 * straightforward.FASTEST[start]
-    v = np.geomspace(slowest, fastest, 4 * nodes)
-    weight = solution.speed_density(v) * v * math.log(v[1] / v[0])
-    second, fourth = (weight @ v**p + solution.uncollided for p in (2, 4))
-    return np.sqrt(second), 0.5 * fourth / second**2 - 1.0
-
-
-def _conservative_vdf(e: float, nodes: int) -> FloatArray:
-    """F(c) from the conservative scheme at a late time."""
-    late = np.array([_LATE[CONSERVATIVE]])
-    solution = conservative(e, "gaussian", late, nodes)
-    thermal = float(_density_moments(solution, "gaussian", nodes)[0][0])
-    density = solution.speed_density(SCALED_SPEEDS * thermal)[0] * thermal
-    return np.asarray(density / (2.0 * math.pi * SCALED_SPEEDS))
-
-
-def _particles(
-    e: float,
-    start: Any,
-    times: FloatArray,
-    samples: int,
-    observables: tuple[str, ...] = (),
-) -> Any:
-    from particles import BoltzmannGrad, simulate
-
-    return simulate(
-        BoltzmannGrad(NUMBER_DENSITY),
-        restitution=e,
-        initial=start,
-        times=times,
-        media=_MEDIA,
-        tracers=max(1, samples // _MEDIA),
-        observables=observables or None,
-        workers=1,
-    )
 
 
 def histogram_error(run: Any, exact: Any) -> float:

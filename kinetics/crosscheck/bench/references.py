@@ -1,4 +1,4 @@
-r"""References for v0(t), a2(t) and <r^2>(t) in high precision; no code shared with any solver.
+r"""References for v0(t), a2(t), <r^2>(t) and its kurtosis in high precision, sharing no code.
 
 With T = v_i t/l and G(z+1) = lambda(z) G(z), lambda(z) = 1 - E[s^z], G(1) = 1, the power series of
 the moment hierarchy d<v^p>/dt = -lambda(p) <v^(p+1)>/l is a sum over the residues of
@@ -6,8 +6,8 @@ the moment hierarchy d<v^p>/dt = -lambda(p) <v^(p+1)>/l is a sum over the residu
     <v^p>(t) = 1/(2 pi i) int Gamma(p - z) G(z)/G(p) <v_i^z> (t/l)^(z-p) dz,    0 < Re z < p,
 
 which holds for every t > 0: one line of G serves all times, powers and starts. G comes from far to
-the right, where Newton's interpolation of ln lambda converges, by the product back. <r^2> for
-t/l <= 8 is the power series of <v_i.r> and <r^2> in T, summed with the digits that it loses.
+the right, where Newton's interpolation of ln lambda converges, by the product back. <r^2> and
+<r^4> for t/l <= 8 are power series in T, summed with the digits that they lose.
 
 The values are kept in :mod:`kinetics.crosscheck.bench.reference_values`, which
 ``python -m kinetics.crosscheck.bench.references FILE`` writes (some minutes).
@@ -175,8 +175,44 @@ def square_displacement(e: float, start: str, t: float, digits: int = 120) -> An
         return total * mp.mpf(MEAN_FREE_PATH) ** 2
 
 
+def quartic_displacement(e: float, start: str, t: float, digits: int = 140) -> Any:
+    """<r^4> in d^4 at t in d/U, t/l up to about 8.
+
+    The mean of exp(i k.r) over the paths is a sum of i^m a_m exp(i m theta), theta the angle of
+    v_i to k, with a_m' = (K/2) (a_(m-1) - a_(m+1)) - (1 - B_m) a_m and a_0' = -K a_1, K = k l; B_m
+    is a bounce: the factor E[s^j cos(m chi)] on T^j. <r^4>/(64 l^4) is the K^4 of a_0.
+    """
+    import mpmath as mp
+
+    with mp.workdps(digits):
+        reduced, e_ = mp.mpf(float(t)) / mp.mpf(MEAN_FREE_PATH), mp.mpf(e)
+        count = 120 + int(30 * reduced) + (int(6 * reduced**2) if start == "gaussian" else 0)
+        # phi[j] = E[s^(j-2)]; at e = 0 the first two are multiplied by e
+        low = [mp.mpf(0)] * 2 if e == 0.0 else speed_ratio_powers(e, mp.mpf(-2), 2)
+        phi = [*low, *speed_ratio_powers(e, mp.mpf(0), count + 2)]
+        a11, a02, a22, a13, a04 = (mp.mpf(0) for _ in range(5))  # a_m of K^n, coefficient of T^j
+        total = mp.mpf(0)
+        for j in range(count):
+            once = 1 - (phi[j + 3] - e_ * phi[j + 1]) / (1 - e_)
+            # cos(chi) = (s - e/s)/(1 - e), cos(2 chi) = 2 cos(chi)^2 - 1
+            square = (phi[j + 4] - 2 * e_ * phi[j + 2] + e_**2 * phi[j]) / (1 - e_) ** 2
+            twice = 1 - (2 * square - phi[j + 2])
+            none = 1 - phi[j + 2]
+            half = mp.mpf(1) / 2
+            a11, a02, a22, a13, a04 = (
+                ((half if j == 0 else 0) - once * a11) / (j + 1),
+                (-a11 - none * a02) / (j + 1),
+                (half * a11 - twice * a22) / (j + 1),
+                (half * (a02 - a22) - once * a13) / (j + 1),
+                (-a13 - none * a04) / (j + 1),
+            )
+            total += a04 * reduced ** (j + 1) * initial_moment(start, mp.mpf(j + 1))
+        return 64 * total * mp.mpf(MEAN_FREE_PATH) ** 4
+
+
 def reference(quantity: str, e: float, start: str, horizon: str) -> FloatArray:
-    """Kept values of "thermal_speed" (U), "a2" or "msd" (d^2, short horizon) at `times(horizon)`.
+    """Kept values at `times(horizon)`: "thermal_speed" (U), "a2"; of the short one also "msd" (d^2)
+    and "kurtosis".
 
     KeyError for what is not kept.
     """
@@ -201,8 +237,11 @@ def make() -> dict[tuple[str, float, str, str], list[float]]:
                 values["a2", e, start, horizon] = [
                     float(b / (2 * a**2) - 1) for a, b in zip(v2, v4, strict=True)
                 ]
-            values["msd", e, start, "short"] = [
-                float(square_displacement(e, start, t)) for t in times("short")
+            square = [square_displacement(e, start, t) for t in times("short")]
+            values["msd", e, start, "short"] = [float(x) for x in square]
+            values["kurtosis", e, start, "short"] = [
+                float(quartic_displacement(e, start, t) / x**2)
+                for t, x in zip(times("short"), square, strict=True)
             ]
     return values
 

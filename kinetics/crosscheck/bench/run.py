@@ -21,7 +21,7 @@ from kinetics.errors import InputError
 CASES: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "scaled": ("precision", "scaled", (1,)),
     "cooling": ("precision", "cooling", (1,)),
-    "position": ("precision", "position", (1,)),
+    "position": ("position", "position", (1,)),
     "accuracy": ("accuracy", "accuracy", (1,)),
     "skipping": ("skipping", "skipping", (1,)),
     "cost": ("cost", "cost", (1,)),

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench.record import Record, not_available, timed
+from kinetics.crosscheck.bench.record import Record, timed
 from kinetics.crosscheck.bench.timing import Effort, measure_together
 
 SECTION = "skipping"
-OUTPUTS = ("thermal_speed", "a2", "collisions", "msd", "speed_density")
+OUTPUTS = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
+POSITION_OUTPUTS = ("msd", "kurtosis", "diffusion_coefficient", "position_density")
 DIRECTED_OUTPUTS = (
     "thermal_speed", "mean_velocity", "velocity_tensor", "msd", "speed_density", "velocity_density",
 )  # fmt: skip
@@ -29,11 +30,8 @@ def skipping(effort: Effort) -> list[Record]:
     rows = _scene("isotropic scene", "gaussian", OUTPUTS, times, effort)
     wide = Gaussian(2.0, 1.0)
     rows += _scene("two-temperature scene", wide, DIRECTED_OUTPUTS, times[::4], effort)
+    rows += _position(effort)
     rows += _elastic(times, effort) + _horizon(effort) + _particles(effort)
-    rows += [
-        not_available(SECTION, "isotropic scene", f"{name} alone", "no such output yet")
-        for name in ("kurtosis", "position_density")
-    ]
     return rows
 
 
@@ -70,6 +68,20 @@ def _scene(
         for name in outputs
     }
     return _together(problem, "everything", works, effort)
+
+
+def _position(effort: Effort) -> list[Record]:
+    """The density solves wave numbers and harmonics; the moments do not."""
+    from kinetics import Scene, solve
+
+    def of(*names: str) -> Callable[[], Any]:
+        scene = Scene(0.6, times=[300.0], outputs=names)
+        return lambda: solve(scene, 1e-4)
+
+    *moments, density = POSITION_OUTPUTS
+    works = {"everything": of(*POSITION_OUTPUTS), f"all but {density}": of(*moments)}
+    works |= {f"{name} alone": of(name) for name in POSITION_OUTPUTS}
+    return _together("displacement, e = 0.6, t = 300", "everything", works, effort)
 
 
 def _elastic(times: np.ndarray, effort: Effort) -> list[Record]:

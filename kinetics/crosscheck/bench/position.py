@@ -1,0 +1,219 @@
+"""Error against run time of the displacement: its moments, and its whole distribution G(R).
+
+Error measures:
+
+- <r^2>(t), kurtosis(t): the largest relative error over 25 log-spaced times;
+- G(R): the largest |G - G_ref| over 200 radii to R = 6, over the largest G_ref. Of a histogram
+  that of the mean in each bin from R = 0.25 to 4, the exact one by the reference's shares.
+
+No closed form of G(R) is known: its reference is the solver at its tightest, held against <r^2> and
+<r^4>, which come from scalar equations without wave numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.bench import methods, references
+from kinetics.crosscheck.bench.methods import (
+    CONSERVATIVE,
+    MONTE_CARLO,
+    NUMBER_DENSITY,
+    PRINTED,
+    SONINE,
+    SPECTRAL,
+    STRAIGHTFORWARD,
+)
+from kinetics.crosscheck.bench.precision import (
+    SECTION,
+    TOLERANCES,
+    relative,
+    restitutions,
+    sample_numbers,
+    sweep,
+)
+from kinetics.crosscheck.bench.record import Record, not_available, timed
+from kinetics.crosscheck.bench.timing import Effort, measure
+
+FloatArray = NDArray[np.float64]
+
+REFERENCE = "reference"
+RADII = np.linspace(0.0, 6.0, 200)  # R
+BINS = (0.25, 4.0)
+PAIR = (0.6, 300.0)  # e and t in d/U, of the paper's figure inelasticposi
+_REFERENCE_RTOL = 1e-8
+_DENSITY_TOLERANCES = {True: (1e-2, 1e-4, 1e-6), False: tuple(10.0**-k for k in range(2, 8))}
+_MANY = 4_000_000  # samples of one more Monte Carlo run of the full benchmark
+_QUANTITIES = {"msd": "<r^2>(t)", "kurtosis": "kurtosis(t)"}
+_CANNOT = (
+    (CONSERVATIVE, "it makes densities of the speed alone"),
+    (STRAIGHTFORWARD, "not written: it would need further matrices, of m = 1 and on"),
+    (SONINE, "a moment expansion: it has no displacement"),
+)
+
+
+def position(effort: Effort) -> list[Record]:
+    """<r^2>(t) and kurtosis(t) of both starts, and G(R) at one of the paper's pairs."""
+    rows: list[Record] = []
+    for e in restitutions(effort):
+        for start in references.STARTS:
+            rows += _moment("msd", e, start, effort)
+    for start in references.STARTS[: 1 if effort.quick else None]:
+        rows += _moment("kurtosis", restitutions(effort)[0], start, effort)
+    return rows + _density(*PAIR, effort)
+
+
+def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Record]:
+    from kinetics import Scene, solve
+
+    times = references.times("short")
+    problem = f"{_QUANTITIES[quantity]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
+    exact = references.reference(quantity, e, start, "short")
+    scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=(quantity,))
+
+    def error(found: FloatArray) -> float:
+        return relative(found, exact)
+
+    def spectral(rtol: float) -> FloatArray:
+        return np.asarray(getattr(solve(scene, rtol), quantity))
+
+    def monte_carlo(samples: float) -> FloatArray:
+        run = methods.particles(e, start, times, int(samples))
+        return np.asarray(getattr(run, quantity).value)
+
+    def of(
+        method: str, setting: str, values: Sequence[float], work: Callable[[Any], Any]
+    ) -> list[Record]:
+        return sweep(problem, method, setting, values, work, error, effort)
+
+    return [
+        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        *of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo),
+        *(not_available(SECTION, problem, method, why) for method, why in _CANNOT),
+    ]
+
+
+# -- the distribution -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class DensityReference:
+    """G(R) at one time.
+
+    Attributes
+    ----------
+    solution : the tight solve, of the outputs "msd" and "position_density"
+    kurtosis : <r^4>/<r^2>^2 by its own equations
+    """
+
+    solution: Any
+    kurtosis: float
+
+    def curve(self, r: FloatArray) -> FloatArray:
+        """G at R = r, shape (n_r,)."""
+        return np.asarray(self.solution.scaled_position_density(r)[0])
+
+    def error(self, found: FloatArray) -> float:
+        """Of a curve at RADII."""
+        exact = self.curve(RADII)
+        return float(np.max(np.abs(found - exact)) / exact.max())
+
+    def histogram_error(self, run: Any) -> float:
+        """Of a run's displacement histogram at its only time."""
+        edges = run.displacement_histogram.edges / np.sqrt(run.msd.value[0])
+        used = (edges[:-1] >= BINS[0]) & (edges[1:] <= BINS[1])
+        first, last = np.nonzero(used)[0][[0, -1]]
+        edges = edges[first : last + 2]
+        inside = self.solution.position_fraction(edges * np.sqrt(self.solution.msd[0]))[0]
+        share = run.displacement_histogram.probability.value[0][used]
+        largest = float(self.curve(RADII).max())
+        return float(np.max(np.abs(share - inside) / np.diff(edges)) / largest)
+
+    def moments_missed(self) -> tuple[float, float, float]:
+        """Relative errors of the norm, of <R^2> and of <R^4>, integrated to R = 24."""
+        x, w = np.polynomial.legendre.leggauss(24)
+        edges = np.linspace(0.0, 24.0, 49)
+        half = 0.5 * np.diff(edges)[:, None]
+        r = (edges[:-1, None] + half * (1.0 + x)).ravel()
+        g = self.curve(r) * (half * w).ravel()
+        found = [
+            abs(float(g @ r**p) / v - 1.0) for p, v in ((0, 1.0), (2, 1.0), (4, self.kurtosis))
+        ]
+        return found[0], found[1], found[2]
+
+
+def density_reference(e: float, t: float, rtol: float = _REFERENCE_RTOL) -> DensityReference:
+    """Of a Gaussian start at time t in d/U."""
+    from kinetics import Scene, solve
+
+    def at(rtol: float, *outputs: str) -> Any:
+        return solve(Scene(e, NUMBER_DENSITY, times=[t], outputs=outputs), rtol)
+
+    kurtosis = float(at(1e-12, "kurtosis").kurtosis[0])
+    return DensityReference(at(rtol, "msd", "position_density"), kurtosis)
+
+
+def printed_forms() -> dict[str, Callable[[FloatArray], FloatArray]]:
+    """G(R) by the paper's formulas, with its constants."""
+    from kinetics import sonine
+
+    return {
+        "eq. gdefi, eta = 1/2": sonine.position_integral,
+        "eq. peakg, eta = 0.75": sonine.position_peak,
+        "eq. gammatailg, eta = 0.25, gamma = 7.39": sonine.position_tail,
+    }
+
+
+def _density(e: float, t: float, effort: Effort) -> list[Record]:
+    from kinetics import Scene, solve
+
+    problem = f"G(R), gaussian, t = {t:g}, e = {e:g}"
+    reference = density_reference(e, t)
+    scene = Scene(e, NUMBER_DENSITY, times=[t], outputs=("position_density",))
+
+    def spectral(rtol: float) -> FloatArray:
+        return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
+
+    def monte_carlo(samples: float) -> Any:
+        return methods.particles(
+            e, "gaussian", np.array([t]), int(samples), ("displacement_histogram",)
+        )
+
+    samples = [*sample_numbers(effort), *(() if effort.quick else (_MANY,))]
+    rows = [
+        _moments_of(problem, reference),
+        *sweep(
+            problem,
+            SPECTRAL,
+            "rtol",
+            _DENSITY_TOLERANCES[effort.quick],
+            spectral,
+            reference.error,
+            effort,
+        ),
+        *sweep(
+            problem, MONTE_CARLO, "samples", samples, monte_carlo, reference.histogram_error, effort
+        ),
+    ]
+    for name, form in printed_forms().items():
+        curve, timing = measure(partial(form, RADII), effort)
+        error = reference.error(np.asarray(curve))
+        rows.append(timed(SECTION, problem, PRINTED, timing, setting=name, error=error))
+    return [*rows, *(not_available(SECTION, problem, method, why) for method, why in _CANNOT)]
+
+
+def _moments_of(problem: str, reference: DensityReference) -> Record:
+    """How well the reference keeps what is known of it. It has no run time: it is no competitor."""
+    missed = reference.moments_missed()
+    note = "integrals of 1, R^2 and R^4 miss 1, <r^2> and <r^4> by {:.0e}, {:.0e} and {:.0e}"
+    names = ("norm", "second", "fourth")
+    return Record(
+        SECTION, problem, REFERENCE, "rtol", _REFERENCE_RTOL, error=max(missed),
+        note=note.format(*missed), extra=dict(zip(names, missed, strict=True)),
+    )  # fmt: skip
