@@ -112,12 +112,19 @@ def cli(context: click.Context) -> None:
     "--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run."
 )
 @click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
+@click.option(
+    "--figures",
+    multiple=True,
+    type=click.Choice(("pdf", "png", "svg")),
+    help="Write each figure as a file beside the page; may be repeated.",
+)
 @seed_option
 @workers_option
 @json_option
 def report(
     output: Path,
     quick: bool,
+    figures: tuple[str, ...],
     restitutions: tuple[float, ...],
     final_times: tuple[float, ...],
     as_json: bool,
@@ -147,7 +154,7 @@ def report(
 
     with _Bar(court.stages(settings)) as tell:
         document = court.make_report(settings, tell)
-        written = court.write_report(document, output, tell)
+        written = court.write_report(document, output, tell, figures)
     if as_json:
         click.echo(dumps(document), nl=False)
     else:
@@ -163,6 +170,14 @@ def report(
 @click.option(
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
 )
+@click.option(
+    "--outputs",
+    default="thermal_speed,a2,msd",
+    help="Averages, separated by commas; also temperature, collisions, kurtosis, "
+    "velocity_autocorrelation, diffusion_coefficient.",
+)
+@click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
+@click.option("--wave-numbers", type=Numbers(), default="", help="k in 1/d at which to print F.")
 @click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked for.")
 @json_option
 def solve(
@@ -171,11 +186,14 @@ def solve(
     initial: str,
     times: tuple[float, ...],
     scaled: bool,
+    outputs: str,
+    radii: tuple[float, ...],
+    wave_numbers: tuple[float, ...],
     rtol: float,
     as_json: bool,
 ) -> None:
-    """Solve the kinetic equation: thermal speed, a2 and mean square displacement over time."""
-    from kinetics.crosscheck.text import columns
+    """Solve the kinetic equation: averages over time, G(R) and F(k, t)."""
+    from kinetics.crosscheck.solve_command import solve_document, solve_text
 
     if scaled:
         from kinetics import solve_scaled
@@ -200,34 +218,17 @@ def solve(
             click.echo(f"<c^{p}>{'':11}{value}")
         return
 
-    from kinetics import Scene
-    from kinetics import solve as solve_scene
-
-    outputs = ("thermal_speed", "a2", "msd")
-    scene = Scene(
-        restitution=restitution,
-        number_density=number_density,
-        initial=initial,
-        times=times,
-        outputs=outputs,
-    )
-    solution = solve_scene(scene, rtol=rtol)
-    table = {"times": solution.times} | {name: getattr(solution, name) for name in outputs}
+    system = {
+        "restitution": restitution,
+        "number_density": number_density,
+        "initial": initial,
+        "times": times,
+    }
+    found = solve_document(system, outputs, radii, wave_numbers, rtol)
     if as_json:
-        _print_json(
-            {
-                "restitution": restitution,
-                "number_density": number_density,
-                "initial": initial,
-                "rtol": rtol,
-                "status": solution.status.name.lower(),
-                **table,
-            }
-        )
+        _print_json(found)
     else:
-        heads = ("t [d/U]", "v0 [U]", "a2", "<r^2> [d^2]")
-        click.echo(columns(heads, table.values()))
-        click.echo(f"status: {solution.status.value}")
+        click.echo(solve_text(found))
 
 
 @cli.command(epilog=UNITS, short_help="Follow particles from collision to collision.")

@@ -150,7 +150,15 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]) -> None:
-    assert set(cli.cli.commands) == {"report", "solve", "simulate", "derive", "bench", "stress"}
+    assert set(cli.cli.commands) == {
+        "report",
+        "solve",
+        "simulate",
+        "derive",
+        "bench",
+        "stress",
+        "compare",
+    }
     for name in cli.cli.commands:
         assert cli.main([name, "--help"]) == 0
         out = capsys.readouterr().out
@@ -232,7 +240,7 @@ def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_pa
     assert len(strict) == 3
     assert {r["verdict"] for r in strict} == {"agrees"}
     assert {c["status"] for c in document["algebra"]} >= {"verified"}
-    assert (output / "report.html").read_text(encoding="utf-8").count("<svg") == 7
+    assert (output / "report.html").read_text(encoding="utf-8").count("<svg") == 16
     # The same seed gives the same report, to the byte, whatever the number of threads.
     before = {p.name: p.read_bytes() for p in output.iterdir()}
     assert cli.main([*arguments, "--workers", "1"]) == 0

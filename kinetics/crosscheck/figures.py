@@ -52,6 +52,12 @@ STROKES: dict[str, dict[str, Any]] = {
     "paper's integral": {"linestyle": (0, (1, 1.5)), **_LINE},
     "scaling state": {"linestyle": "--", "linewidth": 0.9},
     "exact tail": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "exact slope": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "exact limit": {"linestyle": (0, (1, 1.5)), "linewidth": 1.1},
+    "exponential": {"linestyle": (0, (1, 1.5)), **_LINE},
+    "same bands": {"linestyle": "none", "marker": "x", "markersize": 5.5},
+    "extrapolation": {"linestyle": "--", "linewidth": 0.9},
+    "limit": {"marker": "D", "markersize": 4.2, **_DOTS},
     "Gaussian": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }

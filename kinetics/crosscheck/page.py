@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from kinetics.crosscheck.equations import report_equations
+from kinetics.crosscheck.figure_data import PAPER_FIGURES
 from kinetics.crosscheck.figures import svg
 from kinetics.crosscheck.rows import TITLES, scale_of
 
@@ -20,6 +21,10 @@ SHORT = {
     "thermal_speed": "v₀(t)",
     "scaled_vdf": "F(c)",
     "msd": "⟨r²(t)⟩",
+    "msd_slope": "d⟨r²⟩/d ln t",
+    "kurtosis": "⟨r⁴⟩/⟨r²⟩²",
+    "position": "G(R)",
+    "tail_exponent": "n(R)",
 }
 """The name of each observable where space is short."""
 
@@ -44,6 +49,8 @@ def render(document: Mapping[str, Any]) -> str:
         .get_template("report.html.j2")
         .render(
             doc=document,
+            number=number,
+            figure_groups=_figure_groups(document["figures"]),
             svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
             equations=report_equations(),
             matrix=matrix(document),
@@ -52,6 +59,14 @@ def render(document: Mapping[str, Any]) -> str:
             method=_method(document),
         )
     )
+
+
+def _figure_groups(figures: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+    """The headings over the figures, and the names of the figures below each."""
+    paper = [name for name in figures if name in PAPER_FIGURES]
+    others = [name for name in figures if name not in PAPER_FIGURES]
+    groups = [("The paper's figures", paper), ("Figures that the paper lacks", others)]
+    return [(title, names) for title, names in groups if names]
 
 
 def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -117,6 +132,8 @@ def _shown(row: Mapping[str, Any]) -> dict[str, str]:
         at = f"t = {row['time']:.4g}"
     elif row["c"] is not None:
         at = f"c = {row['c']:.3g}"
+    if row["distance"] is not None:
+        at = f"R = {row['distance']:.3g}"
     if row["looks"] > 1:
         at += f", worst of {row['looks']}"
     return {

@@ -12,20 +12,23 @@ from pathlib import Path
 from typing import Any
 
 from kinetics.crosscheck.algebra import AlgebraProcess
-from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence
+from kinetics.crosscheck.answers import all_answers
+from kinetics.crosscheck.compared import compare_case
+from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence, Scans
 from kinetics.crosscheck.figure_data import all_figures
+from kinetics.crosscheck.figures import figure_file
 from kinetics.crosscheck.files import write_together
 from kinetics.crosscheck.page import render
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.rows import (
     RESCALED,
     Row,
-    compare_case,
     contact_value,
     counts,
     judged,
     scale_of,
 )
+from kinetics.crosscheck.scans import gather_scans
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
 from kinetics.crosscheck.witnesses import PAPER_CAP, gather_case
@@ -37,6 +40,8 @@ UNITS = (
     "deviation of one component of the initial velocity, so that v₀(0) = √2 U; times in d/U. "
     "F(c) is a density in the plane (integral 1, ⟨c²⟩ = 1), G(R) one over R (integral 1)."
 )
+
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
 
 Document = dict[str, Any]
 Progress = Callable[[str], None]
@@ -53,11 +58,12 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
+        scans = gather_scans(cases, settings, tell)
         tell(COMPARISON)
         rows = judged(row for case in cases for row in compare_case(case, settings))
         tell(ALGEBRA)
         checks = algebra.rows()
-    return build_document(settings, cases, rows, checks)
+    return build_document(settings, cases, scans, rows, checks)
 
 
 COMPARISON, ALGEBRA, WRITING = "comparing", "derivations", "writing"
@@ -65,19 +71,35 @@ COMPARISON, ALGEBRA, WRITING = "comparing", "derivations", "writing"
 
 def stages(settings: ReportSettings) -> int:
     """How often `make_report` and `write_report` together report progress."""
-    return 3 * len(settings.restitutions) + 3
+    return 3 * len(settings.restitutions) + 5
 
 
-def write_report(document: Document, folder: Path, progress: Progress | None = None) -> list[Path]:
-    """Write report.html and report.json into the folder, both or neither; returns their paths."""
+def write_report(
+    document: Document,
+    folder: Path,
+    progress: Progress | None = None,
+    formats: Sequence[str] = (),
+) -> list[Path]:
+    """Write report.html and report.json into the folder, all or nothing; returns the paths.
+
+    `formats` (of "svg", "pdf", "png") adds each figure as a file report-NAME.FORMAT.
+    """
     if progress is not None:
         progress(WRITING)
-    return write_together(folder, {"report.json": dumps(document), "report.html": render(document)})
+    files: dict[str, str | bytes] = {
+        "report.json": dumps(document),
+        "report.html": render(document),
+    }
+    for name, data in document["figures"].items():
+        for kind in dict.fromkeys(formats):
+            files[f"report-{name}.{kind}"] = figure_file(name, data, kind)
+    return write_together(folder, files)
 
 
 def build_document(
     settings: ReportSettings,
     cases: Sequence[Case],
+    scans: Scans | None,
     rows: Sequence[Row],
     checks: Sequence[Mapping[str, Any]],
 ) -> Document:
@@ -88,6 +110,7 @@ def build_document(
             "schema": SCHEMA,
             "title": "The inelastic Lorentz gas: three witnesses compared",
             "summary": _summary(settings, rows, checks),
+            "answers": all_answers(cases, rows),
             "units": UNITS,
             "software": _versions(),
             "settings": asdict(settings),
@@ -106,7 +129,8 @@ def build_document(
             "rows": [asdict(row) for row in rows],
             "algebra": list(checks),
             "cases": [_case(case) for case in cases],
-            "figures": all_figures(cases, settings),
+            "scans": None if scans is None else asdict(scans),
+            "figures": all_figures(cases, scans, settings),
         }
     )
     return document
@@ -130,8 +154,8 @@ def _case(case: Case) -> dict[str, Any]:
         "restitution": case.restitution,
         "times": case.times,
         "scaled": scaled,
-        "kinetic": {name: getattr(case.kinetic, name) for name in ("thermal_speed", "a2", "msd")},
-        "rescaled": {name: getattr(case.rescaled, name) for name in ("thermal_speed", "a2", "msd")},
+        "kinetic": {name: getattr(case.kinetic, name) for name in OVER_TIME},
+        "rescaled": {name: getattr(case.rescaled, name) for name in OVER_TIME},
         "speed_edges": case.speed_edges,
         "position_edges": case.position_edges,
         "particles": [_particles(run) for run in (case.free, case.disks)],

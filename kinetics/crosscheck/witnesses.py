@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetics.crosscheck.evidence import Array, Case, Measured, ParticleEvidence
-from kinetics.crosscheck.rows import cooling_rate_between
+from kinetics.crosscheck.histograms import jackknife_error, measured_exponent, scaled_density
+from kinetics.crosscheck.rows import cooling_rate_between, msd_slope_between
 from kinetics.crosscheck.settings import ReportSettings
 
 if TYPE_CHECKING:
@@ -20,7 +21,10 @@ PAPER_CAP = 100
 """Collisions after which the paper stops a sample."""
 GROUPS = 100
 """Independent groups that a Boltzmann-Grad run is split into for its jackknife."""
-OUTPUTS = ("thermal_speed", "a2", "msd", "speed_density")
+OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "speed_density")
+LATE_OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "diffusion_coefficient")
+LATEST, LATE_TIMES = 1e9, 55
+"""Last time in d/U of the equation alone, and how many there are, evenly spaced in ln t."""
 SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
 """Bins of c = v/v0 for F(c)."""
 POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
@@ -54,18 +58,34 @@ def gather_case(
     times = output_times(last, settings.n_times)
     free_medium, disk_medium = media(settings)
 
-    def equation(number_density: float) -> "Solution":
+    def equation(
+        number_density: float,
+        times: Array = times,
+        outputs: tuple[str, ...] = OUTPUTS,
+        rtol: float = settings.rtol,
+    ) -> "Solution":
         scene = Scene(
             restitution=e,
             number_density=number_density,
             initial="gaussian",
             times=times,
-            outputs=OUTPUTS,
+            outputs=outputs,
         )
-        return solve(scene, rtol=settings.rtol)
+        return solve(scene, rtol=rtol)
 
     tell(f"e = {e:g}: kinetic equation")
     kinetic = equation(settings.number_density)
+    late = equation(
+        settings.number_density,
+        np.geomspace(times[0], max(LATEST, 10 * last), LATE_TIMES),
+        LATE_OUTPUTS,
+    )
+    position = equation(
+        settings.number_density,
+        times[-1:],
+        ("msd", "position_density"),
+        settings.position_rtol,
+    )
     exact = ScalingSolution(e) if e < 1 else None
     scaled = solve_scaled(restitution=e, rtol=settings.rtol) if e < 1 else None
 
@@ -105,6 +125,8 @@ def gather_case(
         scaled=scaled,
         kinetic=kinetic,
         rescaled=rescaled,
+        late=late,
+        position=position,
         free=_evidence("Boltzmann-Grad", free, early, settings.number_density),
         disks=_evidence("hard disks", disks, early, settings.number_density),
         rescaled_errors=_rescaled_errors(disks, rescaled, early, settings.number_density),
@@ -120,11 +142,19 @@ def _evidence(name: str, run: "Ensemble", early: int, number_density: float) -> 
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0
 
-    def cooling_rate(part: "Ensemble") -> Array:
-        slope = cooling_rate_between(run.times, part.thermal_speed.value, early, number_density)
-        return np.asarray(slope)
+    def slopes(part: "Ensemble") -> tuple[float, float]:
+        return (
+            cooling_rate_between(run.times, part.thermal_speed.value, early, number_density),
+            msd_slope_between(run.times, part.msd.value, early),
+        )
 
-    replicates = np.array([cooling_rate(part) for part in _without_each(run)])
+    cooling_rate, msd_slope = (
+        Measured(np.asarray(value), jackknife_error(replicates))
+        for value, replicates in zip(
+            slopes(run), np.array([slopes(part) for part in _without_each(run)]).T, strict=True
+        )
+    )
+    distances = np.hypot(x, y)
     return ParticleEvidence(
         name=name,
         samples=run.media * run.tracers,
@@ -132,10 +162,13 @@ def _evidence(name: str, run: "Ensemble", early: int, number_density: float) -> 
         thermal_speed=_measured(run.thermal_speed),
         a2=_measured(run.a2),
         msd=_measured(run.msd),
-        cooling_rate=Measured(cooling_rate(run), jackknife_error(replicates)),
+        kurtosis=_measured(run.kurtosis),
+        cooling_rate=cooling_rate,
+        msd_slope=msd_slope,
         free_path=_measured(run.mean_free_path),
         vdf=scaled_density(speeds, SPEED_EDGES, np.pi * np.diff(SPEED_EDGES**2)),
-        position=scaled_density(np.hypot(x, y), POSITION_EDGES, np.diff(POSITION_EDGES)),
+        position=scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
+        tail_exponent=measured_exponent(distances),
         mean_collisions=float(np.mean(collisions)),
         most_collisions=int(np.max(collisions)),
         above_cap=float(np.mean(collisions > PAPER_CAP)),
@@ -160,12 +193,6 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
         yield replace(run, arrays={**run.arrays, **rest})
 
 
-def jackknife_error(replicates: Array) -> Array:
-    """Standard error from delete-one replicates, shape (n, ...) with n >= 2."""
-    n = len(replicates)
-    return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
-
-
 def _rescaled_errors(
     run: "Ensemble", rescaled: "Solution", early: int, number_density: float
 ) -> dict[str, Array]:
@@ -185,8 +212,11 @@ def _rescaled_errors(
         "thermal_speed": speed_slope,
         "a2": per_log_path(rescaled.a2, 0),
         "msd": per_log_path(rescaled.msd, 2),
+        "kurtosis": per_log_path(rescaled.kurtosis, 0),
     }
-    replicates: dict[str, list[Array]] = {name: [] for name in (*shifts, "cooling_rate")}
+    replicates: dict[str, list[Array]] = {
+        name: [] for name in (*shifts, "cooling_rate", "msd_slope")
+    }
     for part in _without_each(run):
         moved = np.log(float(part.mean_free_path.value)) - log_path
         for name, shift in shifts.items():
@@ -199,30 +229,9 @@ def _rescaled_errors(
             )
         )
         replicates["cooling_rate"].append(np.asarray(data - theory))
+        data, theory = (
+            msd_slope_between(times, msd, early)
+            for msd in (part.msd.value, rescaled.msd + moved * shifts["msd"])
+        )
+        replicates["msd_slope"].append(np.asarray(data - theory))
     return {name: jackknife_error(np.array(values)) for name, values in replicates.items()}
-
-
-def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
-    """Density of samples over their own root mean square, per bin, with its jackknife error.
-
-    samples (n_groups, n_in_group): absolute values; edges (n_bins + 1,) of the scaled variable;
-    measure (n_bins,): length or area of each bin. The scale is the sample's, also when a group is
-    left out.
-    """
-    groups, size = samples.shape
-    everything = np.sort(samples, axis=None)
-    by_group = np.sort(samples, axis=1)
-    squares = np.sum(samples**2, axis=1)
-
-    def density(without: int | None) -> Array:
-        n, total = groups * size, float(np.sum(squares))
-        if without is not None:
-            n, total = n - size, total - float(squares[without])
-        at = edges * np.sqrt(total / n)
-        below = np.searchsorted(everything, at)
-        if without is not None:
-            below = below - np.searchsorted(by_group[without], at)
-        return np.asarray(np.diff(below) / (n * measure))
-
-    replicates = np.array([density(group) for group in range(groups)])
-    return Measured(density(None), jackknife_error(replicates))

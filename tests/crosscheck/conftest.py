@@ -11,8 +11,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence
-from kinetics.crosscheck.rows import bin_average, cooling_rate_between, last_vdf
+from kinetics.crosscheck.compared import bands_of, bin_density
+from kinetics.crosscheck.evidence import (
+    Case,
+    DensityScan,
+    Measured,
+    ParticleEvidence,
+    Scans,
+    TrapScan,
+)
+from kinetics.crosscheck.rows import (
+    bin_average,
+    cooling_rate_between,
+    last_vdf,
+    msd_slope_between,
+)
 from kinetics.crosscheck.settings import ReportSettings
 
 TIMES = np.geomspace(1.0, 1000.0, 12)
@@ -34,10 +47,28 @@ def made_up_solution(rate: float = 0.4) -> Any:
 
     return SimpleNamespace(
         times=TIMES,
+        scene=SimpleNamespace(mean_free_path=12.5),
         thermal_speed=speed,
         a2=np.full(TIMES.size, 0.1),
         msd=800 * np.log1p(TIMES / 30),
+        msd_slope=800 * TIMES / (30 + TIMES),
+        kurtosis=np.full(TIMES.size, 2.5),
         speed_density=speed_density,
+    )
+
+
+def made_up_position() -> Any:
+    """A displacement density G(R) = 4 R exp(-2 R), whose R is not scaled by its own <R^2>."""
+
+    def within(r: Any) -> Any:
+        return 1 - (1 + 2 * r) * np.exp(-2 * r)
+
+    return SimpleNamespace(
+        msd=np.ones(1),
+        rtol=1e-6,
+        scaled_position_density=lambda r: (4 * r * np.exp(-2 * r))[None],
+        position_fraction=lambda edges: np.diff(within(edges))[None],
+        position_tail=lambda r: (np.ones((1, len(r))), np.full((1, len(r)), 2.0)),
     )
 
 
@@ -50,6 +81,8 @@ def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> Pa
         return Measured(theory + sigmas * error, error)
 
     rate = cooling_rate_between(TIMES, solution.thermal_speed, EARLY, 0.04)
+    slope = msd_slope_between(TIMES, solution.msd, EARLY)
+    tail: Any = SimpleNamespace(position=made_up_position())
     return ParticleEvidence(
         name=name,
         samples=10_000,
@@ -57,10 +90,13 @@ def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> Pa
         thermal_speed=off(solution.thermal_speed),
         a2=off(solution.a2),
         msd=off(solution.msd),
+        kurtosis=off(solution.kurtosis),
         cooling_rate=off(rate),
+        msd_slope=off(slope),
         free_path=Measured(np.asarray(free_path + sigmas * 0.02), np.asarray(0.02)),
         vdf=off(bin_average(last_vdf(solution), EDGES)),
-        position=off(np.exp(-EDGES[1:])),
+        position=off(bin_density(tail, EDGES)),
+        tail_exponent=off(bands_of(tail)),
         mean_collisions=12.5,
         most_collisions=40,
         above_cap=0.0,
@@ -72,7 +108,13 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
     """A case whose Boltzmann-Grad and hard-disk runs deviate by so many standard errors."""
     solution = made_up_solution()
     scaled: Any = SimpleNamespace(
-        cooling_rate=0.4, a2=0.1, vdf=gaussian_vdf, diffusion_slope=9.0, tail_rate=5.0
+        cooling_rate=0.4,
+        a2=0.1,
+        vdf=gaussian_vdf,
+        diffusion_slope=9.0,
+        tail_rate=5.0,
+        tail_power=0.5,
+        log_tail_amplitude=0.0,
     )
     run = made_up_run("hard disks", solution, disks, 12.5)
     return Case(
@@ -85,11 +127,13 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
         scaled=scaled if restitution < 1 else None,
         kinetic=solution,
         rescaled=solution,
+        late=solution,
+        position=made_up_position(),
         free=made_up_run("Boltzmann-Grad", solution, free, 12.5),
         disks=run,
         rescaled_errors={
             name: getattr(run, name).error
-            for name in ("thermal_speed", "a2", "msd", "cooling_rate")
+            for name in ("thermal_speed", "a2", "msd", "kurtosis", "cooling_rate", "msd_slope")
         },
     )
 
@@ -97,6 +141,35 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
 @pytest.fixture
 def make_case() -> Callable[..., Case]:
     return made_up_case
+
+
+@pytest.fixture
+def scans() -> Scans:
+    """Scans of which all is known: ratios 1 - x, and one density without any trap."""
+    x = np.array([0.01, 0.02, 0.04])
+    ratio = Measured(1 - x, np.full(3, 0.01))
+    names = ("free_path", "thermal_speed", "msd")
+    return Scans(
+        DensityScan(
+            restitution=0.7,
+            densities=x,
+            samples=1000,
+            degree=1,
+            ratios=dict.fromkeys(names, ratio),
+            fits={name: np.array([1.0, -1.0]) for name in names},
+            limits=dict.fromkeys(names, Measured(np.asarray(1.0), np.asarray(0.01))),
+        ),
+        TrapScan(
+            time=1000.0,
+            restitutions=np.array([0.0, 0.3, 0.6]),
+            densities=np.array([0.04, 0.16]),
+            samples=1000,
+            share=Measured(
+                np.array([[0.1, 0.01, 0.0], [0.3, 0.03, 0.001]]),
+                np.array([[0.01, 0.003, 0.0], [0.02, 0.006, 0.001]]),
+            ),
+        ),
+    )
 
 
 @pytest.fixture

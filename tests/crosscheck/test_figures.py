@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics.crosscheck.evidence import Case
-from kinetics.crosscheck.figure_data import all_figures
+from kinetics.crosscheck.evidence import Case, Scans
+from kinetics.crosscheck.figure_data import PAPER_FIGURES, all_figures
 from kinetics.crosscheck.figures import draw, legend_entries, svg
 from kinetics.crosscheck.settings import ReportSettings
 
@@ -18,11 +18,14 @@ MakeCase = Callable[..., Case]
 
 
 @pytest.fixture
-def figures(make_case: MakeCase, settings: ReportSettings) -> dict[str, Any]:
-    return all_figures([make_case(restitution=0.4), make_case(restitution=0.7)], settings)
+def figures(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
+    return all_figures([make_case(restitution=0.4), make_case(restitution=0.7)], scans, settings)
 
 
-NAMES = ["cooling-rate", "a2", "thermal-speed", "inverse-speed", "scaled-vdf", "msd", "position"]
+NAMES = [
+    *PAPER_FIGURES, "cooling-rate", "inverse-speed", "a2", "approach", "vdf-tail", "msd-slope",
+    "kurtosis", "tail-exponent", "density", "traps",
+]  # fmt: skip
 
 
 def test_every_figure_is_there(figures: dict[str, Any]) -> None:
@@ -75,7 +78,7 @@ class Elements(HTMLParser):
         self.found.append((tag, dict(attrs)))
 
 
-@pytest.mark.parametrize("name", ["cooling-rate", "scaled-vdf"])
+@pytest.mark.parametrize("name", ["cooling-rate", "vdf-tail"])
 def test_the_element_stands_alone(figures: dict[str, Any], name: str) -> None:
     text = svg(name, figures[name])
     parser = Elements()
@@ -99,12 +102,12 @@ def test_the_element_stands_alone(figures: dict[str, Any], name: str) -> None:
 
 
 def test_the_same_data_give_the_same_text(figures: dict[str, Any]) -> None:
-    assert svg("msd", figures["msd"]) == svg("msd", figures["msd"])
+    assert svg("approach", figures["approach"]) == svg("approach", figures["approach"])
 
 
 def test_titles_are_escaped(figures: dict[str, Any]) -> None:
-    data = figures["msd"] | {"title": "<script>", "description": "a & <b>"}
-    text = svg("msd", data)
+    data = figures["approach"] | {"title": "<script>", "description": "a & <b>"}
+    text = svg("approach", data)
     assert "<script>" not in text
     assert "&lt;script&gt;" in text
     assert "a &amp; &lt;b&gt;" in text

@@ -9,11 +9,12 @@ from typing import Any
 
 import pytest
 
-from kinetics.crosscheck.evidence import Case
+from kinetics.crosscheck.compared import compare_case
+from kinetics.crosscheck.evidence import Case, Scans
 from kinetics.crosscheck.page import deviation, number, render
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report import build_document, write_report
-from kinetics.crosscheck.rows import compare_case, judged
+from kinetics.crosscheck.rows import judged
 from kinetics.crosscheck.settings import ReportSettings
 from kinetics.crosscheck.text import columns, verdict_table
 
@@ -35,10 +36,10 @@ CHECKS = [
 
 
 @pytest.fixture
-def document(make_case: MakeCase, settings: ReportSettings) -> dict[str, Any]:
+def document(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
     cases = [make_case()]
     rows = judged(row for case in cases for row in compare_case(case, settings))
-    return build_document(settings, cases, rows, CHECKS)
+    return build_document(settings, cases, scans, rows, CHECKS)
 
 
 class Page(HTMLParser):
@@ -112,14 +113,15 @@ def test_texts_are_escaped(document: dict[str, Any]) -> None:
     evil = "<script>alert('x')</script>&\""
     document["title"] = document["summary"] = evil
     document["findings"] = [evil]
+    document["answers"] = [{"question": evil, "answer": evil, "numbers": []}]
     document["rows"][0]["note"] = document["rows"][0]["source"] = evil
     document["algebra"] = [CHECKS[0] | {"label": evil, "note": evil}]
-    document["figures"]["msd"]["title"] = evil
-    document["figures"]["msd"]["description"] = evil
+    document["figures"]["kurtosis"]["title"] = evil
+    document["figures"]["kurtosis"]["description"] = evil
     document["software"]["numpy"] = evil
     text = render(document)
     assert "<script" not in text
-    assert Page(text).text.count(evil) >= 10
+    assert Page(text).text.count(evil) >= 12
 
 
 def test_the_json_is_strict_and_round_trips(document: dict[str, Any]) -> None:
@@ -135,10 +137,12 @@ def test_the_document_names_what_it_needs(document: dict[str, Any]) -> None:
     assert set(document) == {
         "schema", "title", "summary", "units", "software", "settings", "verdicts",
         "verdict_counts", "multiple_comparisons", "findings", "rows", "algebra", "cases", "figures",
+        "answers", "scans",
     }  # fmt: skip
     names = {
         "observable", "restitution", "kind", "source", "against", "value", "theory", "deviation",
-        "error", "time", "c", "sigmas", "corrected_sigmas", "looks", "groups", "verdict", "note",
+        "error", "time", "c", "distance", "sigmas", "corrected_sigmas", "looks", "groups",
+        "verdict", "note",
     }  # fmt: skip
     for row in document["rows"]:
         assert set(row) == names

@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
+from kinetics.crosscheck.compared import compare_case
 from kinetics.crosscheck.evidence import Case
 from kinetics.crosscheck.plain import dumps
 from kinetics.crosscheck.rows import (
@@ -17,7 +18,6 @@ from kinetics.crosscheck.rows import (
     TITLES,
     Row,
     bin_average,
-    compare_case,
     contact_value,
     cooling_rate_between,
     judged,
@@ -110,7 +110,11 @@ def test_the_elastic_case_has_no_scaling_rows(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
     rows = rows_of(make_case(restitution=1.0), settings)
-    assert {row.observable for row in rows} == {"free_path", "a2", "thermal_speed", "msd"}
+    assert {row.observable for row in rows} == set(TITLES) - {
+        "cooling_rate",
+        "scaled_vdf",
+        "msd_slope",
+    }
     json.loads(dumps([asdict(row) for row in rows]))
 
 
@@ -119,7 +123,7 @@ def test_an_approximation_without_a_value_is_undefined(
 ) -> None:
     rows = rows_of(make_case(restitution=0.4), settings)
     sonine = [row for row in rows if row.source == "Sonine"]
-    assert {row.observable for row in sonine} == {"cooling_rate", "a2", "msd"}
+    assert {row.observable for row in sonine} == {"cooling_rate", "a2", "msd", "msd_slope"}
     assert {row.verdict for row in sonine} == {"undefined"}
     assert json.loads(dumps(asdict(sonine[0])))["value"] is None
 
