@@ -109,6 +109,7 @@ def test_rows_of_the_distribution():
     report = BenchReport(tuple(rows), True, ("position",), {"processor": "x"}, 1.0)
     text = report.markdown()
     assert f"- Reference of {reference.problem}, rtol = 1e-08: integrals of 1, R^2 and R^4" in text
+    assert f"- {reference.problem}, eq. peakg, eta = 0.75: " in text
     assert "| as printed | - | - | - | - |" in text
     assert "no other method is quicker" in text
     figure = report.figures()["precision-position.svg"]

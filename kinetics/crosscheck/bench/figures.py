@@ -155,8 +155,8 @@ def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
 
 def _cost(figure: Figure, records: list[Record]) -> None:
     rows = [r for r in records if r.section == cost.SECTION and r.seconds and r.value]
-    groups = {"nodes": ["nodes"], "times, harmonics": ["times", "harmonics"],
-              "wave numbers": ["wave numbers"],
+    groups = {"nodes": ["nodes"], "times": ["times"],
+              "harmonics, wave numbers": ["harmonics", "wave numbers"],
               "scatterers, tracers": ["scatterers", "tracers"]}  # fmt: skip
     axes = figure.subplots(1, len(groups), sharey=True)
     for axis, (label, settings) in zip(axes, groups.items(), strict=True):

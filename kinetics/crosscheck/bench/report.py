@@ -29,7 +29,13 @@ from kinetics.crosscheck.bench.analysis import (
     of_problem,
     problems,
 )
-from kinetics.crosscheck.bench.methods import METHODS, MONTE_CARLO, SPECTRAL, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.methods import (
+    METHODS,
+    MONTE_CARLO,
+    PRINTED,
+    SPECTRAL,
+    STRAIGHTFORWARD,
+)
 from kinetics.crosscheck.bench.record import MEASURED, Record
 from kinetics.errors import InputError
 
@@ -167,10 +173,12 @@ def _precision(report: BenchReport) -> Iterator[str]:
             rows.append([problem, method, *cells, f"{best:.1e}"])
     heads = ["problem", "method", *(f"{t:.0e}" for t in TARGETS), "least error measured"]
     yield from _table(heads, rows)
-    for row in report.records:
-        if row.section == precision.SECTION and row.method == position.REFERENCE:
+    for row in (r for r in report.records if r.section == precision.SECTION):
+        if row.method == position.REFERENCE:
             yield f"- Reference of {row.problem}, rtol = {row.value:.0e}: {row.note}."
-            yield ""
+        if row.method == PRINTED and row.error is not None:
+            yield f"- {row.problem}, {row.setting}: {row.error:.2g}."
+    yield ""
     beaten = left_and_below(list(report.records), precision.SECTION, SPECTRAL, 1e-3)
     if beaten:
         yield "Below an error of 1e-3 the spectral solver is not the quickest here:"
