@@ -168,12 +168,12 @@ class Solution:
         found, r_ = self._position(), _not_negative("r", r)
         return np.array([found.density(i, r_) for i in range(self.times.size)])
 
-    def scaled_position_density(self, scaled: ArrayLike) -> FloatArray:
+    def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
         """G(R) = sqrt(<r^2>) g(r, t) at R = r/sqrt(<r^2>), shape (n_times, n_R).
 
         NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
         """
-        found, x = self._position(), _not_negative("scaled", scaled)
+        found, x = self._position(), _not_negative("scaled_radii", scaled_radii)
         out = np.full((self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root > 0.0:
@@ -191,7 +191,7 @@ class Solution:
             raise InputError(f"edges: got {short(edges)}; they must rise, two at least")
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
 
-    def position_tail(self, scaled: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
 
         Both of shape (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the exponent is n: 2 for a
@@ -199,7 +199,7 @@ class Solution:
         Tracers that have not collided are left out. NaN where p is below its error. Raises
         InputError as :meth:`scaled_position_density` does.
         """
-        found, x = self._position(), _not_negative("scaled", scaled)
+        found, x = self._position(), _not_negative("scaled_radii", scaled_radii)
         exponent = np.full((self.times.size, x.size), np.nan)
         rate = np.full_like(exponent, np.nan)
         for i, root in enumerate(found.root_mean_square):

@@ -65,6 +65,11 @@ BAD_INPUT = [
     (["solve", "--times", "1,nan"], ["times", "nan"]),
     (["solve", "--times", "-1,1"], ["times", "-1"]),
     (["solve", "--times", "1,two"], ["times", "two"]),
+    (["solve", "--outputs", "msd,speed_density"], ["outputs", "speed_density"]),
+    (["solve", "--outputs", ""], ["outputs"]),
+    (["solve", "--radii", "1,-2"], ["radii", "-2"]),
+    (["solve", "--wave-numbers", "-1"], ["wave_numbers", "-1"]),
+    (["solve", "--wave-numbers", "1e9"], ["wave_numbers", "1e+09"]),
     (["solve", "--initial", "cold"], ["initial", "cold"]),
     (["solve", "--rtol", "nan"], ["rtol", "nan"]),
     (["solve", "--scaled", "-e", "1"], ["restitution", "1"]),
@@ -182,6 +187,22 @@ def test_solve_prints_a_table_with_units(capsys: pytest.CaptureFixture[str]) -> 
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split("  ")[-1] == "<r^2> [d^2]"
     assert [line.split()[0] for line in lines[1:3]] == ["1", "10"]
+
+
+def test_solve_prints_what_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    more = ["--outputs", "kurtosis", "--radii", "0,1", "--wave-numbers", "0.0,0.1"]
+    arguments = ["solve", "-e", "0.5", "--times", "0,100", "--rtol", "1e-3", *more]
+    assert cli.main([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "msd" not in found
+    assert found["kurtosis"][1] > 2.0
+    assert found["scaled_position_density"][1][0] == 0.0
+    assert 0.5 < found["scaled_position_density"][1][1] < 0.7
+    assert found["intermediate_scattering"][0] == [1.0, 1.0]
+    assert cli.main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "G(1)" in text
+    assert "F(0.1/d)" in text
 
 
 def test_solve_scaled_prints_the_cooling_rate(capsys: pytest.CaptureFixture[str]) -> None:

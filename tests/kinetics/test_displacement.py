@@ -252,8 +252,8 @@ def test_what_is_not_reached_says_so() -> None:
         (lambda s: s.position_density([-1.0]), "r: got"),
         (lambda s: s.position_density([]), "r: got"),
         (lambda s: s.position_density(["a"]), "r: got"),
-        (lambda s: s.scaled_position_density([math.nan]), "scaled: got"),
-        (lambda s: s.position_tail([-0.5]), "scaled: got"),
+        (lambda s: s.scaled_position_density([math.nan]), "scaled_radii: got"),
+        (lambda s: s.position_tail([-0.5]), "scaled_radii: got"),
         (lambda s: s.position_fraction([1.0]), "edges: got"),
         (lambda s: s.position_fraction([2.0, 1.0]), "edges: got"),
         (lambda s: s.intermediate_scattering([]), "wave_numbers: got"),
@@ -288,7 +288,7 @@ def test_what_was_not_asked_for() -> None:
 
 def test_shares_and_slopes_are_those_of_the_density() -> None:
     """Early and late, where F ends in powers of 1/k: integral and derivative of g(r, t)."""
-    found = density(0.6, [5.0, 6000.0], rtol=1e-5)
+    found = density(0.6, [30.0, 6000.0], rtol=1e-3)
     edges = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 30.0, 80.0])
     shares = found.position_fraction(edges)
     for k in range(edges.size - 1):
