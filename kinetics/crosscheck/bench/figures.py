@@ -67,7 +67,7 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     }
     for file, some in shown.items():
         if some:
-            columns = 4 if len(some) % 4 == 0 else 2
+            columns = next((n for n in (4, 3) if len(some) % n == 0), 2)
             lines = -(-len(some) // columns)
             found[file] = svg(
                 lambda figure, some=some, columns=columns: _work_precision(  # type: ignore[misc]

@@ -29,7 +29,7 @@ def panels(e: float, start: str, times: FloatArray, nodes: int) -> tuple[FloatAr
     from kinetics.initial import NAMED
 
     averages = Averages(
-        CollisionLaw(e), references.MEAN_FREE_PATH, NAMED[start], times, 1e-13, nodes=nodes
+        CollisionLaw(e), references.MEAN_FREE_PATH, NAMED[start], times, TIGHTEST, nodes=nodes
     )
     second, fourth = averages.power(2.0), averages.power(4.0)
     return (

@@ -173,12 +173,9 @@ def _precision(report: BenchReport) -> Iterator[str]:
             rows.append([problem, method, *cells, f"{best:.1e}"])
     heads = ["problem", "method", *(f"{t:.0e}" for t in TARGETS), "least error measured"]
     yield from _table(heads, rows)
-    for row in (r for r in report.records if r.section == precision.SECTION):
-        if row.method == position.REFERENCE:
-            yield f"- Reference of {row.problem}, rtol = {row.value:.0e}: {row.note}."
-        if row.method == PRINTED and row.error is not None:
-            yield f"- {row.problem}, {row.setting}: {row.error:.2g}."
-    yield ""
+    notes = [text for row in report.records if (text := _note(row))]
+    if notes:
+        yield from (*notes, "")
     beaten = left_and_below(list(report.records), precision.SECTION, SPECTRAL, 1e-3)
     if beaten:
         yield "Below an error of 1e-3 the spectral solver is not the quickest here:"
@@ -187,6 +184,15 @@ def _precision(report: BenchReport) -> Iterator[str]:
     else:
         yield "Below an error of 1e-3 no other method is quicker than the spectral solver anywhere."
     yield ""
+
+
+def _note(row: Record) -> str:
+    """What the table of run times has no place for."""
+    if row.section == precision.SECTION and row.method == position.REFERENCE:
+        return f"- Reference of {row.problem}, rtol = {row.value:.0e}: {row.note}."
+    if row.section == precision.SECTION and row.method == PRINTED and row.error is not None:
+        return f"- {row.problem}, {row.setting}: error {row.error:.2g}."
+    return ""
 
 
 def _ratios(report: BenchReport) -> Iterator[str]:
