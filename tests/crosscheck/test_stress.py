@@ -27,6 +27,7 @@ from kinetics.crosscheck.stress.case import (
     named,
 )  # fmt: skip
 from kinetics.crosscheck.stress.command import stress
+from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.solver_cases import draw, random_case, solver_cases
 
 # -- verdicts -------------------------------------------------------------------------------------
@@ -129,6 +130,12 @@ def rejected(report: StressReport) -> list[str]:
 def test_particles_at_their_limits():
     report = run_stress(quick=True, groups=PARTICLES)
     assert {c.group for c in report.cases} == set(PARTICLES)
+    assert not rejected(report)
+
+
+def test_the_position_at_its_limits():
+    report = StressReport(tuple(attempt(*case) for case in position_cases(quick=True)), True, 0.0)
+    assert len(report.cases) == 44
     assert not rejected(report)
 
 

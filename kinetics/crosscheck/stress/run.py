@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 
 from kinetics.crosscheck.stress.case import Case, StressCase, attempt
 from kinetics.crosscheck.stress.particle_cases import particle_cases
+from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
 from kinetics.crosscheck.stress.solver_cases import solver_cases
 from kinetics.errors import InputError
@@ -15,7 +16,7 @@ from kinetics.errors import InputError
 
 def all_cases(quick: bool) -> list[Case]:
     """Every case of a sweep, not run."""
-    return list(itertools.chain(solver_cases(quick), particle_cases(quick)))
+    return list(itertools.chain(solver_cases(quick), position_cases(quick), particle_cases(quick)))
 
 
 def _compile() -> None:

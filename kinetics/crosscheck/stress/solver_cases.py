@@ -18,53 +18,54 @@ RESTITUTIONS = (
     0.0, 1e-10, 1e-8, 1e-4, 0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99, 0.999,
     1.0 - 1e-6, 1.0 - 1e-10, 1.0,
 )  # fmt: skip
-_FEWER = (0.0, 1e-10, 1e-4, 0.2, 0.7, 0.99, 1.0 - 1e-6, 1.0 - 1e-10, 1.0)
+FEWER = (0.0, 1e-10, 1e-4, 0.2, 0.7, 0.99, 1.0 - 1e-6, 1.0 - 1e-10, 1.0)
 _FEW = (0.0, 0.2, 0.7, 0.99)
 TIMES = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
 _ROUNDING = 1e-14  # that a reference in doubles, and the average over a start, may add
 _GROWTH = 1e-13  # of a thermal speed that must not grow, relative
 
 
-def _text(e: float) -> str:
+def label_of(e: float) -> str:
+    """A restitution as the name of a case has it."""
     return f"e = {e:g}" if e < 0.9995 or e == 1.0 else f"e = 1 - {1.0 - e:.0e}"
 
 
 def solver_cases(quick: bool) -> Iterator[Case]:
     """All of them, in groups."""
-    some = _FEWER if quick else RESTITUTIONS
+    some = FEWER if quick else RESTITUTIONS
     for e in some:
         for rtol in (1e-4, 1e-12) if quick else (1e-3, 1e-6, 1e-9, 1e-12):
-            name = f"{_text(e)}, rtol {rtol:.0e}"
+            name = f"{label_of(e)}, rtol {rtol:.0e}"
             yield named("scaled equation", name, _scaled, e, rtol, None)
     for e in _FEW:
         for nodes in (8, 16, 64, 256, 1024) if quick else (8, 12, 16, 32, 64, 256, 1024, 4096):
-            name = f"{_text(e)}, {nodes} nodes"
+            name = f"{label_of(e)}, {nodes} nodes"
             yield named("scaled equation, nodes given", name, _scaled, e, 1e-12, nodes)
     for e in some:
         for start in ("gaussian", "monoenergetic"):
             for scale in (1e-150, 1.0, 1e150):
-                name = f"{_text(e)}, {start}, speeds times {scale:g}, t to 1e300"
+                name = f"{label_of(e)}, {start}, speeds times {scale:g}, t to 1e300"
                 yield named("cooling", name, _cooling, e, start, scale, 0.04, 1e-9)
     for e in _FEW:
         for density in (1e-150, 1e150):
-            name = f"{_text(e)}, gaussian, {density:g} scatterers per d^2"
+            name = f"{label_of(e)}, gaussian, {density:g} scatterers per d^2"
             yield named("cooling", name, _cooling, e, "gaussian", 1.0, density, 1e-9)
         for rtol in (0.1, 1e-3, 1e-6, 1e-12, 1e-13):
-            name = f"{_text(e)}, kept references, rtol {rtol:.0e}"
+            name = f"{label_of(e)}, kept references, rtol {rtol:.0e}"
             yield named("cooling", name, _kept, e, rtol)
     for e in (0.0, 0.2, 0.7, 1.0 - 1e-6) if quick else some:
         for label in starts():
-            yield named("starts", f"{_text(e)}, {label}", _rough, e, label, 1e-8)
+            yield named("starts", f"{label_of(e)}, {label}", _rough, e, label, 1e-8)
     for e in (0.0, 0.7, 0.99) if quick else (0.0, 1e-4, 0.2, 0.5, 0.7, 0.9, 0.99, 0.999):
         for count in (8, 64, 512, None) if quick else (8, 16, 64, 256, 1024, 4096, None):
-            name = f"{_text(e)}, gaussian, {count or 'its own'} nodes"
+            name = f"{label_of(e)}, gaussian, {count or 'its own'} nodes"
             yield named("spectral density", name, _density, e, "gaussian", "spectral", count)
         yield named(
-            "spectral density", f"{_text(e)}, tail v^-6", _density, e, "tail v^-6", None, None
+            "spectral density", f"{label_of(e)}, tail v^-6", _density, e, "tail v^-6", None, None
         )
         for count in (8, 64, 512) if quick else (8, 16, 64, 256, 1024, 4096):
             for label in ("gaussian", "monoenergetic", "step", "two delta peaks", "tail v^-6"):
-                name = f"{_text(e)}, {label}, {count} nodes"
+                name = f"{label_of(e)}, {label}, {count} nodes"
                 yield named("conservative density", name, _conservative, e, label, count)
     random = np.random.default_rng(2026)
     for k in range(20 if quick else 200):
@@ -365,7 +366,7 @@ def draw(random: np.random.Generator) -> dict[str, Any]:
 def describe(arguments: dict[str, Any]) -> str:
     """One line that tells cases apart."""
     return (
-        f"{_text(arguments['restitution'])}, {arguments['start']} times {arguments['scale']:.0e}, "
+        f"{text(arguments['restitution'])}, {arguments['start']} times {arguments['scale']:.0e}, "
         f"{arguments['number_density']:.0e} per d^2, rtol {arguments['rtol']:.0e}"
     )
 
