@@ -365,8 +365,9 @@ def draw(random: np.random.Generator) -> dict[str, Any]:
 
 def describe(arguments: dict[str, Any]) -> str:
     """One line that tells cases apart."""
+    first = label_of(arguments["restitution"])
     return (
-        f"{label_of(arguments['restitution'])}, {arguments['start']} times {arguments['scale']:.0e}, "
+        f"{first}, {arguments['start']} times {arguments['scale']:.0e}, "
         f"{arguments['number_density']:.0e} per d^2, rtol {arguments['rtol']:.0e}"
     )
 
