@@ -45,6 +45,7 @@ def made_up(scale=1.0):
             position_fraction=lambda edges: -scale * np.diff(np.exp(-((edges / 3) ** 2)))[None],
         ),
         kurtosis=2.0,
+        rtol=1e-8,
     )
 
 
@@ -91,10 +92,10 @@ def test_the_moments_that_a_reference_misses():
 def test_rows_of_the_distribution():
     rows = position._density(0.9, 1000.0, ONCE)
     (reference,) = [r for r in rows if r.method == position.REFERENCE]
-    assert reference.error < 1e-6
+    assert reference.error < 1e-5
     assert reference.seconds is None  # no competitor
     spectral = [r for r in rows if r.method == methods.SPECTRAL]
-    assert [r.asked for r in spectral] == [1e-2, 1e-4, 1e-6]
+    assert [r.asked for r in spectral] == [1e-2, 1e-4, 1e-5]
     assert all(r.error <= r.asked for r in spectral)
     # 49 times as many samples: 7 times less, within the scatter of a largest error
     errors = [r.error for r in rows if r.method == methods.MONTE_CARLO]
@@ -108,7 +109,7 @@ def test_rows_of_the_distribution():
 
     report = BenchReport(tuple(rows), True, ("position",), {"processor": "x"}, 1.0)
     text = report.markdown()
-    assert f"- Reference of {reference.problem}, rtol = 1e-08: integrals of 1, R^2 and R^4" in text
+    assert f"- Reference of {reference.problem}, rtol = 1e-07: integrals of 1, R^2 and R^4" in text
     assert f"- {reference.problem}, eq. peakg, eta = 0.75: " in text
     assert "| as printed | - | - | - | - |" in text
     assert "no other method is quicker" in text
