@@ -60,7 +60,7 @@ class Observable:
     harmonic : m
     constant : source that does not depend on X
     sources : (factor, observable) pairs that drive it
-    growth : late, it is a polynomial of this degree in ln T; 1 or 2
+    growth : late, it is a polynomial of this degree in ln T; 0 to 2
     """
 
     degree: float = 0.0
@@ -83,11 +83,11 @@ QUARTIC_DISPLACEMENT = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
     """v^p cos(m (phi - phi_0))."""
-    return Observable(degree=p, harmonic=harmonic)
+    return Observable(degree=p, harmonic=harmonic, growth=0)
 
 
 # d r^2/d ln t, driven by the velocity along the start
-MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),))
+MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
 
 
 def moment_series(
@@ -235,7 +235,7 @@ class BackwardEquation:
         """y T^-(p + leading) where X = x is below the panels, y elsewhere; NaN where not.
 
         Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, linear or quadratic in X. Apart, because T^p alone may overflow. x
+        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. x
         of any shape, -inf allowed.
         """
         panels = self._solve(observable)
@@ -258,6 +258,8 @@ class BackwardEquation:
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
         """The polynomial in X through the ends of the last panels, at X in panels."""
         ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
+        if growth == 0:
+            return np.full(level.shape, ends[0])
         first = ends[0] - ends[1]
         u = level - self.count
         if growth < 2 or values.shape[0] <= 3:

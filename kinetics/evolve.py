@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.backward import BackwardEquation, Observable, nodes_for
+from kinetics.backward import BackwardEquation, Observable, nodes_for, speed_power
 from kinetics.collision import CollisionLaw
 from kinetics.initial import State
 from kinetics.measure import LogMeasure
@@ -98,7 +98,7 @@ class Averages:
         if found is None:
             return np.zeros(self.times.shape)
         if not self.elastic:
-            return self.average(Observable(degree=p, harmonic=m))
+            return self.average(speed_power(p, m))
         # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)] = nu_m
         with np.errstate(under="ignore", over="ignore"):
             kept = np.exp(p * (found.x - self.log_reference[:, None]))
