@@ -144,7 +144,7 @@ def test_the_ring_as_the_bounce_becomes_elastic() -> None:
         loss = 1 - e
         variance = 1 - exact.moment(1) ** 2
         # 1 - <c>^2 is known to some units in the last place of 1
-            assert variance == pytest.approx((1 - e * e) / 5, rel=3 * loss + 2e-7, abs=2e-15)
+        assert variance == pytest.approx((1 - e * e) / 5, rel=3 * loss + 2e-7, abs=2e-15)
         assert exact.cooling_rate / loss == pytest.approx(4 / 3, rel=2 * loss + 1e-13, abs=0.0)
         assert exact.a2 == pytest.approx(-0.5, abs=loss)
         width = math.sqrt(variance)
