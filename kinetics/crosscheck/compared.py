@@ -315,6 +315,17 @@ PAPER_KURTOSIS = 4.0
 """<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. gdefi, for every eta."""
 
 
+SURE = 20.0
+"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
+
+
+def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
+    """Those of the R at which the last G(R) is well above its error, and G(R) there."""
+    density = case.position.scaled_position_density(r)[-1]
+    known = density > SURE * case.position.rtol
+    return r[known], density[known]
+
+
 def bin_density(case: Case, edges: Array) -> Array:
     """G(R) of the kinetic equation at the last time, averaged over each bin of R."""
     root = math.sqrt(float(case.position.msd[-1]))
@@ -324,7 +335,7 @@ def bin_density(case: Case, edges: Array) -> Array:
 def _position(case: Case) -> list[Row]:
     rows: list[Row] = []
     if case.exact is not None:
-        rows += [_printed_position(case, *form) for form in POSITION_FORMS]
+        rows += [row for form in POSITION_FORMS for row in _printed_position(case, *form)]
     edges = case.position_edges
     centres = (edges[1:] + edges[:-1]) / 2
     theory = bin_density(case, edges)
@@ -356,21 +367,25 @@ POSITION_FORMS = (
 
 def _printed_position(
     case: Case, source: str, form: Callable[[Array], Array], low: float, high: float, note: str
-) -> Row:
-    r = np.linspace(low, high, 61)
-    printed, theory = form(r), case.position.scaled_position_density(r)[-1]
+) -> list[Row]:
+    r, theory = sure_density(case, np.linspace(low, high, 61))
+    if not r.size:
+        return []
+    printed = form(r)
     k = int(np.argmax(np.abs(np.log(printed / theory))))
-    return approximation(
-        case,
-        "position",
-        source,
-        float(printed[k]),
-        float(theory[k]),
-        KINETIC,
-        float(case.times[-1]),
-        note + ", at its worst",
-        float(r[k]),
-    )
+    return [
+        approximation(
+            case,
+            "position",
+            source,
+            float(printed[k]),
+            float(theory[k]),
+            KINETIC,
+            float(case.times[-1]),
+            note + ", at its worst",
+            float(r[k]),
+        )
+    ]
 
 
 def bands_of(case: Case) -> Array:

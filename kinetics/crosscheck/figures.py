@@ -65,6 +65,8 @@ STROKES: dict[str, dict[str, Any]] = {
 # In inches: the page scales a figure to its column, a phone's is about this wide.
 _WIDTH, _AXIS_HEIGHT, _BELOW_AXIS = 5.0, 3.4, 0.5
 _LEGEND_COLUMNS = 3
+# Over more decades, minor ticks are a smear, and half the time of drawing.
+_MOST_WITH_MINOR_TICKS = 1e3
 
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
@@ -95,7 +97,7 @@ def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = Non
 
     `palette` maps the stand-in colours to others.
     """
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import NullFormatter, NullLocator
 
     for series, colour in zip(data["series"], _colours(data), strict=True):
         stroke = STROKES[series["source"]]
@@ -116,6 +118,10 @@ def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = Non
             side.set_minor_formatter(NullFormatter())
         if spec["limits"] is not None:
             axis.set(**{f"{name}lim": tuple(spec["limits"])})
+        if spec["scale"] == "log":
+            low, high = getattr(axis, f"get_{name}lim")()
+            if high > _MOST_WITH_MINOR_TICKS * low:
+                side.set_minor_locator(NullLocator())
 
 
 def legend_entries(data: FigureData) -> list[tuple[str, dict[str, Any]]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.compared import PAPER_KURTOSIS, bands_of, sonine_slopes
+from kinetics.crosscheck.compared import PAPER_KURTOSIS, bands_of, sonine_slopes, sure_density
 from kinetics.crosscheck.evidence import Case, DensityScan, Measured, TrapScan
 from kinetics.crosscheck.figure_parts import (
     Data,
@@ -27,8 +27,6 @@ APPROACH_ENDS = 1e5
 """Last time, in d/U, of the figure of the approach to the scaling state."""
 LARGEST_EXPONENT_ERROR = 0.5
 """Standard error of n(R) above which a point says nothing."""
-SURE = 20.0
-"""Multiples of its tolerance above which G(R) is known well enough for its slope."""
 RATIO_NAMES = {"free_path": "free path", "thermal_speed": "thermal speed", "msd": "⟨r²⟩"}
 
 
@@ -235,10 +233,10 @@ def tail_exponent(cases: Sequence[Case]) -> Data:
     for case in cases:
         e = case.restitution
         # Far out the density falls below what the solver was asked for, and its slope is noise.
-        sure = case.position.scaled_position_density(r)[-1] > SURE * case.position.rtol
-        n = case.position.position_tail(r[sure])[0][-1]
-        smallest = min(smallest, float(np.nanmin(n)))
-        lines.append(series("kinetic equation", r[sure], n, None, e))
+        known, _ = sure_density(case, r)
+        n = case.position.position_tail(known)[0][-1]
+        smallest = min([smallest, *n[np.isfinite(n)]])
+        lines.append(series("kinetic equation", known, n, None, e))
         lines.append(series("same bands", at, bands_of(case), None, e))
         for run in both_runs(case):
             data = run.tail_exponent

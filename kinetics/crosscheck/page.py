@@ -49,7 +49,7 @@ def render(document: Mapping[str, Any]) -> str:
         .get_template("report.html.j2")
         .render(
             doc=document,
-            number=number,
+            answers=[_answer(item, document["settings"]) for item in document["answers"]],
             figure_groups=_figure_groups(document["figures"]),
             svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
             equations=report_equations(),
@@ -59,6 +59,23 @@ def render(document: Mapping[str, Any]) -> str:
             method=_method(document),
         )
     )
+
+
+def _answer(item: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """A question with its numbers as a table: one line per name, one cell per restitution."""
+    lines: dict[tuple[str, str], dict[float | None, str]] = {}
+    for n in item["numbers"]:
+        cells = lines.setdefault((n["name"], n["unit"]), {})
+        cells[n["restitution"]] = number(n["value"], n["error"])
+    table = [
+        {
+            "name": f"{name}  [{unit}]" if unit else name,
+            "all": cells.get(None),
+            "cells": [cells.get(e, "–") for e in settings["restitutions"]],
+        }
+        for (name, unit), cells in lines.items()
+    ]
+    return {"question": item["question"], "answer": item["answer"], "table": table}
 
 
 def _figure_groups(figures: Mapping[str, Any]) -> list[tuple[str, list[str]]]:

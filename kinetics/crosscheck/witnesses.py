@@ -10,6 +10,7 @@ from kinetics.crosscheck.evidence import Array, Case, Measured, ParticleEvidence
 from kinetics.crosscheck.histograms import jackknife_error, measured_exponent, scaled_density
 from kinetics.crosscheck.rows import cooling_rate_between, msd_slope_between
 from kinetics.crosscheck.settings import ReportSettings
+from kinetics.errors import InputError
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -114,7 +115,12 @@ def gather_case(
         workers=settings.workers,
         observables=("finals",),
     )
-    rescaled = equation(1 / (2 * float(disks.mean_free_path.value)))
+    path = float(disks.mean_free_path.value)
+    if not np.isfinite(path):
+        raise InputError(
+            f"final_times: got {last:g}; no hard-disk tracer has collided by then, some must"
+        )
+    rescaled = equation(1 / (2 * path))
     return Case(
         restitution=e,
         times=times,

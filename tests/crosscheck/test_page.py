@@ -11,6 +11,7 @@ import pytest
 
 from kinetics.crosscheck.compared import compare_case
 from kinetics.crosscheck.evidence import Case, Scans
+from kinetics.crosscheck.figure_data import PAPER_FIGURES
 from kinetics.crosscheck.page import deviation, number, render
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report import build_document, write_report
@@ -191,3 +192,61 @@ def test_plain_leaves_no_numpy_and_no_nan() -> None:
 
     value = {"a": np.array([1.0, np.nan]), "b": (np.float64(2), np.int32(3)), "c": float("inf")}
     assert plain(value) == {"a": [1.0, None], "b": [2.0, 3], "c": None}
+
+
+def test_figures_are_written_as_files(document: dict[str, Any], tmp_path: Path) -> None:
+    document["figures"] = {name: document["figures"][name] for name in ("v0re", "traps")}
+    paths = write_report(document, tmp_path / "out", formats=("svg", "pdf", "png", "png"))
+    assert [p.name for p in paths[2:]] == [
+        f"report-{name}.{kind}" for name in ("v0re", "traps") for kind in ("svg", "pdf", "png")
+    ]
+    starts = {".svg": b"<?xml", ".pdf": b"%PDF", ".png": b"\x89PNG"}
+    for path in paths[2:]:
+        assert path.read_bytes().startswith(starts[path.suffix])
+
+
+def test_the_paper_s_figures_come_first_under_a_heading(document: dict[str, Any]) -> None:
+    page = Page(render(document))
+    names = [i.removeprefix("figure-") for i in page.ids if i.startswith("figure-")]
+    assert tuple(names[:7]) == PAPER_FIGURES
+    assert "The paper's figures" in page.text
+    assert "Figures that the paper lacks" in page.text
+
+
+def test_every_answer_is_in_the_page_with_its_numbers(document: dict[str, Any]) -> None:
+    assert len(document["answers"]) == 5
+    text = " ".join(Page(render(document)).text.split())
+    for item in document["answers"]:
+        assert item["question"] in text
+        assert item["answer"] in text
+        for n in item["numbers"]:
+            assert n["name"] in text
+            assert number(n["value"], n["error"]) in text
+
+
+@pytest.mark.parametrize(("width", "dark"), [(360, False), (800, True), (1400, False)])
+def test_the_report_in_a_browser(
+    document: dict[str, Any], browser: Any, tmp_path: Path, width: int, dark: bool
+) -> None:
+    path = tmp_path / "report.html"
+    path.write_text(render(document), encoding="utf-8")
+    boxes = (
+        "[...document.querySelectorAll('figure svg')].map(s => {"
+        "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})"
+    )
+    questions = {
+        "boxes": boxes,
+        "wide": "document.documentElement.scrollWidth",
+        "background": "getComputedStyle(document.body).backgroundColor",
+    }
+    seen = browser.visit(path, width, questions, dark)
+    assert seen.complaints == []
+    assert seen.requests == [path.resolve().as_uri()]
+    assert len(seen.answers["boxes"]) == len(document["figures"]) == 17
+    for left, right, across, down in seen.answers["boxes"]:
+        assert left >= 0
+        assert right <= width + 0.5
+        assert across > 0.8 * min(width, 370)
+        assert down > 200
+    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
+    assert (seen.answers["background"] == "rgb(20, 23, 27)") is dark
