@@ -216,7 +216,7 @@ def solve_displacement(
     active = np.nonzero(width > 0.0)[0]
     panels: list[WavePanel] = []
     tails: list[PowerTail | None] = [None] * times.size
-    missed = np.zeros(times.size)
+    missed, known = np.zeros(times.size), np.zeros(times.size)
     system = Scattering(law, mean_free_path, state, times)
     speeds = points_of(state, 1.0, 1e-3)
     typical = math.exp(0.5 * speeds.log_second_moment()) / mean_free_path
@@ -236,8 +236,10 @@ def solve_displacement(
         size = max(float(np.abs(panel.values).max()) for panel in new)
         for i in active:
             tails[i], left = _rest(panels, int(i), math.inf if peaks else max(1.0, 1.0 / width[i]))
-            # F missing at K adds about K sigma F to G
-            missed[i] = (left + error) * max(1.0, width[i] * high)
+            # F missing at K, or wrong there, adds about K sigma F to G
+            share = max(1.0, width[i] * high)
+            known[i] = max(known[i], error * share)
+            missed[i] = left * share + known[i]
         active = active[missed[active] > 2.0 * rtol]
         low, high = high, 2.0 * high
     if active.size:
