@@ -181,7 +181,10 @@ def _method(document: Mapping[str, Any]) -> dict[str, str]:
     settings = document["settings"]
     times = ", ".join(f"{t:g}" for t in settings["final_times"])
     return {
-        "solver": f"relative tolerance asked for {settings['rtol']:g}",
+        "solver": (
+            f"relative tolerance asked for {settings['rtol']:g}, {settings['position_rtol']:g} for "
+            "G(R)"
+        ),
         "hard disks": (
             f"{settings['media']} configurations of {settings['count']} disks times "
             f"{settings['tracers']} velocities, starting at the centre of the periodic box"

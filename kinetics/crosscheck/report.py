@@ -18,7 +18,8 @@ from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence, Scans
 from kinetics.crosscheck.figure_data import all_figures
 from kinetics.crosscheck.figures import figure_file
 from kinetics.crosscheck.files import write_together
-from kinetics.crosscheck.page import render
+from kinetics.crosscheck.further_figures import RATIO_NAMES
+from kinetics.crosscheck.page import number, render
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.rows import (
     RESCALED,
@@ -125,7 +126,7 @@ def build_document(
                 f"{len(statistical) * chance(AGREES_BELOW):.2g} of the rows would be expected not "
                 f"to agree by chance, and {len(statistical) * chance(DIFFERS_ABOVE):.1g} to differ."
             ),
-            "findings": _findings(settings, cases, rows),
+            "findings": _findings(settings, cases, scans, rows),
             "rows": [asdict(row) for row in rows],
             "algebra": list(checks),
             "cases": [_case(case) for case in cases],
@@ -196,7 +197,9 @@ def _summary(
     )
 
 
-def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Row]) -> list[str]:
+def _findings(
+    settings: ReportSettings, cases: Sequence[Case], scans: Scans | None, rows: Sequence[Row]
+) -> list[str]:
     """What explains the differences, one sentence each, with numbers and errors."""
     out = []
     dilute = 1 / (2 * settings.number_density)
@@ -208,6 +211,16 @@ def _findings(settings: ReportSettings, cases: Sequence[Case], rows: Sequence[Ro
             f"e = {case.restitution:g}: hard disks have the mean free path {value:.3f} ± "
             f"{error:.3f} d, {100 * (value / dilute - 1):+.1f} ± {100 * error / dilute:.1f} % from "
             f"1/(2dρ₀) = {dilute:.4g} d (1/(2dρ₀g) = {dilute / g:.4g} d). " + _remaining(case, rows)
+        )
+    if scans is not None:
+        limits = ", ".join(
+            f"{RATIO_NAMES[name]} {number(float(limit.value), float(limit.error))}"
+            for name, limit in scans.density.limits.items()
+        )
+        out.append(
+            f"Hard disks at e = {scans.density.restitution:g} over the kinetic equation, "
+            f"extrapolated to ρ₀d² = 0 from densities {scans.density.densities[0]:g} to "
+            f"{scans.density.densities[-1]:g}: {limits}; 1 if the density explains all."
         )
     capped = max(max(case.free.above_cap, case.disks.above_cap) for case in cases)
     most = max(max(case.free.most_collisions, case.disks.most_collisions) for case in cases)
