@@ -135,6 +135,8 @@ def report(
     Writes report.html, which needs nothing beside it, and report.json with every number in it, and
     prints a verdict per comparison.
     """
+    # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck.files import require_writable_folder
     from kinetics.crosscheck.settings import ReportSettings, final_time
 
