@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 
 from kinetics import cli
@@ -169,7 +170,9 @@ def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]
         out = capsys.readouterr().out
         assert f"lorentz {name}" in out
         for parameter in cli.cli.commands[name].params:
-            assert parameter.help, f"{name} {parameter.name} has no help"  # type: ignore[attr-defined]
+            # What an argument is, the command's own text says: click has no help for arguments.
+            if isinstance(parameter, click.Option):
+                assert parameter.help, f"{name} {parameter.name} has no help"
 
 
 def test_solve_prints_one_json_document(capsys: pytest.CaptureFixture[str]) -> None:
