@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.compared import bands_of, sonine_slopes, sure_density
+from kinetics.crosscheck.compared import sonine_slopes
 from kinetics.crosscheck.evidence import Case, Measured, ParticleEvidence
 from kinetics.crosscheck.figure_parts import all_restitutions
 from kinetics.crosscheck.histograms import band_middles
 from kinetics.crosscheck.page import SHORT
+from kinetics.crosscheck.positions import bands_of, sure_density
 from kinetics.crosscheck.rows import Row, bin_average, msd_slope_between
 from kinetics.crosscheck.verdicts import corrected_sigmas, worst
 

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from kinetics import sonine
 from kinetics.crosscheck.evidence import Array, Case, Measured
-from kinetics.crosscheck.histograms import BANDS, band_exponent, band_middles
+from kinetics.crosscheck.histograms import band_middles
+from kinetics.crosscheck.positions import bands_of, bin_density, sure_density
 from kinetics.crosscheck.rows import (
     EXACT,
     KINETIC,
@@ -315,23 +316,6 @@ PAPER_KURTOSIS = 4.0
 """<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. gdefi, for every eta."""
 
 
-SURE = 20.0
-"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
-
-
-def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
-    """Those of the R at which the last G(R) is well above its error, and G(R) there."""
-    density = case.position.scaled_position_density(r)[-1]
-    known = density > SURE * case.position.rtol
-    return r[known], density[known]
-
-
-def bin_density(case: Case, edges: Array) -> Array:
-    """G(R) of the kinetic equation at the last time, averaged over each bin of R."""
-    root = math.sqrt(float(case.position.msd[-1]))
-    return np.asarray(case.position.position_fraction(edges * root)[-1] / np.diff(edges))
-
-
 def _position(case: Case) -> list[Row]:
     rows: list[Row] = []
     if case.exact is not None:
@@ -386,12 +370,6 @@ def _printed_position(
             float(r[k]),
         )
     ]
-
-
-def bands_of(case: Case) -> Array:
-    """The kinetic equation's `band_exponent`, from the shares that a histogram would have."""
-    root = math.sqrt(float(case.position.msd[-1]))
-    return band_exponent(case.position.position_fraction(BANDS * root)[-1])
 
 
 def _tail_exponent(case: Case) -> list[Row]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.compared import PAPER_KURTOSIS, bands_of, sonine_slopes, sure_density
+from kinetics.crosscheck.compared import PAPER_KURTOSIS, sonine_slopes
 from kinetics.crosscheck.evidence import Case, DensityScan, Measured, TrapScan
 from kinetics.crosscheck.figure_parts import (
     Data,
@@ -19,6 +19,7 @@ from kinetics.crosscheck.figure_parts import (
 )
 from kinetics.crosscheck.histograms import band_middles
 from kinetics.crosscheck.paper_figures import vdf_lines
+from kinetics.crosscheck.positions import bands_of, sure_density
 from kinetics.crosscheck.settings import ReportSettings
 
 LARGEST_SLOPE_ERROR = 0.2

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.compared import bands_of, bin_density
 from kinetics.crosscheck.evidence import (
     Case,
     DensityScan,
@@ -20,6 +19,7 @@ from kinetics.crosscheck.evidence import (
     Scans,
     TrapScan,
 )
+from kinetics.crosscheck.positions import bands_of, bin_density
 from kinetics.crosscheck.rows import (
     bin_average,
     cooling_rate_between,
