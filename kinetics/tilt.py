@@ -42,6 +42,7 @@ SPAN = 2.6
 # tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of the rounding.
 _FEW_BOUNCES = 0.6
 _BULK_DROP = 4.0
+_ELASTIC = 1.0 - 1e-6  # the tilted state is nearly a ring above it
 
 
 @dataclass(frozen=True)
@@ -101,14 +102,23 @@ class Tilt:
             return np.asarray(np.log(np.maximum(value, 0.0)) - self.theta * x)
 
 
+def _variance(law: CollisionLaw, theta: float) -> float:
+    """Of x under the tilt, nearly: the second derivative of ln E[(kappa v t/l)^z] at theta."""
+    if law.restitution > _ELASTIC:
+        # E[xi^2]/(2 kappa), which differences of logarithms close to 0 do not hold
+        q = law.quadrature
+        return float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss)
+    around = theta + np.array([-0.01, 0.01])
+    return float(np.diff(peak_position(law, around))[0]) / 0.02
+
+
 def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
     """Ends of the window beyond which the tilted density weighs e^-depth, and its width.
 
     Chernoff's bound on either side. The cumulants K(theta + n) it needs are sums of
     rho(z) = ln(kappa z/lambda(z)), taken in steps of about half a standard deviation.
     """
-    around = theta + np.array([-0.01, 0.01])
-    deviation = math.sqrt(float(np.diff(peak_position(law, around))[0]) / 0.02)
+    deviation = math.sqrt(_variance(law, theta))
     stride = max(1, round(0.5 / deviation))
     n = np.arange(1, 51)
     # sum of rho over stride integers, from its middle: exact at stride 1
@@ -163,6 +173,9 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     z = real[:, None] + 1j * k
     if law.restitution == 0.0:
         return np.asarray(-np.log(1.0 + z))
+    if law.restitution > _ELASTIC:
+        # 1 - E[s^z] would be 0
+        return np.asarray(np.log(flux_symbol(law, z.ravel()).reshape(z.shape)))
     q = law.quadrature_for(float(np.abs(real).max() + k[-1]))
     weights = q.weight * np.exp(-np.multiply.outer(real, q.log_loss))
     power = weights @ np.exp(-1j * np.multiply.outer(q.log_loss, k))
