@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,9 @@ def solve_document(
     wanted = list(names)
     wanted += ["position_density"] if radii else []
     wanted += ["intermediate_scattering"] if wave_numbers else []
+    for name, values in (("radii", radii), ("wave_numbers", wave_numbers)):
+        if not all(0.0 <= x < math.inf for x in values):  # before minutes of work
+            raise InputError(f"{name}: got {short(values)}; they must be finite, none negative")
     solution = solve(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {name: value for name, value in system.items() if name != "times"}
     found |= {"rtol": rtol, "status": solution.status.name.lower(), "times": solution.times}
