@@ -25,6 +25,7 @@ from kinetics.measure import LogMeasure
 FloatArray = NDArray[np.float64]
 Profile = Callable[[FloatArray], NDArray[Any]]
 
+_FAR_BESSEL = 3e4  # root of q from which exp(-q) I(q) is its asymptotic series
 _NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
 
 
@@ -99,25 +100,35 @@ class Gaussian(State):
     def _wide(self) -> float:
         return max(self.deviation_x, self.deviation_y)
 
+    @property
+    def _ratio(self) -> float:
+        """Of the wider deviation to the other."""
+        return self._wide / min(self.deviation_x, self.deviation_y)
+
     def _factor(self, m: int) -> Callable[[Any], Any] | None:
         """f_m over the density of an isotropic Gaussian of the wider deviation D, at v/D.
 
-        1/sx^2 and 1/sy^2 differ from their mean by -+ 2 q: the angle gives a Bessel function
-        I_(m/2)(q v^2), even m only.
+        With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only, of
+        q = (a^2 - 1) v^2/4: the inverse squares of the deviations differ by that much.
         """
         if self.deviation_x == self.deviation_y:
             return None
-        wide = self._wide
-        a, b = (wide / self.deviation_x) ** 2, (wide / self.deviation_y) ** 2
-        q = 0.25 * (b - a)  # > 0 where the spread is along x
-        scale = math.sqrt(a * b)
+        ratio, order = self._ratio, m // 2
+        half = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio))
+        sign = -1.0 if order % 2 and self.deviation_y > self.deviation_x else 1.0
 
         def factor(v: Any) -> Any:
             from scipy.special import ive
 
-            sign = math.copysign(1.0, q) ** (m // 2)
-            exponent = 0.5 * v * v - 0.25 * (a + b) * v * v + abs(q) * v * v
-            return sign * scale * np.exp(exponent) * ive(m // 2, abs(q) * v * v)
+            # sqrt(q)/a: q itself may overflow
+            root = half * np.asarray(v)
+            far = root > _FAR_BESSEL / ratio
+            q = (ratio * np.where(far, 0.0, root)) ** 2
+            beyond = 1.0 / np.where(far, root, 1.0)
+            small = (0.5 * beyond / ratio) ** 2  # 1/(4 q)
+            series = 1.0 - (2 * order**2 - 0.5) * small * (1.0 - (order**2 - 2.25) * small)
+            beyond = beyond * series / math.sqrt(2.0 * math.pi)
+            return sign * np.where(far, beyond, ratio * ive(order, q))
 
         return factor
 
@@ -128,7 +139,8 @@ class Gaussian(State):
         m = abs(m)
         if (m and self.highest_harmonic == 0) or m % 2:
             return None
-        return measure.gaussian(rtol, lowest, highest, self._wide, self._factor(m))
+        factor = self._factor(m)
+        return measure.gaussian(rtol, lowest, highest, self._wide, factor, self._ratio)
 
     def profile(self, m: int) -> Profile | None:
         """v exp(-v^2/2 D^2)/D^2 times the Bessel factor."""
@@ -138,7 +150,7 @@ class Gaussian(State):
         wide, factor = self._wide, self._factor(m)
 
         def value(v: FloatArray) -> NDArray[Any]:
-            u = v / wide
+            u = np.minimum(v / wide, 100.0)  # beyond, nothing is left
             with np.errstate(under="ignore"):
                 f = u / wide * np.exp(-0.5 * u * u)
             return f if factor is None else np.asarray(f * factor(u))
@@ -200,7 +212,15 @@ class SpeedTable(State):
         """Gauss points on the linear pieces."""
         if m:
             return None
-        return measure.table(np.asarray(self.speed), np.asarray(self.density))
+        return measure.table(np.asarray(self.speed), np.asarray(self.density), 0.1 * rtol, lowest)
+
+    @property
+    def lowest_moment(self) -> float:  # type: ignore[override]
+        """From the first piece, if that begins at speed 0."""
+        speed, density = np.asarray(self.speed), np.asarray(self.density)
+        if speed[0] > 0.0:
+            return -math.inf
+        return -1.0 if density[0] > 0.0 else -2.0
 
     def profile(self, m: int) -> Profile | None:
         """Linear interpolation."""

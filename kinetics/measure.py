@@ -25,6 +25,7 @@ FloatArray = NDArray[np.float64]
 
 _MOST_POINTS = 400  # samples up to this number are kept as they are
 _CLOSE = 512  # points of a panel of the scan where narrow peaks are looked for
+_LOWEST = -700.0  # ln v
 _FAR = 60.0  # e-folds above the bulk
 _MOST_PIECES = 5000  # of an integral that go on being halved
 
@@ -55,16 +56,20 @@ def gaussian(
     highest: float,
     deviation: float = 1.0,
     factor: Callable[[Any], Any] | None = None,
+    ratio: float = 1.0,
 ) -> LogMeasure:
     """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
     Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
     the powers of v. The left end is where v^(2 + lowest) is below rtol. ``factor`` multiplies the
-    density, as a function of v/D.
+    density, as a function of v/D; it is at most ``ratio``, and at most D/v.
     """
     depth = math.log(1.0 / rtol)
     spacing = 0.5 * math.pi**2 / (depth + 8.0 + 1.5 * highest)
-    left = -(depth + 2.0) / (2.0 + min(0.0, lowest))
+    power = min(0.0, lowest)
+    left = -(depth + 2.0 + math.log(ratio)) / (2.0 + power)
+    if power > -1.0:
+        left = max(left, -(depth + 2.0) / (1.0 + power))
     right = 0.5 * math.log(2.0 * (depth + 8.0 + 1.5 * highest))
     x = np.arange(left, right + spacing, spacing)
     weight: NDArray[Any] = spacing * np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
@@ -87,10 +92,20 @@ def panels_of(ends: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
     return ends[:, :1] + width * node, width * weight
 
 
-def table(speed: FloatArray, density: NDArray[Any]) -> LogMeasure:
-    """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v."""
-    lowest = max(speed[0], 1e-9 * speed[-1])
-    knots = np.log(np.maximum(speed, lowest))
+def table(
+    speed: FloatArray, density: NDArray[Any], rtol: float = 1e-16, lowest: float = 0.0
+) -> LogMeasure:
+    """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v.
+
+    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>. Raises
+    InputError where that is below the smallest number.
+    """
+    knots = np.log(np.maximum(speed, 1e-320))
+    if speed[0] == 0.0:
+        converges = (1.0 if density[0] else 2.0) + min(lowest, 0.0)
+        knots[0] = knots[1] - (math.log(1.0 / rtol) + 2.0) / converges
+        if knots[0] < _LOWEST:
+            raise InputError(f"p: got {lowest:g}; <v^p> of this table is too near to divergence")
     parts = [
         np.linspace(a, b, max(2, math.ceil(4.0 * (b - a)) + 1))[:-1]
         for a, b in itertools.pairwise(knots)

@@ -43,18 +43,44 @@ OBSERVABLES: dict[str, tuple[Observable, ...]] = {
     "mean_displacement": (DISPLACEMENT_ALONG_START,),
 }
 
+_FREE = math.log(1e-50)  # of v_rms t/l: below, all fly freely
 _EARLY = 1.0  # T below which elastic moments are summed as power series
+
+
+def _free(averages: Averages) -> tuple[NDArray[np.bool_], FloatArray]:
+    """At which times all tracers fly freely to rounding, and v_rms t then, in d; (n_times,) each.
+
+    Later, powers of v t/l do not underflow.
+    """
+    log_first = 0.5 * averages.speeds.log_second_moment()
+    free = log_first + averages.log_stretch < _FREE
+    with np.errstate(over="ignore", under="ignore"):
+        return free, np.where(free, math.exp(log_first) * averages.times, 0.0)
+
+
+def root_mean_square(averages: Averages) -> FloatArray:
+    """sqrt(<r^2>)(t) in d, shape (n_times,); also where <r^2> is out of range."""
+    free, flight = _free(averages)
+    root = averages.mean_free_path * np.sqrt(_squared_paths(averages))
+    return np.where(free, flight, root)
 
 
 def mean_square_displacement(averages: Averages) -> FloatArray:
     """<r^2>(t) in d^2, shape (n_times,)."""
-    square = averages.mean_free_path**2
+    free, flight = _free(averages)
+    path = averages.mean_free_path
+    with np.errstate(over="ignore", under="ignore"):
+        return np.where(free, flight**2, path * (path * _squared_paths(averages)))
+
+
+def _squared_paths(averages: Averages) -> FloatArray:
+    """<r^2>(t)/l^2, shape (n_times,)."""
     if not averages.elastic:
-        return np.asarray(square * averages.average(SQUARED_DISPLACEMENT))
+        return averages.average(SQUARED_DISPLACEMENT)
     # <v(0).v(t)> = v^2 exp(-nu v t/l), nu = 1 - <cos chi> = 4/3
     nu = averages.law.harmonic_decay_rate(0.0, 1)
     mean = _ballistic_to_diffusive(nu * _elastic_paths(averages)) @ averages.speeds.weight
-    return np.asarray(2.0 * square / nu**2 * mean)
+    return np.asarray(2.0 / nu**2 * mean)
 
 
 def kurtosis(averages: Averages) -> FloatArray:
@@ -84,30 +110,32 @@ def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
     2 l^2/(kappa (1 - <cos chi>)).
     """
     path, times = averages.mean_free_path, averages.times
+    free, flight = _free(averages)
     if averages.elastic:
         nu = averages.law.harmonic_decay_rate(0.0, 1)
         first = 0.5 * averages.speeds.log_second_moment()
         with np.errstate(under="ignore"):
             done = -np.expm1(-nu * _elastic_paths(averages)) / nu
         speeds = np.exp(averages.speeds.x - first)
-        value = 0.5 * path * math.exp(first) * ((done * speeds) @ averages.speeds.weight)
-        with np.errstate(over="ignore"):
-            return value, 4.0 * value * times
+        value = path * ((done * speeds) @ averages.speeds.weight)
+        value = 0.5 * math.exp(first) * np.where(free, flight, value)
+        with np.errstate(over="ignore", under="ignore"):
+            return value, np.where(free, 2.0 * flight**2, 4.0 * value * times)
     mean = averages.average(MSD_SLOPE)
-    value = 0.25 * path * mean * np.exp(averages.log_reference)
+    speed = np.exp(averages.log_reference)
     # T_ref = v_ref t/l stays of order 1 late: no power of t over- or underflows
-    with np.errstate(under="ignore"):
+    with np.errstate(over="ignore", under="ignore"):
         stretch = np.exp(averages.log_reference + averages.log_stretch)
-    return value, np.asarray(path**2 * mean * stretch)
+        value = np.where(free, 0.5 * speed * flight, 0.25 * path * mean * speed)
+        return value, np.where(free, 2.0 * flight**2, path * (path * mean * stretch))
 
 
 def mean_displacement(averages: Averages) -> FloatArray:
     """<r>(t) of a directed start in d, shape (n_times, 2)."""
-    path = averages.mean_free_path
+    path, found = averages.mean_free_path, averages.measure(1)
     if not averages.elastic:
         along: NDArray[Any] = averages.average(DISPLACEMENT_ALONG_START)
     else:
-        found = averages.measure(1)
         nu = averages.law.harmonic_decay_rate(0.0, 1)
         with np.errstate(over="ignore", under="ignore"):
             done = (
@@ -116,7 +144,12 @@ def mean_displacement(averages: Averages) -> FloatArray:
                 else -np.expm1(-nu * np.exp(found.x + averages.log_stretch[:, None])) @ found.weight
             )
         along = np.zeros(averages.times.shape) + done / nu
-    return np.asarray(path * np.stack([along.real, -along.imag], axis=-1))
+    along = path * along
+    if found is not None:
+        free, flight = _free(averages)
+        first = 0.5 * averages.speeds.log_second_moment()
+        along = np.where(free, flight * (np.exp(found.x - first) @ found.weight), along)
+    return np.stack([along.real, -along.imag], axis=-1)
 
 
 # -- the elastic case -----------------------------------------------------------------------------

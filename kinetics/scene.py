@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -69,6 +70,13 @@ class Scene:
         set_(self, "restitution", check_restitution(self.restitution))
         set_(self, "number_density", check_positive("number_density", self.number_density))
         set_(self, "diameter", check_positive("diameter", self.diameter))
+        area = 2.0 * self.diameter * self.number_density
+        if not (0.0 < area < math.inf and 1.0 / area < math.inf):
+            raise InputError(
+                f"number_density: got {short(self.number_density)} at diameter "
+                f"{short(self.diameter)}; the mean free path 1/(2 diameter number_density) must be "
+                "a finite number above 0"
+            )
         set_(self, "state", as_state(self.initial))
         set_(self, "times", _check_times(self.times))
         set_(self, "outputs", _check_outputs(self.outputs))

@@ -18,6 +18,8 @@ from kinetics.scene import Scene
 
 FloatArray = NDArray[np.float64]
 
+_BEYOND = 1e6  # R from which G is nothing, and r may overflow
+
 
 @dataclass(frozen=True)
 class PlanStep:
@@ -124,7 +126,7 @@ class Solution:
 
             out[i] = component_density(plane, x, unit) / unit / unit
         if profile.peak_speed is not None and profile.peak_weight is not None:
-            room = profile.peak_speed**2 - x**2
+            room = profile.peak_speed**2 - np.minimum(x, 2.0 * profile.peak_speed) ** 2
             shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)
             out += profile.peak_weight.real[:, None] * shape
         return out
@@ -177,7 +179,7 @@ class Solution:
         out = np.full((self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root > 0.0:
-                out[i] = root * found.density(i, x * root)
+                out[i] = root * found.density(i, np.minimum(x, _BEYOND) * root)
         return out
 
     def position_fraction(self, edges: ArrayLike) -> FloatArray:
@@ -205,7 +207,7 @@ class Solution:
         for i, root in enumerate(found.root_mean_square):
             if root == 0.0:
                 continue
-            p, slope = found.collided_in_plane(i, x * root)
+            p, slope = found.collided_in_plane(i, np.minimum(x, _BEYOND) * root)
             center, _ = found.collided_in_plane(i, np.zeros(1))
             floor = found.error_estimate / (2.0 * np.pi * np.maximum(x, 0.1) * root**2)
             with np.errstate(divide="ignore", invalid="ignore"):

@@ -122,7 +122,7 @@ def _displacement(averages: Averages, wanted: set[str]) -> Displacement | None:
     """The distribution of the displacement, if it is asked for."""
     if "position_density" not in wanted:
         return None
-    root = np.sqrt(position.mean_square_displacement(averages))
+    root = position.root_mean_square(averages)
     path, rtol = averages.mean_free_path, max(averages.rtol, _BEST_DENSITY)
     return solve_displacement(
         averages.law, path, averages.state, averages.times, _in_range("msd", root), 0.4 * rtol
