@@ -26,7 +26,7 @@ def build(
     if medium.box is None:
         return plane(density, not medium.overlapping, seed, configuration, old)
     side = medium.box_side / d
-    cells = empty_box(side, density, medium.count)
+    cells = empty_box(side, density, medium.count, medium.listed)
     placed = place_at_random(cells, medium.count, medium.overlapping, seed, configuration)
     if placed < medium.count:
         raise ValueError(

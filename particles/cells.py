@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from particles.lanes import SLOTS
+from particles.media import LISTED
 from particles.plane import Counts, Law, candidate_density, make_counts, make_law
 
 EMPTY = 1e150  # far away, and its square is still finite
@@ -50,20 +51,21 @@ class Cells(NamedTuple):
     who: np.ndarray
 
 
-def cell_side(number_density: float) -> float:
-    """Return the side of a cell that lists 5 scatterers on average, measured to be fastest.
+def cell_side(number_density: float, listed: float = LISTED) -> float:
+    """Return the side of a cell that lists so many scatterers on average.
 
     Not below 1.5: a scatterer reaches into no cell but its own and its neighbours.
     """
-    return max(sqrt(5.0 / number_density) - 2.0, 1.5)
+    return max(sqrt(listed / number_density) - 2.0, 1.5)
 
 
-def empty_box(box: float, number_density: float, count: int) -> Cells:
+def empty_box(box: float, number_density: float, count: int, listed: float = LISTED) -> Cells:
     """Return cells for a box of this side (in d) that is to hold `count` scatterers.
 
+    A cell lists about `listed` of them (see cell_side): speed depends on it, the physics does not.
     Their number along a side is odd, so that the centre of the box is the centre of a cell.
     """
-    n = max(int(box / cell_side(number_density)), 1)
+    n = max(int(box / cell_side(number_density, listed)), 1)
     n -= n % 2 == 0
     side = box / n
     # A scatterer is listed at most 4 times where cells are wider than 2, 9 times otherwise.

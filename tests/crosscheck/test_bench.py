@@ -1,5 +1,6 @@
 """The benchmark measures what it says: methods, references, errors, failures, comparisons."""
 
+import dataclasses
 import itertools
 import json
 import math
@@ -23,6 +24,7 @@ from kinetics.crosscheck.bench import (
     run_bench,
     sonine_orders,
     straightforward,
+    sweeps,
     throughput,
     timing,
 )
@@ -30,6 +32,7 @@ from kinetics.crosscheck.bench.command import bench
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
 
 E = 0.7
+ONCE = timing.Effort(quick=True, least=1, most=1, seconds=0.0)
 
 
 def row(
@@ -172,12 +175,12 @@ def test_histogram_error_is_the_error_that_was_put_in():
             speed_histogram=histogram, thermal_speed=SimpleNamespace(value=np.array([v0]))
         )
 
-    assert precision.histogram_error(made_up(share), exact) < 1e-3
+    assert precision.histogram_error(made_up(share), exact.vdf) < 1e-3
     largest = exact.vdf(precision.SCALED_SPEEDS).max()
     k = int(np.argmin(np.abs(edges - 1.0)))
     area = np.pi * (edges[k + 1] ** 2 - edges[k] ** 2)
     wrong = share + 0.1 * largest * area * (np.arange(share.size) == k)
-    assert precision.histogram_error(made_up(wrong), exact) == pytest.approx(0.1, rel=1e-2)
+    assert precision.histogram_error(made_up(wrong), exact.vdf) == pytest.approx(0.1, rel=1e-2)
 
 
 # -- measuring ----------------------------------------------------------------------------------
@@ -197,6 +200,7 @@ def test_measure_leaves_the_warm_up_apart():
     assert found.repeats == 5
     assert found.warm_up == pytest.approx(0.9)
     assert [found.wall.low, found.wall.median, found.wall.high] == pytest.approx([0.2, 0.3, 0.4])
+    assert found.cpu.least == pytest.approx(0.1)
 
 
 def test_long_work_is_timed_once_but_never_by_its_first_call():
@@ -205,16 +209,103 @@ def test_long_work_is_timed_once_but_never_by_its_first_call():
     assert found.cpu.median == pytest.approx(3.0)
 
 
+class Machine:
+    """Work of given seconds on a machine that is slow now and then; all of it is made up."""
+
+    def __init__(self, seconds, slow=lambda now: 1.0):
+        self.now = 0.0
+        self.calls = []
+        self.slow = slow
+        self.works = {name: self.work(name, s) for name, s in seconds.items()}
+
+    def work(self, name, seconds):
+        def run():
+            self.calls.append(name)
+            self.now += seconds * self.slow(self.now)
+            return len(self.calls)
+
+        return run
+
+    def clock(self):
+        return self.now
+
+    def measure(self, effort, **others):
+        return timing.measure_together(
+            self.works, effort, clock=self.clock, cpu_clock=self.clock, **others
+        )
+
+
+def test_repeats_of_all_are_spread_over_the_whole():
+    machine = Machine({"a": 0.001, "b": 0.02, "c": 2.0})
+    effort = timing.Effort(quick=True, least=3, most=12, seconds=0.05)
+    kept = []
+    found = machine.measure(effort, keep=lambda name, result: kept.append((name, result)))
+    assert {name: t.repeats for name, t in found.items()} == {"a": 12, "b": 3, "c": 1}
+    # warm-up, first repeat, then in turns: b comes after a third and two thirds of what a has left
+    assert "".join(machine.calls) == "abcabc" + "aaaabaaaabaaa"
+    assert kept == list(zip(machine.calls, range(1, len(kept) + 1), strict=True))
+    more = Machine({"a": 0.02, "c": 2.0})
+    found = more.measure(effort, least={"a": 10, "c": 10})
+    assert {name: t.repeats for name, t in found.items()} == {"a": 10, "c": 2}
+
+
+def test_a_slow_stretch_is_in_the_spread_of_all_rows_and_decides_none():
+    # a third of the time everything takes twice as long
+    machine = Machine({k: 0.01 for k in range(9)}, slow=lambda now: 1 + (0.5 < now < 1.1))
+    effort = timing.Effort(quick=True, least=9, most=9, seconds=0.0)
+    for found in machine.measure(effort).values():
+        assert found.cpu.median == pytest.approx(0.01)
+        assert found.cpu.high == pytest.approx(0.02)
+
+
+def test_an_exception_ends_one_work_and_not_the_others():
+    def fails_later():
+        machine.now += 0.1
+        if machine.now > 0.55:
+            raise ArithmeticError("lost")
+
+    machine = Machine({"a": 0.1, "b": 0.1})
+    machine.works |= {"c": fails_later, "d": lambda: 1 / 0}
+    found = machine.measure(timing.Effort(quick=True, least=4, most=4, seconds=0.0))
+    assert found["a"].repeats == found["b"].repeats == 4
+    assert isinstance(found["c"], ArithmeticError)
+    assert isinstance(found["d"], ZeroDivisionError)
+    with pytest.raises(ZeroDivisionError):
+        timing.measure(lambda: 1 / 0, timing.QUICK)
+
+
+def test_error_of_random_work_is_the_rms_over_seeds():
+    seeds = {10.0: [], 20.0: []}
+
+    def work(value, seed):
+        seeds[value].append(seed)
+        return float(seed)
+
+    def sweep(seeded, work):
+        return sweeps.Sweep("s", "p", "m", "samples", (10.0, 20.0), work, float, seeded)
+
+    effort = timing.Effort(quick=True, least=1, most=5, seconds=0.0)
+    for r in sweeps.run_sweeps([sweep(True, work)], effort):
+        assert seeds[r.value] == list(range(1, 7))
+        assert r.extra == {"seeds": 6}
+        assert r.error == pytest.approx(math.sqrt(91 / 6))
+    # what is certain has one error, found once
+    looked = []
+    certain = sweep(False, looked.append)
+    certain = dataclasses.replace(certain, error=lambda _: 0.25)
+    assert [r.error for r in sweeps.run_sweeps([certain], effort)] == [0.25, 0.25]
+
+
 def test_failures_are_rows():
     def work(value):
         if value == 1:
             raise ValueError("too few\nnodes")
         return np.array([np.nan, 1.0]) if value == 2 else np.array([1.0, 1.0])
 
-    effort = timing.Effort(quick=True, least=1, most=1, seconds=0.0)
-    rows = precision.sweep(
-        "p", "m", "nodes", [1, 2, 3], work, lambda x: float(abs(x - 1).max()), effort
+    sweep = sweeps.Sweep(
+        "precision", "p", "m", "nodes", [1, 2, 3], work, lambda x: float(abs(x - 1).max())
     )
+    rows = sweeps.run_sweeps([sweep], ONCE)
     assert [r.status for r in rows] == [FAILED, FAILED, MEASURED]
     assert rows[0].note == "ValueError: too few nodes"
     assert rows[1].note == "1 of 2 values are no finite number"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -10,11 +10,13 @@ import numpy as np
 
 from kinetics.crosscheck.bench import methods, references, straightforward
 from kinetics.crosscheck.bench.methods import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
-from kinetics.crosscheck.bench.record import MEASURED, Record, failed, timed
-from kinetics.crosscheck.bench.timing import Effort, measure
+from kinetics.crosscheck.bench.record import Record
+from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
+from kinetics.crosscheck.bench.timing import Effort
 
 SECTION = "cost"
 PARTICLES = "particles"
+_of = partial(Sweep, SECTION)  # a row per amount of work
 
 
 def fitted_exponent(work: Sequence[float], seconds: Sequence[float]) -> float:
@@ -31,43 +33,33 @@ def fitted_exponent(work: Sequence[float], seconds: Sequence[float]) -> float:
     return float(np.polyfit(x, y, 1)[0])
 
 
-def grow(
-    problem: str,
-    method: str,
-    setting: str,
-    values: Sequence[int],
-    work: Callable[[int], Any],
-    effort: Effort,
-) -> list[Record]:
-    """A row per amount of work, and one with the exponent in `extra`."""
-    rows = []
-    for value in values:
-        where: dict[str, Any] = {"setting": setting, "value": float(value)}
-        try:
-            _, timing = measure(partial(work, value), effort)
-        except Exception as met:  # whatever it is, it is a row
-            why = f"{type(met).__name__}: {met}"
-            rows.append(failed(SECTION, problem, method, why, **where))
-            continue
-        rows.append(timed(SECTION, problem, method, timing, **where))
-    done = [r for r in rows if r.status == MEASURED]
-    exponent = fitted_exponent(
-        [r.value for r in done if r.value], [r.seconds for r in done if r.seconds and r.value]
-    )
-    note = f"run time ~ {setting}^{exponent:.2f} over the upper half"
-    rows.append(
-        Record(SECTION, problem, method, f"{setting}, exponent", note=note,
-               extra={"exponent": exponent})
-    )  # fmt: skip
-    return rows
+def exponents(rows: Sequence[Record]) -> list[Record]:
+    """A row for each curve, with the exponent in `extra`."""
+    found = []
+    for key in dict.fromkeys((r.problem, r.method, r.setting) for r in rows):
+        done = [
+            (r.value, r.seconds)
+            for r in rows
+            if (r.problem, r.method, r.setting) == key and r.seconds and r.value
+        ]
+        problem, method, setting = key
+        exponent = fitted_exponent([x for x, _ in done], [y for _, y in done])
+        note = f"run time ~ {setting}^{exponent:.2f} over the upper half"
+        found.append(
+            Record(SECTION, problem, method, f"{setting}, exponent", note=note,
+                   extra={"exponent": exponent})
+        )  # fmt: skip
+    return found
 
 
 def cost(effort: Effort) -> list[Record]:
     """All sweeps, at e = 0.7."""
-    return [*_solvers(effort), *_position(effort), *_particles(effort)]
+    sweeps = [*_solvers(effort), *_position(effort), *_particles(effort)]
+    rows = run_sweeps(sweeps, effort)
+    return rows + exponents(rows)
 
 
-def _solvers(effort: Effort) -> list[Record]:
+def _solvers(effort: Effort) -> list[Sweep]:
     from kinetics import Gaussian, Scene, solve, solve_scaled
 
     e, l = 0.7, references.MEAN_FREE_PATH  # noqa: E741
@@ -100,24 +92,24 @@ def _solvers(effort: Effort) -> list[Record]:
         return straightforward.solve_cooling(e, l, "gaussian", times, nodes, 1e-4)
 
     return [
-        *grow("scaled h, a2", SPECTRAL, "nodes", (64, 128, 256, 512, *((1024,) if big else ())),
-              lambda n: solve_scaled(e, 1e-12, nodes=n).a2, effort),
-        *grow("speed density", SPECTRAL, "nodes", (128, 256, 512, *((1024, 2048) if big else ())),
-              density_nodes, effort),
-        *grow("speed density", CONSERVATIVE, "nodes",
-              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), masses, effort),
-        *grow("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
-              dense, effort),
-        *grow("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, *((10_000,) if big else ())),
-              averages, effort),
-        *grow("speed density", SPECTRAL, "times", (4, 16, 64, *((256,) if big else ())),
-              density, effort),
-        *grow("velocity density", SPECTRAL, "harmonics", (1, 2, 4, *((8, 16) if big else ())),
-              harmonics, effort),
+        _of("scaled h, a2", SPECTRAL, "nodes", (64, 128, 256, 512, *((1024,) if big else ())),
+              lambda n: solve_scaled(e, 1e-12, nodes=n).a2),
+        _of("speed density", SPECTRAL, "nodes", (128, 256, 512, *((1024, 2048) if big else ())),
+              density_nodes),
+        _of("speed density", CONSERVATIVE, "nodes",
+              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), masses),
+        _of("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
+              dense),
+        _of("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, *((10_000,) if big else ())),
+              averages),
+        _of("speed density", SPECTRAL, "times", (4, 16, 64, *((256,) if big else ())),
+              density),
+        _of("velocity density", SPECTRAL, "harmonics", (1, 2, 4, *((8, 16) if big else ())),
+              harmonics),
     ]  # fmt: skip
 
 
-def _position(effort: Effort) -> list[Record]:
+def _position(effort: Effort) -> list[Sweep]:
     from kinetics import Scene, solve
 
     e = 0.7
@@ -139,15 +131,15 @@ def _position(effort: Effort) -> list[Record]:
         return solve(scene, 1e-4).intermediate_scattering(wave_numbers)
 
     return [
-        *grow("<r^2>(t), kurtosis(t)", SPECTRAL, "times",
-              (10, 100, 1000, *((10_000,) if big else ())), moments, effort),
-        *grow("G(R)", SPECTRAL, "times", (1, 3, 9, *((27, 81) if big else ())), density, effort),
-        *grow("F(k)", SPECTRAL, "wave numbers", (4, 16, 64, *((256,) if big else ())),
-              scattering, effort),
+        _of("<r^2>(t), kurtosis(t)", SPECTRAL, "times",
+              (10, 100, 1000, *((10_000,) if big else ())), moments),
+        _of("G(R)", SPECTRAL, "times", (1, 3, 9, *((27, 81) if big else ())), density),
+        _of("F(k)", SPECTRAL, "wave numbers", (4, 16, 64, *((256,) if big else ())),
+              scattering),
     ]  # fmt: skip
 
 
-def _particles(effort: Effort) -> list[Record]:
+def _particles(effort: Effort) -> list[Sweep]:
     from particles import HardDisks, simulate
 
     big = not effort.quick
@@ -166,9 +158,8 @@ def _particles(effort: Effort) -> list[Record]:
 
     sizes = (1000, 10_000, 100_000, *((1_000_000,) if big else ()))
     return [
-        *grow("placing hard disks, 0.04 per d^2", PARTICLES, "scatterers", sizes, scatterers,
-              effort),
-        *grow("300 collisions of 1000 tracers", PARTICLES, "scatterers", sizes, crossed, effort),
-        *grow("300 collisions of each tracer", PARTICLES, "tracers",
-              (100, 1000, 10_000, *((100_000,) if big else ())), tracers, effort),
+        _of("placing hard disks, 0.04 per d^2", PARTICLES, "scatterers", sizes, scatterers),
+        _of("300 collisions of 1000 tracers", PARTICLES, "scatterers", sizes, crossed),
+        _of("300 collisions of each tracer", PARTICLES, "tracers",
+              (100, 1000, 10_000, *((100_000,) if big else ())), tracers),
     ]  # fmt: skip

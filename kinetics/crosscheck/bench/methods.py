@@ -81,6 +81,7 @@ def particles(
     start: Any,
     times: FloatArray,
     samples: int,
+    seed: int,
     observables: tuple[str, ...] = (),
 ) -> Any:
     """A Boltzmann-Grad run in blocks, of one thread."""
@@ -93,6 +94,7 @@ def particles(
         times=times,
         media=_MEDIA,
         tracers=max(1, samples // _MEDIA),
+        seed=seed,
         observables=observables or None,
         workers=1,
     )

@@ -12,7 +12,7 @@ No closed form of G(R) is known: its reference is the solver at its tightest, he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -36,10 +36,10 @@ from kinetics.crosscheck.bench.precision import (
     relative,
     restitutions,
     sample_numbers,
-    sweep,
 )
-from kinetics.crosscheck.bench.record import Record, not_available, timed
-from kinetics.crosscheck.bench.timing import Effort, measure
+from kinetics.crosscheck.bench.record import Record, not_available
+from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
+from kinetics.crosscheck.bench.timing import Effort
 
 FloatArray = NDArray[np.float64]
 
@@ -61,16 +61,28 @@ _CANNOT = (
 
 def position(effort: Effort) -> list[Record]:
     """<r^2>(t) and kurtosis(t) of both starts, and G(R) at one of the paper's pairs."""
-    rows: list[Record] = []
+    sweeps: list[Sweep] = []
     for e in restitutions(effort):
         for start in references.STARTS:
-            rows += _moment("msd", e, start, effort)
+            sweeps += _moment("msd", e, start, effort)
     for start in references.STARTS[: 1 if effort.quick else None]:
-        rows += _moment("kurtosis", restitutions(effort)[0], start, effort)
-    return rows + _density(*PAIR, effort)
+        sweeps += _moment("kurtosis", restitutions(effort)[0], start, effort)
+    reference = density_reference(*PAIR, _REFERENCE_RTOL[effort.quick])
+    sweeps += _density(*PAIR, reference, effort)
+    rows = [_moments_of(sweeps[-1].problem, reference), *run_sweeps(sweeps, effort)]
+    return rows + cannot(dict.fromkeys(sweep.problem for sweep in sweeps))
 
 
-def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Record]:
+def cannot(problems: Iterable[str]) -> list[Record]:
+    """Rows of the methods that have no displacement."""
+    return [
+        not_available(SECTION, problem, method, why)
+        for problem in problems
+        for method, why in _CANNOT
+    ]
+
+
+def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Sweep]:
     from kinetics import Scene, solve
 
     times = references.times("short")
@@ -84,19 +96,14 @@ def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Record]
     def spectral(rtol: float) -> FloatArray:
         return np.asarray(getattr(solve(scene, rtol), quantity))
 
-    def monte_carlo(samples: float) -> FloatArray:
-        run = methods.particles(e, start, times, int(samples))
+    def monte_carlo(samples: float, seed: int) -> FloatArray:
+        run = methods.particles(e, start, times, int(samples), seed)
         return np.asarray(getattr(run, quantity).value)
 
-    def of(
-        method: str, setting: str, values: Sequence[float], work: Callable[[Any], Any]
-    ) -> list[Record]:
-        return sweep(problem, method, setting, values, work, error, effort)
-
+    of = partial(Sweep, SECTION, problem, error=error)
     return [
-        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
-        *of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo),
-        *(not_available(SECTION, problem, method, why) for method, why in _CANNOT),
+        of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo, seeded=True),
     ]
 
 
@@ -173,42 +180,35 @@ def printed_forms() -> dict[str, Callable[[FloatArray], FloatArray]]:
     }
 
 
-def _density(e: float, t: float, effort: Effort) -> list[Record]:
+def _density(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Sweep]:
     from kinetics import Scene, solve
 
-    problem = f"G(R), gaussian, t = {t:g}, e = {e:g}"
-    reference = density_reference(e, t, _REFERENCE_RTOL[effort.quick])
     scene = Scene(e, NUMBER_DENSITY, times=[t], outputs=("position_density",))
 
     def spectral(rtol: float) -> FloatArray:
         return np.asarray(solve(scene, rtol).scaled_position_density(RADII)[0])
 
-    def monte_carlo(samples: float) -> Any:
-        return methods.particles(
-            e, "gaussian", np.array([t]), int(samples), ("displacement_histogram",)
-        )
+    def monte_carlo(samples: float, seed: int) -> Any:
+        observables = ("displacement_histogram",)
+        return methods.particles(e, "gaussian", np.array([t]), int(samples), seed, observables)
+
+    def printed(form: Callable[[FloatArray], FloatArray]) -> Callable[[float], FloatArray]:
+        return lambda _: np.asarray(form(RADII))
 
     samples = [*sample_numbers(effort), *(() if effort.quick else (_MANY,))]
-    rows = [
-        _moments_of(problem, reference),
-        *sweep(
-            problem,
-            SPECTRAL,
-            "rtol",
-            _DENSITY_TOLERANCES[effort.quick],
-            spectral,
-            reference.error,
-            effort,
+    of = partial(Sweep, SECTION, f"G(R), gaussian, t = {t:g}, e = {e:g}", error=reference.error)
+    return [
+        of(SPECTRAL, "rtol", _DENSITY_TOLERANCES[effort.quick], spectral),
+        of(
+            MONTE_CARLO,
+            "samples",
+            samples,
+            monte_carlo,
+            error=reference.histogram_error,
+            seeded=True,
         ),
-        *sweep(
-            problem, MONTE_CARLO, "samples", samples, monte_carlo, reference.histogram_error, effort
-        ),
+        *(of(PRINTED, name, (None,), printed(form)) for name, form in printed_forms().items()),
     ]
-    for name, form in printed_forms().items():
-        curve, timing = measure(partial(form, RADII), effort)
-        error = reference.error(np.asarray(curve))
-        rows.append(timed(SECTION, problem, PRINTED, timing, setting=name, error=error))
-    return [*rows, *(not_available(SECTION, problem, method, why) for method, why in _CANNOT)]
 
 
 def _moments_of(problem: str, reference: DensityReference) -> Record:

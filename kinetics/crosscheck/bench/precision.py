@@ -12,7 +12,7 @@ Those of the displacement are in :mod:`kinetics.crosscheck.bench.position`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -29,8 +29,9 @@ from kinetics.crosscheck.bench.methods import (
     STRAIGHTFORWARD,
     TIGHTEST,
 )
-from kinetics.crosscheck.bench.record import Record, failed, timed
-from kinetics.crosscheck.bench.timing import Effort, measure
+from kinetics.crosscheck.bench.record import Record
+from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
+from kinetics.crosscheck.bench.timing import Effort
 
 FloatArray = NDArray[np.float64]
 
@@ -45,39 +46,6 @@ def restitutions(effort: Effort) -> tuple[float, ...]:
     return (0.7,) if effort.quick else (0.7, 0.95, 0.2)
 
 
-def sweep(
-    problem: str,
-    method: str,
-    setting: str,
-    values: Sequence[float],
-    work: Callable[[Any], Any],
-    error: Callable[[Any], float],
-    effort: Effort,
-    section: str = SECTION,
-) -> list[Record]:
-    """A row per value of the setting; what fails is a row too."""
-    rows = []
-    for value in values:
-        where: dict[str, Any] = {"setting": setting, "value": float(value)}
-        if setting == "rtol":
-            where["asked"] = float(value)
-        try:
-            result, timing = measure(partial(work, value), effort)
-            reached = error(result)
-        except Exception as met:  # whatever it is, it is a row and not the end of the run
-            why = f"{type(met).__name__}: {met}"
-            rows.append(failed(section, problem, method, why, **where))
-            continue
-        if math.isfinite(reached):
-            rows.append(timed(section, problem, method, timing, error=reached, **where))
-        else:
-            values_found = np.concatenate([np.ravel(x) for x in np.atleast_1d(result)])
-            bad = int(np.sum(~np.isfinite(values_found)))
-            why = f"{bad} of {values_found.size} values are no finite number"
-            rows.append(failed(section, problem, method, why, seconds=timing.cpu.median, **where))
-    return rows
-
-
 def relative(value: Any, exact: Any) -> float:
     """The largest relative error."""
     with np.errstate(all="ignore"):
@@ -89,10 +57,10 @@ def relative(value: Any, exact: Any) -> float:
 
 def scaled(effort: Effort) -> list[Record]:
     """F(c), and h and a2, of the scaling state; the reference is `kinetics.ScalingSolution`."""
-    rows: list[Record] = []
+    sweeps: list[Sweep] = []
     for e in restitutions(effort):
-        rows += _scaled_density(e, effort) + _scaled_moments(e, effort)
-    return rows
+        sweeps += _scaled_density(e, effort) + _scaled_moments(e, effort)
+    return run_sweeps(sweeps, effort)
 
 
 def _orders(effort: Effort) -> list[int]:
@@ -101,7 +69,7 @@ def _orders(effort: Effort) -> list[int]:
 
 def sample_numbers(effort: Effort) -> list[int]:
     """Of Monte Carlo runs."""
-    return [1_000, 7_000, 49_000] if effort.quick else [1_000, 10_000, 100_000, 400_000]
+    return [1_000, 6_000, 36_000] if effort.quick else [1_000, 10_000, 100_000, 400_000]
 
 
 def _grids(effort: Effort, largest: int) -> list[int]:
@@ -120,13 +88,13 @@ def _fastest(e: float) -> float:
     return 30.0 + 2.0 / CollisionLaw(e).mean_log_loss
 
 
-def _scaled_density(e: float, effort: Effort) -> list[Record]:
+def _scaled_density(e: float, effort: Effort) -> list[Sweep]:
     from kinetics import ScalingSolution, solve_scaled
 
     problem = f"scaled F(c), e = {e:g}"
     c = SCALED_SPEEDS
     exact = ScalingSolution(e)
-    F = exact.vdf(c)
+    F, between = exact.vdf(c), interpolated(exact)
 
     def error(found: FloatArray) -> float:
         return float(np.max(np.abs(found - F)) / F.max())
@@ -143,38 +111,32 @@ def _scaled_density(e: float, effort: Effort) -> list[Record]:
     def dense(nodes: float) -> FloatArray:
         return straightforward.solve_scaled(e, int(nodes), _fastest(e)).vdf(c)
 
-    def monte_carlo(samples: float) -> Any:
-        return methods.particles(
-            e, "gaussian", np.array([_LATE[MONTE_CARLO]]), int(samples), ("speed_histogram",)
-        )
+    def conservative(nodes: float) -> FloatArray:
+        return methods.conservative_vdf(e, int(nodes), _LATE[CONSERVATIVE], c)
 
+    def monte_carlo(samples: float, seed: int) -> Any:
+        late = np.array([_LATE[MONTE_CARLO]])
+        return methods.particles(e, "gaussian", late, int(samples), seed, ("speed_histogram",))
+
+    of = partial(Sweep, SECTION, problem, error=error)
     return [
-        *sweep(problem, SPECTRAL, "rtol", TOLERANCES, spectral, error, effort),
-        *sweep(problem, SPECTRAL, "nodes", (16, 32, 64, 128, 256), spectral_nodes, error, effort),
-        *sweep(
-            problem,
-            CONSERVATIVE,
-            "nodes",
-            _grids(effort, 4097),
-            lambda n: methods.conservative_vdf(e, int(n), _LATE[CONSERVATIVE], SCALED_SPEEDS),
-            error,
-            effort,
-        ),
-        *sweep(problem, STRAIGHTFORWARD, "nodes", _grids(effort, 2049), dense, error, effort),
-        *sweep(problem, SONINE, "order", _orders(effort), sonine, error, effort),
-        *sweep(
-            problem,
+        of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        of(SPECTRAL, "nodes", (16, 32, 64, 128, 256), spectral_nodes),
+        of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
+        of(STRAIGHTFORWARD, "nodes", _grids(effort, 2049), dense),
+        of(SONINE, "order", _orders(effort), sonine),
+        of(
             MONTE_CARLO,
             "samples",
             sample_numbers(effort),
             monte_carlo,
-            lambda run: histogram_error(run, exact),
-            effort,
+            error=lambda run: histogram_error(run, between),
+            seeded=True,
         ),
     ]
 
 
-def _scaled_moments(e: float, effort: Effort) -> list[Record]:
+def _scaled_moments(e: float, effort: Effort) -> list[Sweep]:
     from kinetics import ScalingSolution, solve_scaled
 
     problem = f"scaled h and a2, e = {e:g}"
@@ -192,9 +154,9 @@ def _scaled_moments(e: float, effort: Effort) -> list[Record]:
         speed, a2 = methods.conservative_cooling(e, "gaussian", np.array([late]), int(nodes))
         return 2.0 * references.MEAN_FREE_PATH / (speed[0] * late), 1.0 + a2[0]
 
-    def monte_carlo(samples: float) -> tuple[float, float]:
+    def monte_carlo(samples: float, seed: int) -> tuple[float, float]:
         late = _LATE[MONTE_CARLO]
-        run = methods.particles(e, "gaussian", np.array([late]), int(samples))
+        run = methods.particles(e, "gaussian", np.array([late]), int(samples), seed)
         rate = 2.0 * references.MEAN_FREE_PATH / (run.thermal_speed.value[0] * late)
         return rate, 1.0 + run.a2.value[0]
 
@@ -204,17 +166,13 @@ def _scaled_moments(e: float, effort: Effort) -> list[Record]:
     def sonine(order: float) -> tuple[float, float]:
         return both(sonine_orders.solve_scaled(e, int(order)))
 
-    def of(
-        method: str, setting: str, values: Sequence[float], work: Callable[[Any], Any]
-    ) -> list[Record]:
-        return sweep(problem, method, setting, values, work, error, effort)
-
+    of = partial(Sweep, SECTION, problem, error=error)
     return [
-        *of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: both(solve_scaled(e, rtol))),
-        *of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
-        *of(STRAIGHTFORWARD, "nodes", _grids(effort, 2049), dense),
-        *of(SONINE, "order", _orders(effort), sonine),
-        *of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo),
+        of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: both(solve_scaled(e, rtol))),
+        of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
+        of(STRAIGHTFORWARD, "nodes", _grids(effort, 2049), dense),
+        of(SONINE, "order", _orders(effort), sonine),
+        of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo, seeded=True),
     ]
 
 
@@ -223,15 +181,15 @@ def _scaled_moments(e: float, effort: Effort) -> list[Record]:
 
 def cooling(effort: Effort) -> list[Record]:
     """v0(t) and a2(t) from both starts of the paper, over a short and a long time."""
-    rows: list[Record] = []
+    sweeps: list[Sweep] = []
     for e in restitutions(effort)[:2]:
         for start in references.STARTS:
             for horizon in references.HORIZONS:
-                rows += _cooling(e, start, horizon, effort)
-    return rows
+                sweeps += _cooling(e, start, horizon, effort)
+    return run_sweeps(sweeps, effort)
 
 
-def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Record]:
+def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Sweep]:
     from kinetics import Scene, solve
 
     times = references.times(horizon)
@@ -270,28 +228,33 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Record]
             e, references.MEAN_FREE_PATH, start, times, int(order), 1e-8
         )
 
-    def monte_carlo(samples: float) -> tuple[FloatArray, FloatArray]:
-        run = methods.particles(e, start, times, int(samples))
+    def monte_carlo(samples: float, seed: int) -> tuple[FloatArray, FloatArray]:
+        run = methods.particles(e, start, times, int(samples), seed)
         return run.thermal_speed.value, run.a2.value
 
-    def of(
-        method: str, setting: str, values: Sequence[float], work: Callable[[Any], Any]
-    ) -> list[Record]:
-        return sweep(problem, method, setting, values, work, error, effort)
-
+    of = partial(Sweep, SECTION, problem, error=error)
     largest = 1025 if horizon == "short" else 513
     samples = [n for n in sample_numbers(effort) if n < 400_000 or horizon == "short"]
     return [
-        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
-        *of(SPECTRAL, "nodes", (6, 8, 10, 12, 16, 20), spectral_nodes),
-        *of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
-        *of(STRAIGHTFORWARD, "nodes", _grids(effort, largest), dense),
-        *of(SONINE, "order", _orders(effort), sonine),
-        *of(MONTE_CARLO, "samples", samples, monte_carlo),
+        of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        of(SPECTRAL, "nodes", (6, 8, 10, 12, 16, 20), spectral_nodes),
+        of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
+        of(STRAIGHTFORWARD, "nodes", _grids(effort, largest), dense),
+        of(SONINE, "order", _orders(effort), sonine),
+        of(MONTE_CARLO, "samples", samples, monte_carlo, seeded=True),
     ]
 
 
-def histogram_error(run: Any, exact: Any) -> float:
+def interpolated(exact: Any) -> Callable[[FloatArray], FloatArray]:
+    """F(c) over SCALED_SPEEDS, to 1e-8: the exact one takes longer than a run of the particles."""
+    from scipy.interpolate import CubicSpline
+
+    c = np.linspace(SCALED_SPEEDS[0], SCALED_SPEEDS[-1], 391)
+    spline: Callable[[FloatArray], FloatArray] = CubicSpline(c, exact.vdf(c))
+    return spline
+
+
+def histogram_error(run: Any, vdf: Callable[[FloatArray], FloatArray]) -> float:
     """Error of F(c) from a speed histogram at its only time, against the exact mean of each bin."""
     c = run.speed_histogram.edges / run.thermal_speed.value[0]
     low, high = c[:-1], c[1:]
@@ -300,7 +263,7 @@ def histogram_error(run: Any, exact: Any) -> float:
     share = run.speed_histogram.probability.value[0][used]
     x, w = np.polynomial.legendre.leggauss(6)
     points = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * x
-    inside = 0.5 * (high - low) * ((2.0 * math.pi * points * exact.vdf(points)) @ w)
+    inside = 0.5 * (high - low) * ((2.0 * math.pi * points * vdf(points)) @ w)
     area = math.pi * (high**2 - low**2)
-    largest = float(exact.vdf(SCALED_SPEEDS).max())
+    largest = float(vdf(SCALED_SPEEDS).max())
     return float(np.max(np.abs(share - inside) / area) / largest)

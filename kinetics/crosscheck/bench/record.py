@@ -23,6 +23,7 @@ class Record:
     value : of the setting; None where there is none
     seconds, low, high : median and quartiles of the run time in s; None if not measured. Of one
         thread the processor time, so that others on the machine do not count; of more, wall-clock
+    least : the shortest of the repeats, in s
     wall : median of the wall-clock time in s
     warm_up : the first call, in s
     repeats : behind the median
@@ -42,6 +43,7 @@ class Record:
     seconds: float | None = None
     low: float | None = None
     high: float | None = None
+    least: float | None = None
     wall: float | None = None
     warm_up: float | None = None
     repeats: int = 0
@@ -75,6 +77,7 @@ def timed(
         seconds=counted.median,
         low=counted.low,
         high=counted.high,
+        least=counted.least,
         wall=timing.wall.median,
         warm_up=timing.warm_up,
         repeats=timing.repeats,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench.record import Record, timed
+from kinetics.crosscheck.bench.record import Record, failed, timed
 from kinetics.crosscheck.bench.timing import Effort, measure_together
 
 SECTION = "skipping"
@@ -27,34 +27,38 @@ def skipping(effort: Effort) -> list[Record]:
     from kinetics import Gaussian
 
     times = np.geomspace(1.0, 1e4, 20)
-    rows = _scene("isotropic scene", "gaussian", OUTPUTS, times, effort)
     wide = Gaussian(2.0, 1.0)
-    rows += _scene("two-temperature scene", wide, DIRECTED_OUTPUTS, times[::4], effort)
-    rows += _position(effort)
-    rows += _elastic(times, effort) + _horizon(effort) + _particles(effort)
+    groups = {
+        "isotropic scene": _scene("gaussian", OUTPUTS, times),
+        "two-temperature scene": _scene(wide, DIRECTED_OUTPUTS, times[::4]),
+        "displacement, e = 0.6, t = 300": _position(),
+        "elastic scene, v0, a2 and density": _elastic(times),
+        "last time in d/U, v0 and a2": _horizon(),
+        "Boltzmann-Grad run, 4000 tracers": _particles(),
+    }
+    return ratios(groups, effort)
+
+
+Works = dict[str, Callable[[], Any]]
+
+
+def ratios(groups: dict[str, Works], effort: Effort) -> list[Record]:
+    """A row per piece of work; `extra["ratio"]` is the time of the group's first over its own."""
+    works = {(group, name): work for group, some in groups.items() for name, work in some.items()}
+    timings = measure_together(works, effort)
+    rows = []
+    for (group, name), timing in timings.items():
+        whole = timings[group, next(iter(groups[group]))]
+        if isinstance(timing, Exception) or isinstance(whole, Exception):
+            met = timing if isinstance(timing, Exception) else whole
+            rows.append(failed(SECTION, group, name, f"{type(met).__name__}: {met}"))
+            continue
+        ratio = whole.cpu.median / max(timing.cpu.median, 1e-9)
+        rows.append(timed(SECTION, group, name, timing, extra={"ratio": ratio}))
     return rows
 
 
-def _together(
-    problem: str, whole: str, works: dict[str, Callable[[], Any]], effort: Effort
-) -> list[Record]:
-    """A row per piece of work; `extra["ratio"]` is the time of the whole over its own."""
-    timings = measure_together(works, effort)
-    return [
-        timed(
-            SECTION,
-            problem,
-            name,
-            timing,
-            extra={"ratio": timings[whole].cpu.median / max(timing.cpu.median, 1e-9)},
-        )
-        for name, timing in timings.items()
-    ]
-
-
-def _scene(
-    problem: str, start: Any, outputs: tuple[str, ...], times: np.ndarray, effort: Effort
-) -> list[Record]:
+def _scene(start: Any, outputs: tuple[str, ...], times: np.ndarray) -> Works:
     from kinetics import Scene, solve
 
     def of(names: tuple[str, ...]) -> Callable[[], Any]:
@@ -67,10 +71,10 @@ def _scene(
         f"all but {name}": of(tuple(other for other in outputs if other != name))
         for name in outputs
     }
-    return _together(problem, "everything", works, effort)
+    return works
 
 
-def _position(effort: Effort) -> list[Record]:
+def _position() -> Works:
     """The density solves wave numbers and harmonics; the moments do not."""
     from kinetics import Scene, solve
 
@@ -81,10 +85,10 @@ def _position(effort: Effort) -> list[Record]:
     *moments, density = POSITION_OUTPUTS
     works = {"everything": of(*POSITION_OUTPUTS), f"all but {density}": of(*moments)}
     works |= {f"{name} alone": of(name) for name in POSITION_OUTPUTS}
-    return _together("displacement, e = 0.6, t = 300", "everything", works, effort)
+    return works
 
 
-def _elastic(times: np.ndarray, effort: Effort) -> list[Record]:
+def _elastic(times: np.ndarray) -> Works:
     """The elastic scene solves nothing."""
     from kinetics import Scene, solve
 
@@ -92,11 +96,10 @@ def _elastic(times: np.ndarray, effort: Effort) -> list[Record]:
         scene = Scene(e, times=times, outputs=("thermal_speed", "a2", "speed_density"))
         return lambda: solve(scene, 1e-8)
 
-    works = {"e = 0.99": of(0.99), "e = 1": of(1.0)}
-    return _together("elastic scene, v0, a2 and density", "e = 0.99", works, effort)
+    return {"e = 0.99": of(0.99), "e = 1": of(1.0)}
 
 
-def _horizon(effort: Effort) -> list[Record]:
+def _horizon() -> Works:
     """Once the scaling state is reached, later times cost nothing."""
     from kinetics import Scene, solve
 
@@ -104,11 +107,10 @@ def _horizon(effort: Effort) -> list[Record]:
         scene = Scene(0.7, times=np.geomspace(1.0, last, 20), outputs=("thermal_speed", "a2"))
         return lambda: solve(scene, 1e-8)
 
-    works = {f"t <= {last:.0e}": of(last) for last in (1e300, 1e20, 1e12, 1e4)}
-    return _together("last time in d/U, v0 and a2", "t <= 1e+300", works, effort)
+    return {f"t <= {last:.0e}": of(last) for last in (1e300, 1e20, 1e12, 1e4)}
 
 
-def _particles(effort: Effort) -> list[Record]:
+def _particles() -> Works:
     """A simulation keeps only what is asked for."""
     from particles import BoltzmannGrad, simulate
 
@@ -122,4 +124,4 @@ def _particles(effort: Effort) -> list[Record]:
 
     works = {"every histogram": of(OBSERVABLES), "scalars alone": of(())}
     works |= {f"{name} alone": of((name,)) for name in OBSERVABLES}
-    return _together("Boltzmann-Grad run, 4000 tracers", "every histogram", works, effort)
+    return works

@@ -47,15 +47,16 @@ def startup(effort: Effort) -> list[Record]:
             why = "left to the full run: it takes half a minute on a busy machine"
             rows.append(not_available(SECTION, name, METHOD, why))
             continue
+        # what was run before by this benchmark has read the files: the quick one has no warm-up
         repeats = 1 if compiles or effort.quick else 5
-        rows.append(_case(name, before, code, repeats, compiles))
+        rows.append(_case(name, before, code, repeats, compiles, not (compiles or effort.quick)))
     return rows
 
 
-def _case(name: str, before: str, code: str, repeats: int, compiles: bool) -> Record:
-    """Each repeat in a new process; one that compiles has no warm-up."""
+def _case(name: str, before: str, code: str, repeats: int, compiles: bool, warm_up: bool) -> Record:
+    """Each repeat in a new process."""
     runs = []
-    for _ in range(repeats if compiles else repeats + 1):
+    for _ in range(repeats + warm_up):
         with tempfile.TemporaryDirectory() as empty:
             environment = {**os.environ, "NUMBA_CACHE_DIR": empty} if compiles else None
             result = subprocess.run(

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench.record import Record, failed, not_available, timed
-from kinetics.crosscheck.bench.timing import Effort, measure
+from kinetics.crosscheck.bench.record import Record, failed, timed
+from kinetics.crosscheck.bench.timing import Effort, Timing, measure_together
 
 SECTION = "particles"
 YEAR = 365.25 * 86400.0
 RESTITUTION = 0.9
+LISTED = "listed per cell"
+CELL_DENSITIES = (0.04, 0.2)
+_CELLS = "cells of hard disks"
 
 
 def _media(effort: Effort) -> list[tuple[str, Any]]:
@@ -30,45 +35,71 @@ def _media(effort: Effort) -> list[tuple[str, Any]]:
     return [*media, ("Boltzmann-Grad, 0.04 per d^2", BoltzmannGrad(0.04))]
 
 
+def _cells(effort: Effort) -> list[tuple[str, float, Any]]:
+    """Hard disks in cells that list so many of them on average; see `particles.cells`."""
+    from particles import HardDisks
+
+    listed = (1.5, 5.0, 15.0) if effort.quick else (1.0, 1.5, 2.5, 3.5, 5.0, 7.0, 10.0, 20.0)
+    found = []
+    for rho in CELL_DENSITIES[: 1 if effort.quick else None]:
+        for number in listed:
+            kind = type("HardDisks", (HardDisks,), {"listed": number})
+            found.append((f"{_CELLS}, {rho:g} per d^2", number, kind(rho, count=10_000)))
+    return found
+
+
 def throughput(effort: Effort) -> list[Record]:
-    """Rows with collisions/s in `extra`, of one and of two threads."""
-    rows = []
+    """Rows with collisions/s in `extra`, of one and of two threads; cell sizes of one."""
     tracers = 400 if effort.quick else 2000
-    for name, medium in _media(effort):
-        for threads in (1, 2):
-            rows.append(_rate(name, medium, tracers, threads, effort))
-    rows.append(
-        not_available(SECTION, "side of the cells", "particles", "the side is not exposed: it is "
-                      "chosen so that a cell lists 5 scatterers on average")
-    )  # fmt: skip
-    return rows
+    cases = [_Case(name, medium, threads) for name, medium in _media(effort) for threads in (1, 2)]
+    cases += [_Case(name, medium, 1, value) for name, value, medium in _cells(effort)]
+    collisions = [0] * len(cases)
+
+    def keep(key: tuple[int, bool], ensemble: Any) -> None:
+        if key[1]:
+            collisions[key[0]] = ensemble.collision_total
+
+    works = {}
+    for k, case in enumerate(cases):
+        works[k, False] = partial(case.run, 1, 1)
+        works[k, True] = partial(case.run, tracers, 500)
+    timings = measure_together(works, effort, keep)
+    return [
+        case.row(timings[k, False], timings[k, True], collisions[k]) for k, case in enumerate(cases)
+    ]
 
 
-def _rate(name: str, medium: Any, tracers: int, threads: int, effort: Effort) -> Record:
-    """Collisions/s without the time to place the scatterers, which stands beside."""
-    from particles import simulate
+@dataclass(frozen=True)
+class _Case:
+    name: str
+    medium: Any
+    threads: int
+    listed: float | None = None
 
-    def run(count: int, collisions: int) -> Any:
+    def run(self, tracers: int, collisions: int) -> Any:
+        from particles import simulate
+
         return simulate(
-            medium, RESTITUTION, max_collisions=collisions, media=4, tracers=count, workers=threads
-        )
+            self.medium, RESTITUTION, max_collisions=collisions, media=4, tracers=tracers,
+            workers=self.threads,
+        )  # fmt: skip
 
-    try:
-        _, placing = measure(lambda: run(1, 1), effort)
-        ensemble, timing = measure(lambda: run(tracers, 500), effort)
-    except ValueError as met:
-        return failed(SECTION, name, "particles", str(met), threads=threads)
-    clock = "cpu" if threads == 1 else "wall"
-    whole, before = getattr(timing, clock), getattr(placing, clock)
-    moving = max(whole.median - before.median, 1e-9)
-    return timed(
-        SECTION, name, "particles", timing, threads=threads,
-        extra={
-            "collisions": ensemble.collision_total,
-            "collisions_per_second": ensemble.collision_total / moving,
+    def row(self, placing: Timing | Exception, whole: Timing | Exception, total: int) -> Record:
+        """Collisions/s without the time to place the scatterers, which stands beside."""
+        where: dict[str, Any] = {"threads": self.threads}
+        if self.listed is not None:
+            where |= {"setting": LISTED, "value": self.listed}
+        if isinstance(placing, Exception) or isinstance(whole, Exception):
+            met = placing if isinstance(placing, Exception) else whole
+            return failed(SECTION, self.name, "particles", str(met), **where)
+        clock = "cpu" if self.threads == 1 else "wall"
+        moving = max(getattr(whole, clock).median - getattr(placing, clock).median, 1e-9)
+        extra = {
+            "collisions": total,
+            "collisions_per_second": total / moving,
             "placing_seconds_per_medium": placing.cpu.median / 4,
-        },
-    )  # fmt: skip
+        }
+        return timed(SECTION, self.name, "particles", whole, extra=extra, **where)
 
 
 def monte_carlo_need(rows: list[Record], target: float = 1e-10) -> dict[str, float]:
