@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from kinetics.collision import CollisionLaw
     from kinetics.directed import AngularHarmonics, Beam, PolarGrid, VelocitySamples
-    from kinetics.errors import InputError
+    from kinetics.errors import InputError, ToleranceWarning
     from kinetics.exact import ScalingSolution
     from kinetics.initial import Gaussian, Monoenergetic, SpeedDensity, SpeedSamples, SpeedTable
     from kinetics.scaled import ScaledVDF, SolverStatus, solve_scaled
@@ -34,6 +34,7 @@ _HOMES = {
     "SpeedDensity": "initial",
     "SpeedSamples": "initial",
     "SpeedTable": "initial",
+    "ToleranceWarning": "errors",
     "VelocitySamples": "directed",
     "solve": "solver",
     "solve_scaled": "scaled",
@@ -55,6 +56,7 @@ __all__ = [
     "SpeedDensity",
     "SpeedSamples",
     "SpeedTable",
+    "ToleranceWarning",
     "VelocitySamples",
     "solve",
     "solve_scaled",

@@ -35,19 +35,22 @@ FloatArray = NDArray[np.float64]
 
 _START = -2.0  # below X = -2 the power series in T converges within _TERMS terms
 _TERMS = 40
-_WIDTH = 1.0
+_NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold
+_FEWEST_TERMS = 8
 # Beyond ln(1/kappa) + 38 corrections to the asymptote are below rounding.
 _SATURATION = 38.0
-_FEWEST, _MOST = 6, 48
+_FEWEST, _MOST = 5, 48
+# Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
+_STEEPEST = 4.0
+# Errors over the last two Chebyshev coefficients, of 1822 solves with 6 to 17 nodes, e from 0 to
+# 1 - 1e-6: at most 1.4 times either the last or a tenth of the one before, and a quarter more is
+# for the initial state.
+_LAST, _BEFORE = 1.75, 0.175
 
 
-def nodes_for(rtol: float, degree: float = 2.0) -> int:
-    """Chebyshev nodes of a panel that reach rtol for powers of the speed up to degree.
-
-    From a measurement: the error falls 8 times a node, T^p wants 1.4 nodes for each p > 2.
-    """
-    wanted = 3.0 + 1.06 * math.log10(1.0 / rtol) + 1.4 * max(0.0, abs(degree) - 2.0)
-    return int(min(_MOST, max(_FEWEST, math.ceil(wanted))))
+def panel_width(degree: float) -> float:
+    """Width in X of panels for powers of the speed up to ``degree`` in size."""
+    return min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,62 @@ class Observable:
     constant: float = 0.0
     sources: tuple[tuple[float, Observable], ...] = ()
     growth: int = 1
+
+    @property
+    def first_power(self) -> float:
+        """The power of T with which it begins."""
+        if self.constant:
+            return self.degree + 1.0
+        return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
+
+
+# Nodes of a panel above 2 + the digits asked for + the first power of T, measured: over e, for
+# 2, 7 and 12 digits. Of v^2, and what each further power of the speed adds; of what depends on the
+# direction of the velocity; of moments of the displacement.
+_DIGITS = (2.0, 7.0, 12.0)
+_AT = (0.0, 0.4, 0.7, 0.9, 0.99, 1.0)
+_OF_SQUARE = np.array(
+    [
+        [-0.6, -0.6, -0.5, -0.2, 0.1, 0.7],
+        [-0.2, -0.5, -1.0, -0.9, -0.6, 0.0],
+        [0.7, 0.3, -1.2, -1.6, -1.6, -1.3],
+    ]
+)
+_OF_POWER = np.array(
+    [
+        [0.1, 0.1, 0.1, 0.15, 0.22, 0.26],
+        [-0.1, 0.0, 0.2, 0.3, 0.4, 0.5],
+        [0.0, 0.0, 0.2, 0.25, 0.55, 0.85],
+    ]
+)
+_DIRECTED = np.array(
+    [
+        [-0.3, 0.0, 0.0, -0.2, -0.3, -0.3],
+        [0.1, 0.6, 1.0, 0.2, 0.0, 0.0],
+        [1.4, 1.6, 2.6, 1.6, 1.1, 1.0],
+    ]
+)
+_DISPLACED = np.array(
+    [
+        [-0.4, -0.4, -0.4, -0.4, -0.4, -0.3],
+        [-0.6, -0.5, -0.5, -0.7, -0.7, -0.7],
+        [-0.4, 0.0, 0.4, -0.4, -0.8, -0.8],
+    ]
+)
+
+
+def nodes_for(rtol: float, y: Observable, restitution: float, width: float = 1.0) -> int:
+    """Chebyshev nodes of a panel at which the error estimate is about rtol: a first guess."""
+    digits = -math.log10(rtol)
+    power = width * abs(y.first_power)
+    if y.harmonic or (y.sources and y.degree):
+        table = _DIRECTED
+    elif y.sources:
+        table = _DISPLACED
+    else:
+        table = _OF_SQUARE + (power - 2.0) * _OF_POWER
+    more = np.interp(digits, _DIGITS, [np.interp(restitution, _AT, row) for row in table])
+    return int(min(_MOST, max(_FEWEST, math.ceil(2.0 + digits + power + float(more)))))
 
 
 MEAN_COLLISIONS = Observable(constant=1.0)
@@ -100,19 +159,24 @@ def moment_series(
     known = {} if known is None else known
     if y in known:
         return known[y]
-    driven = y.constant != 0.0 or bool(y.sources)
-    sources = [(factor, moment_series(law, other, known)) for factor, other in y.sources]
+    drive = np.zeros(_TERMS)
+    drive[0] = y.constant
+    for factor, other in y.sources:
+        drive += factor * moment_series(law, other, known)[:-1]
+    rates = law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
     a = np.zeros(_TERMS + 1)
-    if not driven:
-        a[0] = 1.0
+    a[0] = 0.0 if y.constant or y.sources else 1.0
     for k in range(_TERMS):
-        drive = y.constant if k == 0 else 0.0
-        drive += sum(factor * s[k] for factor, s in sources)
-        # at e = 0 the decay of T^0 needs no average: nothing is driven at degree 0 then
-        loss = a[k] * law.harmonic_decay_rate(y.degree + k, y.harmonic) if a[k] else 0.0
-        a[k + 1] = (drive - loss) / (k + 1.0)
+        a[k + 1] = (drive[k] - rates[k] * a[k]) / (k + 1.0)
     known[y] = a
     return a
+
+
+def _needed(series: FloatArray) -> FloatArray:
+    """The series without its end, which adds nothing up to T = exp(_START)."""
+    size = np.abs(series) * np.exp(_START * np.arange(series.size))
+    below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
+    return series[: max(_FEWEST_TERMS, int(below[-1]) + 1)]
 
 
 @dataclass(frozen=True)
@@ -133,30 +197,39 @@ class BackwardEquation:
     law : the collision law, e < 1 (the elastic case is elementary: see evolve.py)
     highest : largest X that will be asked for
     nodes : Chebyshev nodes of a panel
+    width : of a panel in X, see `panel_width`
     """
 
     law: CollisionLaw
     highest: float
     nodes: int
+    width: float = 1.0
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
     _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
+    _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         limit = _SATURATION - math.log(self.law.mean_log_loss)
-        self.count = max(1, math.ceil((min(self.highest, limit) - _START) / _WIDTH))
+        self.count = max(1, math.ceil((min(self.highest, limit) - _START) / self.width))
 
     # -- discretisation -----------------------------------------------------------------------
+
+    @property
+    def _offsets(self) -> FloatArray:
+        """The nodes of a panel from its lower end on, in X."""
+        return self.rule.local * self.width
 
     @cached_property
     def rule(self) -> PanelRule:
         """The collocation of a panel."""
-        return PanelRule(self.nodes, _WIDTH)
+        return PanelRule(self.nodes, self.width)
 
     def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
         if m not in self._kernels:
-            loss, gain = self.rule.kernel(self.law, [m])
+            rate = max(float(self.nodes), _STEEPEST / self.width)
+            loss, gain = self.rule.kernel(self.law, [m], rate)
             self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 
@@ -166,33 +239,34 @@ class BackwardEquation:
         if y in self._solved:
             return self._solved[y]
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = moment_series(self.law, y, self._series)
+        series = _needed(moment_series(self.law, y, self._series))
         loss, gain = self._kernel(y.harmonic)
         n = self.nodes
         reach = gain.shape[1] // n
-        local = self.rule.local
+        # the panels below, and the point where the first one begins
+        x = _START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
+        below = np.append(x[:reach], _START)
+        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), series)
         table = np.empty((reach + self.count, n))
-        for k in range(reach):
-            x = _START + (k - reach + local) * _WIDTH
-            table[k] = np.exp(y.degree * x) * np.polynomial.polynomial.polyval(np.exp(x), series)
-        known = math.exp(y.degree * _START) * float(
-            np.polynomial.polynomial.polyval(math.exp(_START), series)
-        )
-        drift = self.rule.derivative - y.degree * np.eye(n)
+        table[:reach] = known[:-1].reshape(reach, n)
+        rate = np.exp(x[reach:])
+        drive = np.full((self.count, n), y.constant)
+        for factor, values in sources:
+            drive += factor * values
+        # rows are divided by the collision rate where that is large
+        scale = 1.0 / np.maximum(1.0, rate)
+        rate *= scale
+        matrix = scale[:, :, None] * (self.rule.derivative - y.degree * np.eye(n))
+        matrix += rate[:, :, None] * loss
+        matrix[:, 0] = 0.0
+        matrix[:, 0, 0] = 1.0
+        inverse = np.linalg.inv(matrix)
+        first = known[-1]
         for j in range(self.count):
-            rate = np.exp(_START + (j + local) * _WIDTH)
-            drive = gain @ table[j : j + reach].ravel() + y.constant
-            for factor, values in sources:
-                drive = drive + factor * values[j]
-            # rows are divided by the collision rate where that is large
-            scale = 1.0 / np.maximum(1.0, rate)
-            matrix = drift * scale[:, None] + (rate * scale)[:, None] * loss
-            right = rate * scale * drive
-            matrix[0] = 0.0
-            matrix[0, 0] = 1.0
-            right[0] = known
-            table[reach + j] = np.linalg.solve(matrix, right)
-            known = float(table[reach + j, -1])
+            right = rate[j] * (gain @ table[j : j + reach].ravel() + drive[j])
+            right[0] = first
+            table[reach + j] = inverse[j] @ right
+            first = table[reach + j, -1]
         self._solved[y] = _Panels(table[reach:], series, y.degree)
         return self._solved[y]
 
@@ -205,6 +279,11 @@ class BackwardEquation:
 
         For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
         """
+        if observable not in self._errors:
+            self._errors[observable] = self._estimate(observable)
+        return self._errors[observable]
+
+    def _estimate(self, observable: Observable) -> float:
         values = self._solve(observable).values
         last, before = self.rule.last_coefficients(values)
         if observable.harmonic and not observable.sources and not observable.constant:
@@ -214,12 +293,8 @@ class BackwardEquation:
         # powers rise as e^(p X) over a panel: its lower end has the largest relative error
         ends = np.minimum(np.abs(scale[:, 0]), np.abs(scale[:, -1]))
         top = np.maximum(np.maximum(ends, 1e-3 * np.abs(scale).max(axis=1)), 1e-300)
-        floor = 1e-16 * top
-        # between the last coefficient, which is too much, and the first one left out
-        fall = np.minimum(1.0, (last + floor) / (before + floor))
-        error = np.maximum(last, floor) * np.sqrt(fall)
         # errors of panels add up while an observable grows
-        return float(np.sum(error / top))
+        return float(np.sum(np.maximum(_LAST * last, _BEFORE * before) / top))
 
     def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
         """y(X) at X = x, any shape."""
@@ -240,7 +315,7 @@ class BackwardEquation:
         """
         panels = self._solve(observable)
         flat = x.ravel()
-        level = (flat - _START) / _WIDTH
+        level = (flat - _START) / self.width
         low = level < 0.0
         small = np.full(flat.shape, np.nan)
         large = np.full(flat.shape, np.nan)

@@ -254,19 +254,23 @@ class CollisionLaw:
             return 0.5
         return float(self.quadrature.weight @ self.quadrature.cosine)
 
-    def harmonic_decay_rate(self, p: float, m: int) -> float:
-        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l."""
+    def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
+        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l.
+
+        A float for a real p, an array of the shape of p for an array.
+        """
         if isinstance(m, bool) or not isinstance(m, int | np.integer):
             raise InputError(f"m: got {_short(m)}; it must be a whole number")
         if m == 0:
-            return float(self.decay_rate(p))
-        if self.restitution == 0.0 and p <= -1.0:
-            raise InputError(f"p: got {p!r}; at restitution 0 it must be above -1")
-        q = self.quadrature_for(abs(p), abs(m))
+            return self.decay_rate(p)
+        p_ = self._exponents(p)
+        q = self.quadrature_for(_size(p_), abs(m))
         half = np.sin(0.5 * m * np.arccos(q.cosine))
         # 1 - s^p cos = (1 - s^p) + s^p 2 sin^2(m chi/2): no cancellation
-        terms = -np.expm1(-p * q.log_loss) + np.exp(-p * q.log_loss) * 2.0 * half**2
-        return float(q.weight @ terms)
+        power = np.multiply.outer(p_, q.log_loss)
+        with np.errstate(over="ignore", invalid="ignore"):
+            rate = (-np.expm1(-power) + np.exp(-power) * 2.0 * half**2) @ q.weight
+        return self._finite(p, rate)[()]
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = np.asarray(p)

@@ -1,13 +1,24 @@
-"""The one error of bad input, and the checks that several modules share."""
+"""The one error of bad input, the one warning, and the checks that several modules share."""
 
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 
 class InputError(ValueError):
     """An argument that cannot be used: its name, its value and what is allowed, in one line."""
+
+
+class ToleranceWarning(UserWarning):
+    """A figure that carries no status of its own misses the relative tolerance asked for."""
+
+
+def warn_missed(what: str, error: float, rtol: float) -> None:
+    """Say once that a figure misses its tolerance: :class:`ToleranceWarning`."""
+    text = f"{what}: the error estimate {error:.1e} exceeds rtol = {rtol:.1e}"
+    warnings.warn(text, ToleranceWarning, stacklevel=5)
 
 
 def short(value: Any, limit: int = 60) -> str:

@@ -8,14 +8,20 @@ from the forward equation in :mod:`kinetics.forward`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.backward import BackwardEquation, Observable, nodes_for, speed_power
+from kinetics.backward import (
+    BackwardEquation,
+    Observable,
+    nodes_for,
+    panel_width,
+    speed_power,
+)
 from kinetics.collision import CollisionLaw
 from kinetics.initial import State
 from kinetics.measure import LogMeasure
@@ -49,6 +55,12 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+
+    def with_nodes(self, nodes: int) -> Averages:
+        """The same with so many nodes of a panel; the initial state is not made again."""
+        other = replace(self, nodes=nodes)
+        other._measures.update(self._measures)
+        return other
 
     @property
     def elastic(self) -> bool:
@@ -85,12 +97,19 @@ class Averages:
         late = -self.log_stretch - math.log(self.law.mean_log_loss)
         return np.minimum(first, late)
 
+    @property
+    def width(self) -> float:
+        """Of the panels of the backward equation."""
+        return panel_width(max(abs(self.degree), abs(self.lowest)))
+
     @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        nodes = self.nodes or nodes_for(self.rtol, self.degree)
-        return BackwardEquation(self.law, max(highest, -2.0), nodes)
+        nodes = self.nodes or nodes_for(
+            self.rtol, speed_power(self.degree), self.law.restitution, self.width
+        )
+        return BackwardEquation(self.law, max(highest, -2.0), nodes, self.width)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from kinetics import position
 from kinetics.averaged_scattering import scattering_function
-from kinetics.backward import MEAN_COLLISIONS, Observable, speed_power
+from kinetics.backward import MEAN_COLLISIONS, Observable, nodes_for, speed_power
 from kinetics.collision import CollisionLaw
 from kinetics.displacement import Displacement, solve_displacement
-from kinetics.errors import InputError, check_rtol, short
+from kinetics.errors import InputError, check_rtol, short, warn_missed
 from kinetics.evolve import Averages
 from kinetics.profile import Profile
 from kinetics.scaled import SolverStatus
@@ -28,13 +28,19 @@ _FEWEST_NODES, _MOST_NODES = 8, 8192
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
 _ROUNDING = 1e-13  # what sums over the initial state and up the panels may leave
 _LOWEST_AT_ZERO = -0.25  # bounces to s < e^-40, of weight s^(1 + p), are left out
-# (power, harmonic) pairs that an output is made of
-_POWERS: dict[str, tuple[tuple[float, int], ...]] = {
-    "thermal_speed": ((2.0, 0),),
-    "temperature": ((2.0, 0),),
-    "a2": ((2.0, 0), (4.0, 0)),
-    "mean_velocity": ((1.0, 1),),
-    "velocity_tensor": ((2.0, 0), (2.0, 2)),
+Parts = tuple[tuple[float, Observable], ...]
+# what each average is made of, and how often the relative error of that enters its own
+_OF_VELOCITY: dict[str, Parts] = {
+    "thermal_speed": ((0.5, speed_power(2.0)),),
+    "temperature": ((1.0, speed_power(2.0)),),
+    "a2": ((2.0, speed_power(2.0)), (1.0, speed_power(4.0))),
+    "mean_velocity": ((1.0, speed_power(1.0, 1)),),
+    "velocity_tensor": ((1.0, speed_power(2.0)), (1.0, speed_power(2.0, 2))),
+}
+_PARTS: dict[str, Parts] = {
+    **_OF_VELOCITY,
+    "collisions": ((1.0, MEAN_COLLISIONS),),
+    **position.OBSERVABLES,
 }
 _DENSITIES = {"speed_density", "velocity_density"}
 
@@ -77,10 +83,13 @@ def solve(
     nodes = _check_nodes(nodes)
     law = CollisionLaw(scene.restitution)
     wanted = set(scene.outputs)
-    pairs = sorted({pair for name in wanted for pair in _POWERS.get(name, ())})
-    averages = _accurate(
-        _averages(scene, law, rtol, max([2.0, *(p for p, _ in pairs)])), wanted, pairs
+    pairs = sorted(
+        {(y.degree, y.harmonic) for name in wanted for _, y in _OF_VELOCITY.get(name, ())}
     )
+    degree = max([2.0, *(p for p, _ in pairs)])
+    averages = _averages(scene, law, rtol, degree)
+    parts = _parts(averages, wanted)
+    averages = _accurate(averages, parts)
     powers = {pair: averages.power(*pair) for pair in pairs}
     with np.errstate(over="ignore", invalid="ignore"):
         values = _means(averages, wanted, powers)
@@ -88,7 +97,7 @@ def solve(
         _in_range(name, value)
     profiles = _profiles(scene, law, rtol, method, nodes)
     displacement = _displacement(averages, wanted)
-    error = _error(averages, wanted, pairs, profiles)
+    error = max([_error(averages, parts), *(p.error_estimate for p in profiles.values())])
     good = error <= rtol * (1.0 + 1e-9)
     if displacement is not None:
         good &= displacement.error_estimate <= max(rtol, _BEST_DENSITY)
@@ -148,13 +157,42 @@ def _averages(
     return Averages(law, scene.mean_free_path, scene.state, times, rtol, degree, lowest)
 
 
-def _accurate(averages: Averages, wanted: set[str], pairs: list[tuple[float, int]]) -> Averages:
-    """The averages with more nodes where the estimate is above rtol; up to three times."""
-    for _ in range(3):
-        if averages.elastic or _error(averages, wanted, pairs, {}) <= averages.rtol:
+def _parts(averages: Averages, wanted: set[str]) -> list[Parts]:
+    """What must be solved for each average that is asked for; not where the start makes it 0."""
+    return [
+        tuple(
+            (factor, y)
+            for factor, y in _PARTS[name]
+            if name == "velocity_autocorrelation" or averages.measure(y.harmonic) is not None
+        )
+        for name in sorted(wanted & set(_PARTS))
+    ]
+
+
+def _accurate(averages: Averages, parts: Sequence[Parts]) -> Averages:
+    """The averages with as many nodes as the outputs need, by their estimates."""
+    if averages.elastic:
+        return averages
+    e, width = averages.law.restitution, averages.width
+    guesses = [
+        nodes_for(averages.rtol / factor, y, e, width) for part in parts for factor, y in part
+    ]
+    if not guesses:
+        return averages
+    nodes = max(guesses)
+    for more in range(4):
+        averages = averages.with_nodes(nodes + more)
+        if _error(averages, parts) <= averages.rtol:
             break
-        averages = replace(averages, nodes=averages.equation.nodes + 2)
     return averages
+
+
+def _error(averages: Averages, parts: Sequence[Parts]) -> float:
+    """The largest relative error of the outputs that are made of these parts."""
+    if averages.elastic:
+        return 1e-15
+    solved = averages.equation.error_estimate
+    return max([_ROUNDING, *(sum(factor * solved(y) for factor, y in part) for part in parts)])
 
 
 def _means(
@@ -264,30 +302,15 @@ def _any_power(scene: Scene, law: CollisionLaw, p: float, m: int, rtol: float) -
     if law.restitution == 0.0 and p < _LOWEST_AT_ZERO:
         raise InputError(f"p: got {p!r}; at restitution 0 they are solved for p >= -0.25")
     averages = _averages(scene, law, rtol, p, p)
+    if averages.measure(int(m)) is not None:
+        parts: list[Parts] = [((1.0, speed_power(p, int(m))),)]
+        averages = _accurate(averages, parts)
+        error = _error(averages, parts)
+        if error > rtol * (1.0 + 1e-9):
+            warn_missed(f"<v^{p:g}>", error, rtol)
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         found = averages.power(p, int(m)) * np.exp(p * averages.log_reference)
     return _in_range(f"<v^{p:g}>", found)
-
-
-def _moments_of_position(wanted: set[str]) -> list[Observable]:
-    named = [y for name in sorted(wanted) for y in position.OBSERVABLES.get(name, ())]
-    return list(dict.fromkeys(named))
-
-
-def _error(
-    averages: Averages,
-    wanted: set[str],
-    pairs: list[tuple[float, int]],
-    profiles: dict[int, Profile],
-) -> float:
-    estimates = [1e-15 if averages.elastic else _ROUNDING]
-    estimates += [p.error_estimate for p in profiles.values()]
-    if not averages.elastic:
-        asked = [speed_power(p, m) for p, m in pairs if averages.measure(m) is not None]
-        asked += [MEAN_COLLISIONS] if "collisions" in wanted else []
-        asked += _moments_of_position(wanted)
-        estimates += [averages.equation.error_estimate(y) for y in asked]
-    return max(estimates)
 
 
 def _plan(
@@ -331,7 +354,7 @@ def _displacement_plan(averages: Averages, wanted: set[str]) -> tuple[bool, str]
     names = [name for name in position.OBSERVABLES if name in wanted]
     if not names:
         return False, "not asked for"
-    count = len(_moments_of_position(wanted))
+    count = len({y for name in names for _, y in position.OBSERVABLES[name]})
     how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
     return True, f"{', '.join(names)}: {how}"
 
