@@ -195,7 +195,7 @@ def clock(times):
 def test_measure_leaves_the_warm_up_apart():
     effort = timing.Effort(quick=True, least=5, most=5, seconds=0.0)
     seconds = [0.9, 0.1, 0.2, 0.3, 0.4, 0.5]
-    result, found = timing.measure(lambda: 7, effort, clock(seconds), clock(seconds))
+    result, found = timing.measure(lambda: 7, effort, clock(seconds), clock(seconds), gauge=None)
     assert result == 7
     assert found.repeats == 5
     assert found.warm_up == pytest.approx(0.9)
@@ -204,7 +204,7 @@ def test_measure_leaves_the_warm_up_apart():
 
 
 def test_long_work_is_timed_once_but_never_by_its_first_call():
-    _, found = timing.measure(lambda: 0, timing.FULL, clock([9.0, 3.0]), clock([9.0, 3.0]))
+    _, found = timing.measure(lambda: 0, timing.FULL, clock([9.0, 3.0]), clock([9.0, 3.0]), None)
     assert (found.repeats, found.warm_up) == (1, 9.0)
     assert found.cpu.median == pytest.approx(3.0)
 
@@ -231,7 +231,7 @@ class Machine:
 
     def measure(self, effort, **others):
         return timing.measure_together(
-            self.works, effort, clock=self.clock, cpu_clock=self.clock, **others
+            self.works, effort, clock=self.clock, cpu_clock=self.clock, **{"gauge": None} | others
         )
 
 
@@ -531,3 +531,11 @@ def test_command_prints_compares_and_writes(monkeypatch, tmp_path):
     old.write_text("{}")
     failed = runner.invoke(bench, ["--compare", str(old)])
     assert isinstance(failed.exception, ValueError)
+
+
+def test_the_yardstick_is_measured_among_the_repeats():
+    machine = Machine({"a": 0.01})
+    effort = timing.Effort(quick=True, least=3, most=3, seconds=0.0)
+    (found,) = machine.measure(effort, gauge=machine.work("unit", 0.002)).values()
+    assert found.yardstick == pytest.approx(0.002)
+    assert machine.calls == ["a", "unit"] * 4

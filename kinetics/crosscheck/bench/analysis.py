@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.crosscheck.bench.accuracy import MISSED, MISSED_AND_SAID
+from kinetics.crosscheck.bench.accuracy import BETTER, MISSED, MISSED_AND_SAID
 from kinetics.crosscheck.bench.methods import CONSERVATIVE, MONTE_CARLO, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.names import family
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
 
 TARGETS = (1e-3, 1e-6, 1e-8, 1e-10)
@@ -82,10 +83,26 @@ def asked_and_reached(rows: Iterable[Record]) -> list[dict[str, float]]:
                 "worst": float(ratios.max()),
                 "missed": sum(r.note == MISSED for r in here),
                 "missed_and_said": sum(r.note == MISSED_AND_SAID for r in here),
-                "beyond_100": int(np.sum(ratios < 0.01)),
+                "beyond_100": sum(r.note == BETTER for r in here),
             }
         )
     return table
+
+
+def too_accurate(rows: Iterable[Record]) -> list[tuple[str, int, int, Record]]:
+    """By family of problems: how many pairs of errors are better than asked by more than is asked
+    for, of how many, and the pair that is so most. Families with none are left out.
+    """
+    families: dict[str, list[Record]] = {}
+    for row in rows:
+        if row.section == "accuracy" and row.status == MEASURED and row.asked:
+            families.setdefault(family(row.problem), []).append(row)
+    found = []
+    for name, some in families.items():
+        count = sum(r.note == BETTER for r in some)
+        if count:
+            found.append((name, count, len(some), min(some, key=lambda r: r.extra["ratio"])))
+    return found
 
 
 def left_and_below(rows: list[Record], section: str, leader: str, target: float) -> list[str]:

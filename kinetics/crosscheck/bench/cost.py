@@ -16,6 +16,7 @@ from kinetics.crosscheck.bench.timing import Effort
 
 SECTION = "cost"
 PARTICLES = "particles"
+EXPONENT = ", exponent"
 _of = partial(Sweep, SECTION)  # a row per amount of work
 
 
@@ -46,7 +47,7 @@ def exponents(rows: Sequence[Record]) -> list[Record]:
         exponent = fitted_exponent([x for x, _ in done], [y for _, y in done])
         note = f"run time ~ {setting}^{exponent:.2f} over the upper half"
         found.append(
-            Record(SECTION, problem, method, f"{setting}, exponent", note=note,
+            Record(SECTION, problem, method, f"{setting}{EXPONENT}", note=note,
                    extra={"exponent": exponent})
         )  # fmt: skip
     return found

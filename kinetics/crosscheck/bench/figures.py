@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+import itertools
+import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from kinetics.crosscheck.bench import accuracy, cost, methods, precision, skipping
 from kinetics.crosscheck.bench.analysis import front, of_problem, problems
+from kinetics.crosscheck.bench.names import typeset
 from kinetics.crosscheck.bench.record import MEASURED, Record
 
 if TYPE_CHECKING:
@@ -27,6 +30,7 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "inelastic-lorentz",
     "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
     "font.size": 10.0,
     "axes.grid": True,
     "grid.color": "#d8d8d8",
@@ -34,11 +38,22 @@ STYLE: dict[Any, Any] = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 10.0,
+    "axes.axisbelow": True,
     "legend.frameon": False,
     "lines.linewidth": 1.4,
     "lines.markersize": 4.5,
 }
 TIME = "run time, one thread [s]"
+ERROR = "largest relative error"
+HOW_TO_READ = (
+    "A line joins the runs of a method that none of its others beats in time and error; pale: "
+    "the others."
+)
+_DECADES = [10.0**-k for k in range(0, 17, 4)]
+README = "work-precision.svg"
+_CURVES = (  # where one method has several
+    ("#0072b2", "o"), ("#d55e00", "s"), ("#009e73", "^"), ("#cc79a7", "D"), ("#222222", "v"),
+)  # fmt: skip
 
 
 def svg(draw: Callable[[Figure], None], width: float, height: float) -> str:
@@ -60,8 +75,14 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     """Every figure that has rows, by file name."""
     found: dict[str, str] = {}
     names = problems(records, precision.SECTION)
+    scaled = [n for n in names if n.startswith("scaled")]
+    if scaled:
+        # as wide as a page: 900 px
+        columns = len({_restitution(n) for n in scaled})
+        height = 6.1 if columns > 1 else 5.0
+        found[README] = svg(lambda f: _first(f, records, scaled), 9.375, height)
     shown = {
-        "precision-scaled.svg": [n for n in names if n.startswith("scaled")],
+        "precision-scaled.svg": scaled,
         "precision-cooling.svg": [n for n in names if n.startswith("v0(t)")],
         "precision-position.svg": [n for n in names if n.startswith(("<r^2>", "kurtosis", "G(R)"))],
     }
@@ -74,48 +95,75 @@ def draw_all(records: list[Record]) -> dict[str, str]:
                     figure, records, some, columns
                 ),
                 3.7 * columns,
-                0.7 + 3.1 * lines,
+                0.9 + 3.1 * lines,
             )
     if any(r.section == accuracy.SECTION and r.error for r in records):
-        found["accuracy.svg"] = svg(lambda f: _accuracy(f.add_subplot(), records), 5.4, 4.6)
+        found["accuracy.svg"] = svg(lambda f: _accuracy(f.add_subplot(), records), 6.4, 5.2)
     if any(r.section == cost.SECTION and r.seconds for r in records):
-        found["cost.svg"] = svg(lambda f: _cost(f, records), 13.0, 4.4)
+        found["cost.svg"] = svg(lambda f: _cost(f, records), 10.0, 8.4)
     if any(r.section == skipping.SECTION and r.seconds for r in records):
         found["skipping.svg"] = svg(lambda f: _skipping(f, records), 10.5, 6.4)
     return found
 
 
+def _restitution(problem: str) -> float:
+    return float(problem.rsplit(" = ", 1)[1])
+
+
+def _first(figure: Figure, records: list[Record], names: list[str]) -> None:
+    """The scaled equation: F(c) above, h and a2 below, a column for each restitution."""
+    columns = sorted({_restitution(n) for n in names})
+    lines = list(dict.fromkeys(n.rsplit(",", 1)[0] for n in names))
+    axes = figure.subplots(len(lines), len(columns), squeeze=False, sharex=True, sharey=True)
+    used: dict[str, Any] = {}
+    for row, line in zip(axes, lines, strict=True):
+        for axis, e in zip(row, columns, strict=True):
+            _panel(axis, of_problem(records, precision.SECTION, f"{line}, e = {e:g}"), used)
+            if line == lines[0]:
+                axis.set_title(f"scaled equation, e = {e:g}")
+        row[0].set_ylabel(f"error of {typeset(line.removeprefix('scaled '))}")
+    _explain(figure, used)
+
+
 def _work_precision(figure: Figure, records: list[Record], names: list[str], columns: int) -> None:
-    """Every run as a dot; the line joins those that no other run of the method beats."""
     axes = figure.subplots(
         -(-len(names) // columns), columns, squeeze=False, sharex=True, sharey=True
     )
     flat = list(axes.ravel())
     used: dict[str, Any] = {}
     for axis, name in zip(flat, names, strict=False):
-        here = of_problem(records, precision.SECTION, name)
-        for method in methods.METHODS:
-            rows = [r for r in here if r.method == method and r.seconds and r.error is not None]
-            if not rows:
-                continue
-            style = STYLES[method]
-            if method == methods.PRINTED:  # at no cost to speak of
-                for row in rows:
-                    used[method] = axis.axhline(row.error or 0.0, **style)
-                continue
-            axis.plot(*_points(rows), **{**style, "linestyle": "none", "alpha": 0.4})
-            (line,) = axis.plot(*_points(front(rows)), **style)
-            used.setdefault(method, line)
-        title = name.replace("t <=", "\nt <=")
-        axis.set(xscale="log", yscale="log", title=title, ylim=(1e-16, 30.0))
+        _panel(axis, of_problem(records, precision.SECTION, name), used)
+        axis.set_title(typeset(name).replace("t ≤", "\nt ≤"))
     for axis in flat[len(names) :]:
         axis.remove()
     for axis in flat[: len(names)][-columns:]:
-        axis.set_xlabel(TIME)
         axis.tick_params(labelbottom=True)
     for row in axes:
-        row[0].set_ylabel("largest relative error")
+        row[0].set_ylabel(ERROR)
+    _explain(figure, used)
+
+
+def _panel(axis: Axes, here: list[Record], used: dict[str, Any]) -> None:
+    """Every run as a dot; the line joins those that no other run of the method beats."""
+    for method in methods.METHODS:
+        rows = [r for r in here if r.method == method and r.seconds and r.error is not None]
+        if not rows:
+            continue
+        style = STYLES[method]
+        if method == methods.PRINTED:  # at no cost to speak of
+            for row in rows:
+                used[method] = axis.axhline(row.error or 0.0, **style)
+            continue
+        axis.plot(*_points(rows), **{**style, "linestyle": "none", "alpha": 0.3})
+        (line,) = axis.plot(*_points(front(rows)), **style)
+        used.setdefault(method, line)
+    axis.set(xscale="log", yscale="log", ylim=(1e-16, 30.0), yticks=_DECADES)
+    axis.minorticks_off()
+
+
+def _explain(figure: Figure, used: dict[str, Any]) -> None:
     figure.legend([used[m] for m in used], list(used), loc="outside upper center", ncols=len(used))
+    figure.supxlabel(f"{TIME}\n{HOW_TO_READ}", fontsize=10.0)
 
 
 def _points(rows: Iterable[Record]) -> tuple[list[float], list[float]]:
@@ -128,9 +176,9 @@ def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
     rows = [r for r in records if r.section == accuracy.SECTION and r.asked and r.error]
     kinds = {
         "scaled": ("#0072b2", "o", "scaled equation"),
-        "v0(t)": ("#009e73", "s", "v0(t)"),
-        "1 + a2": ("#d55e00", "^", "1 + a2(t)"),
-        "<r^2>": ("#222222", "x", "<r²>(t)"),
+        "v0(t)": ("#009e73", "s", typeset("v0(t)")),
+        "1 + a2": ("#d55e00", "^", typeset("1 + a2(t)")),
+        "<r^2>": ("#222222", "x", typeset("<r^2>(t)")),
         "kurtosis": ("#cc79a7", "v", "kurtosis(t)"),
     }
     for k, (start, (colour, marker, label)) in enumerate(kinds.items()):
@@ -145,36 +193,46 @@ def _accuracy(axis: Axes, records: Iterable[Record]) -> None:
     ends = [3e-13, 3e-3]
     axis.plot(ends, ends, color="#555555", linewidth=1.0)
     axis.fill_between(ends, [x / 100 for x in ends], ends, color="#e8e8e8", zorder=0)
-    axis.text(1.2e-12, 4e-12, "asked", rotation=38, color="#555555", fontsize=9)
+    axis.text(
+        1.2e-11, 2e-11, "asked", rotation=30, rotation_mode="anchor", color="#555555", fontsize=9
+    )
     axis.set(
         xscale="log", yscale="log", xlabel="relative error asked (rtol)",
         ylabel="relative error reached", title="grey: within a factor 100 of what was asked",
     )  # fmt: skip
+    axis.minorticks_off()
     axis.legend(loc="upper left")
 
 
 def _cost(figure: Figure, records: list[Record]) -> None:
-    rows = [r for r in records if r.section == cost.SECTION and r.seconds and r.value]
+    """A colour and a marker for each curve; its name and exponent above the panel."""
+    here = [r for r in records if r.section == cost.SECTION]
+    exponents = {
+        (r.problem, r.method, r.setting.removesuffix(cost.EXPONENT)): f", ~ n^{x:.1f}"
+        for r in here
+        if (x := r.extra.get("exponent")) is not None and math.isfinite(x)
+    }
     groups = {"nodes": ["nodes"], "times": ["times"],
-              "harmonics, wave numbers": ["harmonics", "wave numbers"],
-              "scatterers, tracers": ["scatterers", "tracers"]}  # fmt: skip
-    axes = figure.subplots(1, len(groups), sharey=True)
-    for axis, (label, settings) in zip(axes, groups.items(), strict=True):
-        curves = dict.fromkeys(
-            (r.problem, r.method, r.setting) for r in rows if r.setting in settings
-        )
-        for k, key in enumerate(curves):
+              "harmonics or wave numbers": ["harmonics", "wave numbers"],
+              "scatterers or tracers": ["scatterers", "tracers"]}  # fmt: skip
+    axes = figure.subplots(2, 2, sharey=True)
+    for axis, (label, settings) in zip(axes.ravel(), groups.items(), strict=True):
+        rows = [r for r in here if r.setting in settings and r.seconds and r.value]
+        curves = dict.fromkeys((r.problem, r.method, r.setting) for r in rows)
+        for key, (colour, marker) in zip(curves, itertools.cycle(_CURVES)):
             some = [r for r in rows if (r.problem, r.method, r.setting) == key]
-            style = STYLES[key[1]] | {"linestyle": ("-", "--", ":", "-.")[k % 4]}
-            text = key[0] if len(settings) == 1 else f"{key[0]}: {key[2]}"
-            method = "" if key[1] == cost.PARTICLES else f" ({key[1]})"
-            axis.plot(
-                [r.value for r in some], [r.seconds for r in some], label=text + method, **style
-            )
-        axis.set(xscale="log", yscale="log", xlabel=f"{label} [number]")
+            problem, method, setting = key
+            text = typeset(problem) + ("" if len(settings) == 1 else f": {setting}")
+            text += "" if method == cost.PARTICLES else f" ({method})"
+            text += exponents.get(key, "")
+            x, y = [r.value or 0.0 for r in some], [r.seconds or 0.0 for r in some]
+            axis.plot(x, y, label=text, color=colour, marker=marker)
+        axis.set(xscale="log", yscale="log", xlabel=f"number of {label}")
+        axis.minorticks_off()
         if curves:
-            axis.legend(fontsize=7.5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    axes[0].set_ylabel(TIME)
+            axis.legend(fontsize=9.0, loc="lower left", bbox_to_anchor=(-0.05, 1.0))
+    for axis in axes[:, 0]:
+        axis.set_ylabel(TIME)
 
 
 def _skipping(figure: Figure, records: list[Record]) -> None:
@@ -193,9 +251,10 @@ def _skipping(figure: Figure, records: list[Record]) -> None:
         axis.bar_label(
             bars, labels=[f" {x:.0f}" if x >= 10 else f" {x:.2g}" for x in ratios], fontsize=8
         )
-        axis.set_yticks(range(len(some)), [r.method for r in some], fontsize=8)
-        axis.set_title(group, fontsize=9, loc="left")
+        axis.set_yticks(range(len(some)), [typeset(r.method) for r in some], fontsize=8)
+        axis.set_title(typeset(group), fontsize=9, loc="left")
         axis.set_xscale("log")
+        axis.minorticks_off()
         axis.set_xlim(0.5, 2.0 * max(r.extra["ratio"] for r in rows))
         axis.grid(axis="y", visible=False)
     axes[-1, 0].set_xlabel("run time of the whole scene (first bar) over that of the part")

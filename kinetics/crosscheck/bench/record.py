@@ -24,6 +24,7 @@ class Record:
     seconds, low, high : median and quartiles of the run time in s; None if not measured. Of one
         thread the processor time, so that others on the machine do not count; of more, wall-clock
     least : the shortest of the repeats, in s
+    yardstick : processor time of work that is always the same, measured among the repeats, in s
     wall : median of the wall-clock time in s
     warm_up : the first call, in s
     repeats : behind the median
@@ -44,6 +45,7 @@ class Record:
     low: float | None = None
     high: float | None = None
     least: float | None = None
+    yardstick: float | None = None
     wall: float | None = None
     warm_up: float | None = None
     repeats: int = 0
@@ -78,6 +80,7 @@ def timed(
         low=counted.low,
         high=counted.high,
         least=counted.least,
+        yardstick=timing.yardstick,
         wall=timing.wall.median,
         warm_up=timing.warm_up,
         repeats=timing.repeats,

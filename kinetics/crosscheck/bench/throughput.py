@@ -16,7 +16,7 @@ YEAR = 365.25 * 86400.0
 RESTITUTION = 0.9
 LISTED = "listed per cell"
 CELL_DENSITIES = (0.04, 0.2)
-_CELLS = "cells of hard disks"
+CELLS = "cells of hard disks"
 
 
 def _media(effort: Effort) -> list[tuple[str, Any]]:
@@ -44,8 +44,15 @@ def _cells(effort: Effort) -> list[tuple[str, float, Any]]:
     for rho in CELL_DENSITIES[: 1 if effort.quick else None]:
         for number in listed:
             kind = type("HardDisks", (HardDisks,), {"listed": number})
-            found.append((f"{_CELLS}, {rho:g} per d^2", number, kind(rho, count=10_000)))
+            found.append((f"{CELLS}, {rho:g} per d^2", number, kind(rho, count=10_000)))
     return found
+
+
+def default_listed() -> float:
+    """What the medium itself has."""
+    from particles.media import LISTED as default
+
+    return default
 
 
 def throughput(effort: Effort) -> list[Record]:

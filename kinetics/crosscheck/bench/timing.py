@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,12 +31,15 @@ class Timing:
     wall : wall-clock time over the repeats
     warm_up : the first call, which is not among the repeats, wall-clock, in s
     repeats : how many
+    yardstick : median of the processor time of `yardstick` among the same repeats, in s; None where
+        it was not measured
     """
 
     cpu: Spread
     wall: Spread
     warm_up: float
     repeats: int
+    yardstick: float | None = None
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,14 @@ class Effort:
     seconds: float
 
 
-QUICK = Effort(quick=True, least=3, most=15, seconds=0.05)
+QUICK = Effort(quick=True, least=3, most=11, seconds=0.04)
 FULL = Effort(quick=False, least=5, most=25, seconds=0.12)
 
 
 LONG = 1.0  # s; longer work is timed once
 
 Clock = Callable[[], float]
+_GAUGE = object()  # its name among the works
 K = TypeVar("K")
 
 
@@ -77,11 +81,25 @@ def summary(wall: list[float], cpu: list[float], warm_up: float) -> Timing:
     return Timing(spread(cpu), spread(wall), warm_up, len(wall))
 
 
+def yardstick() -> None:
+    """Work that no change of the package changes, of about a ms: what the machine is worth now.
+
+    Half of it is arithmetic of the interpreter, half is that of arrays; of one thread always.
+    """
+    total = 0
+    for k in range(16_000):
+        total += k * k % 7
+    a = np.linspace(0.0, 1.0, 8000)
+    for _ in range(16):
+        a = np.exp(-a) * a + 0.1
+
+
 def measure(
     work: Callable[[], Any],
     effort: Effort,
     clock: Clock = time.perf_counter,
     cpu_clock: Clock = time.process_time,
+    gauge: Callable[[], Any] | None = yardstick,
 ) -> tuple[Any, Timing]:
     """The first result of one piece of work, and how long it takes; its exception is raised."""
     results: list[Any] = []
@@ -89,7 +107,7 @@ def measure(
     def keep(_: None, result: Any) -> None:
         results[:] = results or [result]
 
-    found = measure_together({None: work}, effort, keep, None, clock, cpu_clock)[None]
+    found = measure_together({None: work}, effort, keep, None, clock, cpu_clock, gauge)[None]
     if isinstance(found, Exception):
         raise found
     return results[0], found
@@ -102,6 +120,7 @@ def measure_together(
     least: Mapping[K, int] | None = None,
     clock: Clock = time.perf_counter,
     cpu_clock: Clock = time.process_time,
+    gauge: Callable[[], Any] | None = yardstick,
 ) -> dict[K, Timing | Exception]:
     """Times of several pieces of work, or what one of them raised.
 
@@ -111,37 +130,41 @@ def measure_together(
     more than a second is timed once.
 
     keep(name, result) gets the result of every call, outside the time. least: repeats of some of
-    the works, where not those of the effort.
+    the works, where not those of the effort. gauge: repeated like the works; `Timing.yardstick`.
     """
-    found: dict[K, _Repeats] = {}
-    failures: dict[K, Exception] = {}
+    found: dict[Any, _Repeats] = {}
+    failures: dict[Any, Exception] = {}
+    all_works: dict[Any, Callable[[], Any]] = {**works, **({_GAUGE: gauge} if gauge else {})}
 
-    def call(name: K) -> tuple[float, float] | None:
+    def call(name: Any) -> tuple[float, float] | None:
         try:
             begin, cpu_begin = clock(), cpu_clock()
-            result = works[name]()
+            result = all_works[name]()
             seconds, cpu = clock() - begin, cpu_clock() - cpu_begin
-            if keep is not None:
+            if keep is not None and name is not _GAUGE:
                 keep(name, result)
         except Exception as met:  # of one work: the others go on
             failures[name] = met
             return None
         return seconds, cpu
 
-    def repeat(names: Iterable[K]) -> None:
+    def repeat(names: Iterable[Any]) -> None:
         for name in names:
             if name not in failures and (took := call(name)) is not None:
                 found[name].add(*took)
 
-    for name in works:
+    for name in all_works:
         if (took := call(name)) is not None:
             found[name] = _Repeats(took[0])
     repeat(list(found))
-    some = least or {}
+    some: Mapping[Any, int] = least or {}
     counts = {k: r.wanted(effort, some.get(k, effort.least)) for k, r in found.items()}
     plan = [(j / n, name) for name, n in counts.items() for j in range(1, n)]
     repeat(name for _, name in sorted(plan, key=lambda turn: turn[0]))
-    return {name: failures.get(name) or found[name].timing() for name in works}
+    unit = found[_GAUGE].timing().cpu.median if gauge else None
+    return {
+        name: failures.get(name) or replace(found[name].timing(), yardstick=unit) for name in works
+    }
 
 
 class _Repeats:
