@@ -28,10 +28,14 @@ from kinetics.panels import PanelRule
 
 FloatArray = NDArray[np.float64]
 
-_TERMS = 60  # of the power series at the start
+_TERMS = 40  # of the power series at the start
 _SERIES = 5.0  # (K + 2) T up to which the series loses two digits at most
 _SATURATION = 38.0  # beyond ln(1/kappa) + this, a_m falls as a power of T, to rounding
-_FREE = 40.0  # T above which nothing is left that has not collided
+_RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
+_TURNING = 3.5  # T at which flights along k are resolved worst
+_FEWEST_NODES, _MOST_NODES = 6, 20
+_MORE = 6  # harmonics that a panel may add
+_NOTHING = 0.1  # of the tolerance
 
 
 @dataclass(frozen=True)
@@ -113,22 +117,22 @@ def solve_waves(
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     """Panels that resolve exp(-T + i K T), the fastest that there is."""
-    # measured: panels of width 1.25/(K + 1) gain a digit every 1.4 nodes; early, K T counts
-    turns = largest * min(1.0, math.exp(highest)) + 1.0
-    width = 1.0
-    while width > 1.0 / 256.0 and width * turns > 1.5:
-        width *= 0.5
+    # early, K T counts
+    turns = largest * min(1.0, math.exp(highest) / _TURNING)
+    width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
-    return PanelRule(int(min(18, max(7, math.ceil(1.45 * digits)))), width)
+    # measured, for widths of up to 1.5/(K + 1)
+    nodes = math.ceil(2.0 + digits * (0.85 + 0.5 * turns * width))
+    return PanelRule(min(_MOST_NODES, max(_FEWEST_NODES, nodes)), width)
 
 
 def _harmonics(largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out."""
     digits = math.log10(1.0 / tolerance)
     # measured at late times; early, free flights reach m = K T and no further
-    late = 2.0 + digits * (0.45 + 0.85 * largest)
+    late = 2.0 + digits * (0.45 + largest)
     early = 4.0 + 2.0 * digits + largest * math.exp(min(highest, 10.0))
-    return math.ceil(min(late, early))
+    return _even(math.ceil(min(late, early)))
 
 
 def _coefficients(law: CollisionLaw, wave_numbers: FloatArray, top: int) -> FloatArray:
@@ -166,41 +170,51 @@ def _sweep(
     tolerance: float,
     kept: int,
 ) -> Waves:
-    """Panel after panel upwards."""
+    """Panel after panel upwards, with as many harmonics as count there, ``top`` at most (even)."""
     n, size = rule.nodes, wave_numbers.size
     loss, gain = rule.kernel(law, list(range(top + 1)), rate=2.0 * n / rule.width)
     reach = gain.shape[2] // n
     # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
-    table = np.empty((reach + count, top + 1, n, size))
+    table = np.zeros((reach + count, top + 1, n, size))
     local = rule.local * rule.width
     series = _coefficients(law, wave_numbers, top)
     if reach:
         x = (start + (np.arange(reach) - reach)[:, None] * rule.width + local).ravel()
         before = _sum(series, np.exp(x)).reshape(reach, n, top + 1, size)
         table[:reach] = np.moveaxis(before, 2, 1)
+    largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
+    recent = _shares(law, rule.width, reach)
     known = _sum(series, np.exp(np.array([start])))[0]
     # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
     closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     done, ended = count, False
+    used, left_out = 0, 0.0
     for j in range(count):
         rate = np.exp(start + j * rule.width + local)
+        # free flights of T reach m = K T
+        more = 4 + int(min(_MORE, float(wave_numbers.max()) * (rate[-1] - rate[0])))
+        rising = _last_above(known, tolerance**_RISING) + more
+        used = min(top, _even(max(rising, min(used, _last_above(known, tolerance)))))
+        drive = np.zeros((used + 1, n, size))
         if reach:
-            below = np.moveaxis(table[j : j + reach], 0, 1).reshape(top + 1, reach * n, size)
-            drive = rate[:, None] * (gain @ below)
-        else:
-            drive = np.zeros((top + 1, n, size))
-        found = _panel(rule, loss, rate, drive, known, wave_numbers, closure)
-        table[reach + j] = found
-        known = found[:, -1]
-        if np.abs(found).max() < 1e-3 * tolerance and rate[0] > _FREE:
+            below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
+            drive = rate[:, None] * (gain[: used + 1] @ below.reshape(used + 1, reach * n, size))
+        found = _panel(
+            rule, loss[: used + 1], rate, drive, known[: used + 1], wave_numbers, closure
+        )
+        table[reach + j, : used + 1] = found
+        known = table[reach + j, :, -1]
+        # what the highest harmonic misses goes back to m = 0 as weakened as it came
+        left_out = max(left_out, float(np.abs(found[used]).max()) ** 2)
+        largest[reach + j] = np.abs(found).max()
+        # nothing that follows is larger than the mean over what is collided out of
+        if recent @ largest[reach + j + 1 - recent.size : reach + j + 1] < _NOTHING * tolerance:
             done, ended = j + 1, True
             break
     values = table[reach : reach + done]
     last, before_last = rule.last_coefficients(np.moveaxis(values[:, 0], 1, 2))
     fall = np.minimum(1.0, (last + 1e-17) / (before_last + 1e-17))
     chebyshev = float((last * np.sqrt(fall)).max())
-    # what the highest harmonic misses goes back to m = 0 as weakened as it came
-    left_out = float(np.abs(values[:, top]).max()) ** 2
     return Waves(
         wave_numbers,
         rule,
@@ -212,6 +226,28 @@ def _sweep(
     )
 
 
+def _even(m: int) -> int:
+    return m + m % 2
+
+
+def _last_above(known: FloatArray, least: float) -> int:
+    """The last m whose a_m (m, n_k) is above."""
+    return int(np.flatnonzero(np.abs(known).max(axis=1) > least).max(initial=0))
+
+
+def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
+    """Shares of the collisions that come out of the last panels, farthest first."""
+    e = law.restitution
+    if reach == 0:
+        return np.ones(1)
+    with np.errstate(under="ignore"):
+        ratio = np.exp(-width * np.arange(reach + 1))
+    # of the impact parameters up to y, collisions lose more than s(y)
+    impact = np.sqrt(np.maximum(0.0, ratio**2 - e * e) / (1.0 - e * e))
+    impact[-1] = 0.0
+    return -np.diff(impact)[::-1]
+
+
 def _panel(
     rule: PanelRule,
     loss: FloatArray,
@@ -221,38 +257,41 @@ def _panel(
     wave_numbers: FloatArray,
     closure: FloatArray,
 ) -> FloatArray:
-    """One panel: block elimination from the highest harmonic down; shape (m, nodes, n_k)."""
-    top, n, size = drive.shape[0] - 1, rule.nodes, wave_numbers.size
+    """One panel: block elimination from both ends to the middle; shape (m, nodes, n_k).
+
+    The number of harmonics is odd. The first node is known, the others are solved for.
+    """
+    n, size, pairs = rule.nodes - 1, wave_numbers.size, (drive.shape[0] - 1) // 2
+    rate = rate[1:]
     scale = 1.0 / np.maximum(1.0, rate)
-    turn = (0.5 * rate * scale)[:, None] * wave_numbers  # (nodes, n_k)
-    turn[0] = 0.0
-    turn = turn.T  # (n_k, nodes)
-    blocks = rule.derivative * scale[:, None] + (rate * scale)[:, None] * loss
-    blocks[:, 0] = 0.0
-    blocks[:, 0, 0] = 1.0
-    right = np.moveaxis(drive * scale[:, None], 2, 1).copy()  # (m, n_k, nodes)
-    right[:, :, 0] = known
-    # a_m = up[m] a_(m-1) + rest[m]
-    up = np.empty((top + 1, size, n, n))
-    rest = np.empty((top + 1, size, n))
+    turn = (0.5 * rate * scale * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
+    turn = np.concatenate([turn, -turn])
+    blocks: FloatArray = (
+        rule.derivative[1:] * scale[:, None] + (rate * scale)[:, None] * loss[:, 1:]
+    )
+    right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
+    right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)
+    blocks = blocks[:, None, :, 1:]
+    # from above a_m = part[0] (a_(m-1), 1), from below a_m = part[1] (a_(m+1), 1)
     diagonal = np.arange(n)
-    both = np.zeros((size, n, n + 1))
-    for m in range(top, 0, -1):
-        matrix = np.repeat(blocks[m][None], size, axis=0)
-        if m == top:
-            matrix[:, diagonal, diagonal] += turn * closure[:, None]
-            both[:, :, n] = right[m]
-        else:
-            matrix += turn[:, :, None] * up[m + 1]
-            both[:, :, n] = right[m] - turn * rest[m + 1]
-        both[:, diagonal, diagonal] = turn
-        solved = np.linalg.solve(matrix, both)
-        up[m], rest[m] = solved[:, :, :n], solved[:, :, n]
-    matrix = blocks[0] + 2.0 * turn[:, :, None] * up[1]
-    a = np.linalg.solve(matrix, (right[0] - 2.0 * turn * rest[1])[:, :, None])[:, :, 0]
-    found = np.empty((top + 1, size, n))
-    found[0] = a
-    for m in range(1, top + 1):
-        a = np.einsum("kij,kj->ki", up[m], a) + rest[m]
-        found[m] = a
+    both = np.zeros((2, size, n, n + 1))
+    both[:, :, diagonal, diagonal] = turn[..., 0]
+    both[1, :, diagonal, diagonal] *= 2.0
+    parts = np.zeros((pairs + 1, 2, size, n, n + 1))
+    parts[0, 0, :, diagonal, diagonal] = closure
+    for i in range(pairs):
+        ends = [-1 - i, i]
+        added = turn * parts[i]
+        both[..., n] = right[ends] - added[..., n]
+        parts[i + 1] = np.linalg.solve(blocks[ends] + added[..., :n], both)
+        if i == 0:  # a_1 stands for a_(-1) too
+            both[1, :, diagonal, diagonal] *= 0.5
+    added = (turn * parts[pairs]).sum(axis=0)
+    a = np.linalg.solve(blocks[pairs] + added[..., :n], (right[pairs] - added[..., n])[..., None])
+    found = np.empty((2 * pairs + 1, size, n + 1))
+    found[:, :, 0] = known
+    found[pairs, :, 1:] = a[..., 0]
+    for i in range(pairs - 1, -1, -1):
+        a = parts[i + 1, ..., :n] @ a + parts[i + 1, ..., n:]
+        found[[-1 - i, i], :, 1:] = a[..., 0]
     return np.moveaxis(found, 1, 2)
