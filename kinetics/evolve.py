@@ -25,8 +25,13 @@ from kinetics.backward import (
 from kinetics.collision import CollisionLaw
 from kinetics.initial import State
 from kinetics.measure import LogMeasure
+from kinetics.panels import PanelRule
 
 FloatArray = NDArray[np.float64]
+
+_MANY = 2  # times for each node of the panels in ln t that hold them
+_FEW_POINTS = 4  # of the initial state, below which each time is as quick
+_MORE_NODES = 2  # of a panel in ln t
 
 
 @dataclass(frozen=True)
@@ -91,11 +96,13 @@ class Averages:
     @cached_property
     def log_reference(self) -> FloatArray:
         """ln of a speed of the order of the thermal one, (n_times,): its powers keep in range."""
-        first = np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
         if self.elastic:
-            return first
-        late = -self.log_stretch - math.log(self.law.mean_log_loss)
-        return np.minimum(first, late)
+            return np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
+        return self._reference(self.log_stretch)
+
+    def _reference(self, log_stretch: FloatArray) -> FloatArray:
+        late = -log_stretch - math.log(self.law.mean_log_loss)
+        return np.minimum(0.5 * self.speeds.log_second_moment(), late)
 
     @property
     def width(self) -> float:
@@ -140,17 +147,44 @@ class Averages:
         x, w, p = found.x, found.weight, y.degree + leading
         if start:
             w = w * np.exp(start * (x - 0.5 * self.speeds.log_second_moment()))
+        points = LogMeasure(x, w)
+        late = np.isfinite(self.log_stretch)
+        stretch = self.log_stretch[late]
+        rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
+        panel = np.floor((stretch - stretch.min(initial=0.0)) / self.width).astype(int)
+        used, which = np.unique(panel, return_inverse=True)
+        if stretch.size < _MANY * used.size * rule.nodes or x.size < _FEW_POINTS:
+            return self._at(points, y, leading, self.log_stretch)
+        # an average over speeds is as smooth in ln t as its observable is in ln T: a few times of
+        # each panel give the others
+        first = stretch.min() + used * self.width
+        nodes = first[:, None] + self.width * rule.local
+        values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
+        # as powers of T, which are smooth everywhere: v_ref is not
+        power = nodes + self._reference(nodes)
+        values = values * np.exp(p * (power - power[:, :1]))
+        rows = rule.rows((stretch - first[which]) / self.width)
+        at_times = stretch + self._reference(stretch) - power[which, 0]
         out = np.empty(self.times.shape, dtype=w.dtype)
+        out[late] = np.einsum("ij,ij->i", rows, values[which]) * np.exp(-p * at_times)
+        out[~late] = self._at(points, y, leading, self.log_stretch[~late])
+        return out
+
+    def _at(
+        self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
+    ) -> NDArray[Any]:
+        """The average at these ln(t/l), (n,)."""
+        x, w, p = points.x, points.weight, y.degree + leading
+        out = np.empty(log_stretch.shape, dtype=w.dtype)
         # in pieces of the time axis, so that memory stays flat
-        piece = max(1, 200_000 // x.size)
-        for first in range(0, self.times.size, piece):
-            part = slice(first, first + piece)
-            stretch = self.log_stretch[part, None]
-            reference = self.log_reference[part, None]
+        piece = max(1, 50_000 // x.size)
+        for first in range(0, log_stretch.size, piece):
+            stretch = log_stretch[first : first + piece, None]
+            reference = self._reference(stretch)
             small, large = self.equation.reduced(y, x + stretch, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
                 early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
                 late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
-            out[part] = (early + late) @ w
+            out[first : first + piece] = (early + late) @ w
         return out

@@ -122,6 +122,23 @@ def test_the_error_of_a_ratio_counts_both_of_its_parts() -> None:
             assert np.max(np.abs(found.kurtosis / exact.kurtosis - 1.0)) <= rtol
 
 
+@pytest.mark.parametrize("e", [0.0, 0.6, 0.99])
+@pytest.mark.parametrize("start", [Gaussian(), Gaussian(1.0, 0.3)])
+def test_many_times_are_interpolated_and_stay_right(e: float, start: Gaussian) -> None:
+    # 4000 times by interpolation in ln t, every 500th of them by itself
+    names = ("thermal_speed", "msd", "kurtosis", "collisions", "velocity_tensor")
+    times = np.concatenate([[0.0], np.geomspace(1e-6, 1e10, 3999)])
+    for rtol in (1e-4, 1e-11):
+        many = solve(Scene(e, times=times, initial=start, outputs=names), rtol)
+        few = solve(Scene(e, times=times[::500], initial=start, outputs=names), rtol)
+        for name in names:
+            dense, alone = getattr(many, name)[::500], getattr(few, name)
+            size = np.abs(alone).max(axis=tuple(range(1, alone.ndim)), keepdims=True)
+            assert np.all(np.abs(dense - alone) <= max(0.1 * rtol, 1e-13) * size), name
+        third, alone = many.moment(3.0)[::500], few.moment(3.0)
+        assert np.all(np.abs(third / alone - 1.0) <= max(0.1 * rtol, 1e-13))
+
+
 def test_loss_rates_of_an_array_of_powers() -> None:
     law = CollisionLaw(0.6)
     p = np.array([0.0, 0.5, 3.0, 11.0])
