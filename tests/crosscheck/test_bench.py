@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import json
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ from kinetics.crosscheck.bench import (
     analysis,
     compare_bench,
     cost,
+    names,
     precision,
     references,
     run,
@@ -30,6 +32,7 @@ from kinetics.crosscheck.bench import (
 )
 from kinetics.crosscheck.bench.command import bench
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
+from particles.build import build
 
 E = 0.7
 ONCE = timing.Effort(quick=True, least=1, most=1, seconds=0.0)
@@ -461,6 +464,71 @@ def test_report_lists_everything_and_what_failed():
     assert "no other method is quicker" in text
 
 
+def test_summary_has_a_line_for_each_family_and_method():
+    rows = []
+    for e, seconds in ((0.2, 3.0), (0.7, 1.0), (0.95, 2.0)):
+        name = f"v0(t), a2(t), gaussian, t <= 1e+02, e = {e:g}"
+        rows += [row(problem=name, seconds=seconds, error=1e-9 * seconds)]
+        rows += [row("Sonine", problem=name, seconds=1e-4, error=1e-4 if e == 0.95 else 0.1)]
+    text = report(*rows).markdown()
+    assert text.index("## Summary") < text.index("## Run time for an error")
+    # medians of three restitutions; in two of three the order never gets there
+    assert "| v₀(t), a₂(t), t ≤ 10² | spectral | 2 s | 2 s | 2e-09 |" in text
+    assert "| v₀(t), a₂(t), t ≤ 10² | Sonine | - | - | 1e-01 |" in text
+
+
+@pytest.mark.parametrize(
+    ("plain", "family", "set_out"),
+    [
+        ("scaled h and a2, e = 0.95", "scaled h and a2", "scaled h and a₂, e = 0.95"),
+        ("<r^2>(t), monoenergetic, t <= 1e+08, e = 1e-10", "<r^2>(t), t <= 1e+08",
+         "⟨r²⟩(t), monoenergetic, t ≤ 10⁸, e = 10⁻¹⁰"),
+        ("hard disks, 0.04 per d^2, 10000",) * 2 + ("hard disks, 0.04 per d², 10000",),
+    ],
+)  # fmt: skip
+def test_names_have_families_and_are_set_out(plain, family, set_out):
+    assert names.family(plain) == family
+    assert names.typeset(plain) == set_out
+
+
+def test_report_names_what_is_too_accurate():
+    def pair(problem, asked, ratio):
+        note = accuracy.verdict(asked, asked * ratio, True)
+        return Record("accuracy", problem, "spectral", "rtol", asked, error=asked * ratio,
+                      asked=asked, note=note, extra={"ratio": ratio})  # fmt: skip
+
+    rows = [pair("v0(t), gaussian, t <= 1e+02, e = 0.7", a, r)
+            for a, r in ((1e-3, 0.5), (1e-5, 2e-3), (1e-8, 5e-4))]  # fmt: skip
+    rows += [pair("scaled F(c), e = 0.7", 1e-8, 0.02)]
+    text = report(*rows).markdown()
+    line = "| v₀(t), t ≤ 10² | 2 of 3 | 5e-04 | v₀(t), gaussian, t ≤ 10², e = 0.7 | 1e-08 |"
+    assert line in text
+    assert "| scaled F(c) |" not in text
+
+
+def test_report_shows_the_size_of_the_cells():
+    rows = [
+        row(section="particles", method="particles", problem="cells, 0.04 per d^2", value=listed,
+            setting=throughput.LISTED, extra={"collisions_per_second": rate})
+        for listed, rate in ((1.0, 1e7), (5.0, 2.5e7), (20.0, 2e7))
+    ]  # fmt: skip
+    text = report(*rows).markdown()
+    assert "| cells, 0.04 per d^2 | 1 | 10.0 | 0.40 |" in text
+    assert "| cells, 0.04 per d^2 | 5, the default | 25.0 | 1.00 |" in text
+    assert "## Particles" not in text
+
+
+def test_cells_of_the_benchmark_list_what_it_says():
+    effort = dataclasses.replace(ONCE, quick=True)
+    sides = []
+    for _, listed, medium in throughput._cells(effort):
+        side = build(medium, np.uint64(1), 0).side
+        # corners counted as if circles were square; the box holds a whole number of cells
+        assert medium.number_density * (side + 2) ** 2 == pytest.approx(listed, rel=0.2)
+        sides.append(side)
+    assert sides == sorted(sides)
+
+
 def test_report_survives_json():
     before = full_report()
     text = before.to_json()
@@ -485,6 +553,11 @@ def test_figures_are_svg_with_labels_and_units():
     for text in figures.values():
         root = ElementTree.fromstring(text)
         assert root.tag.endswith("svg")
+    first = figures["work-precision.svg"]
+    assert len(first) < 150_000
+    # real text of 10 px and more where it is 900 px wide
+    assert ElementTree.fromstring(first).get("width") == "675pt"
+    assert min(float(size) for size in re.findall(r"font-size: ([0-9.]+)px", first)) >= 7.5
     assert "run time, one thread [s]" in figures["precision-scaled.svg"]
     assert "largest relative error" in figures["precision-scaled.svg"]
     assert full_report().figures() == figures

@@ -75,7 +75,7 @@ def draw_all(records: list[Record]) -> dict[str, str]:
     """Every figure that has rows, by file name."""
     found: dict[str, str] = {}
     names = problems(records, precision.SECTION)
-    scaled = [n for n in names if n.startswith("scaled")]
+    scaled = [n for n in names if n.startswith("scaled") and ", e = " in n]
     if scaled:
         # as wide as a page: 900 px
         columns = len({_restitution(n) for n in scaled})
@@ -158,6 +158,9 @@ def _panel(axis: Axes, here: list[Record], used: dict[str, Any]) -> None:
         (line,) = axis.plot(*_points(front(rows)), **style)
         used.setdefault(method, line)
     axis.set(xscale="log", yscale="log", ylim=(1e-16, 30.0), yticks=_DECADES)
+    for one in (axis.xaxis, axis.yaxis):
+        # as text of full size; superscripts of the default are small
+        one.set_major_formatter(lambda x, _: typeset(f"{x:.0e}"))
     axis.minorticks_off()
 
 
