@@ -151,13 +151,15 @@ class Averages:
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
         rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
-        panel = np.floor((stretch - stretch.min(initial=0.0)) / self.width).astype(int)
-        used, which = np.unique(panel, return_inverse=True)
-        if stretch.size < _MANY * used.size * rule.nodes or x.size < _FEW_POINTS:
+        origin = stretch[:1]  # the times rise
+        used, which = np.unique(
+            np.floor((stretch - origin) / self.width).astype(int), return_inverse=True
+        )
+        if stretch.size <= _MANY * used.size * rule.nodes or x.size < _FEW_POINTS:
             return self._at(points, y, leading, self.log_stretch)
         # an average over speeds is as smooth in ln t as its observable is in ln T: a few times of
         # each panel give the others
-        first = stretch.min() + used * self.width
+        first = origin + used * self.width
         nodes = first[:, None] + self.width * rule.local
         values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
         # as powers of T, which are smooth everywhere: v_ref is not
