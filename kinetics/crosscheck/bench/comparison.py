@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,11 +16,12 @@ SLOWER, FASTER, SAME = "slower", "faster", ""
 WORSE, FIXED, BROKEN, GONE, NEW = "less accurate", "works now", "fails now", "gone", "new"
 _ERROR_GREW = 10.0  # below it the error of a random method may change by itself
 _ERROR_FLOOR = 1e-13  # rounding
-# Repeats follow one another: from run to run more changes than among them. Measured: of 316 rows of
-# two runs of the same code on a busy machine, 95 % were within a factor 1.16.
-_BETWEEN_RUNS = 1.2
+# From run to run more changes than among the repeats of one. CALIBRATED
+_BETWEEN_RUNS = 1.25
 _FEW = 3  # repeats below which there is no spread to speak of,
 _UNKNOWN_SPREAD = 0.25  # and this is taken for it, relative
+_BUSY = 1.15  # wall-clock over processor time of one thread, when others want the processor
+_LONG_ENOUGH = 0.01  # s, for others to get at it
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class Change:
     Attributes
     ----------
     row : of the new run; of the old one if it is gone
-    ratio : new time over old; None where one of them has none
+    ratio : new time over old, in units of the yardstick of each where both have one; None where
+        one of them has no time
     mark : what happened, empty if nothing beyond the spread
     """
 
@@ -40,10 +43,20 @@ class Change:
 
 @dataclass(frozen=True)
 class Comparison:
-    """All rows of two runs; `markdown` gives those that are marked first."""
+    """All rows of two runs; `markdown` gives those that are marked first.
+
+    Attributes
+    ----------
+    changes : one for each row
+    same_machine : processor and versions are the same
+    yardstick : the new time of the yardstick over the old, None where not measured
+    busy : others wanted the processor in one of the runs: wall-clock times are not judged
+    """
 
     changes: tuple[Change, ...]
     same_machine: bool
+    yardstick: float | None = None
+    busy: bool = False
 
     def marked(self, *marks: str) -> list[Change]:
         """The rows with one of these marks; with any mark if none is named."""
@@ -52,11 +65,20 @@ class Comparison:
 
     def markdown(self) -> str:
         """A table of the marked rows, and the median ratio of each section."""
-        import statistics
-
         lines = ["## Compared with the earlier run", ""]
         if not self.same_machine:
             lines += ["The earlier run was made on another machine or with other versions.", ""]
+        if self.yardstick is not None:
+            lines += [
+                f"The yardstick took {self.yardstick:.2f} times as long as in the earlier run; "
+                "ratios are of times in units of it.",
+                "",
+            ]
+        if self.busy:
+            lines += [
+                "Others wanted the processor: what is measured by the wall clock is not marked.",
+                "",
+            ]
         lines += ["| section | rows | median new/old |", "|---|---|---|"]
         for section in dict.fromkeys(c.row.section for c in self.changes):
             ratios = [c.ratio for c in self.changes if c.row.section == section and c.ratio]
@@ -89,26 +111,43 @@ def check_comparable(quick: bool, old: BenchReport) -> None:
 
 
 def compare_bench(new: BenchReport, old: BenchReport) -> Comparison:
-    """Every row of either run; slower means that the quartiles of the two do not
-    overlap, and a factor 1.2 at least.
+    """Every row of either run; slower means that the quartiles of the two do not overlap, and that
+    both the medians and the shortest times differ by a factor 1.25 at least.
 
     Raises InputError if one run is quick and the other is not: their work is not the same.
     """
     check_comparable(new.quick, old)
     before = {r.key: r for r in old.records}
     after = {r.key: r for r in new.records}
-    changes = [_change(row, before.get(key)) for key, row in after.items()]
+    busy = _busy(new) or _busy(old)
+    changes = [_change(row, before.get(key), busy) for key, row in after.items()]
     if old.cases == new.cases:
         changes += [Change(row, None, GONE) for key, row in before.items() if key not in after]
     kept = ("processor", "python", "numpy", "scipy", "numba")
     same = all(new.machine.get(k) == old.machine.get(k) for k in kept)
-    return Comparison(tuple(changes), same)
+    pairs = [(after[key], before[key]) for key in after if key in before]
+    units = [a.yardstick / b.yardstick for a, b in pairs if a.yardstick and b.yardstick]
+    return Comparison(tuple(changes), same, statistics.median(units) if units else None, busy)
 
 
-def _change(new: Record, old: Record | None) -> Change:
+def _wall_clock(row: Record) -> bool:
+    return row.seconds is not None and row.seconds == row.wall
+
+
+def _busy(report: BenchReport) -> bool:
+    shares = [
+        r.wall / r.seconds
+        for r in report.records
+        if r.wall and r.seconds and r.seconds > _LONG_ENOUGH and not _wall_clock(r)
+    ]
+    return bool(shares) and statistics.median(shares) > _BUSY
+
+
+def _change(new: Record, old: Record | None, busy: bool) -> Change:
     if old is None:
         return Change(new, None, NEW)
-    ratio = new.seconds / old.seconds if new.seconds and old.seconds else None
+    unit = new.yardstick / old.yardstick if new.yardstick and old.yardstick else 1.0
+    ratio = new.seconds / old.seconds / unit if new.seconds and old.seconds else None
     if (new.status == MEASURED) != (old.status == MEASURED):
         return Change(new, ratio, FIXED if new.status == MEASURED else BROKEN)
     grew = (
@@ -117,11 +156,13 @@ def _change(new: Record, old: Record | None) -> Change:
         and new.error > _ERROR_GREW * max(old.error, _ERROR_FLOOR)
     )
     marks = [WORSE] if grew else []
-    if ratio is not None:
+    if ratio is not None and not (busy and _wall_clock(new)):
         (new_low, new_high), (old_low, old_high) = _quartiles(new), _quartiles(old)
-        if new_low > old_high and ratio > _BETWEEN_RUNS:
+        # what others on the machine disturb least
+        shortest = new.least / old.least / unit if new.least and old.least else ratio
+        if new_low > old_high * unit and min(ratio, shortest) > _BETWEEN_RUNS:
             marks.append(SLOWER)
-        elif new_high < old_low and ratio < 1.0 / _BETWEEN_RUNS:
+        elif new_high < old_low * unit and max(ratio, shortest) < 1.0 / _BETWEEN_RUNS:
             marks.append(FASTER)
     return Change(new, ratio, ", ".join(marks))
 

@@ -36,7 +36,7 @@ def _works(threads: int, effort: Effort) -> dict[tuple[str, str], Callable[[], A
 
     times = references.times("short")
     nodes = 201 if effort.quick else 801
-    tracers = 1000 if effort.quick else 5000
+    tracers = 500 if effort.quick else 5000
 
     def run(medium: Any) -> Callable[[], Any]:
         return lambda: simulate(

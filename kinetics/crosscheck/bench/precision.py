@@ -76,7 +76,7 @@ def _grids(effort: Effort, largest: int) -> list[int]:
     """Numbers of nodes, doubling."""
     least = 65
     grids = [least]
-    while 2 * grids[-1] - 1 <= largest // (2 if effort.quick else 1):
+    while 2 * grids[-1] - 1 <= largest // (4 if effort.quick else 1):
         grids.append(2 * grids[-1] - 1)
     return grids
 
