@@ -188,6 +188,28 @@ class _Panels:
     degree: float
 
 
+@dataclass(frozen=True)
+class Places:
+    """Where values of X lie; see `BackwardEquation.locate`.
+
+    Attributes
+    ----------
+    shape : of the X
+    low : whether each is below the panels, (n,)
+    early : T of those, (n_low,)
+    index, level : panel, and X in panels, of the others, (n_others,)
+    shares, total : barycentric weights over distances to the nodes, (n_others, nodes), their sums
+    """
+
+    shape: tuple[int, ...]
+    low: NDArray[np.bool_]
+    early: FloatArray
+    index: NDArray[np.intp]
+    shares: FloatArray
+    total: FloatArray
+    level: FloatArray
+
+
 @dataclass
 class BackwardEquation:
     """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
@@ -298,37 +320,41 @@ class BackwardEquation:
 
     def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
         """y(X) at X = x, any shape."""
-        small, large = self.reduced(observable, x)
+        small, large = self.reduced(observable, self.locate(x))
         with np.errstate(invalid="ignore"):
             return np.asarray(
                 np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
             )
 
-    def reduced(
-        self, observable: Observable, x: FloatArray, leading: int = 0
-    ) -> tuple[FloatArray, FloatArray]:
-        """y T^-(p + leading) where X = x is below the panels, y elsewhere; NaN where not.
-
-        Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. x
-        of any shape, -inf allowed.
-        """
-        panels = self._solve(observable)
+    def locate(self, x: FloatArray) -> Places:
+        """Where X = x lies, for every observable; any shape, -inf allowed."""
         flat = x.ravel()
         level = (flat - _START) / self.width
         low = level < 0.0
-        small = np.full(flat.shape, np.nan)
-        large = np.full(flat.shape, np.nan)
+        level = level[~low]
+        index = np.minimum(level.astype(int), self.count - 1)
+        shares = self.rule.shares(np.minimum(level - index, 1.0))
+        return Places(x.shape, low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
+
+    def reduced(
+        self, observable: Observable, places: Places, leading: int = 0
+    ) -> tuple[FloatArray, FloatArray]:
+        """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
+
+        Below the panels by the power series, whose first ``leading`` terms must vanish; above
+        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. Both of
+        the shape of the places.
+        """
+        panels = self._solve(observable)
+        small = np.full(places.low.shape, np.nan)
+        large = np.full(places.low.shape, np.nan)
         series = panels.series[leading:]
-        small[low] = np.polynomial.polynomial.polyval(np.exp(flat[low]), series)
-        inside = level[~low]
-        index = np.minimum(inside.astype(int), self.count - 1)
-        rows = self.rule.rows(np.minimum(inside - index, 1.0))
-        value = np.einsum("ij,ij->i", rows, panels.values[index])
-        beyond = inside > self.count
-        value[beyond] = self._asymptote(panels.values, observable.growth, inside[beyond])
-        large[~low] = value
-        return small.reshape(x.shape), large.reshape(x.shape)
+        small[places.low] = np.polynomial.polynomial.polyval(places.early, series)
+        value = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
+        beyond = places.level > self.count
+        value[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
+        large[~places.low] = value
+        return small.reshape(places.shape), large.reshape(places.shape)
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
         """The polynomial in X through the ends of the last panels, at X in panels."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from kinetics.backward import (
     BackwardEquation,
     Observable,
+    Places,
     nodes_for,
     panel_width,
     speed_power,
@@ -32,6 +33,8 @@ FloatArray = NDArray[np.float64]
 _MANY = 2  # times for each node of the panels in ln t that hold them
 _FEW_POINTS = 4  # of the initial state, below which each time is as quick
 _MORE_NODES = 2  # of a panel in ln t
+_PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
+_KEPT = 16  # such pieces
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
@@ -172,6 +176,15 @@ class Averages:
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
 
+    def _places(self, x: FloatArray) -> Places:
+        """Of these X; the observables of a scene ask for the same ones again and again."""
+        key = x.tobytes()
+        if key not in self._known:
+            if len(self._known) >= _KEPT:
+                self._known.clear()
+            self._known[key] = self.equation.locate(x)
+        return self._known[key]
+
     def _at(
         self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
     ) -> NDArray[Any]:
@@ -179,11 +192,12 @@ class Averages:
         x, w, p = points.x, points.weight, y.degree + leading
         out = np.empty(log_stretch.shape, dtype=w.dtype)
         # in pieces of the time axis, so that memory stays flat
-        piece = max(1, 50_000 // x.size)
+        piece = max(1, _PIECE // x.size)
         for first in range(0, log_stretch.size, piece):
             stretch = log_stretch[first : first + piece, None]
             reference = self._reference(stretch)
-            small, large = self.equation.reduced(y, x + stretch, leading)
+            places = self._places(x + stretch)
+            small, large = self.equation.reduced(y, places, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
                 early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))

@@ -18,6 +18,7 @@ from kinetics.collision import CollisionLaw
 
 FloatArray = NDArray[np.float64]
 
+_TINY = 1e-290
 _CLOSE = 1e-3  # shifts, in panels, below which interpolation would lose digits
 
 
@@ -45,6 +46,13 @@ class PanelRule:
         w = (-1.0) ** np.arange(self.nodes)
         w[[0, -1]] *= 0.5
         return np.asarray(w)
+
+    def shares(self, local: FloatArray) -> FloatArray:
+        """Rows of `rows` before their sums are divided by, (n, nodes): one pass less."""
+        distance = local[:, None] - self.local
+        # on a node, that node alone
+        distance[distance == 0.0] = _TINY
+        return np.asarray(np.divide(self.weights, distance, out=distance))
 
     def rows(self, local: FloatArray) -> FloatArray:
         """Interpolation from the nodes to local (n,), in panels: (n, nodes)."""
