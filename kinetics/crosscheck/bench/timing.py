@@ -66,7 +66,9 @@ FULL = Effort(quick=False, least=5, most=25, seconds=0.12)
 LONG = 1.0  # s; longer work is timed once
 
 Clock = Callable[[], float]
+_GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 _GAUGE = object()  # its name among the works
+_GAUGE_REPEATS = 51  # its median enters every ratio
 K = TypeVar("K")
 
 
@@ -157,9 +159,14 @@ def measure_together(
         if (took := call(name)) is not None:
             found[name] = _Repeats(took[0])
     repeat(list(found))
-    some: Mapping[Any, int] = least or {}
+    some: Mapping[Any, int] = {_GAUGE: _GAUGE_REPEATS, **(least or {})}
     counts = {k: r.wanted(effort, some.get(k, effort.least)) for k, r in found.items()}
-    plan = [(j / n, name) for name, n in counts.items() for j in range(1, n)]
+    plan = [
+        # evenly, and no two works in step: their first turns are at multiples of the golden section
+        ((j + _GOLDEN * k % 1.0) / (n - 1), name)
+        for k, (name, n) in enumerate(counts.items())
+        for j in range(n - 1)
+    ]
     repeat(name for _, name in sorted(plan, key=lambda turn: turn[0]))
     unit = found[_GAUGE].timing().cpu.median if gauge else None
     return {
