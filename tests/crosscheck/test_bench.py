@@ -425,7 +425,7 @@ def test_wall_clock_times_are_not_judged_where_others_want_the_processor():
 
 
 def measured_on_a_noisy_machine(seconds, seed) -> BenchReport:
-    """Rows of 200 works. Repeats scatter by 8 %; a fifth of the time all takes 1.4 times as long."""
+    """Repeats of 200 works scatter by 8 %; a fifth of the time all takes 1.4 times as long."""
     rng = np.random.default_rng(seed)
     begin = rng.uniform(0.0, 4.0)
 
