@@ -7,14 +7,14 @@ the same few small matrices everywhere, from a panel on itself and from those be
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.barycentric import interpolation_rows
-from kinetics.collision import CollisionLaw
+from kinetics.collision import CollisionLaw, ImpactQuadrature
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +34,9 @@ class PanelRule:
 
     nodes: int
     width: float = 1.0
+    _shifted: dict[int, tuple[ImpactQuadrature, NDArray[np.intp], FloatArray]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @cached_property
     def local(self) -> FloatArray:
@@ -90,8 +93,7 @@ class PanelRule:
         n = self.nodes
         shift = q.log_loss / self.width
         local = self.local[:, None] - shift
-        below = np.maximum(np.ceil(-local), 0.0).astype(int)
-        rows = self.rows((local + below).ravel()).reshape(n, -1, n)
+        below, rows = self._shift(q)
         cosine = np.stack([q.harmonic(m) for m in harmonics])
         reach = int(below.max())
         gain = np.zeros((len(harmonics), n, reach, n))
@@ -101,17 +103,30 @@ class PanelRule:
             gain[:, :, reach - k] = self._mean(cosine[:, used], weight, rows[:, used])
         # 1 - (gain from the panel itself) without cancellation, for e near 1: the off-diagonal
         # entries are accurate relative to themselves, and rows of the interpolation sum to 1
-        inside = np.where(below == 0, q.weight, 0.0)
+        near = np.nonzero((below == 0).any(axis=0))[0]
+        inside = np.where(below[:, near] == 0, q.weight[near], 0.0)
         own = np.eye(n, dtype=bool)[:, None, :]
-        off = np.where(own, 0.0, self._close_rows(shift, local, rows))
-        loss = -self._mean(cosine, inside, off)
-        left = off.sum(axis=2)
-        half = np.stack([np.sin(0.5 * m * np.arccos(q.cosine)) for m in harmonics])
+        close = self._close_rows(shift[near], local[:, near], rows[:, near])
+        off = np.where(own, 0.0, close)
+        loss = -self._mean(cosine[:, near], inside, off)
+        half = np.stack([np.sin(0.5 * m * np.arccos(q.cosine[near])) for m in harmonics])
         diagonal = np.einsum("mk,ik->mi", 2.0 * half**2, inside)
-        diagonal += np.einsum("mk,ik->mi", cosine, inside * left)
+        diagonal += np.einsum("mk,ik->mi", cosine[:, near], inside * off.sum(axis=2))
         diagonal += np.where(below > 0, q.weight, 0.0).sum(axis=1)
         loss[:, np.arange(n), np.arange(n)] = diagonal
         return loss, gain.reshape(len(harmonics), n, reach * n)
+
+    def _shift(self, q: ImpactQuadrature) -> tuple[NDArray[np.intp], FloatArray]:
+        """Panels below in which each bounce ends, (nodes, n_q), and its interpolation there.
+
+        The second is (nodes, n_q, nodes); kept, because it is the same for all harmonics.
+        """
+        if id(q) not in self._shifted:
+            local = self.local[:, None] - q.log_loss / self.width
+            below = np.maximum(np.ceil(-local), 0.0).astype(int)
+            rows = self.rows((local + below).ravel()).reshape(self.nodes, -1, self.nodes)
+            self._shifted[id(q)] = q, below, rows
+        return self._shifted[id(q)][1:]
 
     @staticmethod
     def _mean(cosine: FloatArray, weight: FloatArray, rows: FloatArray) -> FloatArray:
