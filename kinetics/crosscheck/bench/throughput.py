@@ -39,10 +39,10 @@ def _cells(effort: Effort) -> list[tuple[str, float, Any]]:
     """Hard disks in cells that list so many of them on average; see `particles.cells`."""
     from particles import HardDisks
 
-    listed = (1.5, 5.0, 15.0) if effort.quick else (1.0, 1.5, 2.5, 3.5, 5.0, 7.0, 10.0, 20.0)
+    listed = (1.5, 5.0, 15.0) if effort.quick else (1.5, 2.5, 3.5, 5.0, 7.0, 10.0, 20.0)
     found = []
     for rho in CELL_DENSITIES[: 1 if effort.quick else None]:
-        for number in listed:
+        for number in (n for n in listed if n > 3.5**2 * rho):  # no cell is narrower than 1.5 d
             kind = type("HardDisks", (HardDisks,), {"listed": number})
             found.append((f"{CELLS}, {rho:g} per d^2", number, kind(rho, count=10_000)))
     return found
