@@ -220,6 +220,14 @@ class PolarGrid(State):
         """What the angles resolve."""
         return (np.asarray(self.values).shape[1] - 1) // 2
 
+    @property
+    def lowest_moment(self) -> float:  # type: ignore[override]
+        """From the first piece, if that begins at speed 0."""
+        if np.asarray(self.speed)[0] > 0.0:
+            return -math.inf
+        # the columns hold v f, which is 0 at v = 0
+        return -2.0
+
     def _of_order(self, m: int) -> NDArray[Any] | None:
         highest = self.highest_harmonic
         assert highest is not None

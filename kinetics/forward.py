@@ -1,18 +1,16 @@
 r"""The speed density in time: the forward equation on a logarithmic speed axis, spectrally.
 
-With Y = v (t + t0)/l, x = ln Y and tau = ln(t + t0) the inelastic Lorentz equation (paper, label
-``inelaslorentz2``) has constant coefficients in tau: for the density g of x in harmonic m,
-
-    dg/dtau = -dg/dx - Lambda (e^x g),     Lambda : symbol 1 - E[s^(-i k) cos(m chi)],
-
-on a periodic window, by Fourier collocation: spectrally accurate for smooth states, and mass is
-kept to rounding, because the symbol of m = 0 vanishes at k = 0. Where the scaling state is reached
-to rounding, the stationary solution takes over and later times cost nothing.
+On equidistant nodes of x = ln v a smooth density is resolved to rounding by some hundred of them.
+Its collisions are taken out of the equation (:mod:`kinetics.intertwining`), so that any time
+follows at once; where rounding does not allow that, the equation is followed in steps of
+logarithmic time (:mod:`kinetics.stepping`). Where the scaling state is reached to rounding, the
+stationary solution takes over and later times cost nothing.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,18 +19,23 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
-from kinetics.generator import decay_symbol, harmonic_symbol
+from kinetics.gain import log_gain
 from kinetics.grid import LogGrid
 from kinetics.initial import State
+from kinetics.intertwining import choose_turn, intertwine
 from kinetics.measure import LogMeasure
 from kinetics.profile import Profile, count_before_scaling, then_scaling
+from kinetics.stepping import stepped
 from kinetics.tilt import band_of, window_of
 
 FloatArray = NDArray[np.float64]
 
 _MAX_NODES = 8192
 _STEEP = 1e4
-_MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute
+_MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute of steps
+_SHARE = 0.005  # of rtol that each part of the error may have
+_BEST_STEPPED = 1e-12  # what steps reach
+_LEAST_MAXIMUM = 0.3  # of the isotropic density of ln v, at any time: its width is of order 1
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,8 @@ class _Collocated:
 
     grid: LogGrid
     values: NDArray[Any]  # (n_times, nodes)
-    shift: FloatArray  # ln((t + t0)/l), (n_times,)
+    shift: FloatArray  # x - ln v, (n_times,)
+    end: float  # highest x where something is left
     resolved: float  # share of its maximum down to which g is right
 
     def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
@@ -50,10 +54,10 @@ class _Collocated:
         with np.errstate(divide="ignore"):
             x = np.log(v) + shift
         floor, slope = self._low_end(i)
-        inside = (x <= self.grid.end) & (v > 0.0)
+        inside = (x <= self.end) & (v > 0.0)
         # g is right to a share of its maximum: below that, and f = g/v with it, the slope of ln f
         # that it has there goes on
-        at = np.clip(x[inside], floor, self.grid.end)
+        at = np.clip(x[inside], floor, self.end)
         with np.errstate(under="ignore"):
             fall = np.exp(slope * (x[inside] - at) - (at - shift))
             out[inside] = self._interpolate(i, at) * fall
@@ -122,115 +126,146 @@ def solve_spectral(
     nodes: int | None = None,
 ) -> Profile | None:
     """Harmonic m at the times, e < 1; None where the state is too rough for this method."""
-    from scipy.integrate import solve_ivp
-
     start = state.harmonic(0, 1e-3 * rtol)
     profile = state.profile(m)
     if start is None or profile is None:
         return None
-    depth = math.log(1.0 / rtol) + 6.0
+    depth = math.log(1.0 / rtol) + 8.0
     log_unit = 0.5 * start.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     tau = shift + log_unit
     early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
     duration = float(tau[early - 1]) if early else 0.0
     left, right, band = _window(law, start, depth, duration)
-    # the drift and the losses turn the highest mode this often
     wanted = nodes or (right - left) * band / math.pi
-    turns = wanted * math.pi / (right - left) * (1.0 + law.mean_log_loss * math.exp(right))
-    if wanted > _MAX_NODES or turns * duration * wanted > _MOST_WORK:
-        raise InputError(
-            f"times: got up to {times[-1]:g} at restitution {law.restitution!r}; the density "
-            f"would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
-        )
-    grid, initial, rough = _resolve(profile, left, right, band, log_unit, rtol, nodes, m == 0)
+    if wanted > _MAX_NODES:
+        raise _too_much(law, times, wanted)
+
+    def at_nodes(grid: LogGrid) -> FloatArray:
+        """Real and imaginary part of g on a grid of ln v, in units of the thermal speed."""
+        v = np.exp(grid.x + log_unit)
+        g = np.asarray(profile(v) * v)
+        if m == 0:
+            g = g / (float(g.sum()) * grid.spacing)  # what lies beyond the window is not missed
+        return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
+
+    grid, rows, rough = _resolve(at_nodes, left, right, band, rtol, nodes)
     if rough > rtol and nodes is None:
         return None
-    z = -1j * grid.wave_numbers
-    loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
-    # the highest mode of a real transform has no partner: its odd part is left out
-    z[-1] = 0.0
-    loss[-1] = loss[-1].real
-    rate = np.exp(grid.x)
-    rows = np.stack([initial.real, initial.imag]) if np.iscomplexobj(initial) else initial[None]
-
-    def derivative(_: float, flat: FloatArray) -> FloatArray:
-        g = flat.reshape(rows.shape)
-        spectrum = z * np.fft.rfft(g) - loss * np.fft.rfft(rate * g)
-        return np.asarray(np.fft.irfft(spectrum, grid.nodes).ravel())
-
-    values = np.empty((early, *rows.shape))
-    scale = float(np.abs(rows).max())
-    now, g = 0.0, rows.ravel()
-    # from one output time to the next: the dense output of the method is of lower order
-    for i in range(early):
-        if tau[i] > now:
-            result = solve_ivp(
-                derivative,
-                (now, float(tau[i])),
-                g,
-                method="DOP853",
-                t_eval=[float(tau[i])],
-                rtol=max(0.01 * rtol, 3e-14),
-                atol=max(0.01 * rtol, 1e-15) * scale,
-                first_step=min(float(tau[i]) - now, 1.0 / float(rate[-1])),
-            )
-            if not result.success:
-                raise RuntimeError(f"the forward equation was not integrated: {result.message}")
-            g, now = result.y[:, -1], float(tau[i])
-        values[i] = g.reshape(rows.shape)
-    joined = values[:, 0] + 1j * values[:, 1] if rows.shape[0] == 2 else values[:, 0]
-    collocated = _Collocated(grid, joined, shift[:early], rtol)
+    found = _at_once(law, at_nodes, grid, rows, m, tau[:early], rtol, nodes)
+    if found is None:
+        # the drift and the losses turn the highest mode this often
+        turns = math.pi / grid.spacing * (1.0 + law.mean_log_loss * math.exp(right))
+        if turns * duration * grid.nodes > _MOST_WORK:
+            raise _too_much(law, times, wanted)
+        values, highest = stepped(law, grid, rows, m, tau[:early], rtol)
+        found = _Found(grid, values, tau[:early], highest, 0.0)
+    joined = found.values[:, 0]
+    if rows.shape[0] == 2:
+        joined = joined + 1j * found.values[:, 1]
+    collocated = _Collocated(
+        found.grid,
+        joined,
+        found.moved - log_unit,
+        right + found.grid.spacing,
+        max(_SHARE * rtol, 3.0 * found.rounding),
+    )
+    # a harmonic that dies away matters beside the isotropic part
+    least = 0.0 if m == 0 else _LEAST_MAXIMUM
+    missed = float(np.max(found.highest * found.grid.spacing, initial=_ends(joined, least)))
     return Profile(
         at=then_scaling(law, collocated, early, shift[early:], rtol),
         count=times.size,
         method="spectral",
-        nodes=grid.nodes,
-        error_estimate=max(0.1 * rtol, rough, _ends(joined), _highest_modes(joined)),
+        nodes=found.grid.nodes,
+        error_estimate=max(0.1 * rtol, found.rounding, rough, missed),
     )
 
 
+@dataclass(frozen=True)
+class _Found:
+    """g at the times, however it was found."""
+
+    grid: LogGrid
+    values: FloatArray  # (n_times, rows, nodes)
+    moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
+    highest: FloatArray  # size of the highest modes, (n_times,)
+    rounding: float  # what it may have left, relative to the maximum
+
+
+def _too_much(law: CollisionLaw, times: FloatArray, wanted: float) -> InputError:
+    return InputError(
+        f"times: got up to {times[-1]:g} at restitution {law.restitution!r}; the density "
+        f"would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
+    )
+
+
+def _at_once(
+    law: CollisionLaw,
+    at_nodes: Callable[[LogGrid], FloatArray],
+    grid: LogGrid,
+    rows: FloatArray,
+    m: int,
+    tau: FloatArray,
+    rtol: float,
+    nodes: int | None,
+) -> _Found | None:
+    """Every time from the start, without its collisions; None where rounding is too large.
+
+    The window is that of g and more: u reaches further down, as v, and further up, as
+    exp(-v t/l).
+    """
+    turn = choose_turn(law, np.fft.rfft(rows), math.pi / grid.spacing, m, rtol)
+    if turn.error > max(0.3 * rtol, _BEST_STEPPED):
+        return None
+    tail = math.log(_SHARE * rtol) - turn.raised
+    left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
+    right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
+    if nodes is None:
+        count = _good_count(math.ceil((right - left) / grid.spacing))
+        if count > _MAX_NODES:
+            return None
+        wide = LogGrid(right - grid.spacing * count, grid.spacing, count)
+    else:
+        wide = LogGrid(left, (right - left) / grid.nodes, grid.nodes)
+    gain = log_gain(law, wide.wave_numbers, m)
+    hidden = intertwine(wide, at_nodes(wide), gain, turn.angle, m)
+    moved, values, highest = hidden.at(tau)
+    return _Found(wide, values, moved * wide.spacing, highest, turn.error)
+
+
+def _good_count(least: int) -> int:
+    """An even number of nodes, not below the least, of small prime factors."""
+    from scipy.fft import next_fast_len
+
+    return 2 * int(next_fast_len((least + 1) // 2, real=True))
+
+
 def _resolve(
-    profile: Any,
+    at_nodes: Callable[[LogGrid], FloatArray],
     left: float,
     right: float,
     band: float,
-    log_unit: float,
     rtol: float,
     nodes: int | None,
-    normalised: bool,
-) -> tuple[LogGrid, NDArray[Any], float]:
+) -> tuple[LogGrid, FloatArray, float]:
     """A grid that resolves the start and the scaling state, g on it, and its highest modes."""
     count = nodes or int((right - left) * band / math.pi) + 2
     while True:
         count += count % 2
         grid = LogGrid(left, (right - left) / count, count)
-        v = np.exp(grid.x + log_unit)
-        g = np.asarray(profile(v) * v)
-        if normalised:
-            g = g / (float(g.sum()) * grid.spacing)  # what lies beyond the window is not missed
-        spectrum = np.abs(np.fft.fft(g))
-        half = count // 2
-        rough = float(spectrum[half - 2 : half + 3].max() / max(float(spectrum.max()), 1e-300))
-        if nodes is not None or rough <= rtol or 2 * count > _MAX_NODES:
-            return grid, g, rough
+        rows = at_nodes(grid)
+        spectrum = np.abs(np.fft.rfft(rows)).max(axis=0)
+        rough = float(spectrum[-3:].max() / max(float(spectrum.max()), 1e-300))
+        if nodes is not None or rough <= _SHARE * rtol or 2 * count > _MAX_NODES:
+            return grid, rows, rough
         count = int(1.4 * count)
 
 
-def _ends(values: NDArray[Any]) -> float:
-    """Largest value at the ends of the window relative to the maximum."""
+def _ends(values: NDArray[Any], least: float) -> float:
+    """Largest value at the ends of the window relative to the maximum, or to the least of it."""
     if values.shape[0] == 0:
         return 0.0
     top = np.abs(values).max(axis=1)
     ends = np.abs(values[:, [0, 1, -2, -1]]).max(axis=1)
-    return float(np.max(ends / np.maximum(top, 1e-300)))
-
-
-def _highest_modes(values: NDArray[Any]) -> float:
-    """Largest of the highest modes at any of the times, relative to the largest mode."""
-    if values.shape[0] == 0:
-        return 0.0
-    spectrum = np.abs(np.fft.fft(values, axis=1))
-    half = values.shape[1] // 2
-    high = spectrum[:, half - 2 : half + 3].max(axis=1)
-    return float(np.max(high / np.maximum(spectrum.max(axis=1), 1e-300)))
+    return float(np.max(ends / np.maximum(top, max(least, 1e-300))))
