@@ -25,7 +25,7 @@ class LogGrid:
     ----------
     start : left end of the window in x = ln(speed)
     spacing : h
-    nodes : how many; even
+    nodes : how many; where even, the highest mode is a cosine alone
     """
 
     start: float
@@ -44,21 +44,35 @@ class LogGrid:
 
     @cached_property
     def wave_numbers(self) -> FloatArray:
-        """Of a real transform, shape (nodes/2 + 1,)."""
+        """Of a real transform, shape (nodes//2 + 1,)."""
         return np.asarray(2.0 * np.pi * np.fft.rfftfreq(self.nodes, self.spacing))
 
     def circulant(self, symbol: ComplexArray) -> FloatArray:
-        """Matrix, shape (nodes, nodes), of the convolution with this symbol at wave_numbers."""
+        """Matrix, shape (nodes, nodes), of the convolution with this symbol at wave_numbers.
+
+        A read-only view of two periods of its first column.
+        """
         column = np.fft.irfft(symbol, self.nodes)
-        i = np.arange(self.nodes)
-        return np.asarray(column[i[:, None] - i[None, :]])  # a negative index wraps round
+        turned = np.concatenate([column, column])[::-1]
+        rows = np.lib.stride_tricks.sliding_window_view(turned, self.nodes)
+        return np.asarray(rows[self.nodes - 1 :: -1])
+
+    def coefficients(self, values: FloatArray) -> ComplexArray:
+        """Of values (..., nodes), the c_n in Re sum_n c_n exp(i k_n (x - start))."""
+        spectrum = np.fft.rfft(values, axis=-1) / self.nodes
+        spectrum[..., 1:] *= 2.0
+        if self.nodes % 2 == 0:
+            spectrum[..., -1] *= 0.5
+        return np.asarray(spectrum)
+
+    def evaluate(self, coefficients: ComplexArray, x: FloatArray) -> FloatArray:
+        """The trigonometric polynomial of coefficients (..., nodes//2 + 1) at x (n,): (..., n)."""
+        # exp(i k_n x) = exp(i k_1 x)^n: one power each costs less than an exponential each
+        powers = np.empty((self.wave_numbers.size - 1, x.size), dtype=complex)
+        powers[:] = np.exp(1j * self.wave_numbers[1] * (x - self.start))
+        np.cumprod(powers, axis=0, out=powers)
+        return np.asarray(coefficients[..., :1].real + (coefficients[..., 1:] @ powers).real)
 
     def interpolate(self, values: FloatArray, x: FloatArray) -> FloatArray:
         """The trigonometric interpolant; values (..., nodes), x (n,) in the window: (..., n)."""
-        spectrum = np.fft.rfft(values, axis=-1) / self.nodes
-        spectrum[..., 1:] *= 2.0
-        spectrum[..., -1] *= 0.5
-        # exp(i k_n x) = exp(i k_1 x)^n: one power each costs less than an exponential each
-        base = np.exp(1j * self.wave_numbers[1] * (x - self.start))
-        powers = np.cumprod(np.broadcast_to(base, (self.wave_numbers.size - 1, x.size)), axis=0)
-        return np.asarray(spectrum[..., :1].real + (spectrum[..., 1:] @ powers).real)
+        return self.evaluate(self.coefficients(values), x)

@@ -18,7 +18,7 @@ e^(theta x) g.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,15 +33,23 @@ ComplexArray = NDArray[np.complex128]
 
 MAX_NODES = 4096
 SMALLEST_NODES = 8
-# The window ends, and the spectrum, where the density is e^-_MARGIN rtol of its peak.
-_MARGIN = 7.5
-# A tilt is used this many standard deviations of ln v to either side: g is e^-3.4 of the peak
-# there, and loses that much of the rounding. Found by experiment.
-SPAN = 2.6
+# A tilt's error is e^-depth of its peak within a factor of ten (measured), if its window ends
+# where the density weighs e^(1-depth) and its highest mode is e^-(depth+1): depth is ln(1/rtol)
+# and a margin. The tilt of the bulk decides the error of most answers. The others have the better
+# margin: they serve more of the axis each, and so are fewer.
+BULK_MARGIN = 3.0
+MARGIN = 7.0
+_MORE_MODES = 1.0
+# Wide densities are moved as a whole by what the highest modes miss, and high moments show it.
+_MORE_WHERE_WIDE, _WIDE = 2.3, 1.2
+_MISSED = 20.0  # the factor of an error estimate above which a tilt is solved again
+# Relative to the peak; wide windows and low speeds are the worst.
+_ROUNDING = 1e-14
+_NARROWEST = 2.2  # standard deviations
 # Below this restitution few bounces carry a tracer from the bulk (x near 0) to low speeds, and a
-# tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of the rounding.
-_FEW_BOUNCES = 0.6
-_BULK_DROP = 4.0
+# tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of its accuracy.
+_FEW_BOUNCES = 0.65
+_BULK_DROP = 3.5
 _ELASTIC = 1.0 - 1e-6  # the tilted state is nearly a ring above it
 
 
@@ -55,8 +63,10 @@ class Tilt:
     grid : nodes in x = ln(kappa v t/l)
     values : e^(theta x) g(x)/A(theta) at the nodes, shape (nodes,); sums to 1/h
     centre, deviation : mean and standard deviation of x under that density
-    defect : what the discrete equation is short of being singular, relative; edges, spectrum :
-        largest value at the ends and in the highest modes relative to the maximum
+    span : how many deviations from the centre it is used where a neighbour takes over
+    noise : what its error relative to the maximum was chosen to be
+    defect, edges, spectrum : three estimates of what it is: from what the discrete equation is
+        short of being singular, from the values at the ends, and from the highest modes
     """
 
     theta: float
@@ -64,6 +74,8 @@ class Tilt:
     values: FloatArray
     centre: float
     deviation: float
+    span: float
+    noise: float
     defect: float
     edges: float
     spectrum: float
@@ -75,31 +87,38 @@ class Tilt:
 
     @cached_property
     def landmarks(self) -> tuple[float, float, float]:
-        """Log g, up to the tilt's own scale, SPAN deviations below the centre, at it, and above."""
-        x = self.centre + np.array([-SPAN, 0.0, SPAN]) * self.deviation
-        low, middle, high = self.log_density(x)
+        """Log g, up to the tilt's own scale, at the bottom, the centre and the top."""
+        low, middle, high = self.log_density(np.array([self.bottom, self.centre, self.top]))
         return float(low), float(middle), float(high)
 
     @property
-    def peak(self) -> float:
-        """Log of e^(theta x) g at the centre, up to the tilt's own scale."""
-        return self.landmarks[1] + self.theta * self.centre
-
-    @property
     def bottom(self) -> float:
-        """Lowest x at which the tilt is used."""
-        return self.centre - SPAN * self.deviation
+        """Lowest x at which the tilt is used as long as there is a neighbour."""
+        return self.centre - self.span * self.deviation
 
     @property
     def top(self) -> float:
-        """Highest x at which the tilt is used."""
-        return self.centre + SPAN * self.deviation
+        """Highest x at which the tilt is used as long as there is a neighbour."""
+        return self.centre + self.span * self.deviation
+
+    @cached_property
+    def _coefficients(self) -> ComplexArray:
+        return self.grid.coefficients(self.values)
 
     def log_density(self, x: FloatArray) -> FloatArray:
         """Log g(x) up to the tilt's own scale, x (n,) in the window; -inf where it is not > 0."""
-        value = self.grid.interpolate(self.values, x)
+        value = self.grid.evaluate(self._coefficients, x)
+        return self._log(value) - self.theta * x
+
+    @cached_property
+    def log_at_nodes(self) -> FloatArray:
+        """The same at the nodes."""
+        return self._log(self.values) - self.theta * self.grid.x
+
+    @staticmethod
+    def _log(value: FloatArray) -> FloatArray:
         with np.errstate(divide="ignore"):
-            return np.asarray(np.log(np.maximum(value, 0.0)) - self.theta * x)
+            return np.asarray(np.log(np.maximum(value, 0.0)))
 
 
 def _variance(law: CollisionLaw, theta: float) -> float:
@@ -122,14 +141,18 @@ def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, flo
     stride = max(1, round(0.5 / deviation))
     n = np.arange(1, 51)
     # sum of rho over stride integers, from its middle: exact at stride 1
-    up = np.cumsum(drift_log(law, theta + (n - 0.5) * stride - 0.5)) * stride
+    up_at = theta + (n - 0.5) * stride - 0.5
+    down_at = theta - (n - 0.5) * stride - 0.5
+    if law.restitution == 0.0:
+        down_at = down_at[:0]
+    else:
+        down_at = down_at[down_at > -600.0 / float(law.quadrature.log_loss.max())]
+    rho = drift_log(law, np.concatenate([up_at, down_at])) * stride
+    up, down = np.cumsum(rho[:50]), -np.cumsum(rho[50:])
     # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
     right = float(np.min((up + depth + 5.0) / (n * stride)))
     if law.restitution == 0.0:
         return _left_at_zero(theta, depth), right, deviation
-    down_at = theta - (n - 0.5) * stride - 0.5
-    down_at = down_at[down_at > -600.0 / float(law.quadrature.log_loss.max())]
-    down = -np.cumsum(drift_log(law, down_at)) * stride
     left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
     return left, right, deviation
 
@@ -146,12 +169,13 @@ def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> 
     lies lower is carried there by ln A(z) = ln A(z + 1) - rho(z).
     """
     # lower down only wide densities need the care: the branches are unwrapped
-    shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.5 else 0
+    shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.4 else 0
     for reach in (14.0, 60.0, 300.0):
         k = np.linspace(0.0, reach / deviation, 32)
         log_flux = _log_flux_on_lines(law, theta + np.arange(shift + 1, dtype=float), k)
         middle = _log_flux_on_lines(law, np.array([theta + shift - 0.5]), k)[0]
-        turn = -np.unwrap(middle.imag)
+        # the imaginary part without its branches, from step to step
+        turn = -np.cumsum(np.angle(np.exp(1j * np.diff(middle.imag, prepend=0.0))))
         fall = np.concatenate([[0.0], np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k))])
         # the real part has no branches
         fall -= (log_flux[:shift].real - log_flux[:shift, :1].real).sum(axis=0)
@@ -182,48 +206,81 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     return np.asarray(np.log((1.0 - power) / (law.mean_log_loss * z)))
 
 
-def next_tilt(law: CollisionLaw, known: Tilt, *, above: bool) -> float | None:
-    """The tilt whose centre is 2 SPAN deviations up or down from a known one's.
+def _span(rtol: float, margin: float) -> float:
+    """Deviations from its centre at which a tilt leaves a sixth of rtol.
+
+    Its error there is some 0.3 e^-depth of the peak, and g is e^(-span^2/2) of it.
+    """
+    room = 0.5 * rtol / max(math.exp(-margin) * rtol, _ROUNDING)
+    return max(_NARROWEST, math.sqrt(2.0 * math.log(max(room, 1.0))))
+
+
+def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> float | None:
+    """The tilt that takes over, up or down, where a known one ends.
 
     None where there is none: at low e the cascade to low speeds starts in the bulk, which the
     tilt must still resolve.
     """
     sign = 1.0 if above else -1.0
-    if law.restitution == 0.0:
-        lowest = -0.45
-    else:
-        # s^z must not overflow, half a unit below the tilt either
-        deepest = float(law.quadrature.log_loss.max())
-        lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
+    span = _span(rtol, MARGIN)
+    # s^z must not overflow, half a unit below the tilt either
+    deepest = float(law.quadrature.log_loss.max())
+    lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
     shares = np.array([2.0, 1.6, 1.3, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3])
-    thetas = known.theta + sign * shares * 2.0 * SPAN / known.deviation
+    thetas = known.theta + sign * shares * (span + known.span) / known.deviation
     thetas = thetas[thetas > lowest]
     if thetas.size == 0:
         return None
-    centre = peak_position(law, thetas)
-    slope = (peak_position(law, thetas + 0.05) - centre) / 0.05
+    two = peak_position(law, np.concatenate([thetas, thetas + 0.05]))
+    centre = two[: thetas.size]
+    slope = (two[thetas.size :] - centre) / 0.05
     distance = sign * (centre - known.centre)
-    near = distance <= SPAN * (known.deviation + np.sqrt(np.abs(slope)))
+    near = distance <= known.span * known.deviation + span * np.sqrt(np.abs(slope))
     if not above and law.restitution < _FEW_BOUNCES:
         near &= (centre > 0.0) | (centre**2 < 2.0 * _BULK_DROP * np.abs(slope))
     return float(thetas[near][0]) if np.any(near) else None
 
 
-def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None = None) -> Tilt:
+def solve_tilt(
+    law: CollisionLaw,
+    theta: float,
+    rtol: float,
+    nodes: int | None = None,
+    margin: float = MARGIN,
+) -> Tilt:
     """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
-    depth = math.log(1.0 / rtol) + _MARGIN
-    left, right, deviation = window_of(law, theta, depth)
-    if nodes is None:
-        band = band_of(law, theta, depth, deviation)
-        nodes = min(MAX_NODES, max(SMALLEST_NODES, int((right - left) * band / math.pi) + 2))
-    nodes += nodes % 2
-    grid = LogGrid(left, (right - left) / nodes, nodes)
+    span = _span(rtol, margin)
+    depth = math.log(1.0 / rtol) + margin
+    if nodes is not None:
+        left, right, _ = window_of(law, theta, depth - 1.0)
+        tilt = _solve_on(law, theta, LogGrid(left, (right - left) / nodes, nodes))
+        return replace(tilt, span=span, noise=tilt.error)
+    noise = max(math.exp(-depth), _ROUNDING)
+    for more in (0.0, 2.5, 5.0):
+        grid = _choose_grid(law, theta, depth + more)
+        tilt = _solve_on(law, theta, grid)
+        if tilt.error <= _MISSED * noise or grid.nodes >= MAX_NODES:
+            break
+    return replace(tilt, span=span, noise=noise)
+
+
+def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
+    left, right, deviation = window_of(law, theta, depth - 1.0)
+    more = _MORE_MODES + _MORE_WHERE_WIDE * min(deviation, _WIDE)
+    band = band_of(law, theta, depth + more, deviation)
+    # an odd number: at an even one the highest mode is half missing, and its error ten times that
+    nodes = min(MAX_NODES, max(SMALLEST_NODES, math.ceil((right - left) * band / math.pi))) | 1
+    return LogGrid(left, (right - left) / nodes, nodes)
+
+
+def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
+    nodes = grid.nodes
     flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers))
     # bordered, so that it is regular: the last row fixes the sum, the last column takes up what
     # the discrete equation is short of being singular
     matrix = np.empty((nodes + 1, nodes + 1))
-    matrix[:nodes, :nodes] = flux * -np.exp(grid.x)
-    matrix[np.arange(nodes), np.arange(nodes)] += 1.0
+    np.multiply(flux, -np.exp(grid.x), out=matrix[:nodes, :nodes])
+    matrix.ravel()[: nodes * (nodes + 1) : nodes + 2] += 1.0
     matrix[:nodes, nodes] = 1.0
     matrix[nodes, :nodes] = 1.0
     matrix[nodes, nodes] = 0.0
@@ -231,17 +288,24 @@ def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None =
     right_side[nodes] = 1.0 / grid.spacing
     solution = np.linalg.solve(matrix, right_side)
     values: FloatArray = np.asarray(solution[:nodes], dtype=float)
-    top = float(np.max(np.abs(values)))
+    top = float(np.abs(values).max())
     spectrum = np.abs(np.fft.rfft(values))
     centre = float(grid.x @ values) * grid.spacing
     variance = float((grid.x - centre) ** 2 @ values) * grid.spacing
+    deviation = math.sqrt(max(variance, grid.spacing**2))
+    first, before, last = (abs(float(v)) for v in values[[0, -2, -1]])
+    # beyond the last node the density goes on falling, faster and faster
+    last *= min(1.0, last / before) if before > 0.0 else 1.0
     return Tilt(
         theta=theta,
         grid=grid,
         values=values,
         centre=centre,
-        deviation=math.sqrt(max(variance, grid.spacing**2)),
-        defect=abs(float(solution[nodes])) / top,
-        edges=float(np.max(np.abs(values[[0, 1, -2, -1]]))) / top,
-        spectrum=float(np.max(spectrum[-2:])) / float(spectrum[0]),
+        deviation=deviation,
+        span=_NARROWEST,
+        noise=0.0,
+        # the factors were measured
+        defect=abs(float(solution[nodes])) / top * (30.0 + 1.3 / deviation),
+        edges=max(first, last) / top,
+        spectrum=0.3 * float(spectrum[-2:].max()) / float(spectrum[0]),
     )

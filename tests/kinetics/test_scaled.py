@@ -84,7 +84,7 @@ def test_tail_amplitude(e: float, formulas: ModuleType) -> None:
 def test_convergence_is_exponential_in_the_nodes(e: float, formulas: ModuleType) -> None:
     """ln(error) against nodes over at least five resolutions: a straight line, steep enough."""
     exact = Exact(e, formulas)
-    chosen = solve_scaled(e)._tilts[0].grid.nodes
+    chosen = solve_scaled(e)._axis.tilts[0].grid.nodes
     nodes = np.unique(2 * (np.linspace(0.35, 0.85, 7) * chosen / 2).round().astype(int))
     errors = []
     for n in nodes:
