@@ -106,19 +106,26 @@ def too_accurate(rows: Iterable[Record]) -> list[tuple[str, int, int, Record]]:
 
 
 def left_and_below(rows: list[Record], section: str, leader: str, target: float) -> list[str]:
-    """Where another method reached an error below the target in less time: one line each."""
+    """Where another method reached an error below the target in less time: one line for each
+    problem and method.
+    """
     found = []
     for problem in problems(rows, section):
         here = of_problem(rows, section, problem)
         for other in dict.fromkeys(r.method for r in here if r.method != leader):
+            quicker = []
             for point in front(r for r in here if r.method == other):
                 error, seconds = point.error or 0.0, point.seconds or 0.0
-                mine = cost_at(here, leader, error)
-                if error < target and not mine.seconds < seconds:
-                    found.append(
-                        f"{problem}: {other} reaches {error:.1e} in {seconds:.2g} s, "
-                        f"{leader} in {mine.seconds:.2g} s"
-                    )
+                mine = cost_at(here, leader, error).seconds
+                if error < target and not mine < seconds:
+                    quicker.append((error, seconds, mine))
+            if quicker:
+                error, seconds, mine = quicker[0]
+                more = f"; {len(quicker) - 1} more, to {quicker[-1][0]:.1e}" if quicker[1:] else ""
+                found.append(
+                    f"{problem}: {other} reaches {error:.1e} in {seconds:.2g} s, "
+                    f"{leader} in {mine:.2g} s{more}"
+                )
     return found
 
 
