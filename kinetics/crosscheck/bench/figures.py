@@ -250,11 +250,12 @@ def _skipping(figure: Figure, records: list[Record]) -> None:
     for axis, group in zip(axes[:, 0], groups, strict=True):
         some = [r for r in rows if r.problem == group][::-1]
         ratios = [r.extra["ratio"] for r in some]
+        names = [typeset(r.method) if "<=" in r.method else r.method for r in some]
         bars = axis.barh(range(len(some)), ratios, color="#0072b2", height=0.7)
         axis.bar_label(
             bars, labels=[f" {x:.0f}" if x >= 10 else f" {x:.2g}" for x in ratios], fontsize=8
         )
-        axis.set_yticks(range(len(some)), [typeset(r.method) for r in some], fontsize=8)
+        axis.set_yticks(range(len(some)), names, fontsize=8)
         axis.set_title(typeset(group), fontsize=9, loc="left")
         axis.set_xscale("log")
         axis.minorticks_off()

@@ -50,8 +50,9 @@ def lines(report: BenchReport) -> Iterator[str]:
     yield f"# Benchmark{' (quick)' if report.quick else ''}"
     yield ""
     yield (
-        f"{about}. {report.seconds:.0f} s in all. Times are medians over repeats: processor time "
-        "of one thread where nothing else is said, so that others on the machine do not count."
+        f"{about}. {report.seconds:.0f} s in all. Times are medians over repeats, which are "
+        "made in turns: processor time of one thread where nothing else is said, so that others on "
+        "the machine do not count."
     )
     yield ""
     for part in (summary, _precision, _ratios, _monte_carlo, _accuracy, _skipping, _cost,
@@ -138,6 +139,10 @@ def _monte_carlo(report: BenchReport) -> Iterator[str]:
     if rows:
         yield "## What Monte Carlo would need for 1e-10"
         yield ""
+        seeds = [r.extra["seeds"] for r in report.records if "seeds" in r.extra]
+        if seeds:
+            yield f"Errors are root mean squares over seeds, {min(seeds)} to {max(seeds)} a row."
+            yield ""
         yield from table(["problem", "error ~ samples^", "samples", "years of one processor"], rows)
 
 
