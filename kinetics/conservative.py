@@ -29,6 +29,7 @@ FloatArray = NDArray[np.float64]
 _DEPTH = 12.0  # e-folds below the slowest relevant speed l/t that the axis reaches
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
+_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms (measured)
 _FINEST = 2e-3  # default spacing: the method is of second order
 
 
@@ -104,6 +105,7 @@ class _Axis:
     ) -> None:
         self.speed, self.kernel, self.mass, self.peak = speed, kernel, mass, peak
         self.first = 0  # nodes above it are empty
+        self._transformed: tuple[int, NDArray[Any]] | None = None  # the kernel, and its length
         self.total = float(np.abs(mass).sum())
 
     def advance(self, duration: float) -> None:
@@ -136,7 +138,7 @@ class _Axis:
             current = current - moving
             if apart:
                 moving[2] += moving[0]  # node 1 is the empty one above
-            arriving = _convolve(moving[apart:], self.kernel)
+            arriving = self._arriving(moving[apart:])
             room = current.size - apart
             current[apart:] += arriving[:room]
             current[-1] += arriving[room:].sum()  # the slowest node keeps what falls below
@@ -147,15 +149,23 @@ class _Axis:
         # the truncated Poisson weights are made to sum to 1: mass is kept to rounding
         self.mass[self.first :] = out / summed
 
+    def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
+        """Bounces of the moving masses, past the axis's end; by transforms where that is shorter.
 
-def _convolve(moving: NDArray[Any], kernel: FloatArray) -> NDArray[Any]:
-    """Arrivals on the axis and beyond its end; by transforms where that is shorter."""
-    if moving.size * kernel.size < 4_000_000 or np.iscomplexobj(moving):
-        return np.convolve(moving, kernel)
-    from scipy.signal import fftconvolve
+        They leave a rounding of the largest mass everywhere.
+        """
+        full = moving.size + self.kernel.size - 1
+        if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
+            return np.convolve(moving, self.kernel)
+        if self._transformed is None or self._transformed[0] < full:
+            from scipy.fft import next_fast_len
 
-    # rounding of the transforms is cut off where it is below 0
-    return np.asarray(np.maximum(fftconvolve(moving, kernel), 0.0))
+            size = int(next_fast_len(full, real=True))
+            self._transformed = size, np.fft.rfft(self.kernel, size)
+        size, kernel = self._transformed
+        found = np.fft.irfft(np.fft.rfft(moving, size) * kernel, size)[:full]
+        # rounding is cut off where it is below 0
+        return np.maximum(found, 0.0)
 
 
 def solve_conservative(
