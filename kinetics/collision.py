@@ -267,9 +267,9 @@ class CollisionLaw:
         q = self.quadrature_for(_size(p_), abs(m))
         half = np.sin(0.5 * m * np.arccos(q.cosine))
         # 1 - s^p cos = (1 - s^p) + s^p 2 sin^2(m chi/2): no cancellation
-        power = np.multiply.outer(p_, q.log_loss)
         with np.errstate(over="ignore", invalid="ignore"):
-            rate = (-np.expm1(-power) + np.exp(-power) * 2.0 * half**2) @ q.weight
+            lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
+            rate = (lost + (1.0 - lost) * 2.0 * half**2) @ q.weight
         return self._finite(p, rate)[()]
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
