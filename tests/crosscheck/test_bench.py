@@ -252,6 +252,17 @@ def test_repeats_of_all_are_spread_over_the_whole():
     assert {name: t.repeats for name, t in found.items()} == {"a": 10, "c": 2}
 
 
+def test_no_two_works_are_in_step():
+    # 60 works of two turns each; those of the quick one are even in time between them
+    machine = Machine({k: 0.1 for k in range(60)} | {"quick": 0.001})
+    begins = []
+    run = machine.works["quick"]
+    machine.works["quick"] = lambda: begins.append(machine.now) or run()
+    machine.measure(timing.Effort(quick=True, least=3, most=21, seconds=0.3))
+    gaps = np.diff(begins[2:])
+    assert gaps.max() < 1.5 * gaps.mean()
+
+
 def test_a_slow_stretch_is_in_the_spread_of_all_rows_and_decides_none():
     # a third of the time everything takes twice as long
     machine = Machine({k: 0.01 for k in range(9)}, slow=lambda now: 1 + (0.5 < now < 1.1))
@@ -264,7 +275,8 @@ def test_a_slow_stretch_is_in_the_spread_of_all_rows_and_decides_none():
 def test_an_exception_ends_one_work_and_not_the_others():
     def fails_later():
         machine.now += 0.1
-        if machine.now > 0.55:
+        machine.calls.append("c")
+        if machine.now > 0.65:
             raise ArithmeticError("lost")
 
     machine = Machine({"a": 0.1, "b": 0.1})
@@ -272,6 +284,7 @@ def test_an_exception_ends_one_work_and_not_the_others():
     found = machine.measure(timing.Effort(quick=True, least=4, most=4, seconds=0.0))
     assert found["a"].repeats == found["b"].repeats == 4
     assert isinstance(found["c"], ArithmeticError)
+    assert machine.calls.count("c") == 3  # warm-up, first, the one that failed
     assert isinstance(found["d"], ZeroDivisionError)
     with pytest.raises(ZeroDivisionError):
         timing.measure(lambda: 1 / 0, timing.QUICK)
