@@ -247,6 +247,12 @@ def test_repeats_of_all_are_spread_over_the_whole():
     # warm-up, first repeat, then in turns: of what a has left, b has its own half apart
     assert "".join(machine.calls) == "abcabc" + "aaaabaaaaabaa"
     assert kept == list(zip(machine.calls, range(1, len(kept) + 1), strict=True))
+    # the wall clock of a busy machine takes no repeats away
+    busy = Machine({"a": 0.01})
+    found = timing.measure_together(
+        busy.works, effort, clock=lambda: 5 * busy.now, cpu_clock=busy.clock, gauge=None
+    )
+    assert found["a"].repeats == 5
     more = Machine({"a": 0.02, "c": 2.0})
     found = more.measure(effort, least={"a": 10, "c": 10})
     assert {name: t.repeats for name, t in found.items()} == {"a": 10, "c": 2}

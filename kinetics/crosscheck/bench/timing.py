@@ -190,7 +190,7 @@ class _Repeats:
         """Repeats in all, from the first one; the warm-up may have compiled."""
         if not self.wall:  # it failed
             return 0
-        first = self.wall[0]
+        first = min(self.wall[0], self.cpu[0])  # others on the machine make it no longer
         if min(first, self.warm_up) >= LONG:
             return max(1, least // 5)
         # not divided by a time that may be zero
