@@ -8,8 +8,8 @@ from pathlib import Path
 import click
 
 CASES = (
-    "scaled", "cooling", "position", "accuracy", "skipping", "cost", "particles", "cores",
-    "first-use",
+    "scaled", "cooling", "position", "accuracy", "skipping", "cost", "floors", "particles",
+    "cores", "first-use",
 )  # fmt: skip
 
 
@@ -39,7 +39,8 @@ def bench(
     """Measure every method on the same problems, against references of 1e-13 or better.
 
     Prints Markdown tables: run time for an error, error asked against error reached, what skipping
-    saves, cost against work, collisions per second, one core and two, and what failed.
+    saves, cost against work, the slowest pieces of work and their floors, collisions per second,
+    one core and two, and what failed.
     """
     from kinetics.crosscheck.bench.comparison import check_comparable, compare_bench
     from kinetics.crosscheck.bench.report import BenchReport

@@ -25,6 +25,7 @@ CASES: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "accuracy": ("accuracy", "accuracy", (1,)),
     "skipping": ("skipping", "skipping", (1,)),
     "cost": ("cost", "cost", (1,)),
+    "floors": ("floors", "floors", (1,)),
     "particles": ("throughput", "throughput", (1,)),
     "cores": ("cores", "cores", (1, 2)),
     "first-use": ("startup", "startup", (1,)),

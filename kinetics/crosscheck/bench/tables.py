@@ -10,6 +10,7 @@ from kinetics.crosscheck.bench import (
     accuracy,
     cores,
     cost,
+    floors,
     position,
     precision,
     skipping,
@@ -55,7 +56,7 @@ def lines(report: BenchReport) -> Iterator[str]:
         "the machine do not count."
     )
     yield ""
-    for part in (summary, _precision, _ratios, _monte_carlo, _accuracy, _skipping, _cost,
+    for part in (summary, _precision, _ratios, _monte_carlo, _accuracy, _skipping, _cost, _floors,
                  _particles, _cells, _cores, _first_use, _failures):  # fmt: skip
         yield from part(report)
 
@@ -225,6 +226,10 @@ def _cost(report: BenchReport) -> Iterator[str]:
         yield "## Cost against work"
         yield ""
         yield from table(["problem", "method", "work", "run time", "exponent"], rows)
+
+
+def _floors(report: BenchReport) -> Iterator[str]:
+    yield from floors.lines(report.records)
 
 
 def _particles(report: BenchReport) -> Iterator[str]:
