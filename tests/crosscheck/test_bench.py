@@ -692,3 +692,9 @@ def test_the_yardstick_is_measured_among_the_repeats():
     # spread over the whole: the two that a has left are half of it apart
     *_, third, last = (k for k, name in enumerate(machine.calls) if name == "a")
     assert last - third == pytest.approx(26, abs=1)
+
+
+@pytest.mark.parametrize("effort", [timing.QUICK, timing.FULL])
+def test_no_medium_is_measured_twice(effort):
+    found = [name for name, _ in throughput._media(effort)]
+    assert len(found) == len(set(found))
