@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.evolve import Averages
-from kinetics.initial import State
+from kinetics.initial import Profile, State
 from kinetics.measure import LogMeasure, panels
 from kinetics.scattering import Waves, solve_waves
 
@@ -23,6 +23,8 @@ _POINTS = 10  # Gauss points of a panel of initial speeds
 _HALVINGS = 6
 _LARGEST = 200.0  # K, or K T, that can be asked for
 _BEST = 1e-12
+_FREE = math.log(40.0)  # X beyond which exp(-T) is nothing
+_MOST_PIECES = 4000  # of the panels, for averages over them
 
 
 def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
@@ -31,11 +33,21 @@ def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
     Peaks and samples are the points that they are; densities get Gauss panels no wider than
     spacing, with an edge at each kink.
     """
-    found = state.harmonic(0, rtol)
-    assert found is not None  # harmonic 0 is never zero
     profile = state.profile(0)
     if profile is None:
+        found = state.harmonic(0, rtol)
+        assert found is not None  # harmonic 0 is never zero
         return found
+    _, x, weight = _panels_of(state, profile, spacing, rtol)
+    return LogMeasure(x, weight / float(weight.sum()))
+
+
+def _panels_of(
+    state: State, profile: Profile, spacing: float, rtol: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
+    found = state.harmonic(0, rtol)
+    assert found is not None
     low, high = float(found.x.min()), float(found.x.max())
     kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
     if kinks.size:
@@ -48,10 +60,9 @@ def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
         x, w = panels(edges, _POINTS)
         v = np.exp(x)
         weight = np.asarray(profile(v).real * v * w)
-        total = float(weight.sum())
-        if abs(total - 1.0) < rtol:
+        if abs(float(weight.sum()) - 1.0) < rtol:
             break
-    return LogMeasure(x, weight / total)
+    return edges, x, weight
 
 
 @dataclass(frozen=True)
@@ -77,12 +88,11 @@ class Scattering:
 
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
-    ) -> tuple[Waves, LogMeasure]:
-        """What the backward equation gives for K = k l, and the speeds to average it over."""
+    ) -> Waves:
+        """What the backward equation gives for K = k l, up to the largest T of the times."""
         speeds = points_of(self.state, 1.0, tolerance)
         highest = float(speeds.x.max() + self.log_stretch(which).max())
-        found = solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
-        return found, points_of(self.state, found.rule.width, tolerance)
+        return solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
@@ -91,18 +101,41 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,)
         """
-        from scipy.special import j0
-
-        waves, speeds = self._waves(wave_numbers, which, tolerance)
-        out = np.empty((which.size, wave_numbers.size))
-        for i, stretch in enumerate(self.log_stretch(which)):
-            x = speeds.x + stretch
-            left = waves(x)
-            near = x < 6.0  # beyond, exp(-T) is nothing
-            path = np.exp(x[near])
-            left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, wave_numbers))
-            out[i] = speeds.weight @ left
+        waves, stretch = self._waves(wave_numbers, which, tolerance), self.log_stretch(which)
+        profile = self.state.profile(0)
+        out = None
+        if profile is not None and self.state.smooth:
+            out = self._on_panels(waves, profile, stretch, tolerance)
+        if out is None:
+            speeds = points_of(self.state, waves.rule.width, tolerance)
+            out = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
         return out, waves.error_estimate
+
+    def _on_panels(
+        self, waves: Waves, profile: Profile, stretch: FloatArray, tolerance: float
+    ) -> FloatArray | None:
+        """The means over a smooth density, from the same X for all times; None if too many."""
+        width = waves.rule.width
+        edges, _, weight = _panels_of(self.state, profile, width, tolerance)
+        norm, bottom, top = float(weight.sum()), float(edges[0]), float(edges[-1])
+        # nothing has collided below, and nothing is left above if the waves end
+        low = max(bottom + float(stretch.min()), math.log(tolerance) - 3.0)
+        high = top + float(stretch.max())
+        if waves.ended:
+            high = min(high, waves.start + (waves.values.shape[0] - 0.5) * width)
+        pieces = math.ceil(width * (edges.size - 1) / (top - bottom) - 1e-9)
+        first, last = (math.floor((x - waves.start) / width) * pieces for x in (low, high))
+        if last - first > _MOST_PIECES:
+            return None
+        steps = np.arange(first, max(first, last) + pieces + 1)
+        x, w = panels(np.asarray(waves.start + width / pieces * steps), _POINTS)
+        left = _collided(waves, x)
+        out = np.empty((stretch.size, left.shape[1]))
+        for i, s in enumerate(stretch):
+            part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
+            v = np.exp(x[part] - s)
+            out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
+        return out
 
     def whole(
         self, wave_numbers: FloatArray, direction: float | None, tolerance: float
@@ -117,7 +150,8 @@ class Scattering:
         kept = 0
         if direction is not None and most != 0:
             kept = 10**6 if most is None else most
-        waves, speeds = self._waves(wave_numbers, which, tolerance, kept)
+        waves = self._waves(wave_numbers, which, tolerance, kept)
+        speeds = points_of(self.state, waves.rule.width, tolerance)
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
         for m in range(min(kept + 1, waves.values.shape[1])):
             start = speeds if m == 0 else self.state.harmonic(m, tolerance)
@@ -129,6 +163,17 @@ class Scattering:
                 # harmonics m and -m together
                 out[i] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
         return out, waves.error_estimate
+
+
+def _collided(waves: Waves, x: FloatArray) -> FloatArray:
+    """a_0 less exp(-T) J_0(K T), at X = x (n_x,): shape (n_x, n_k)."""
+    from scipy.special import j0
+
+    left = waves(x)
+    near = x < _FREE
+    path = np.exp(x[near])
+    left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, waves.wave_numbers))
+    return left
 
 
 def scattering_function(

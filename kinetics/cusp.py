@@ -7,6 +7,7 @@ transforms are known, so that the transform needs no large k.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,22 +36,33 @@ class PowerTail:
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
-        from scipy.special import gamma, kv
-
         whole = self.scale * rho
         x = np.clip(whole, 1e-12, 700.0)
+        macdonald = _macdonald(x, self.coefficients.size + 2)
         out = np.zeros(rho.shape)
-        with np.errstate(under="ignore"):
-            for j, c in enumerate(self.coefficients):
-                nu = 0.5 * (1 + j)
-                part = c / (2.0**nu * gamma(nu + 1.0))
-                if kind == 0:
-                    out += part * x**nu * kv(nu, x)
-                elif kind == 1:
-                    out += (c - part * x ** (nu + 1.0) * kv(nu + 1.0, x)) / np.maximum(whole, x)
-                else:
-                    out += part * x**nu * kv(nu - 1.0, x)
+        for j, c in enumerate(self.coefficients):
+            nu = 0.5 * (1 + j)
+            part = c / (2.0**nu * math.gamma(nu + 1.0))
+            if kind == 0:
+                out += part * macdonald[j + 2]
+            elif kind == 1:
+                out += (c - part * macdonald[j + 4]) / np.maximum(whole, x)
+            else:
+                out += part * x * macdonald[j]
         return out * self.scale ** (2, 1, 3)[kind]
+
+
+def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
+    """x^nu K_nu(x) for nu = -1/2, 0, 1/2, ... highest/2, at x > 0 (n,)."""
+    from scipy.special import k0, k1
+
+    with np.errstate(under="ignore"):
+        half = math.sqrt(0.5 * math.pi) * np.exp(-x)
+        found = [half / x, k0(x), half, x * k1(x)]
+        for twice in range(3, highest + 1):
+            # K_(nu+1) = K_(nu-1) + (2 nu/x) K_nu, nu = twice/2 - 1
+            found.append(x * x * found[-4] + (twice - 2) * found[-2])
+    return found
 
 
 def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, float]:

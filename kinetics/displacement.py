@@ -180,8 +180,8 @@ class Displacement:
             f = panel.of(time)
             if f is None:
                 continue
-            turns = float(rho.max()) * (panel.high - panel.low)
-            k, weight, values = panel.gauss(f, 8 + f.size + int(0.5 * turns))
+            points = _enough(f.size, float(rho.max()) * (panel.high - panel.low))
+            k, weight, values = panel.gauss(f, points)
             if tail is not None:
                 values = values - tail.at(k)
             elif panel.high > self.cut[time]:
@@ -191,6 +191,16 @@ class Displacement:
             total += bessel(np.outer(rho, k)) @ (weight * values * k ** (1, 0, 2)[kind])
         out[inside] = total
         return out
+
+
+def _enough(nodes: int, turns: float) -> int:
+    """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument.
+
+    The Chebyshev coefficients of the Bessel function end at turns/2, softly. By eights: few
+    different numbers, so that the points of other times and panels serve again.
+    """
+    half = 0.5 * turns
+    return 8 * math.ceil((8.0 + 0.5 * (nodes + half) + 2.5 * half ** (1.0 / 3.0)) / 8.0)
 
 
 def _integral(density: Callable[[FloatArray], FloatArray], edges: FloatArray) -> FloatArray:
