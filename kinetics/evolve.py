@@ -155,15 +155,16 @@ class Averages:
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
         rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
-        origin = stretch[:1]  # the times rise
+        # panels down from the last time: the equation is not solved beyond it
+        end = stretch[-1:]
         used, which = np.unique(
-            np.floor((stretch - origin) / self.width).astype(int), return_inverse=True
+            np.floor((end - stretch) / self.width).astype(int), return_inverse=True
         )
         if stretch.size <= _MANY * used.size * rule.nodes or x.size < _FEW_POINTS:
             return self._at(points, y, leading, self.log_stretch)
         # an average over speeds is as smooth in ln t as its observable is in ln T: a few times of
         # each panel give the others
-        first = origin + used * self.width
+        first = end - (used + 1) * self.width
         nodes = first[:, None] + self.width * rule.local
         values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
         # as powers of T, which are smooth everywhere: v_ref is not
