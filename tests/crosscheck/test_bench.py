@@ -479,6 +479,9 @@ def test_comparison_marks_errors_failures_and_rows_of_one_run():
     assert changed(row(error=5e-9), old) == ""
     assert changed(row(error=2e-8), old) == "less accurate"
     assert changed(row(error=5e-13), row(error=1e-15)) == ""  # rounding
+    # what is within the error asked for is accurate enough
+    assert changed(row(error=2e-8, asked=1e-7), old) == ""
+    assert changed(row(error=2e-7, asked=1e-7), old) == "less accurate"
     broken = row(seconds=None, error=None, status=FAILED)
     assert changed(broken, old) == "fails now"
     assert changed(old, broken) == "works now"

@@ -69,7 +69,7 @@ def _orders(effort: Effort) -> list[int]:
 
 def sample_numbers(effort: Effort) -> list[int]:
     """Of Monte Carlo runs."""
-    return [1_000, 6_000, 36_000] if effort.quick else [1_000, 10_000, 100_000, 400_000]
+    return [1_000, 5_000, 25_000] if effort.quick else [1_000, 10_000, 100_000, 400_000]
 
 
 def _grids(effort: Effort, largest: int) -> list[int]:

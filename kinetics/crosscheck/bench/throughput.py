@@ -57,7 +57,7 @@ def default_listed() -> float:
 
 def throughput(effort: Effort) -> list[Record]:
     """Rows with collisions/s in `extra`, of one and of two threads; cell sizes of one."""
-    tracers = 400 if effort.quick else 2000
+    tracers = 300 if effort.quick else 2000
     cases = [_Case(name, medium, threads) for name, medium in _media(effort) for threads in (1, 2)]
     cases += [_Case(name, medium, 1, value) for name, value, medium in _cells(effort)]
     collisions = [0] * len(cases)
