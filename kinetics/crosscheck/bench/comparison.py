@@ -18,7 +18,7 @@ _ERROR_GREW = 10.0  # below it the error of a random method may change by itself
 _ERROR_FLOOR = 1e-13  # rounding
 # From run to run more changes than among the repeats of one. Measured: three quick runs of the same
 # code while three processes wanted each core; of 2166 pairs of times 0.9 % were marked slower, and
-# 80 % of them where a factor 1.5 was put in. On a machine of one's own nearly all of these are.
+# 80 % of them where a factor 1.5 was put in. With less scatter more is seen: see the tests.
 _BETWEEN_RUNS = 1.25
 _FEW = 3  # repeats below which there is no spread to speak of,
 _UNKNOWN_SPREAD = 0.25  # and this is taken for it, relative
