@@ -173,8 +173,10 @@ def _accuracy(report: BenchReport) -> Iterator[str]:
         for r in report.records
         if r.section == accuracy.SECTION and r.note == accuracy.MISSED and r.error
     ]
-    for row in sorted(missed, key=lambda r: -r.extra["ratio"])[:5]:
-        yield f"- {row.problem}: asked {row.asked:.0e}, reached {row.error:.1e}"
+    worst = sorted(missed, key=lambda r: -r.extra["ratio"])[:5]
+    if worst:
+        yield from (f"- {r.problem}: asked {r.asked:.0e}, reached {r.error:.1e}" for r in worst)
+        yield ""
     beyond = too_accurate(report.records)
     if beyond:
         yield "More than 100 times better than asked:"
@@ -185,7 +187,6 @@ def _accuracy(report: BenchReport) -> Iterator[str]:
              typeset(least.problem), f"{least.asked:.0e}"]
             for name, count, total, least in beyond
         ])  # fmt: skip
-    yield ""
 
 
 def _skipping(report: BenchReport) -> Iterator[str]:
