@@ -18,6 +18,7 @@ from kinetics.scene import Scene
 
 FloatArray = NDArray[np.float64]
 
+_FAST = 1e100  # typical speeds, that none has
 _BEYOND = 1e6  # R from which G is nothing, and r may overflow
 
 
@@ -124,7 +125,7 @@ class Solution:
                 # times the square of a typical speed, or it overflows late
                 return np.asarray(profile.at(i, v).real * unit * (unit / v) / (2.0 * np.pi))
 
-            out[i] = component_density(plane, x, unit) / unit / unit
+            out[i] = component_density(plane, np.minimum(x, _FAST * unit), unit) / unit / unit
         if profile.peak_speed is not None and profile.peak_weight is not None:
             room = profile.peak_speed**2 - np.minimum(x, 2.0 * profile.peak_speed) ** 2
             shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

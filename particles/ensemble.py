@@ -138,7 +138,7 @@ class Ensemble:
     @cached_property
     def msd(self) -> Estimate:
         """Mean square displacement <r^2> in d^2, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, _R2] / m[:, _N] * self._unit**2)
+        return jackknife(self.moments, lambda m: m[:, _R2] / m[:, _N]).divided(self._unit**-2)
 
     @cached_property
     def kurtosis(self) -> Estimate:

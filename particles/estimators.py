@@ -22,7 +22,7 @@ class Estimate:
     value: np.ndarray
     error: np.ndarray
 
-    def divided(self, by: np.ndarray) -> "Estimate":
+    def divided(self, by: np.ndarray | float) -> "Estimate":
         """Return the estimate in another unit."""
         return Estimate(self.value / by, self.error / by)
 

@@ -47,9 +47,10 @@ TRAP_LENGTH = 1e-9
 
 # Columns of a lane's state. X, Y: place from the centre of the cell (CI, CJ), which counts as if a
 # periodic plane were not wrapped; W, V: the cell as stored. SLOW: 1/speed. OX, OY: v(0).
-# NX, NY: normal at the last contact.
+# NX, NY: normal at the last contact. FROM: where the flight began, from the start: X and Y lose
+# digits in a flight across many cells.
 X, Y, UX, UY, SLOW, TIME, UNIT, DUE, OX, OY, PATHS, NX, NY = range(13)
-NEXT_X, NEXT_Y, GAIN_X, GAIN_Y, MOVE_X, MOVE_Y = range(13, 19)
+NEXT_X, NEXT_Y, GAIN_X, GAIN_Y, MOVE_X, MOVE_Y, FROM_X, FROM_Y = range(13, 21)
 CI, CJ, W, V, N_COLLISIONS, OUTPUT, TRACER, SHIFTS, CELL, STEP_X, STEP_Y = range(11)
 
 
@@ -176,7 +177,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     side, n, keys = cells.side, cells.n, cells.keys
     middle = n // 2
     first = place(0, 0) if is_plane(keys) else middle * n + middle
-    lanes = np.empty((LANES, 19))
+    lanes = np.empty((LANES, 21))
     wholes = np.empty((LANES, 11), np.int64)
     struck = np.empty((LANES, 3))
     active = min(LANES, start.n)
@@ -248,7 +249,10 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 if queued == QUEUE:
                     enter(records, queue, queued)
                     queued = 0
-                _output(times, scales, queue, queued, lanes, wholes, a, i * side + x, j * side + y)
+                _output(
+                    times, scales, queue, queued, lanes, wholes, a,
+                    lanes[a, FROM_X], lanes[a, FROM_Y],
+                )  # fmt: skip
                 queued += 1
             if wholes[a, OUTPUT] == times.size > 0:
                 status = FINISHED
@@ -265,6 +269,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 cx, cy = struck[a, 1], struck[a, 2]
                 impact = (cx - x) * uy - (cy - y) * ux
                 x, y = touch(cx, cy, ux, uy, impact)
+                px, py = i * side + x, j * side + y
                 ux, uy, ratio = scatter(ux, uy, impact, start.restitution)
                 wholes[a, N_COLLISIONS] += 1
                 nx, ny = x - cx, y - cy
@@ -275,7 +280,6 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                     and is_collapsing(lanes[a, NX], lanes[a, NY], nx, ny, ux, uy, start.restitution)
                 ):
                     status = TRAPPED
-                    px, py = i * side + x, j * side + y
                     while wholes[a, OUTPUT] < times.size:
                         if queued == QUEUE:
                             enter(records, queue, queued)
@@ -294,12 +298,13 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                         status = COLLISION_CAP
                 lanes[a, NX], lanes[a, NY] = nx, ny
             else:
-                x, y = x + path * ux, y + path * uy
+                px, py = lanes[a, FROM_X] + path * ux, lanes[a, FROM_Y] + path * uy
             if status == RUNNING:
+                lanes[a, FROM_X], lanes[a, FROM_Y] = px, py
                 _aim(lanes[a], wholes[a], x, y, ux, uy, side)
                 a += 1
                 continue
-            _end(records, lanes[a], wholes[a], status, i * side + x, j * side + y)
+            _end(records, lanes[a], wholes[a], status, px, py)
             if launched < start.n:
                 _launch(start, records, launched, lanes[a], wholes[a])
                 wholes[a, W] = wholes[a, V] = middle

@@ -15,6 +15,8 @@ LARGEST_RSA_DENSITY = 0.65  # in d^-2, an area fraction of 0.51
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
 # Scatterers that a cell of the index lists on average, measured to be fastest (particles.cells).
 LISTED = 5.0
+# In longer flights the impact parameter, of the size of d, loses the digits that decide on it.
+LEAST_DENSITY = 1e-10  # in d^-2
 # A tracer must not meet a scatterer and its image in one flight: a few diameters.
 SMALLEST_BOX = 4.0
 
@@ -31,6 +33,14 @@ def _whole(name: str, value: Any, least: int) -> None:
         raise ValueError(f"{name} = {value!r}: must be {kind}")
 
 
+def _not_too_thin(name: str, value: float, in_diameters: float) -> None:
+    if not in_diameters >= LEAST_DENSITY:
+        raise ValueError(
+            f"{name} = {value!r}: {in_diameters:.3g} scatterers per d^2; at least "
+            f"{LEAST_DENSITY:g}, below use BoltzmannGrad, which is the limit"
+        )
+
+
 @dataclass(frozen=True)
 class _Random:
     number_density: float
@@ -44,6 +54,7 @@ class _Random:
         _positive("number_density", self.number_density)
         _positive("diameter", self.diameter)
         _whole("count", self.count, 1)
+        _not_too_thin("number_density", self.number_density, self.number_density * self.diameter**2)
         if self.box not in ("periodic", None):
             raise ValueError(f"box = {self.box!r}: must be 'periodic', or None for the plane")
         name = type(self).__name__
@@ -84,7 +95,7 @@ class HardDisks(_Random):
 
     No disk lies within d of the box's centre, or the plane's origin, where tracers start.
     ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    higher than 0.65 d^-2 (0.3 d^-2 in the plane).
+    lower than 1e-10 d^-2 or higher than 0.65 d^-2 (0.3 d^-2 in the plane).
     """
 
     equilibrate: int = 0
@@ -128,6 +139,12 @@ class BoltzmannGrad:
     def __post_init__(self) -> None:
         _positive("number_density", self.number_density)
         _positive("diameter", self.diameter)
+        in_diameters = self.number_density * self.diameter * self.diameter
+        if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
+            raise ValueError(
+                f"number_density = {self.number_density!r}: {in_diameters:.3g} scatterers per d^2 "
+                f"at diameter = {self.diameter!r}; must be a positive finite number"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +154,8 @@ class Positions:
     positions (count, 2), the same in every configuration, or (media, count, 2), one set for each.
     box_side: side of the box, in the unit of the positions; coordinates are taken modulo it.
     start: where tracers start, the box's centre if not given. ValueError if a scatterer covers it
-    (is nearer than the diameter), if a position is not finite or the box is smaller than 4 d.
+    (is nearer than the diameter), if a position is not finite, or if the box is smaller than 4 d or
+    holds fewer than 1e-10 scatterers per d^2.
 
     With one set for all configurations, these differ only in their tracers, and errors are those
     of the mean over tracers in this one medium.
@@ -184,9 +202,11 @@ class Positions:
                 f"positions[{covering[0][-1]}] = {array[tuple(covering[0])]}: covers the start "
                 f"({origin[0]:g}, {origin[1]:g}), which must be at least {self.diameter:g} away"
             )
+        density = array.shape[-2] / self.box_side**2
+        _not_too_thin("box_side", self.box_side, density * self.diameter**2)
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
-        object.__setattr__(self, "number_density", array.shape[-2] / self.box_side**2)
+        object.__setattr__(self, "number_density", density)
         array.setflags(write=False)
 
     @classmethod

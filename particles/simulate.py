@@ -14,6 +14,7 @@ from particles.ensemble import Ensemble, Totals
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
 
 LARGEST_TIME = 1e300
+SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 
 
 def simulate(
@@ -182,9 +183,12 @@ def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
             f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
         )
     speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    if not (np.isfinite(speeds).all() and (speeds > 1e-100).all() and (speeds < 1e100).all()):
-        bad = velocities[~((speeds > 1e-100) & (speeds < 1e100))][0]
-        raise ValueError(f"initial holds the velocity {bad}: must be finite and not zero")
+    good = (speeds >= SMALLEST_SPEED) & (speeds <= 1.0 / SMALLEST_SPEED)
+    if not good.all():
+        raise ValueError(
+            f"initial holds the velocity {velocities[~good][0]}: its size must be from "
+            f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
+        )
     return velocities
 
 

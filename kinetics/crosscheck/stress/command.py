@@ -51,7 +51,7 @@ def stress(
     if output is not None:
         files: dict[str, str | bytes] = {
             "stress.json": report.to_json(),
-            "stress.md": report.markdown(),
+            "stress.md": report.markdown(every_case=True),
             **report.figures(),
         }
         for path in write_together(output, files):

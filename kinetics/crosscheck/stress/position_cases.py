@@ -9,27 +9,31 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.stress.case import Case, Outcome, named
-from kinetics.crosscheck.stress.solver_cases import FEWER, RESTITUTIONS, TIMES, label_of, starts
+from kinetics.crosscheck.stress.limits import FEWER, RESTITUTIONS, TIMES, label_of
+from kinetics.crosscheck.stress.starts import starts
 
 _PATH = 12.5  # l at the default density, in d
 
 
 def position_cases(quick: bool) -> Iterator[Case]:
     """All of them, in groups."""
+    labels = ("gaussian", "beam") if quick else starts()
     for e in FEWER if quick else RESTITUTIONS:
-        for label in ("gaussian", "beam") if quick else starts():
+        for label in labels:
             for rtol in (1e-9,) if quick else (1e-3, 1e-9, 1e-12):
                 name = f"{label_of(e)}, {label}, t to 1e300, rtol {rtol:.0e}"
                 yield named("moments of position", name, _moments, e, label, rtol)
-        for scale in (1e-100, 1e100):
-            name = f"{label_of(e)}, gaussian, speeds times {scale:g}"
-            yield named("moments of position", name, _scaled, e, scale)
-    few = (0.2, 0.7, 1.0 - 1e-6, 1.0)
-    for e in few if quick else (0.0, 0.01, *few, 1.0 - 1e-10):
+    few = (0.2, 0.7, 1.0 - 1e-10, 1.0)
+    for e in few if quick else (0.0, 1e-10, 0.01, *few, 1.0 - 1e-6):
         for label in ("gaussian",) if quick else ("gaussian", "monoenergetic", "two delta peaks"):
-            for t in (1e3, 1e30) if quick else (1e2, 1e3, 1e8, 1e30):
+            for t in (1e-300, 1e3, 1e300) if quick else (1e-300, 1e-10, 1e2, 1e3, 1e8, 1e30, 1e300):
                 name = f"{label_of(e)}, {label}, t = {t:g}"
                 yield named("position density", name, _density, e, label, t, 1e-3)
+    for e in few if quick else (0.0, 1e-10, *few, 1.0 - 1e-6):
+        for label in ("gaussian", "beam"):
+            for t in (0.0, 1e-300, 1.0, 1e3, 1e300):
+                name = f"{label_of(e)}, {label}, t = {t:g}"
+                yield named("scattering function", name, _scattering, e, label, t)
 
 
 def _slope(e: float) -> float:
@@ -51,11 +55,11 @@ def _moments(e: float, label: str, rtol: float) -> Outcome:
 
     outputs: tuple[str, ...] = ("msd", "velocity_autocorrelation", "diffusion_coefficient")
     if label != "tail v^-6":  # it has no fourth moment
-        outputs = (*outputs, "kurtosis", "mean_displacement")
+        outputs = (*outputs, "kurtosis", "mean_displacement", "mean_velocity", "velocity_tensor")
     times = TIMES[TIMES < 1e200] if e == 1.0 else TIMES
     found = solve(Scene(e, initial=starts()[label], times=times, outputs=outputs), rtol)
     reached = math.nan
-    if e < 1.0 and label in ("gaussian", "beam", "monoenergetic"):
+    if e < 1.0:
         reached = abs(found.msd_slope[-1] / _PATH**2 / _slope(e) - 1.0)
     if not all(np.all(np.isfinite(value)) for value in found.values.values()):
         reached = math.inf
@@ -73,6 +77,7 @@ def _moments(e: float, label: str, rtol: float) -> Outcome:
     }
     if "kurtosis" in outputs:
         invariants["kurtosis >= 1"] = (max(0.0, 1.0 - float(found.kurtosis.min())), slack)
+        invariants |= _directed(found, times, slack)
     return Outcome(
         asked=rtol + 1e-13,
         reached=reached,
@@ -81,21 +86,26 @@ def _moments(e: float, label: str, rtol: float) -> Outcome:
     )
 
 
-def _scaled(e: float, scale: float) -> Outcome:
-    """Speeds times a scale are times divided by it."""
-    from kinetics import Gaussian, Scene, solve
-
-    outputs = ("msd", "kurtosis")
-    times = np.geomspace(1e-3, 1e8, 12)
-    one = solve(Scene(e, times=times, outputs=outputs), 1e-10)
-    start = Gaussian(scale, scale)
-    other = solve(Scene(e, initial=start, times=times / scale, outputs=outputs), 1e-10)
-    apart = [np.abs(getattr(other, name) / getattr(one, name) - 1.0).max() for name in outputs]
-    return Outcome(asked=1e-10, reached=float(max(apart)))
+def _directed(found: Any, times: Any, slack: float) -> dict[str, tuple[float, float]]:
+    """What mean velocity, mean displacement and tensor must keep, of any start."""
+    tensor, mean, place = found.velocity_tensor, found.mean_velocity, found.mean_displacement
+    trace = tensor[:, 0, 0] + tensor[:, 1, 1]
+    seen = trace > 1e-290  # rounded numbers below
+    with np.errstate(all="ignore"):
+        scaled = tensor[seen] / trace[seen, None, None]
+        speed = (mean[seen] ** 2).sum(axis=1) / trace[seen]
+        far = (place**2).sum(axis=1) / found.msd
+    eigenvalue = float(np.linalg.eigvalsh(scaled).min())
+    far = np.nan_to_num(far, nan=0.0, posinf=0.0)[times > 1e-100]
+    return {
+        "<v v> positive": (max(0.0, -eigenvalue), slack),
+        "<v>^2 <= <v^2>": (max(0.0, float(speed.max()) - 1.0), slack),
+        "<r>^2 <= <r^2>": (max(0.0, float(far.max(initial=0.0)) - 1.0), slack),
+    }
 
 
 def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
-    """Norm and second moment of G(R), and its sign."""
+    """Norm and second moment of G(R), its sign, and its ends."""
     from kinetics import Scene, solve
 
     scene = Scene(e, initial=starts()[label], times=[t], outputs=("msd", "position_density"))
@@ -106,8 +116,15 @@ def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
     r, weight = (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
     g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
-    peaks: Any = np.sum(share), np.sum(share * (front / math.sqrt(found.msd[0])) ** 2)
+    if found.msd[0] > 1e-290:
+        scaled = share * (front / math.sqrt(found.msd[0])) ** 2
+    else:  # all fly freely
+        second = {"two delta peaks": 0.5 * (1.0 + 1e-4), "monoenergetic": 1.0}.get(label, 2.0)
+        scaled = share * (front / t / math.sqrt(second)) ** 2
+    peaks: Any = np.sum(share), np.sum(scaled)
     norm, second = (float(g @ (weight * r**p)) + q for p, q in zip((0, 2), peaks, strict=True))
+    ends = found.scaled_position_density([0.0, 1e300])[0]
+    fraction = found.position_fraction([0.0, 1e300])[0, 0] if e < 1.0 else 1.0
     claimed = max(rtol, found.error_estimate)
     return Outcome(
         asked=rtol,
@@ -116,5 +133,41 @@ def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
         invariants={
             "<R^2> = 1": (abs(second - 1.0), 100.0 * claimed),
             "G not negative": (max(0.0, -float(g.min())), claimed),
+            "G(0) = G(infinity) = 0": (float(np.max(np.abs(ends))), claimed),
+            "all are somewhere": (abs(fraction - 1.0), 10.0 * claimed),
         },
+    )
+
+
+def _scattering(e: float, label: str, t: float) -> Outcome:
+    """F at k = 0, for small k and in free flight, and that it is no larger than 1."""
+    from scipy.special import j0
+
+    from kinetics import Scene, solve
+
+    rtol = 1e-9
+    msd = "msd" if e < 1.0 or t < 1e200 else "thermal_speed"
+    outputs = ("intermediate_scattering", msd)
+    found = solve(Scene(e, initial=starts()[label], times=[t], outputs=outputs), rtol)
+    width = math.sqrt(found.msd[0]) if msd == "msd" else math.inf
+    # F = 1 - k^2 <r^2>/4 + ..., whose next term is of order (k^2 <r^2>)^2
+    small = 1e-4 / max(1.0, width)
+    k = np.array([0.0, 1e-300, 1e-150, small, 1e-3, 0.1, 2.0])
+    F = found.intermediate_scattering(k)[0]
+    expected = [1.0, 1.0] + ([1.0] if width < 1e100 else [])
+    if math.isfinite(width):
+        expected += [1.0 - 0.25 * (small * width) ** 2]
+    reached = max(abs(F[i] - value) for i, value in enumerate(expected))
+    if t <= 1.0 / _PATH * 1e-12:
+        free = np.exp(-0.5 * (k * t) ** 2) if label == "gaussian" else j0(k * t)
+        reached = max(reached, float(np.max(np.abs(F - free))))
+    along = found.intermediate_scattering(k, direction=0.3)[0]
+    if not (np.all(np.isfinite(F)) and np.all(np.isfinite(along))):
+        reached = math.inf
+    largest = max(float(np.max(np.abs(F))), float(np.max(np.abs(along))))
+    return Outcome(
+        asked=10.0 * rtol,
+        reached=float(reached),
+        converged=found.status.name == "CONVERGED",
+        invariants={"|F| <= 1": (max(0.0, largest - 1.0), 10.0 * rtol)},
     )

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase
+from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase, share_of_allowed
 
-FORMAT = "inelastic-lorentz stress 1"
+FORMAT = "inelastic-lorentz stress 2"
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,13 @@ class StressReport:
     cases : in the order in which they were run
     quick : whether it was the quick sweep
     seconds : that the whole of it took
+    processor_seconds : and of processor time, compilation of the kernels among it
     """
 
     cases: tuple[StressCase, ...]
     quick: bool
     seconds: float
+    processor_seconds: float
 
     @property
     def rejected(self) -> tuple[StressCase, ...]:
@@ -40,14 +42,15 @@ class StressReport:
             "format": FORMAT,
             "quick": self.quick,
             "seconds": self.seconds,
+            "processor_seconds": self.processor_seconds,
             "verdicts": VERDICTS,
             "cases": [asdict(c) for c in self.cases],
         }
         return dumps(document)
 
-    def markdown(self) -> str:
-        """A table of groups with the worst case of each, and every case that is not accepted."""
-        return "\n".join(self._lines()) + "\n"
+    def markdown(self, every_case: bool = False) -> str:
+        """Verdicts by group, the worst case of each, and what is not accepted, or every case."""
+        return "\n".join(self._lines(every_case)) + "\n"
 
     def figures(self) -> dict[str, str]:
         """SVG files by name: error reached against error asked."""
@@ -55,51 +58,98 @@ class StressReport:
 
         return {"stress.svg": reached_against_asked(list(self.cases))}
 
-    def _lines(self) -> Iterator[str]:
-        count = len(self.cases)
+    def _lines(self, every_case: bool) -> Iterator[str]:
+        groups = {
+            group: [c for c in self.cases if c.group == group]
+            for group in dict.fromkeys(c.group for c in self.cases)
+        }
         yield f"# Stability sweep{' (quick)' if self.quick else ''}"
         yield ""
-        yield f"{count} cases in {self.seconds:.0f} s, {len(self.rejected)} not as they must end."
+        yield (
+            f"{len(self.cases)} cases in {self.seconds:.0f} s, {self.processor_seconds:.0f} s of "
+            f"processor time; {len(self.rejected)} not as they must end."
+        )
         yield ""
-        verdicts = list(VERDICTS)
-        yield "| group | cases | " + " | ".join(verdicts) + " | worst reached/asked | slowest |"
-        yield "|---" * (len(verdicts) + 4) + "|"
-        for group in dict.fromkeys(c.group for c in self.cases):
-            here = [c for c in self.cases if c.group == group]
-            counts = [sum(c.verdict == v for c in here) for v in verdicts]
-            worst, slow = _worst(here), max(here, key=lambda c: c.seconds)
-            yield (
-                f"| {group} | {len(here)} | "
-                + " | ".join(str(n or "") for n in counts)
-                + f" | {worst} | {slow.seconds:.2f} s: {slow.name} |"
-            )
-        yield ""
+        yield from _verdicts(groups)
         yield from (f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items())
         yield ""
+        yield from _worst(groups)
         if self.rejected:
-            yield "| verdict | group | case | asked | reached | invariant | note |"
-            yield "|---|---|---|---|---|---|---|"
-        for case in self.rejected:
-            broken = case.violation > case.allowed
-            invariant = f"{case.invariant}: {case.violation:.1e} > {case.allowed:.1e}"
-            yield (
-                f"| {case.verdict} | {case.group} | {case.name} | {_number(case.asked)} "
-                f"| {_number(case.reached)} | {invariant if broken else ''} | {case.note} |"
-            )
-        yield ""
+            yield "## Not as they must end"
+            yield ""
+            yield from _rows(self.rejected)
+        if every_case:
+            for group, cases in groups.items():
+                yield f"## {group[0].upper()}{group[1:]}"
+                yield ""
+                yield from _rows(cases)
+
+
+def _verdicts(groups: dict[str, list[StressCase]]) -> Iterator[str]:
+    """How many cases of each group got which verdict, and the sums."""
+    yield "| group | cases | " + " | ".join(VERDICTS) + " |"
+    yield "|---" + "|---:" * (len(VERDICTS) + 1) + "|"
+    every = [c for cases in groups.values() for c in cases]
+    for group, cases in {**groups, "all": every}.items():
+        counts = [sum(c.verdict == v for c in cases) for v in VERDICTS]
+        yield f"| {group} | {len(cases)} | " + " | ".join(str(n or "") for n in counts) + " |"
+    yield ""
+
+
+def _worst(groups: dict[str, list[StressCase]]) -> Iterator[str]:
+    """The case of each group that is worst in error, in an invariant, and in time."""
+    yield "| group | largest error reached/asked | invariant nearest to what it may | slowest |"
+    yield "|---|---|---|---|"
+    for group, cases in groups.items():
+        slow = max(cases, key=lambda c: c.seconds)
+        yield (
+            f"| {group} | {_worst_error(cases)} | {_worst_invariant(cases)} "
+            f"| {slow.seconds:.2f} s: {slow.name} |"
+        )
+    yield ""
+
+
+def _rows(cases: list[StressCase] | tuple[StressCase, ...]) -> Iterator[str]:
+    """One row for each case."""
+    yield "| verdict | case | asked | reached | invariant | violation | allowed | note |"
+    yield "|---|---|---:|---:|---|---:|---:|---|"
+    for c in cases:
+        bounds = (_number(c.violation), _number(c.allowed)) if c.invariant else ("", "")
+        yield (
+            f"| {c.verdict} | {c.name} | {_number(c.asked)} | {_number(c.reached)} "
+            f"| {_cell(c.invariant)} | {bounds[0]} | {bounds[1]} | {_cell(c.note)} |"
+        )
+    yield ""
+
+
+def _cell(text: str) -> str:
+    """Text that cannot end the cell of a table."""
+    return text.replace("|", "\\|")
 
 
 def _number(value: float) -> str:
     if math.isnan(value):
-        return "-"
+        return ""
     return f"{value:.1e}" if math.isfinite(value) else "not finite"
 
 
-def _worst(cases: list[StressCase]) -> str:
+def _worst_error(cases: list[StressCase]) -> str:
     """Of the cases that claim what was asked, the one with the largest reached/asked."""
     claimed = [c for c in cases if c.verdict in (HOLDS, MISSED)]
     known = [c for c in claimed if math.isfinite(c.reached) and math.isfinite(c.asked)]
     if not known:
         return "no reference"
     worst = max(known, key=lambda c: c.reached / c.asked)
-    return f"{worst.reached / worst.asked:.1e}: {worst.name}"
+    return f"{_number(worst.reached)}/{_number(worst.asked)}: {worst.name}"
+
+
+def _worst_invariant(cases: list[StressCase]) -> str:
+    """The case whose worst invariant uses up most of what it allows."""
+    known = [c for c in cases if c.invariant]
+    if not known:
+        return ""
+    worst = max(known, key=lambda c: share_of_allowed(c.violation, c.allowed))
+    if worst.violation == 0.0:
+        return "none violated"
+    bounds = f"{_number(worst.violation)}/{_number(worst.allowed)}"
+    return f"{_cell(worst.invariant)}, {bounds}: {worst.name}"

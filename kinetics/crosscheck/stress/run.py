@@ -7,16 +7,32 @@ import time
 from collections.abc import Callable, Iterable
 
 from kinetics.crosscheck.stress.case import Case, StressCase, attempt
-from kinetics.crosscheck.stress.particle_cases import particle_cases
+from kinetics.crosscheck.stress.cooling_cases import cooling_cases
+from kinetics.crosscheck.stress.density_cases import density_cases
+from kinetics.crosscheck.stress.flight_cases import flight_cases
+from kinetics.crosscheck.stress.input_cases import input_cases
+from kinetics.crosscheck.stress.medium_cases import medium_cases
 from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
-from kinetics.crosscheck.stress.solver_cases import solver_cases
+from kinetics.crosscheck.stress.scaled_cases import scaled_cases
+from kinetics.crosscheck.stress.size_cases import size_cases
 from kinetics.errors import InputError
+
+_PARTS = (
+    scaled_cases,
+    cooling_cases,
+    size_cases,
+    density_cases,
+    position_cases,
+    medium_cases,
+    flight_cases,
+    input_cases,
+)
 
 
 def all_cases(quick: bool) -> list[Case]:
     """Every case of a sweep, not run."""
-    return list(itertools.chain(solver_cases(quick), position_cases(quick), particle_cases(quick)))
+    return list(itertools.chain.from_iterable(part(quick) for part in _PARTS))
 
 
 def _compile() -> None:
@@ -41,15 +57,17 @@ def run_stress(
     """
     chosen = all_cases(quick)
     if groups is not None:
-        wanted, known = set(groups), dict.fromkeys(group for group, _, _ in chosen)
+        wanted, known = set(groups), dict.fromkeys(case.group for case in chosen)
         for group in sorted(wanted - set(known)):
             raise InputError(f"groups: got {group!r}; known are {', '.join(known)}")
-        chosen = [case for case in chosen if case[0] in wanted]
+        chosen = [case for case in chosen if case.group in wanted]
+    begin, processor = time.perf_counter(), time.process_time()
     _compile()
-    begin = time.perf_counter()
     found: list[StressCase] = []
-    for group, name, work in chosen:
+    for case in chosen:
         if progress is not None:
-            progress(group, len(chosen))
-        found.append(attempt(group, name, work))
-    return StressReport(tuple(found), quick, time.perf_counter() - begin)
+            progress(case.group, len(chosen))
+        found.append(attempt(case))
+    return StressReport(
+        tuple(found), quick, time.perf_counter() - begin, time.process_time() - processor
+    )

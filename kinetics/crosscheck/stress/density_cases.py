@@ -1,0 +1,162 @@
+"""Cases of the speed density: nodes from 8 to 4096, rough starts, late times, both methods."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.stress import exact
+from kinetics.crosscheck.stress.case import Case, Outcome, named
+from kinetics.crosscheck.stress.limits import FloatArray, label_of
+from kinetics.crosscheck.stress.starts import starts
+
+_TIMES = np.array([0.5, 30.0, 1e3])
+_LATE = np.array([0.0, 1e-300, 1e150, 1e300])
+_PATH = 12.5  # l at the default density, in d
+_RTOL = 1e-6
+_SCALED_SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
+
+
+def density_cases(quick: bool) -> Iterator[Case]:
+    """All of them, in groups."""
+    some = (0.0, 0.7, 0.99) if quick else (0.0, 1e-10, 1e-4, 0.2, 0.5, 0.7, 0.9, 0.99, 0.999)
+    group = "spectral density"
+    for e in some:
+        for count in (8, 64, 512, None) if quick else (8, 16, 64, 256, 1024, 4096, None):
+            name = f"{label_of(e)}, gaussian, {count or 'its own'} nodes"
+            yield named(group, name, _spectral, e, "gaussian", "spectral", count)
+        yield named(group, f"{label_of(e)}, tail v^-6", _spectral, e, "tail v^-6", None, None)
+    near = (1.0 - 1e-6, 1.0 - 1e-10, 1.0)
+    for e in (*some[:2], *near[1:]) if quick else (*some, *near):
+        for start in ("gaussian", "monoenergetic"):
+            for scale in (1.0,) if quick else (1e-100, 1.0, 1e100):
+                name = f"{label_of(e)}, {start}, speeds times {scale:g}, t to 1e300"
+                yield named("late density", name, _late, e, start, scale)
+    for e in some:
+        for count in (8, 64, 512) if quick else (8, 16, 64, 256, 1024, 4096):
+            for label in ("gaussian", "monoenergetic", "step", "two delta peaks", "tail v^-6"):
+                name = f"{label_of(e)}, {label}, {count} nodes"
+                yield named("conservative density", name, _conservative, e, label, count)
+
+
+@lru_cache(maxsize=2)
+def _tight(e: float, label: str) -> list[FloatArray]:
+    """The density at the scaled speeds, solved more tightly; one array for each time."""
+    from kinetics import Scene, solve
+
+    outputs = ("speed_density", "thermal_speed")
+    found = solve(Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs), 0.01 * _RTOL)
+    pairs = enumerate(found.thermal_speed)
+    return [found.speed_density(v0 * _SCALED_SPEEDS)[i] for i, v0 in pairs]
+
+
+def _spectral(e: float, label: str, method: str | None, nodes: int | None) -> Outcome:
+    """The density against a tighter one, relative to its maximum; its mass, energy and sign."""
+    from kinetics import Scene, solve
+
+    outputs = ("speed_density", "thermal_speed")
+    scene = Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs)
+    solution = solve(scene, _RTOL, method=method, nodes=nodes)
+    reached, low, mass = 0.0, 0.0, 0.0
+    for i, (v0, tight) in enumerate(zip(solution.thermal_speed, _tight(e, label), strict=True)):
+        f = solution.speed_density(v0 * _SCALED_SPEEDS)[i]
+        apart = float(np.max(np.abs(f - tight)) / np.max(tight))
+        reached = max(reached, apart if math.isfinite(apart) else math.inf)
+        low = max(low, -float(f.min()) / float(f.max()))
+        v = v0 * np.geomspace(1e-8, 1e3, 20_001)
+        weight = solution.speed_density(v)[i] * v * math.log(v[1] / v[0])
+        mass = max(mass, abs(float(weight.sum()) - 1.0))
+    converged = solution.status.name == "CONVERGED"
+    claimed = _RTOL if converged else math.inf
+    return Outcome(
+        asked=_RTOL,
+        reached=reached,
+        converged=converged,
+        invariants={
+            "density not negative": (low, claimed),
+            "mass": (mass, 3.0 * claimed),  # rtol of the maximum, over a width of some v0
+        },
+        note=f"estimate {solution.error_estimate:.0e}",
+    )
+
+
+def _late(e: float, start: str, scale: float) -> Outcome:
+    """At t = 0 the start, at t = 1e300 the scaling state, without overflow anywhere."""
+    from kinetics import Gaussian, Monoenergetic, ScalingSolution, Scene, solve
+
+    gaussian = start == "gaussian"
+    state = Gaussian(scale, scale) if gaussian else Monoenergetic(scale)
+    outputs = ("speed_density", "thermal_speed")
+    rtol = 1e-4
+    solution = solve(Scene(e, initial=state, times=_LATE, outputs=outputs), rtol)
+    width = math.sqrt(0.2 * (1.0 - e) * (1.0 + e))  # of the late ring of nearly elastic tracers
+    c = np.geomspace(1e-3, 20.0, 300)
+    if 1.0 - e < 1e-4:
+        c = 1.0 + np.concatenate([[-0.5, 0.5], width * np.linspace(-5.0, 5.0, 99)])
+    first = 2.0 * c * np.exp(-c * c) if gaussian else np.zeros(c.size)
+    last, slack = first, 0.0
+    if 1.0 - e > 1e-4:
+        last = 2.0 * math.pi * c * ScalingSolution(e).vdf(c)
+    elif e < 1.0:  # the closed form has 1/(1 - e) factors; a Gaussian to about its width
+        u = np.clip((c - 1.0) / width, -30.0, 30.0)
+        last, slack = np.exp(-0.5 * u * u) / (width * math.sqrt(2.0 * math.pi)), 5.0 * width
+    peak = np.array([0.0 if gaussian else 1.0] * 2 + [float(not gaussian and e == 1.0)] * 2)
+    reached = 0.0
+    for i, expected in enumerate((first, first, last, last)):
+        # exact: an error of rtol would move a ring out of its place
+        v0 = scale * math.sqrt(2.0 if gaussian else 1.0)
+        if i > 1 and e < 1.0:
+            v0 = exact.late_thermal_speed(e, _PATH, float(_LATE[i]))
+        f = v0 * solution.speed_density(v0 * c)[i]
+        apart = float(np.max(np.abs(f - expected)) / max(1.0, expected.max()))
+        reached = max(reached, apart if math.isfinite(apart) else math.inf)
+    everywhere = solution.speed_density(np.array([0.0, 1e-300, scale, 1e300]))
+    marginal = solution.velocity_component_density(np.array([-1e300, 0.0, 1e300]))
+    if not (np.all(np.isfinite(everywhere)) and np.all(np.isfinite(marginal))):
+        reached = math.inf
+    return Outcome(
+        asked=rtol + slack,
+        reached=reached,
+        converged=solution.status.name == "CONVERGED",
+        invariants={
+            "density not negative": (max(0.0, -float(everywhere.min()) * scale), rtol),
+            "uncollided": (float(np.max(np.abs(solution.uncollided - peak))), 1e-12),
+        },
+        note=f"estimate {solution.error_estimate:.0e}",
+    )
+
+
+def _conservative(e: float, label: str, nodes: int) -> Outcome:
+    """The conservative scheme: density not negative, its mass, and <v^2> as averaged.
+
+    At the tightest tolerance the scheme itself serves all of the times. The density is linear in
+    ln v between nodes: its integrals by the trapezoid rule with many points for each node.
+    """
+    from kinetics import Scene, solve
+
+    outputs = ("thermal_speed", "speed_density")
+    scene: Any = Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs)
+    solution = solve(scene, 1e-13, method="conservative", nodes=nodes)
+    v0 = solution.thermal_speed
+    v = np.geomspace(1e-8 * v0[-1], 1e6 * v0[0], max(200_001, 200 * nodes + 1))
+    f = solution.speed_density(v)
+    weight = f * v * math.log(v[1] / v[0])
+    mass = weight.sum(axis=1) + solution.uncollided
+    energy = weight @ v**2 + solution.uncollided
+    found = np.abs([energy / v0**2 - 1.0, mass - 1.0])
+    estimate = solution.error_estimate
+    return Outcome(
+        # the interpolation between nodes adds to the scheme's own error
+        asked=max(3.0 * estimate, 1e-5) if estimate < 1.0 else math.inf,
+        reached=float(np.max(found)) if np.all(np.isfinite(f)) else math.inf,
+        invariants={
+            "density not negative": (max(0.0, -float(f.min())), 0.0),
+            # no number of nodes reaches 1e-13
+            "status says so": (float(solution.status.name == "CONVERGED"), 0.0),
+        },
+        note=f"estimate {estimate:.0e}",
+    )
