@@ -74,13 +74,17 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
         return PowerTail(np.zeros(0), scale), np.inf
-    trial = _fit(k[below], f[below], scale)
-    return _fit(k, f, scale), float(np.abs(trial.at(k) - f).max())
+    # the misses of one number of terms may happen to vanish
+    missed = [
+        float(np.abs(_fit(k[below], f[below], scale, terms).at(k) - f).max())
+        for terms in (TERMS - 1, TERMS)
+    ]
+    return _fit(k, f, scale, TERMS), max(missed)
 
 
-def _fit(k: FloatArray, f: FloatArray, scale: float) -> PowerTail:
+def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:
     weight = k**3
-    found = np.linalg.lstsq(_terms(k / scale, TERMS) * weight[:, None], f * weight, rcond=1e-13)
+    found = np.linalg.lstsq(_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13)
     return PowerTail(np.asarray(found[0]), scale)
 
 

@@ -34,9 +34,12 @@ _LARGEST = 8.0
 _TURNS = 30.0
 _FAR = 50.0  # R beyond which G is nothing
 _PIECES = 200  # on which the uncollided are integrated
-_FREE = 12.0  # T up to which F of a start of one speed swings with cos(K T)
 _DEEPEST = 7  # halvings of an interval of wave numbers
-_BEST = 3e-12  # accuracy of F at small K, where it costs nothing
+_BEST = 3e-12  # of F at small K
+_CHEAPER = 1e-4  # accuracy of F at small K in units of that of G: it costs little
+_POWERS = 2.2  # K, in units of where they begin, from which the powers of 1/K are looked for
+_STEP = 1.25  # from one interval to the next, at least
+_FALL = 1.0 / 6.0  # what powers of 1/K miss falls as K^-6, measured
 _CHEAP = 2.0  # K up to which that is
 
 
@@ -131,7 +134,8 @@ class Displacement:
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
-        collided = r / self.mean_free_path**2 * self._transform(time, r, 0)
+        near = np.minimum(r, self.reach[time])
+        collided = near / self.mean_free_path * (self._transform(time, r, 0) / self.mean_free_path)
         return np.asarray(collided + self.uncollided(time, r))
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
@@ -159,9 +163,9 @@ class Displacement:
 
     def collided_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density in the plane of the collided, in 1/d^2, and its slope in 1/d^3, (n_r,) each."""
-        area = 2.0 * math.pi * self.mean_free_path**2
-        value = self._transform(time, r, 0) / area
-        slope = -self._transform(time, r, 2) / area / self.mean_free_path
+        path = self.mean_free_path
+        value = self._transform(time, r, 0) / path / path / (2.0 * math.pi)
+        slope = -self._transform(time, r, 2) / path / path / path / (2.0 * math.pi)
         return value, slope
 
     def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
@@ -235,23 +239,34 @@ def solve_displacement(
     peaks = state.peaks is not None
     size = 1.0
     while active.size:
-        longest = float(times[active].max()) * typical
-        if low >= (_LARGEST if peaks else _TURNS) and low * longest > _TURNS:
+        longest = times[active] * typical
+        if low >= (_LARGEST if peaks else _TURNS) and low * float(longest.max()) > _TURNS:
             break
         sharp = max(1.0, float(width[active].max()) * high)
-        tolerance = min(rtol / sharp, _BEST if high < _CHEAP else 1.0)
-        swing = 0.5 * (high - low) * min(longest, _FREE) if peaks else 0.0
+        tolerance = min(rtol / sharp, max(_BEST, _CHEAPER * rtol) if high < _CHEAP else 1.0)
+        # tracers of one speed that have hardly collided make F turn with cos(K T)
+        flying = longest[np.exp(-longest) > tolerance] if peaks else longest[:0]
+        swing = 0.5 * (high - low) * float(flying.max(initial=0.0))
         new, error = _interval(system, low, high, active, tolerance, size, swing)
         panels += new
         size = max(float(np.abs(panel.values).max()) for panel in new)
+        reached = high
         for i in active:
-            tails[i], left = _rest(panels, int(i), math.inf if peaks else max(1.0, 1.0 / width[i]))
+            begin = math.inf if peaks else max(1.0, 1.0 / width[i])
+            tails[i], left = _rest(panels, int(i), begin)
             # F missing at K, or wrong there, adds about K sigma F to G
             share = max(1.0, width[i] * high)
             known[i] = max(known[i], error * share)
             missed[i] = left * share + known[i]
+            if missed[i] > 2.0 * rtol:
+                enough = 2.0 * high
+                if peaks:
+                    enough = _end(panels[-1], int(i), rtol / share)
+                elif tails[i] is not None:
+                    enough = high * min(2.0, max(_STEP, (left * share / rtol) ** _FALL))
+                reached = max(reached, enough)
         active = active[missed[active] > 2.0 * rtol]
-        low, high = high, 2.0 * high
+        low, high = high, reached
     if active.size:
         cut[[i for i in active if tails[i] is None]] = 0.5 * panels[-1].high
     radius, weight = fronts(state, mean_free_path, times)
@@ -284,7 +299,8 @@ def _interval(
 
     tolerance : of F; size : about the largest value there; swing : nodes for its turns
     """
-    nodes = math.ceil(4.0 + 1.2 * math.log10(max(10.0, size / tolerance)) + swing)
+    digits = math.log10(max(10.0, size / tolerance))
+    nodes = math.ceil(4.0 + (1.2 if high > 1.5 * low else 0.9) * digits + swing)
     trial = WavePanel(low, high, active, np.empty((active.size, nodes)))
     values, error = system.collided(trial.nodes, active, 0.3 * tolerance)
     missed = _last_coefficients(values)
@@ -295,6 +311,22 @@ def _interval(
         right, second = _interval(system, middle, high, *more)
         return left + right, max(first, second)
     return [WavePanel(low, high, active, values)], missed + error
+
+
+def _end(panel: WavePanel, time: int, least: float) -> float:
+    """K where F is below ``least`` if it falls on as in the panel; twice the panel's end at most.
+
+    Where F falls as exp(-K^2) it is below sooner.
+    """
+    f = panel.of(time)
+    assert f is not None
+    quarter = max(1, f.size // 4)
+    last, before = (float(np.abs(x).max()) for x in (f[-quarter:], f[-2 * quarter : -quarter]))
+    if not 0.0 < last < before:
+        return 2.0 * panel.high
+    fall = math.log(before / last) / (panel.nodes[-1] - panel.nodes[-1 - quarter])
+    more = math.log(max(1.0, last / least)) / fall
+    return min(2.0 * panel.high, max(_STEP * panel.high, panel.high + more))
 
 
 def _rest(panels: list[WavePanel], time: int, scale: float) -> tuple[PowerTail | None, float]:
@@ -310,10 +342,12 @@ def _rest(panels: list[WavePanel], time: int, scale: float) -> tuple[PowerTail |
             k.append(panel.nodes)
             f.append(values)
     last = float(np.abs(f[-1]).max())
-    if high < 5.0 * scale:
+    if math.isinf(scale):
+        return None, float(np.abs(f[-1][-(f[-1].size // 4) - 1 :]).max())
+    if high < _POWERS * scale:
         return None, last
     all_k, all_f = np.concatenate(k), np.concatenate(f)
     use = all_k > 0.3 * high
     tail, left = fit_tail(all_k[use], all_f[use], scale)
-    # beyond the panels it is worse than where it was judged: by 5 where that was measured
-    return (tail, 5.0 * left) if left < 0.2 * last else (None, last)
+    # measured: beyond the panels it is worse than where it was judged in a tenth of the cases
+    return (tail, 3.0 * left) if left < 0.3 * last else (None, last)
