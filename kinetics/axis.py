@@ -215,7 +215,7 @@ class SpeedAxis:
             return True
         # the sweeps of the recursion converge as e^top
         top = max(min(known.centre, -1.0), known.bottom)
-        self._low = LowSpeeds(self.law, top, self._log_density_above)
+        self._low = LowSpeeds(self.law, top, self._log_density_above, self.rtol)
         self._low.extend(known.bottom - 2.0)
         return True
 

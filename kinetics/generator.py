@@ -6,12 +6,15 @@ is diagonal in z, and everything else is built from these numbers.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+
+_MANY = 3000  # exponentials
 
 
 def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
@@ -22,11 +25,46 @@ def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(-np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight)
 
 
-def flux_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
-    """lambda(z)/(kappa z), 1 at z = 0: the flux of losses past a speed, relative to v at it."""
+def decay_symbol_on_line(
+    law: CollisionLaw, theta: float, wave_numbers: NDArray[Any]
+) -> NDArray[Any]:
+    """lambda(theta - i k) for equidistant k from 0, shape of k.
+
+    Where the average over the impact parameter takes many points, exp(i k xi) is made of two
+    factors: of n exponentials a point 2 sqrt(n) are left, and a product of matrices.
+    """
+    z = theta - 1j * wave_numbers
+    if law.restitution == 0.0:
+        return decay_symbol(law, z)
+    q = law.quadrature_for(float(np.abs(z[[0, -1]]).max()))
+    if z.size * q.weight.size < _MANY:
+        return decay_symbol(law, z)
+    fine = math.ceil(math.sqrt(z.size))
+    coarse = -(-z.size // fine)
+    turn = 1j * wave_numbers[1] * q.log_loss
+    near = np.exp(np.multiply.outer(np.arange(fine), turn)) * (
+        q.weight * np.exp(-theta * q.log_loss)
+    )
+    far = np.exp(np.multiply.outer(fine * np.arange(coarse), turn))
+    power = (far @ near.T).ravel()[: z.size]
+    out = 1.0 - power
+    # where it is small, without the cancellation
+    out[:1] = decay_symbol(law, z[:1])
+    return np.asarray(out)
+
+
+def flux_symbol(
+    law: CollisionLaw, z: NDArray[Any], decay: NDArray[Any] | None = None
+) -> NDArray[Any]:
+    """lambda(z)/(kappa z), 1 at z = 0: the flux of losses past a speed, relative to v at it.
+
+    ``decay`` is lambda(z) where it is known.
+    """
     zero = z == 0.0
     safe = np.where(zero, 1.0, z)
-    return np.asarray(np.where(zero, 1.0, decay_symbol(law, safe) / (law.mean_log_loss * safe)))
+    if decay is None:
+        decay = decay_symbol(law, safe)
+    return np.asarray(np.where(zero, 1.0, decay / (law.mean_log_loss * safe)))
 
 
 def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:

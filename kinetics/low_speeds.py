@@ -23,7 +23,7 @@ from kinetics.collision import CollisionLaw
 FloatArray = NDArray[np.float64]
 
 _WIDTH = 1.0  # of a panel in x; ln g is nearly quadratic over it
-_NODES = 16
+_LEAST_NODES, _MOST_NODES = 6, 16  # 2 digits less than nodes (measured)
 _SWEEPS = 20
 _STEEPEST = 60.0  # slopes of ln g that the averages resolve: reached near ln g = -700 at e = 0.5
 
@@ -36,33 +36,42 @@ class LowSpeeds:
     law : the collision law, 0 <= e < 1
     top : where the recursion starts; e^top/kappa must be well below 1
     known : ln g above top, x (n,) -> (n,)
+    rtol : accuracy relative to g
     """
 
     def __init__(
-        self, law: CollisionLaw, top: float, known: Callable[[FloatArray], FloatArray]
+        self,
+        law: CollisionLaw,
+        top: float,
+        known: Callable[[FloatArray], FloatArray],
+        rtol: float,
     ) -> None:
         self.law = law
         self.top = top
+        # the error left by Newton's method is the square of its last step
+        self._last_step = 0.1 * math.sqrt(rtol)
+        nodes = 2 + math.ceil(-math.log10(rtol))
+        self._nodes = min(_MOST_NODES, max(_LEAST_NODES, nodes))
         quadrature = law.quadrature_for(_STEEPEST)
         self._xi = quadrature.log_loss
         weight = quadrature.weight * (quadrature.ratio**2 - law.restitution**2)
         with np.errstate(divide="ignore"):
             log_weight = np.log(np.maximum(weight, 0.0)) - 3.0 * np.log(quadrature.ratio)
         self._log_weight = log_weight - math.log(law.mean_log_loss)
-        theta = (np.arange(_NODES) + 0.5) * math.pi / _NODES
+        theta = (np.arange(self._nodes) + 0.5) * math.pi / self._nodes
         self._local = 0.5 * (1.0 - np.cos(theta))  # rising in (0, 1)
         self._barycentric: FloatArray = np.asarray(
-            (-1.0) ** np.arange(_NODES) * np.sin(theta), float
+            (-1.0) ** np.arange(self._nodes) * np.sin(theta), float
         )
         reach = float(self._xi.max())
         # panel k covers [top - (k+1) width, top - k width]; negative k is above top
-        self._above = math.ceil(reach / _WIDTH) + 1
+        self._above = max(3, math.ceil(reach / _WIDTH) + 1)
         x = top + (np.arange(self._above)[:, None] + self._local) * _WIDTH
         self._panels = list(known(x.ravel()).reshape(x.shape)[::-1])
         self._prepare()
 
     def _interpolation(self, local: FloatArray) -> FloatArray:
-        """Rows of barycentric interpolation at local coordinates (n,): (n, _NODES)."""
+        """Rows of barycentric interpolation at local coordinates (n,): (n, nodes)."""
         return interpolation_rows(local[:, None] - self._local, self._barycentric)
 
     def _prepare(self) -> None:
@@ -72,22 +81,24 @@ class LowSpeeds:
         rows = self._interpolation(local - panel)
         self._inside = panel == 0
         self._rows_inside = rows[self._inside]
-        self._rows_newton = np.where(self._inside[:, None], rows, 0.0).reshape(_NODES, -1, _NODES)
+        self._rows_newton = np.where(self._inside[:, None], rows, 0.0).reshape(
+            self._nodes, -1, self._nodes
+        )
         self._outside = [(m, panel == m) for m in range(1, int(panel.max()) + 1)]
         self._rows_outside = [rows[mask] for _, mask in self._outside]
 
     def _add_panel(self) -> None:
         """One panel further down."""
         x = self.bottom - _WIDTH + self._local * _WIDTH
-        terms = np.empty(_NODES * self._xi.size)
+        terms = np.empty(self._nodes * self._xi.size)
         for (m, mask), rows in zip(self._outside, self._rows_outside, strict=True):
             terms[mask] = rows @ self._panels[-m]
         # what lies in the panel itself is not known yet, and weighs e^x: continue from above
-        above = self._panels[-1]
-        values = 2.0 * above - self._panels[-2] if len(self._panels) > 1 else above
+        third, second, first = self._panels[-3:]
+        values = 3.0 * (first - second) + third
         for _ in range(_SWEEPS):
             terms[self._inside] = self._rows_inside @ values
-            log_terms = terms.reshape(_NODES, -1) + self._log_weight
+            log_terms = terms.reshape(self._nodes, -1) + self._log_weight
             largest = log_terms.max(axis=1, keepdims=True)
             share = np.exp(log_terms - largest)
             total = share.sum(axis=1, keepdims=True)
@@ -95,10 +106,10 @@ class LowSpeeds:
             # Newton: the shares of the terms are the derivatives by what they are made of
             share /= total
             slope = (share[:, None, :] @ self._rows_newton)[:, 0, :]
-            step = np.linalg.solve(np.eye(_NODES) - slope, residual)
+            step = np.linalg.solve(np.eye(self._nodes) - slope, residual)
             values = values + step
-            if float(np.max(np.abs(step))) < 1e-8:
-                break  # the error left is the square of the step
+            if float(np.abs(step).max()) < self._last_step:
+                break
         self._panels.append(values)
 
     @property

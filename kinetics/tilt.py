@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.generator import drift_log, flux_symbol, peak_position
+from kinetics.generator import decay_symbol_on_line, drift_log, flux_symbol, peak_position
 from kinetics.grid import LogGrid
 
 FloatArray = NDArray[np.float64]
@@ -50,6 +50,7 @@ _NARROWEST = 2.2  # standard deviations
 # tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of its accuracy.
 _FEW_BOUNCES = 0.65
 _BULK_DROP = 3.5
+_SIZING = 0.6  # of the points that a symbol takes to rounding will do to size a grid
 _ELASTIC = 1.0 - 1e-6  # the tilted state is nearly a ring above it
 
 
@@ -170,15 +171,16 @@ def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> 
     """
     # lower down only wide densities need the care: the branches are unwrapped
     shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.4 else 0
-    for reach in (14.0, 60.0, 300.0):
+    for reach in (14.0, 60.0, 300.0) if deviation < 0.6 else (45.0, 300.0):
         k = np.linspace(0.0, reach / deviation, 32)
-        log_flux = _log_flux_on_lines(law, theta + np.arange(shift + 1, dtype=float), k)
-        middle = _log_flux_on_lines(law, np.array([theta + shift - 0.5]), k)[0]
+        lines = np.append(theta + np.arange(shift), theta + shift - 0.5)
+        log_flux = _log_flux_on_lines(law, lines, k)
         # the imaginary part without its branches, from step to step
-        turn = -np.cumsum(np.angle(np.exp(1j * np.diff(middle.imag, prepend=0.0))))
+        turn = -np.cumsum(np.angle(np.exp(1j * np.diff(log_flux[-1].imag, prepend=0.0))))
         fall = np.concatenate([[0.0], np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k))])
         # the real part has no branches
-        fall -= (log_flux[:shift].real - log_flux[:shift, :1].real).sum(axis=0)
+        if shift:
+            fall -= (log_flux[:shift].real - log_flux[:shift, :1].real).sum(axis=0)
         past = np.nonzero(fall > depth)[0]
         if past.size:
             # the fall is convex: the wave number of the last point before is not far off
@@ -191,7 +193,7 @@ def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> 
 def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> ComplexArray:
     """ln[lambda(z)/(kappa z)] at z = real + i k, shape (n_real, n_k); to size grids with.
 
-    The exponentials of k are shared by the lines: a quarter of the time of a symbol each.
+    real (n_real,), k (n_k,) equidistant from 0. The lines share the exponentials of k.
     """
     real = np.where(np.abs(real) < 1e-3, 1e-3, real)  # lambda(z)/z has a limit at z = 0
     z = real[:, None] + 1j * k
@@ -200,9 +202,12 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     if law.restitution > _ELASTIC:
         # 1 - E[s^z] would be 0
         return np.asarray(np.log(flux_symbol(law, z.ravel()).reshape(z.shape)))
-    q = law.quadrature_for(float(np.abs(real).max() + k[-1]))
+    q = law.quadrature_for(_SIZING * float(np.abs(real).max() + k[-1]))
     weights = q.weight * np.exp(-np.multiply.outer(real, q.log_loss))
-    power = weights @ np.exp(-1j * np.multiply.outer(q.log_loss, k))
+    turns = np.empty((q.log_loss.size, k.size), dtype=complex)
+    turns[:] = np.exp(-1j * k[1] * q.log_loss)[:, None]
+    turns[:, 0] = 1.0
+    power = weights @ np.cumprod(turns, axis=1, out=turns)
     return np.asarray(np.log((1.0 - power) / (law.mean_log_loss * z)))
 
 
@@ -275,7 +280,8 @@ def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
 
 def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
     nodes = grid.nodes
-    flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers))
+    decay = decay_symbol_on_line(law, theta, grid.wave_numbers)
+    flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers, decay))
     # bordered, so that it is regular: the last row fixes the sum, the last column takes up what
     # the discrete equation is short of being singular
     matrix = np.empty((nodes + 1, nodes + 1))
