@@ -37,6 +37,7 @@ _NEGLIGIBLE = 39.0
 # A line through the saddle serves c within this many standard deviations of its own centre.
 _REACH = 2.0
 _EXPONENT_LIMIT = 300.0
+_NOTHING = -800.0  # ln F below which it is 0
 
 
 class _Line(NamedTuple):
@@ -180,8 +181,9 @@ class ScalingSolution:
         """F(c), the scaled velocity distribution; same shape as c.
 
         Normalised in the plane: integral of 2 pi c F(c) dc = 1 and <c^2> = 1. Relative error
-        below 1e-12 wherever F is not below 1e-280. F(0) is 0 for 0 < e < 1 (a hole) and infinite
-        at e = 0, where F = exp(-sqrt(2) c)/(sqrt(2) pi c).
+        below 1e-12 wherever F is not below 1e-280; near e = 1, where F is a ring of width
+        sqrt(1 - e), what the rounding of c makes, some 1e-16/sqrt(1 - e). F(0) is 0
+        for 0 < e < 1 (a hole) and infinite at e = 0, where F = exp(-sqrt(2) c)/(sqrt(2) pi c).
 
         Raises
         ------
@@ -255,6 +257,13 @@ class ScalingSolution:
         then runs up that line from Re z = path_from.
         """
         shift = max(_START, math.ceil(_START - float(np.min(z.real))))
+        low = z.real < -_START
+        if np.any(low) and self._far_from_zeros(float(np.max(np.abs(z.imag)))):
+            if not np.all(low):
+                out = np.empty(z.shape, dtype=z.dtype)
+                out[low], out[~low] = self._log_a(z[low]), self._log_a(z[~low])
+                return out
+            shift = 1
         steps = np.arange(shift)
         below = self._rho(z[:, None] + steps).sum(axis=1)
         base = np.array([float(shift)])
@@ -279,8 +288,17 @@ class ScalingSolution:
             value = value + _BERNOULLI[j] * math.factorial(n) * (high - low)
         return np.asarray(value - below)
 
+    def _far_from_zeros(self, height: float) -> bool:
+        """Whether rho is as smooth at |Im z| <= height as it is beyond _START in general.
+
+        Near e = 1 it is: the zeros of lambda are where all bounces turn s^z once round at least.
+        """
+        if not 0.5 < self.restitution < 1.0:
+            return False
+        return 2.0 * math.pi / -math.log(self.restitution) - height > _START + 1.0
+
     def _integral(self, low: float, high: float) -> float:
-        """Integral of rho from low to high on the real axis, both at least _START."""
+        """Integral of rho from low to high on the real axis, where it is smooth."""
         # rho is analytic within about _START of the path, or 2 pi/|ln e| if that is further
         unit = float(_START)
         if self.restitution > 0.0:
@@ -299,8 +317,8 @@ class ScalingSolution:
         left, mid, right = self._log_a(np.array([a - d, a, a + d]))
         return float(mid), float(right - left) / (2 * d), float(right - 2 * mid + left) / d**2
 
-    def _line(self, x: float) -> _Line:
-        """The line whose tilted density exp(a x) g(x)/A(a) is centred on x."""
+    def _line(self, x: float) -> _Line | None:
+        """The line whose tilted density exp(a x) g(x)/A(a) is centred on x; None where F is 0."""
         scale = math.sqrt(math.log(self.law.mean_log_loss / float(self.law.decay_rate(1.0))))
         a = 0.0
         log_moment, mean, variance = self._cumulants(a, scale)
@@ -308,6 +326,9 @@ class ScalingSolution:
             scale = math.sqrt(variance)
             if abs(mean - x) < 0.3 * scale:
                 break
+            # Chernoff: ln g(x) is about log A(a) - a x at most, for every a
+            if log_moment - (a + 2.0) * x < _NOTHING:
+                return None
             # Newton, but not further than the variance can be trusted
             move = (x - mean) / variance
             a += max(-2.0 / scale, min(2.0 / scale, move))
@@ -345,6 +366,10 @@ class ScalingSolution:
         while np.any(todo):
             nearest = int(np.argmin(np.where(todo, np.abs(x), math.inf)))
             line = self._line(float(x[nearest]))
+            beyond = (x >= x[nearest]) if x[nearest] > 0.0 else (x <= x[nearest])
+            if line is None:
+                todo &= ~beyond
+                continue
             near = todo & (np.abs(x - line.centre) <= _REACH * line.deviation)
             n = np.arange(line.phase.size)
             turn = np.exp(-1j * np.outer(x[near] - line.centre, n * line.step))
@@ -354,6 +379,6 @@ class ScalingSolution:
             total = np.maximum(total, 1e-300) * line.step / (2.0 * math.pi)
             out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
             todo &= ~near
-            if out[nearest] - 2.0 * x[nearest] < -800.0:
-                todo &= (x < x[nearest]) if x[nearest] > 0.0 else (x > x[nearest])
+            if out[nearest] - 2.0 * x[nearest] < _NOTHING:
+                todo &= ~beyond
         return out

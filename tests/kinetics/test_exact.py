@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from kinetics import InputError, ScalingSolution
+from kinetics import InputError, ScalingSolution, solve_scaled
 
 TABLE = [1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
 EXTREME = [1e-8, 1e-4, 1 - 1e-4, 1 - 1e-8]
@@ -220,3 +220,17 @@ def test_speeds_in_company_are_as_accurate_as_alone() -> None:
     together = exact.vdf(c)
     for k in (-4, -1):
         assert together[k] == pytest.approx(exact.vdf(c[k]), rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("gap", [1e-4, 1e-7, 1e-10, 1e-13])
+def test_the_narrow_ring_near_the_elastic_limit(gap: float) -> None:
+    # a sum over a million steps of the recursion at 1 - 1e-10 once took minutes and all memory
+    exact = ScalingSolution(1.0 - gap)
+    width = 0.65 * math.sqrt(gap)
+    c = 1.0 + width * np.linspace(-8.0, 8.0, 2001)
+    F = exact.vdf(c)
+    mean = 2.0 * math.pi * width * 0.008 * float(np.sum(c * F))
+    assert abs(mean - 1.0) < 1e-9 + 1e-15 / width
+    solved = solve_scaled(1.0 - gap, 1e-10).vdf(c)
+    assert float(np.max(np.abs(solved - F))) < (1e-9 + 1e-14 / width) * float(F.max())
+    assert exact.vdf(0.5) == exact.vdf(2.0) == 0.0
