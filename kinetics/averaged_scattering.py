@@ -9,20 +9,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.barycentric import interpolation_rows
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.evolve import Averages
 from kinetics.initial import Profile, State
 from kinetics.measure import LogMeasure, panels
 from kinetics.scattering import Waves, solve_waves
+from kinetics.wave_panel import Indices, chebyshev_points, last_coefficients
 
 FloatArray = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 _POINTS = 10  # Gauss points of a panel of initial speeds
 _HALVINGS = 6
 _LARGEST = 200.0  # K, or K T, that can be asked for
 _BEST = 1e-12
+_WIDEST = 0.5  # K up to which panels are as wide as they get
 _FREE = math.log(40.0)  # X beyond which exp(-T) is nothing
 _MOST_PIECES = 4000  # of the panels, for averages over them
 
@@ -40,6 +42,17 @@ def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
         return found
     _, x, weight = _panels_of(state, profile, spacing, rtol)
     return LogMeasure(x, weight / float(weight.sum()))
+
+
+def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
+    """The same for harmonic m > 0; None where it is zero."""
+    profile, harmonic = state.profile(0), state.profile(m)
+    if profile is None or harmonic is None:
+        return state.harmonic(m, rtol)
+    edges, _, weight = _panels_of(state, profile, spacing, rtol)
+    x, w = panels(edges, _POINTS)
+    v = np.exp(x)
+    return LogMeasure(x, np.asarray(harmonic(v) * v * w) / float(weight.sum()))
 
 
 def _panels_of(
@@ -151,10 +164,11 @@ class Scattering:
         if direction is not None and most != 0:
             kept = 10**6 if most is None else most
         waves = self._waves(wave_numbers, which, tolerance, kept)
-        speeds = points_of(self.state, waves.rule.width, tolerance)
+        width = waves.rule.width
+        speeds = points_of(self.state, width, tolerance)
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
         for m in range(min(kept + 1, waves.values.shape[1])):
-            start = speeds if m == 0 else self.state.harmonic(m, tolerance)
+            start = speeds if m == 0 else _harmonic_of(self.state, m, width, tolerance)
             if start is None:
                 continue
             turn = np.exp(1j * m * (direction or 0.0))
@@ -196,8 +210,30 @@ def scattering_function(
     left = (scaled > 0.0) & bool(late.any())
     while left.any():
         # those within a factor of two share their panels
-        group = left & (scaled > 0.5 * float(scaled[left].max()))
-        found, _ = system.whole(scaled[group], direction, max(averages.rtol, _BEST))
+        largest = float(scaled[left].max())
+        group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
+        found = _through_points(system, scaled[group], direction, max(averages.rtol, _BEST))
         out[np.ix_(late, group)] = found
         left &= ~group
     return out
+
+
+def _through_points(
+    system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
+) -> NDArray[Any]:
+    """F (n_times, n_k), by a polynomial where the wave numbers are many more than it needs."""
+    low, high = float(wave_numbers.min()), float(wave_numbers.max())
+    nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)
+    if system.state.peaks is not None:
+        # tracers of one speed that have not collided make F turn with cos(K T)
+        longest = float(np.exp(system.log_stretch(np.arange(system.times.size))).max())
+        fastest = float(np.max(system.state.peaks[0]))
+        nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
+    if wave_numbers.size > 1.5 * nodes:
+        local, weights = chebyshev_points(math.ceil(nodes))
+        trial, _ = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
+        if last_coefficients(trial) < 0.5 * tolerance:
+            places = (wave_numbers - low) / (high - low)
+            return np.asarray(trial @ interpolation_rows(places[:, None] - local, weights).T)
+    found, _ = system.whole(wave_numbers, direction, tolerance)
+    return found

@@ -19,13 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.averaged_scattering import Indices, Scattering, points_of
+from kinetics.averaged_scattering import Scattering, points_of
 from kinetics.barycentric import interpolation_rows
-from kinetics.collision import CollisionLaw, gauss_legendre
+from kinetics.collision import CollisionLaw
 from kinetics.cusp import PowerTail, fit_tail
 from kinetics.front import fronts, reach, uncollided_density
 from kinetics.initial import State
 from kinetics.measure import panels_of
+from kinetics.wave_panel import Indices, WavePanel, chebyshev_points, last_coefficients
 
 FloatArray = NDArray[np.float64]
 
@@ -41,58 +42,6 @@ _POWERS = 2.2  # K, in units of where they begin, from which the powers of 1/K a
 _STEP = 1.25  # from one interval to the next, at least
 _FALL = 1.0 / 6.0  # what powers of 1/K miss falls as K^-6, measured
 _CHEAP = 2.0  # K up to which that is
-
-
-@dataclass(frozen=True)
-class WavePanel:
-    """F of the collided on an interval of K = k l, at Chebyshev points.
-
-    Attributes
-    ----------
-    low, high : its ends
-    which : indices of the times at which it is not negligible, shape (n_which,)
-    values : shape (n_which, nodes)
-    """
-
-    low: float
-    high: float
-    which: Indices
-    values: FloatArray
-
-    @property
-    def nodes(self) -> FloatArray:
-        """K at the points, shape (nodes,)."""
-        local, _ = _chebyshev(self.values.shape[1])
-        return self.low + (self.high - self.low) * local
-
-    def of(self, time: int) -> FloatArray | None:
-        """F at the nodes at one of the times; None where it is negligible."""
-        place = np.nonzero(self.which == time)[0]
-        return None if place.size == 0 else np.asarray(self.values[place[0]])
-
-    def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gauss nodes and weights in K, and F there."""
-        node, weight = gauss_legendre(points)
-        local, barycentric = _chebyshev(f.size)
-        rows = interpolation_rows(node[:, None] - local, barycentric)
-        width = self.high - self.low
-        return self.low + width * node, width * weight, rows @ f
-
-
-def _chebyshev(nodes: int) -> tuple[FloatArray, FloatArray]:
-    """Chebyshev points of the first kind on [0, 1], rising, and their barycentric weights."""
-    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
-    weights = np.asarray((-1.0) ** np.arange(nodes) * np.sin(angle), dtype=float)
-    return np.asarray(0.5 * (1.0 + np.cos(angle))), weights
-
-
-def _last_coefficients(values: FloatArray) -> float:
-    """Size of the last two Chebyshev coefficients of values at those points, (n, nodes)."""
-    nodes = values.shape[1]
-    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
-    order = np.array([nodes - 2, nodes - 1])
-    coefficients = values @ np.cos(np.outer(angle, order)) * (2.0 / nodes)
-    return float(np.abs(coefficients).max())
 
 
 @dataclass(frozen=True)
@@ -148,7 +97,7 @@ class Displacement:
         f = self.panels[0].of(time) if self.panels else None
         if f is None:
             return 0.0
-        local, barycentric = _chebyshev(f.size)
+        local, barycentric = chebyshev_points(f.size)
         return float((interpolation_rows(-local[None], barycentric) @ f)[0])
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
@@ -303,7 +252,7 @@ def _interval(
     nodes = math.ceil(4.0 + (1.2 if high > 1.5 * low else 0.9) * digits + swing)
     trial = WavePanel(low, high, active, np.empty((active.size, nodes)))
     values, error = system.collided(trial.nodes, active, 0.3 * tolerance)
-    missed = _last_coefficients(values)
+    missed = last_coefficients(values)
     if missed > tolerance and depth < _DEEPEST:
         middle = 0.5 * (low + high)
         more = (active, tolerance, size, 0.5 * swing, depth + 1)

@@ -50,7 +50,7 @@ class Waves:
     values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
     coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
     ended : whether everything was below the tolerance at the last panel: 0 from there on
-    error_estimate : absolute, of a_0
+    error_estimate : absolute, of a_0 and of those kept
     """
 
     wave_numbers: FloatArray
@@ -85,8 +85,8 @@ class Waves:
             return np.zeros((panels.size, self.wave_numbers.size))
         last = self.values[-1, m, -1]
         with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
-            fall = np.where(last != 0.0, last / self.values[-1, m, 0], 0.0)
-            return np.asarray(last * np.abs(fall) ** panels[:, None])
+            fall = np.where(last != 0.0, np.abs(last / self.values[-1, m, 0]), 0.0)
+            return np.asarray(last * np.minimum(1.0, fall) ** panels[:, None])
 
 
 def solve_waves(
@@ -111,7 +111,8 @@ def solve_waves(
     if law.restitution < 1.0:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
-    top = _harmonics(largest, min(highest, limit), tolerance)
+    # a_m beside a_0 must have ended themselves, not only what they give back
+    top = _harmonics(largest, min(highest, limit), tolerance**2 if kept else tolerance)
     return _sweep(law, wave_numbers, rule, start, count, top, tolerance, kept)
 
 
@@ -189,12 +190,14 @@ def _sweep(
     closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     done, ended = count, False
     used, left_out = 0, 0.0
+    # what comes back to m = 0 is the square at most; others are wanted as they are
+    rising = 0.1 * tolerance if kept else tolerance**_RISING
     for j in range(count):
         rate = np.exp(start + j * rule.width + local)
         # free flights of T reach m = K T
         more = 4 + int(min(_MORE, float(wave_numbers.max()) * (rate[-1] - rate[0])))
-        rising = _last_above(known, tolerance**_RISING) + more
-        used = min(top, _even(max(rising, min(used, _last_above(known, tolerance)))))
+        needed = max(_last_above(known, rising) + more, min(used, _last_above(known, tolerance)))
+        used = min(top, _even(needed))
         drive = np.zeros((used + 1, n, size))
         if reach:
             below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
@@ -205,14 +208,15 @@ def _sweep(
         table[reach + j, : used + 1] = found
         known = table[reach + j, :, -1]
         # what the highest harmonic misses goes back to m = 0 as weakened as it came
-        left_out = max(left_out, float(np.abs(found[used]).max()) ** 2)
+        miss = float(np.abs(found[used]).max())
+        left_out = max(left_out, miss if kept else miss**2)
         largest[reach + j] = np.abs(found).max()
         # nothing that follows is larger than the mean over what is collided out of
         if recent @ largest[reach + j + 1 - recent.size : reach + j + 1] < _NOTHING * tolerance:
             done, ended = j + 1, True
             break
     values = table[reach : reach + done]
-    last, before_last = rule.last_coefficients(np.moveaxis(values[:, 0], 1, 2))
+    last, before_last = rule.last_coefficients(np.moveaxis(values[:, : kept + 1], 2, 3))
     fall = np.minimum(1.0, (last + 1e-17) / (before_last + 1e-17))
     chebyshev = float((last * np.sqrt(fall)).max())
     return Waves(

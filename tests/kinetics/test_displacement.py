@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kinetics import (
     Beam,
     CollisionLaw,
+    Gaussian,
     InputError,
     Scene,
     Solution,
@@ -157,6 +158,48 @@ def test_a_directed_start_gives_the_mean_displacement() -> None:
     angles = 2.0 * math.pi * np.arange(24) / 24
     mean = np.mean([found.intermediate_scattering([0.05], direction=a) for a in angles], axis=0)
     assert np.abs(mean - found.intermediate_scattering([0.05])).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("e", "t", "initial", "k"),
+    [
+        (0.6, 100.0, Beam(0.7), 0.5),
+        (0.9, 20.0, Gaussian(2.0, 1.0), 0.4),
+        (0.3, 3.0, Beam(0.2, speeds="gaussian"), 1.0),
+    ],
+)
+def test_directed_starts_meet_the_accuracy_asked_for(
+    e: float, t: float, initial: Any, k: float
+) -> None:
+    """Every harmonic of the start counts there, and each has to be resolved in speed and angle."""
+    scene = Scene(e, initial=initial, times=[t], outputs=("intermediate_scattering",))
+    wave_numbers = k * np.array([0.1, 0.6, 1.0])
+    best = solve(scene, rtol=1e-12).intermediate_scattering(wave_numbers, direction=0.3)
+    for rtol in (1e-3, 1e-6, 1e-9):
+        found = solve(scene, rtol=rtol).intermediate_scattering(wave_numbers, direction=0.3)
+        assert np.abs(found - best).max() < rtol
+
+
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic", Beam(0.7)])
+def test_many_wave_numbers_are_those_of_few(initial: Any) -> None:
+    """They come from a polynomial through fewer."""
+    scene = Scene(0.7, initial=initial, times=[30.0, 300.0], outputs=("intermediate_scattering",))
+    solution = solve(scene, rtol=1e-6)
+    k = np.geomspace(0.01, 0.3, 200)
+    many = solution.intermediate_scattering(k, direction=0.3)
+    few = np.hstack([solution.intermediate_scattering(x, direction=0.3) for x in k[::20, None]])
+    assert np.abs(many[:, ::20] - few).max() < 1e-6
+
+
+def test_the_error_of_a_density_is_within_what_was_asked_and_not_far_below() -> None:
+    r = np.linspace(0.0, 6.0, 200)
+    for e, t, initial in ((0.9, 1000.0, "gaussian"), (0.7, 500.0, "monoenergetic")):
+        best = density(e, [t], initial, rtol=1e-8).scaled_position_density(r)
+        for rtol in (1e-2, 1e-4, 1e-6):
+            found = density(e, [t], initial, rtol=rtol)
+            assert found.status is SolverStatus.CONVERGED
+            reached = np.abs(found.scaled_position_density(r) - best).max()
+            assert 1e-3 * rtol < reached < rtol
 
 
 def test_free_flight_of_a_beam() -> None:
