@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from kinetics.errors import InputError
 from kinetics.gain import log_gain
 from kinetics.grid import LogGrid
 from kinetics.initial import State
-from kinetics.intertwining import choose_turn, intertwine
+from kinetics.intertwining import choose_turn, intertwine, resolved
 from kinetics.measure import LogMeasure
 from kinetics.profile import Profile, count_before_scaling, then_scaling
 from kinetics.stepping import stepped
@@ -31,10 +32,13 @@ from kinetics.tilt import band_of, window_of
 FloatArray = NDArray[np.float64]
 
 _MAX_NODES = 8192
+_MOST_NODES = 32768  # where there are no steps
+_MOST_VALUES = 3e7  # at nodes and times: a quarter of a gigabyte
 _STEEP = 1e4
 _MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute of steps
+_MOST_TERMS = 2_000_000  # of a Fourier sum: nodes times points
 _SHARE = 0.005  # of rtol that each part of the error may have
-_BEST_STEPPED = 1e-12  # what steps reach
+_BEST_STEPPED = 1e-10  # what steps reach
 _LEAST_MAXIMUM = 0.3  # of the isotropic density of ln v, at any time: its width is of order 1
 
 
@@ -79,11 +83,14 @@ class _Collocated:
         return float(self.grid.x[first]), max(0.0, slope)
 
     def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
+        """In pieces of x, so that memory stays flat."""
         values = self.values[i]
+        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // _MOST_TERMS)
+        real = np.concatenate([self.grid.interpolate(values.real, piece) for piece in pieces])
         if not np.iscomplexobj(values):
-            return self.grid.interpolate(values, x)
-        real = self.grid.interpolate(values.real, x)
-        return np.asarray(real + 1j * self.grid.interpolate(values.imag, x))
+            return real
+        imag = [self.grid.interpolate(values.imag, piece) for piece in pieces]
+        return np.asarray(real + 1j * np.concatenate(imag))
 
 
 def _window(
@@ -104,16 +111,28 @@ def _window(
     last = int(np.searchsorted(-(below[-1] - below), -share))
     low = float(x[order[max(first - 1, 0)]])
     high = float(x[order[min(last + 1, x.size - 1)]])
-    _, scaled, deviation = window_of(law, 0.0, depth)
-    scaled -= math.log(law.mean_log_loss)
+    scaled, deviation = _scaling_end(law, depth)
     kept = high + duration
     right = max(high, min(scaled, kept))
     # too early for the ring of nearly elastic tracers to narrow
     formed = kept > -math.log(law.mean_log_loss) - 1.0
-    band = band_of(law, 0.0, depth, deviation) if formed else 8.0
+    band = _scaling_band(law, depth, deviation) if formed else 8.0
     if law.restitution < 0.3:
         low = min(low, -depth)
     return low - 0.5, right + 0.5, band
+
+
+# all harmonics of a scene ask for the same
+@lru_cache(maxsize=4)
+def _scaling_end(law: CollisionLaw, depth: float) -> tuple[float, float]:
+    """Right end of the scaling state in ln(v t/l), and its width."""
+    _, right, deviation = window_of(law, 0.0, depth)
+    return right - math.log(law.mean_log_loss), deviation
+
+
+@lru_cache(maxsize=4)
+def _scaling_band(law: CollisionLaw, depth: float, deviation: float) -> float:
+    return band_of(law, 0.0, depth, deviation)
 
 
 def solve_spectral(
@@ -138,7 +157,7 @@ def solve_spectral(
     duration = float(tau[early - 1]) if early else 0.0
     left, right, band = _window(law, start, depth, duration)
     wanted = nodes or (right - left) * band / math.pi
-    if wanted > _MAX_NODES:
+    if wanted > _MOST_NODES:
         raise _too_much(law, times, wanted)
 
     def at_nodes(grid: LogGrid) -> FloatArray:
@@ -156,10 +175,10 @@ def solve_spectral(
     if found is None:
         # the drift and the losses turn the highest mode this often
         turns = math.pi / grid.spacing * (1.0 + law.mean_log_loss * math.exp(right))
-        if turns * duration * grid.nodes > _MOST_WORK:
+        if wanted > _MAX_NODES or turns * duration * grid.nodes > _MOST_WORK:
             raise _too_much(law, times, wanted)
         values, highest = stepped(law, grid, rows, m, tau[:early], rtol)
-        found = _Found(grid, values, tau[:early], highest, 0.0)
+        found = _Found(grid, values, tau[:early], highest, max(0.3 * rtol, _BEST_STEPPED))
     joined = found.values[:, 0]
     if rows.shape[0] == 2:
         joined = joined + 1j * found.values[:, 1]
@@ -215,17 +234,25 @@ def _at_once(
     The window is that of g and more: u reaches further down, as v, and further up, as
     exp(-v t/l).
     """
-    turn = choose_turn(law, np.fft.rfft(rows), math.pi / grid.spacing, m, rtol)
+    kept = resolved(np.fft.rfft(rows)) / grid.nodes * 2.0 * math.pi / grid.spacing
+    spacing = grid.spacing
+    turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
+    while turn.error > 0.3 * rtol and nodes is None:
+        # more modes allow a larger angle
+        other = choose_turn(law, kept, math.pi / (0.6 * spacing), m, rtol)
+        if other.error > 0.3 * turn.error:
+            break
+        turn, spacing = other, 0.6 * spacing
     if turn.error > max(0.3 * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
     left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
     if nodes is None:
-        count = _good_count(math.ceil((right - left) / grid.spacing))
-        if count > _MAX_NODES:
+        count = _good_count(math.ceil((right - left) / spacing))
+        if count > _MOST_NODES or count * tau.size > _MOST_VALUES:
             return None
-        wide = LogGrid(right - grid.spacing * count, grid.spacing, count)
+        wide = LogGrid(right - spacing * count, spacing, count)
     else:
         wide = LogGrid(left, (right - left) / grid.nodes, grid.nodes)
     gain = log_gain(law, wide.wave_numbers, m)

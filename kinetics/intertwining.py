@@ -29,10 +29,9 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _ROUNDING = 2e-16
-_LOSS = 10.0  # times the rounding: measured
-_ANGLES = (
-    0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0, 1.1, 1.2, 1.3, 1.37, 1.43, 1.48, 1.51, 1.54,
-)  # fmt: skip
+_LOSS = 25.0  # times the rounding, of f relative to its maximum: measured
+_NOISE = 20.0  # times the rounding: modes of a state that are not kept
+_ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
 _TOGETHER = 20_000  # numbers of a piece of the time axis: what the caches hold
 
 
@@ -55,16 +54,12 @@ class Turn:
     raised: float
 
 
-def choose_turn(
-    law: CollisionLaw, modes: ComplexArray, highest: float, m: int, rtol: float
-) -> Turn:
-    """The least angle that does for a state of these modes, (rows, n) up to wave number highest.
-
-    Or the best one, where none does.
+def choose_turn(law: CollisionLaw, kept: float, highest: float, m: int, rtol: float) -> Turn:
+    """The least angle that does for a state with modes up to wave number kept, of modes up to
+    highest; the best one where none does.
     """
     k = np.linspace(0.0, highest, max(32, math.ceil(0.5 * highest)) + 1)
     gain = log_gain(law, k, m).real
-    kept = k <= highest * _resolved(modes) / modes.shape[1]
     best = Turn(0.0, math.inf, 0.0)
     for angle in _ANGLES:
         height = gain + angle * k
@@ -72,7 +67,7 @@ def choose_turn(
         # modes from 2 highest on would fold onto those that are used
         if angle and (math.pi - 2.0 * angle) * highest < math.log(1e2 / rtol) + raised:
             break
-        lost = float(height[kept].max()) + raised
+        lost = float(height[k <= kept].max()) + raised
         error = _LOSS * _ROUNDING * math.exp(min(lost, 600.0))
         if error < best.error:
             best = Turn(angle, error, raised)
@@ -81,10 +76,10 @@ def choose_turn(
     return best
 
 
-def _resolved(modes: ComplexArray) -> int:
+def resolved(modes: ComplexArray) -> int:
     """How many modes of a state, (rows, n), stand above the rounding of the largest."""
     size = np.abs(modes).max(axis=0)
-    weak = np.nonzero(size < _ROUNDING * size.max())[0]
+    weak = np.nonzero(size < _NOISE * _ROUNDING * size.max())[0]
     return int(weak[0]) if weak.size else size.size
 
 
@@ -153,7 +148,7 @@ def intertwine(
     k = grid.wave_numbers
     modes = np.fft.rfft(rows)
     # noise would be raised as well
-    modes[:, _resolved(modes) :] = 0.0
+    modes[:, resolved(modes) :] = 0.0
     back = np.exp(-gain - angle * k)
     back[-1] = 0.0
     if angle:
