@@ -40,7 +40,7 @@ _BEST = 3e-12  # of F at small K
 _CHEAPER = 1e-4  # accuracy of F at small K in units of that of G: it costs little
 _POWERS = 2.2  # K, in units of where they begin, from which the powers of 1/K are looked for
 _STEP = 1.25  # from one interval to the next, at least
-_FALL = 1.0 / 6.0  # what powers of 1/K miss falls as K^-6, measured
+_FALL = 1.0 / 3.0  # what powers of 1/K miss falls as K^-3 at least, measured
 _CHEAP = 2.0  # K up to which that is
 
 
@@ -249,9 +249,9 @@ def _interval(
     tolerance : of F; size : about the largest value there; swing : nodes for its turns
     """
     digits = math.log10(max(10.0, size / tolerance))
-    nodes = math.ceil(4.0 + (1.2 if high > 1.5 * low else 0.9) * digits + swing)
+    nodes = math.ceil(4.0 + (1.3 if high > 1.5 * low else 1.0) * digits + swing)
     trial = WavePanel(low, high, active, np.empty((active.size, nodes)))
-    values, error = system.collided(trial.nodes, active, 0.3 * tolerance)
+    values, error = system.collided(trial.nodes, active, tolerance)
     missed = last_coefficients(values)
     if missed > tolerance and depth < _DEEPEST:
         middle = 0.5 * (low + high)
@@ -299,4 +299,4 @@ def _rest(panels: list[WavePanel], time: int, scale: float) -> tuple[PowerTail |
     use = all_k > 0.3 * high
     tail, left = fit_tail(all_k[use], all_f[use], scale)
     # measured: beyond the panels it is worse than where it was judged in a tenth of the cases
-    return (tail, 3.0 * left) if left < 0.3 * last else (None, last)
+    return (tail, 2.0 * left) if left < 0.3 * last else (None, last)

@@ -350,6 +350,22 @@ def test_flight_far_below_the_mean_free_path(number_density: float, e: float) ->
     assert np.allclose(found.mean_displacement[:, 0], times, rtol=1e-11, atol=0.0)
 
 
+@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
+@pytest.mark.parametrize("t", [1e-300, 1e-170, 1e-100, 1e-10])
+def test_position_density_of_free_flight(t: float, e: float) -> None:
+    """g(r, t) = f(r/t)/t, f the start; <r^2> itself may be below the smallest number."""
+    found = solve(Scene(restitution=e, times=[t], outputs=("position_density",)), rtol=1e-3)
+    R = np.array([0.0, 0.5, 1.0, 2.0, 1e200])
+    with np.errstate(under="ignore"):
+        expected = 2.0 * R * np.exp(-np.minimum(R * R, 1e3))
+    expected[-1] = 0.0
+    assert np.allclose(found.scaled_position_density(R)[0], expected, atol=1e-3)
+    sharp = Scene(restitution=e, initial="monoenergetic", times=[t], outputs=("position_density",))
+    radius, share = solve(sharp, rtol=1e-3).ballistic_front
+    assert np.allclose(radius, t, rtol=1e-12, atol=0.0)
+    assert share[0, 0] == pytest.approx(1.0, abs=1e-9)
+
+
 def test_far_arguments_of_densities() -> None:
     """Where there is nothing left there is 0, and no warning of an overflow."""
     far = np.array([0.0, 1.0, 1e200])

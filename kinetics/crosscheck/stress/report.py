@@ -111,12 +111,12 @@ def _worst(groups: dict[str, list[StressCase]]) -> Iterator[str]:
 
 def _rows(cases: list[StressCase] | tuple[StressCase, ...]) -> Iterator[str]:
     """One row for each case."""
-    yield "| verdict | case | asked | reached | invariant | violation | allowed | note |"
-    yield "|---|---|---:|---:|---|---:|---:|---|"
+    yield "| verdict | group | case | asked | reached | invariant | violation | allowed | note |"
+    yield "|---|---|---|---:|---:|---|---:|---:|---|"
     for c in cases:
         bounds = (_number(c.violation), _number(c.allowed)) if c.invariant else ("", "")
         yield (
-            f"| {c.verdict} | {c.name} | {_number(c.asked)} | {_number(c.reached)} "
+            f"| {c.verdict} | {c.group} | {c.name} | {_asked(c)} | {_number(c.reached)} "
             f"| {_cell(c.invariant)} | {bounds[0]} | {bounds[1]} | {_cell(c.note)} |"
         )
     yield ""
@@ -125,6 +125,10 @@ def _rows(cases: list[StressCase] | tuple[StressCase, ...]) -> Iterator[str]:
 def _cell(text: str) -> str:
     """Text that cannot end the cell of a table."""
     return text.replace("|", "\\|")
+
+
+def _asked(case: StressCase) -> str:
+    return _number(case.asked) if math.isfinite(case.asked) else ""
 
 
 def _number(value: float) -> str:
