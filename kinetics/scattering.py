@@ -36,6 +36,7 @@ _TURNING = 3.5  # T at which flights along k are resolved worst
 _FEWEST_NODES, _MOST_NODES = 6, 20
 _MORE = 6  # harmonics that a panel may add
 _NOTHING = 0.1  # of the tolerance
+_FAR = 0.01  # of the tolerance, what comes from farther down than is looked at
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,10 @@ def _sweep(
     """Panel after panel upwards, with as many harmonics as count there, ``top`` at most (even)."""
     n, size = rule.nodes, wave_numbers.size
     loss, gain = rule.kernel(law, list(range(top + 1)), rate=2.0 * n / rule.width)
+    recent = _shares(law, rule.width, gain.shape[2] // n)
+    # next to nothing comes from farther down, where e is about 0
+    far = np.count_nonzero(np.cumsum(recent) < _FAR * tolerance)
+    gain, recent = gain[:, :, far * n :], recent[far:]
     reach = gain.shape[2] // n
     # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
     table = np.zeros((reach + count, top + 1, n, size))
@@ -184,7 +189,6 @@ def _sweep(
         before = _sum(series, np.exp(x)).reshape(reach, n, top + 1, size)
         table[:reach] = np.moveaxis(before, 2, 1)
     largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
-    recent = _shares(law, rule.width, reach)
     known = _sum(series, np.exp(np.array([start])))[0]
     # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
     closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
