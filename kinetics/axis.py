@@ -25,12 +25,14 @@ _FIRST_TILT = 0.1
 # At small e the norm itself would lack the long tail to low speeds.
 _FIRST_TILT_LOW, _LONG_TAIL = -0.05, 0.35
 _LOWEST_LOG = -690.0  # F below e^-690 is 0
+_FAR_OUT = 75.0  # ln g this far below its peak multiplies an error of the unit of speed too much
 _FAR = 15.0  # g below e^-_FAR rtol does not matter to the recursion
 _NEGLIGIBLE = 4.0  # what lies beyond the lowest speeds weighs e^-_NEGLIGIBLE rtol
 # A tilt's noise at the ends of its window, and how much of rtol it may cost a moment (measured).
 _NOISE_LEFT, _NOISE_RIGHT = 1.0, 0.05
 _MOMENT_SHARE = 0.15
 _SPACING = 1.4  # the trapezoid rule needs half the points that resolve the density
+_PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0
 
 
 class SpeedAxis:
@@ -45,7 +47,8 @@ class SpeedAxis:
     Attributes
     ----------
     tilts : those solved so far, upwards
-    scales : what to add to the log of each
+    scales : what to add to the log of each; 0 for the first one solved, the bulk's
+    refined : whether the bulk was solved again, for densities far out
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
@@ -58,6 +61,8 @@ class SpeedAxis:
         self._seams: list[float] = []  # where neighbours meet
         self._disagreements: list[float] = []  # of them there
         self._low: LowSpeeds | None = None
+        self._low_scale = 0.0
+        self.refined = False
         self._unresolved = False  # too few nodes to go on: part of the axis is missing
         self._lost = 0.0  # by moments that reach beyond all that can be solved
         self._sampled: tuple[FloatArray, FloatArray, float] | None = None
@@ -100,7 +105,7 @@ class SpeedAxis:
                 break
         while True:
             if self._low is not None:
-                end = self._low.log_at_bottom + p * self._bottom
+                end = self._log_at_bottom() + p * self._bottom
                 depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
                 if end < self._peak(p) - depth or not self._add_below():
                     break
@@ -155,7 +160,7 @@ class SpeedAxis:
 
     def _log_at_bottom(self) -> float:
         if self._low is not None:
-            return self._low.log_at_bottom
+            return self._low.log_at_bottom + self._low_scale
         return self.tilts[0].landmarks[0] + self.scales[0]
 
     def _join(self, low: Tilt, high: Tilt) -> tuple[float, float, float]:
@@ -163,13 +168,15 @@ class SpeedAxis:
         reach = low.span * low.deviation
         share = reach / (reach + high.span * high.deviation)
         x = low.centre + share * (high.centre - low.centre)
-        around = x + np.array([-0.3, 0.0, 0.3]) * min(low.deviation, high.deviation)
+        # over a period of the highest modes, of which the noise is made
+        around = x + np.linspace(-0.5, 0.5, 5) * (low.grid.spacing + high.grid.spacing)
         with np.errstate(invalid="ignore"):
             gap = low.log_density(around) - high.log_density(around)
         if not np.all(np.isfinite(gap)):
-            return x, float(gap[1]), 1.0
+            return x, float(gap[2]), 1.0
+        inner = gap[1:-1]
         # both have a part in it
-        return x, float(gap.mean()), 0.5 * float(gap.max() - gap.min())
+        return x, float(_PERIOD @ gap), 0.5 * float(inner.max() - inner.min())
 
     def _add_above(self) -> bool:
         """The next tilt up; False where too few nodes were asked for to find it."""
@@ -246,7 +253,35 @@ class SpeedAxis:
         lowest = float(x.min())
         while self._bottom > lowest and self._add_below():
             pass
-        return self._glued(x)
+        out = self._glued(x)
+        if not self.refined and self.requested_nodes is None:
+            bulk = self.tilts[self.scales.index(0.0)]
+            if float(out.min(initial=0.0, where=np.isfinite(out))) < bulk.landmarks[1] - _FAR_OUT:
+                self._refine()
+                return self._glued(x)
+        return out
+
+    def _refine(self) -> None:
+        """The bulk again, with the margin of the others, in its place between them."""
+        i = self.scales.index(0.0)
+        known = self.tilts[i]
+        fine = solve_tilt(self.law, known.theta, self.rtol)
+        self.tilts[i] = fine
+        below = 0.0
+        if i + 1 < len(self.tilts):
+            self._seams[i], gap, _ = self._join(fine, self.tilts[i + 1])
+            above = gap - self.scales[i + 1]
+            self.scales[i + 1 :] = [scale + above for scale in self.scales[i + 1 :]]
+        if i > 0:
+            self._seams[i - 1], gap, _ = self._join(self.tilts[i - 1], fine)
+            below = -gap - self.scales[i - 1]
+            self.scales[:i] = [scale + below for scale in self.scales[:i]]
+        elif self._low is not None:
+            top = np.array([self._low.top])
+            below = float((fine.log_density(top) - known.log_density(top))[0])
+        self._low_scale += below
+        self._sampled = None
+        self.refined = True
 
     def _glued(self, x: FloatArray) -> FloatArray:
         """The same from what is solved."""
@@ -266,7 +301,7 @@ class SpeedAxis:
                 out[mine] = self._below_at_zero(x[mine])
             else:
                 mine &= x >= self._low.bottom
-                out[mine] = self._low.log_density(x[mine])
+                out[mine] = self._low.log_density(x[mine]) + self._low_scale
         return out
 
     def _below_at_zero(self, x: FloatArray) -> FloatArray:

@@ -12,6 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinetics import InputError, ScaledVDF, ScalingSolution, SolverStatus, solve_scaled
+from kinetics.collision import CollisionLaw
+from kinetics.generator import decay_symbol, decay_symbol_on_line
+from kinetics.grid import LogGrid
 
 # issue: h, a2, moments to 1e-12 and F(c) to 1e-9 on this list
 TABLE = [0.0, 1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
@@ -116,6 +119,77 @@ def test_what_is_asked_is_what_comes(e: float, formulas: ModuleType) -> None:
         nodes.append(vdf.nodes)
     assert nodes == sorted(nodes)
     assert nodes[0] < 0.5 * nodes[-1]
+
+
+@pytest.mark.parametrize("e", [0.0, 0.01, 0.2, 0.5, 0.7, 0.95])
+def test_no_more_accurate_than_asked(e: float, formulas: ModuleType) -> None:
+    """h, a2 and moments -2 to 8, the worst of them: within a factor 100 of rtol as a rule."""
+    exact = Exact(e, formulas)
+    ratios = []
+    for k in range(3, 13):
+        vdf = solve_scaled(e, rtol=10.0**-k)
+        ratios.append(exact.worst(vdf) * 10.0**k)
+        assert vdf.status is SolverStatus.CONVERGED
+    assert max(ratios) <= 1.0
+    assert np.median(ratios) >= 0.01
+    assert min(ratios) >= 1e-3
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-11])
+def test_tails_are_as_accurate_as_asked(rtol: float, numbers: Any) -> None:
+    """F relative to itself, wherever it is above 1e-25 of its maximum."""
+    for e, reference in numbers["scaled_density"].items():
+        vdf = solve_scaled(float(e), rtol)
+        found = vdf.vdf(np.array(reference["c"]))
+        np.testing.assert_allclose(found, reference["F"], rtol=rtol, err_msg=f"e = {e}")
+        assert vdf.status is SolverStatus.CONVERGED
+
+
+@pytest.mark.parametrize("e", [0.3, 0.7, 0.95])
+def test_far_out_the_bulk_is_solved_again(e: float) -> None:
+    """At F = 1e-200 an error of the unit of speed is multiplied by 460."""
+    c = 220.0 * ScalingSolution(e).cooling_rate
+    exact = ScalingSolution(e).vdf(c)
+    assert 1e-250 < exact < 1e-150
+    for rtol in (1e-3, 1e-6, 1e-9):
+        vdf = solve_scaled(e, rtol)
+        vdf.vdf(1.0)
+        assert not vdf._axis.refined
+        assert vdf.vdf(c) == pytest.approx(exact, rel=2 * rtol, abs=0.0)
+        assert vdf._axis.refined
+        # the parts still fit together
+        assert vdf.moment(3.0) == pytest.approx(ScalingSolution(e).moment(3.0), rel=rtol)
+
+
+def test_nearly_elastic_rounding_is_owned_up_to() -> None:
+    """At 1 - e = 1e-6 the ring is so narrow that 1e-12 is lost in its tails."""
+    assert solve_scaled(1.0 - 1e-6, 1e-12).status is SolverStatus.TOLERANCE_NOT_REACHED
+    assert solve_scaled(1.0 - 1e-6, 1e-9).status is SolverStatus.CONVERGED
+
+
+@pytest.mark.parametrize("nodes", [50, 51])
+def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
+    grid = LogGrid(-3.0, 6.0 / nodes, nodes)
+    x = np.linspace(-2.9, 2.8, 40)
+
+    def wave(at: np.ndarray) -> np.ndarray:
+        turn = 2.0 * math.pi * (at - grid.start) / 6.0
+        return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(24.0 * turn))
+
+    np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
+    # the convolution matrix multiplies each mode by its symbol
+    symbol = np.exp(-0.1 * grid.wave_numbers) + 0.0j
+    shrunk = np.fft.irfft(symbol * np.fft.rfft(wave(grid.x)), nodes)
+    np.testing.assert_allclose(grid.circulant(symbol) @ wave(grid.x), shrunk, atol=1e-13)
+
+
+@pytest.mark.parametrize("e", [0.0, 1e-3, 0.3, 0.9, 1 - 1e-8])
+@pytest.mark.parametrize("theta", [-0.05, 0.1, 20.0])
+def test_symbol_on_a_line(e: float, theta: float) -> None:
+    law = CollisionLaw(e)
+    k = 0.25 * np.arange(101)
+    found = decay_symbol_on_line(law, theta, k)
+    np.testing.assert_allclose(found, decay_symbol(law, theta - 1j * k), rtol=2e-14)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.9, 0.99])
