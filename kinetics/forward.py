@@ -38,6 +38,11 @@ _STEEP = 1e4
 _MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute of steps
 _MOST_TERMS = 2_000_000  # of a Fourier sum: nodes times points
 _SHARE = 0.005  # of rtol that each part of the error may have
+_FILLED = 1e-3  # of the thermal speed, about: below, the density at e = 0 is a polynomial
+_FILLING = 0.05  # e below which bounces fill low speeds down to e times their own
+_USUAL = 1.5e-3  # share of rtol that g is wrong by where it ends: measured, e from 1e-10 to 0.01
+_BEST = 4e-13  # of f relative to its maximum, where g is right to rounding (measured)
+_READ = 5e-15  # rounding of g, relative to its maximum, where it is divided by a low speed
 _BEST_STEPPED = 1e-10  # what steps reach
 _LEAST_MAXIMUM = 0.3  # of the isotropic density of ln v, at any time: its width is of order 1
 
@@ -51,6 +56,7 @@ class _Collocated:
     shift: FloatArray  # x - ln v, (n_times,)
     end: float  # highest x where something is left
     resolved: float  # share of its maximum down to which g is right
+    filled: float = 0.0  # share of the thermal speed below which f is a parabola (e = 0)
 
     def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
         out = np.zeros(v.shape, dtype=self.values.dtype)
@@ -65,7 +71,32 @@ class _Collocated:
         with np.errstate(under="ignore"):
             fall = np.exp(slope * (x[inside] - at) - (at - shift))
             out[inside] = self._interpolate(i, at) * fall
+            if self.filled:
+                # where the error of g, over v, is small still
+                edge = math.log(self.filled * self._width(i))
+                low = (x < edge) & (v > 0.0)
+                out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
         return out
+
+    def _width(self, i: int) -> float:
+        """Maximum of g over that of g/v, in units of exp(x)."""
+        size = np.abs(self.values[i])
+        return float(size.max() / (size * np.exp(-self.grid.x)).max())
+
+    def _from_above(self, i: int, edge: float, u: FloatArray) -> NDArray[Any]:
+        """g/v at exp(x - edge) = u < 1: the polynomial in v through those at u = 1, 2, 4, 8, 16."""
+        node = 2.0 ** np.arange(5)
+        at = edge + np.log(node)
+        out = np.zeros(u.shape, dtype=self.values.dtype)
+        for k, value in enumerate(self._interpolate(i, at) * np.exp(self.shift[i] - at)):
+            others = np.delete(node, k)
+            out += value * np.prod((u[:, None] - others) / (node[k] - others), axis=1)
+        return out
+
+    def low_error(self, missed: float) -> float:
+        """Of g/v where g ends, relative to the maximum, if g is wrong by that share of its own."""
+        ends = [self._width(i) / math.exp(self._low_end(i)[0]) for i in range(len(self.values))]
+        return missed * max(ends, default=0.0)
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g(t_i) is resolved, and the slope of ln(g/v) there, not below 0."""
@@ -182,22 +213,31 @@ def solve_spectral(
     joined = found.values[:, 0]
     if rows.shape[0] == 2:
         joined = joined + 1j * found.values[:, 1]
+    # what a parabola leaves goes as the cube
+    filled = (
+        min(_FILLED, (0.05 * rtol) ** (1.0 / 3.0)) if m == 0 and law.restitution == 0.0 else 0.0
+    )
     collocated = _Collocated(
         found.grid,
         joined,
         found.moved - log_unit,
         right + found.grid.spacing,
         max(_SHARE * rtol, 3.0 * found.rounding),
+        filled,
     )
     # a harmonic that dies away matters beside the isotropic part
     least = 0.0 if m == 0 else _LEAST_MAXIMUM
     missed = float(np.max(found.highest * found.grid.spacing, initial=_ends(joined, least)))
+    if filled:
+        missed = max(missed, _READ / filled)
+    if m == 0 and 0.0 < law.restitution < _FILLING:
+        missed = max(missed, collocated.low_error(_USUAL * rtol))
     return Profile(
         at=then_scaling(law, collocated, early, shift[early:], rtol),
         count=times.size,
         method="spectral",
         nodes=found.grid.nodes,
-        error_estimate=max(0.1 * rtol, found.rounding, rough, missed),
+        error_estimate=max(0.1 * rtol, _BEST, found.rounding, rough, missed),
     )
 
 

@@ -428,3 +428,22 @@ def test_moments_of_slow_tracers_that_do_not_exist() -> None:
         a, b = density
         expected = a / (p + 1.0) + (b - a) / (p + 2.0)
         assert solution.moment(p)[0] == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("initial", ["gaussian", "tail"])
+@pytest.mark.parametrize("e", [0.0, 1e-10, 1e-4, 0.01])
+def test_densities_of_the_slowest_tracers(e: float, initial: str) -> None:
+    """At e = 0 bounces leave a density at v = 0; for e > 0, down to speeds e times their own.
+
+    Its error there is that of the density of ln v, divided by v.
+    """
+    state = starts(1.0)[initial][0]
+    scene = Scene(restitution=e, initial=state, times=[0.5, 30.0, 1e3], outputs=DENSITY)
+    loose, tight = (solve(scene, rtol=rtol, method="spectral") for rtol in (1e-6, 1e-9))
+    c = np.geomspace(1e-8, 10.0, 2000)
+    for i, v0 in enumerate(tight.thermal_speed):
+        expected = tight.speed_density(c * v0)[i]
+        apart = np.abs(loose.speed_density(c * v0)[i] - expected).max() / expected.max()
+        assert apart <= max(loose.error_estimate, 1e-6)
+    if e == 0.0:
+        assert loose.status is SolverStatus.CONVERGED
