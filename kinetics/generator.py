@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 
 _MANY = 3000  # exponentials
+_LITTLE_LOST = 0.8  # restitution above which 1 - E[s^z] cancels
 
 
 def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
@@ -34,7 +35,7 @@ def decay_symbol_on_line(
     factors: of n exponentials a point 2 sqrt(n) are left, and a product of matrices.
     """
     z = theta - 1j * wave_numbers
-    if law.restitution == 0.0:
+    if law.restitution == 0.0 or law.restitution > _LITTLE_LOST:
         return decay_symbol(law, z)
     q = law.quadrature_for(float(np.abs(z[[0, -1]]).max()))
     if z.size * q.weight.size < _MANY:
@@ -48,7 +49,7 @@ def decay_symbol_on_line(
     far = np.exp(np.multiply.outer(fine * np.arange(coarse), turn))
     power = (far @ near.T).ravel()[: z.size]
     out = 1.0 - power
-    # where it is small, without the cancellation
+    # next to z = 0 it is small
     out[:1] = decay_symbol(law, z[:1])
     return np.asarray(out)
 

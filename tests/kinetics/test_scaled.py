@@ -174,7 +174,7 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
 
     def wave(at: np.ndarray) -> np.ndarray:
         turn = 2.0 * math.pi * (at - grid.start) / 6.0
-        return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(24.0 * turn))
+        return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(((nodes - 1) // 2) * turn))
 
     np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
     # the convolution matrix multiplies each mode by its symbol
@@ -183,11 +183,11 @@ def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
     np.testing.assert_allclose(grid.circulant(symbol) @ wave(grid.x), shrunk, atol=1e-13)
 
 
-@pytest.mark.parametrize("e", [0.0, 1e-3, 0.3, 0.9, 1 - 1e-8])
-@pytest.mark.parametrize("theta", [-0.05, 0.1, 20.0])
+@pytest.mark.parametrize("e", [0.0, 1e-3, 0.3, 0.79, 1 - 1e-8])
+@pytest.mark.parametrize("theta", [-0.05, 1e-6, 20.0])
 def test_symbol_on_a_line(e: float, theta: float) -> None:
     law = CollisionLaw(e)
-    k = 0.25 * np.arange(101)
+    k = 0.25 * np.arange(500)
     found = decay_symbol_on_line(law, theta, k)
     np.testing.assert_allclose(found, decay_symbol(law, theta - 1j * k), rtol=2e-14)
 
