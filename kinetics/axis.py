@@ -58,6 +58,7 @@ class SpeedAxis:
         first = _FIRST_TILT_LOW if law.restitution < _LONG_TAIL else _FIRST_TILT
         self.tilts = [solve_tilt(law, first, rtol, nodes, BULK_MARGIN)]
         self.scales = [0.0]
+        self._bulk = 0  # which of them was the first
         self._seams: list[float] = []  # where neighbours meet
         self._disagreements: list[float] = []  # of them there
         self._low: LowSpeeds | None = None
@@ -215,6 +216,7 @@ class SpeedAxis:
             if not math.isfinite(scale + sum(tilt.landmarks[:2])):
                 self._unresolved = True
                 return False
+            self._bulk += 1
             self.tilts.insert(0, tilt)
             self.scales.insert(0, scale)
             self._seams.insert(0, x)
@@ -255,7 +257,7 @@ class SpeedAxis:
             pass
         out = self._glued(x)
         if not self.refined and self.requested_nodes is None:
-            bulk = self.tilts[self.scales.index(0.0)]
+            bulk = self.tilts[self._bulk]
             if float(out.min(initial=0.0, where=np.isfinite(out))) < bulk.landmarks[1] - _FAR_OUT:
                 self._refine()
                 return self._glued(x)
@@ -263,7 +265,7 @@ class SpeedAxis:
 
     def _refine(self) -> None:
         """The bulk again, with the margin of the others, in its place between them."""
-        i = self.scales.index(0.0)
+        i = self._bulk
         known = self.tilts[i]
         fine = solve_tilt(self.law, known.theta, self.rtol)
         self.tilts[i] = fine
