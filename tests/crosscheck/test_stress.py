@@ -305,8 +305,31 @@ def test_report_counts_verdicts_and_lists_what_must_not_be(monkeypatch):
 def test_groups_are_checked(monkeypatch):
     made_up(monkeypatch)
     assert len(run_stress(groups=["others"]).cases) == 1
-    with pytest.raises(InputError, match="'other'; known are limits, others"):
+    with pytest.raises(InputError, match="'other'; known are 'limits', 'others'"):
         run_stress(groups=["other"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["--group", "nonsense"], "groups"),
+        (["--output", "{file}"], "output"),
+        (["--bogus"], "--bogus"),
+        (["extra"], "extra"),
+        (["--group"], "--group"),
+    ],
+)
+def test_wrong_arguments_end_in_one_line_and_status_two(capsys, tmp_path, arguments, name):
+    from kinetics import cli
+
+    (tmp_path / "file").write_text("")
+    given = [a.format(file=tmp_path / "file") for a in arguments]
+    assert cli.main(["stress", "--quick", *given]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("lorentz: ")
+    assert captured.err.count("\n") == 1
+    assert name in captured.err
 
 
 def test_command_ends_with_status_one_if_a_case_must_not_be(monkeypatch, tmp_path):

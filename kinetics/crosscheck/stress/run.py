@@ -59,7 +59,7 @@ def run_stress(
     if groups is not None:
         wanted, known = set(groups), dict.fromkeys(case.group for case in chosen)
         for group in sorted(wanted - set(known)):
-            raise InputError(f"groups: got {group!r}; known are {', '.join(known)}")
+            raise InputError(f"groups: got {group!r}; known are {', '.join(map(repr, known))}")
         chosen = [case for case in chosen if case.group in wanted]
     begin, processor = time.perf_counter(), time.process_time()
     _compile()
