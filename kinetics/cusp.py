@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-TERMS = 7
+TERMS = 8
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,13 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
         return PowerTail(np.zeros(0), scale), np.inf
-    # the misses of one number of terms may happen to vanish
+    # what one number of terms misses may happen to vanish
     missed = [
         float(np.abs(_fit(k[below], f[below], scale, terms).at(k) - f).max())
-        for terms in (TERMS - 1, TERMS)
+        for terms in (TERMS - 2, TERMS - 1, TERMS)
     ]
-    return _fit(k, f, scale, TERMS), max(missed)
+    left = math.sqrt(max(missed[:2])) * math.sqrt(max(missed[1:]))
+    return _fit(k, f, scale, TERMS), left
 
 
 def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:

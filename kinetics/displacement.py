@@ -32,7 +32,7 @@ FloatArray = NDArray[np.float64]
 
 # F that does not end before is solved for up to this K or K T: of peaks, and of densities
 _LARGEST = 8.0
-_TURNS = 30.0
+_TURNS = 60.0
 _FEW = 0.01  # share of rtol that tracers may be that are left out
 _FAR = 50.0  # R beyond which G is nothing
 _PIECES = 200  # on which the uncollided are integrated
@@ -41,7 +41,7 @@ _BEST = 3e-12  # of F at small K
 _CHEAPER = 1e-4  # accuracy of F at small K in units of that of G: it costs little
 _POWERS = 2.2  # K, in units of where they begin, from which the powers of 1/K are looked for
 _STEP = 1.25  # from one interval to the next, at least
-_FALL = 1.0 / 3.0  # what powers of 1/K miss falls as K^-3 at least, measured
+_FALL = 0.25  # what powers of 1/K miss falls as K^-4 at least, measured
 _CHEAP = 2.0  # K up to which that is
 
 
