@@ -25,7 +25,9 @@ _FIRST_TILT = 0.1
 # At small e the norm itself would lack the long tail to low speeds.
 _FIRST_TILT_LOW, _LONG_TAIL = -0.05, 0.35
 _LOWEST_LOG = -690.0  # F below e^-690 is 0
-_FAR_OUT = 75.0  # ln g this far below its peak multiplies an error of the unit of speed too much
+# ln g this far below its peak, above and below the bulk, falls so steeply that an error of the
+# unit of speed counts too much.
+_FAR_ABOVE, _FAR_BELOW = 75.0, 150.0
 _FAR = 15.0  # g below e^-_FAR rtol does not matter to the recursion
 _NEGLIGIBLE = 4.0  # what lies beyond the lowest speeds weighs e^-_NEGLIGIBLE rtol
 # A tilt's noise at the ends of its window, and how much of rtol it may cost a moment (measured).
@@ -49,6 +51,7 @@ class SpeedAxis:
     tilts : those solved so far, upwards
     scales : what to add to the log of each; 0 for the first one solved, the bulk's
     refined : whether the bulk was solved again, for densities far out
+    unresolved : whether there were too few nodes to go on: part of the axis is missing
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
@@ -64,7 +67,7 @@ class SpeedAxis:
         self._low: LowSpeeds | None = None
         self._low_scale = 0.0
         self.refined = False
-        self._unresolved = False  # too few nodes to go on: part of the axis is missing
+        self.unresolved = False
         self._lost = 0.0  # by moments that reach beyond all that can be solved
         self._sampled: tuple[FloatArray, FloatArray, float] | None = None
 
@@ -72,7 +75,7 @@ class SpeedAxis:
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far."""
         estimates = [t.error for t in self.tilts]
-        return max(*estimates, *self._disagreements, self._lost, 1.0 if self._unresolved else 0.0)
+        return max(*estimates, *self._disagreements, self._lost, 1.0 if self.unresolved else 0.0)
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -90,7 +93,7 @@ class SpeedAxis:
         terms = p * x + log_g
         largest = float(terms.max())
         if not math.isfinite(largest):
-            self._unresolved = True
+            self.unresolved = True
             return 0.0
         return largest + math.log(float(np.exp(terms - largest).sum()) * spacing)
 
@@ -146,7 +149,7 @@ class SpeedAxis:
                 bottom = self.tilts[0].bottom
             top = float(self.tilts[-1].grid.x[-1])  # beyond, the window begins again
             if not top > bottom:  # too few nodes
-                self._unresolved = True
+                self.unresolved = True
                 top = bottom + 1.0
             spacing = _SPACING * min(t.grid.spacing for t in self.tilts)
             x = np.linspace(bottom, top, math.ceil((top - bottom) / spacing) + 1)
@@ -194,7 +197,7 @@ class SpeedAxis:
                 self._disagreements.append(spread)
                 self._sampled = None
                 return True
-        self._unresolved = True
+        self.unresolved = True
         return False
 
     def _add_below(self) -> bool:
@@ -214,7 +217,7 @@ class SpeedAxis:
             x, gap, spread = self._join(tilt, known)
             scale = self.scales[0] - gap
             if not math.isfinite(scale + sum(tilt.landmarks[:2])):
-                self._unresolved = True
+                self.unresolved = True
                 return False
             self._bulk += 1
             self.tilts.insert(0, tilt)
@@ -242,7 +245,7 @@ class SpeedAxis:
         above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
         out = out - above / self.law.mean_log_loss
         if not np.all(np.isfinite(out)):
-            self._unresolved = True
+            self.unresolved = True
         return np.asarray(
             np.nan_to_num(out, nan=_LOWEST_LOG, posinf=_LOWEST_LOG, neginf=_LOWEST_LOG)
         )
@@ -258,7 +261,8 @@ class SpeedAxis:
         out = self._glued(x)
         if not self.refined and self.requested_nodes is None:
             bulk = self.tilts[self._bulk]
-            if float(out.min(initial=0.0, where=np.isfinite(out))) < bulk.landmarks[1] - _FAR_OUT:
+            drop = np.where(np.isfinite(out), bulk.landmarks[1] - out, 0.0)
+            if np.any(drop > np.where(x > bulk.centre, _FAR_ABOVE, _FAR_BELOW)):
                 self._refine()
                 return self._glued(x)
         return out
