@@ -278,6 +278,14 @@ def test_a_slow_stretch_is_in_the_spread_of_all_rows_and_decides_none():
         assert found.cpu.high == pytest.approx(0.02)
 
 
+def test_work_that_takes_too_long_is_not_repeated():
+    machine = Machine({"a": 1e-3, "b": 40.0})
+    found = machine.measure(timing.Effort(quick=True, least=2, most=2, seconds=0.0))
+    assert found["a"].repeats == 2
+    assert str(found["b"]) == "its first call took 40 s: not repeated"
+    assert machine.calls.count("b") == 1
+
+
 def test_an_exception_ends_one_work_and_not_the_others():
     def fails_later():
         machine.now += 0.1

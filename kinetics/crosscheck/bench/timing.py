@@ -64,6 +64,7 @@ FULL = Effort(quick=False, least=5, most=25, seconds=0.12)
 
 
 LONG = 1.0  # s; longer work is timed once
+TOO_LONG = 30.0  # s; longer work is not timed at all, for the sake of the others
 
 Clock = Callable[[], float]
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
@@ -129,7 +130,7 @@ def measure_together(
     Each is called once, which may compile and is never a time; then once more, which says how
     often it has to be repeated; then the repeats of all are spread evenly over the whole, so that
     a slow stretch of the machine is in the spread of every row, and decides none. Work that takes
-    more than a second is timed once.
+    more than a second is timed once; more than half a minute, it is a failure.
 
     keep(name, result) gets the result of every call, outside the time. least: repeats of some of
     the works, where not those of the effort. gauge: repeated like the works; `Timing.yardstick`.
@@ -156,8 +157,12 @@ def measure_together(
                 found[name].add(*took)
 
     for name in all_works:
-        if (took := call(name)) is not None:
-            found[name] = _Repeats(took[0])
+        if (took := call(name)) is None:
+            continue
+        if min(took) > TOO_LONG:
+            failures[name] = TimeoutError(f"its first call took {took[1]:.0f} s: not repeated")
+            continue
+        found[name] = _Repeats(took[0])
     repeat(list(found))
     some: Mapping[Any, int] = {_GAUGE: _GAUGE_REPEATS, **(least or {})}
     counts = {k: r.wanted(effort, some.get(k, effort.least)) for k, r in found.items()}
