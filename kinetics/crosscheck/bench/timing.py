@@ -64,7 +64,7 @@ FULL = Effort(quick=False, least=5, most=25, seconds=0.12)
 
 
 LONG = 1.0  # s; longer work is timed once
-TOO_LONG = 30.0  # s; longer work is not timed at all, for the sake of the others
+TOO_LONG = 60.0  # s; longer work is not timed at all, for the sake of the others
 
 Clock = Callable[[], float]
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
@@ -130,7 +130,7 @@ def measure_together(
     Each is called once, which may compile and is never a time; then once more, which says how
     often it has to be repeated; then the repeats of all are spread evenly over the whole, so that
     a slow stretch of the machine is in the spread of every row, and decides none. Work that takes
-    more than a second is timed once; more than half a minute, it is a failure.
+    more than a second is timed once; more than a minute, it is a failure.
 
     keep(name, result) gets the result of every call, outside the time. least: repeats of some of
     the works, where not those of the effort. gauge: repeated like the works; `Timing.yardstick`.
