@@ -107,6 +107,8 @@ class _Axis:
         self.first = 0  # nodes above it are empty
         self._transformed: tuple[int, NDArray[Any]] | None = None  # the kernel, and its length
         self.total = float(np.abs(mass).sum())
+        # masses of harmonics m > 0 may have any sign
+        self.positive = bool(kernel.min() >= 0.0 and not np.iscomplexobj(mass) and mass.min() >= 0)
 
     def advance(self, duration: float) -> None:
         """By this many l/U."""
@@ -152,7 +154,8 @@ class _Axis:
     def _arriving(self, moving: NDArray[Any]) -> NDArray[Any]:
         """Bounces of the moving masses, past the axis's end; by transforms where that is shorter.
 
-        They leave a rounding of the largest mass everywhere.
+        They leave a rounding of the largest mass everywhere: what is above all that can have come
+        from faster tracers is cut off, or the axis's empty top would never stay empty.
         """
         full = moving.size + self.kernel.size - 1
         if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
@@ -164,8 +167,11 @@ class _Axis:
             self._transformed = size, np.fft.rfft(self.kernel, size)
         size, kernel = self._transformed
         found = np.fft.irfft(np.fft.rfft(moving, size) * kernel, size)[:full]
-        # rounding is cut off where it is below 0
-        return np.maximum(found, 0.0)
+        most = np.full(full, float(np.abs(self.kernel).max()))
+        above = np.cumsum(np.abs(moving))
+        most[: moving.size] *= above
+        most[moving.size :] *= above[-1]
+        return np.clip(found, 0.0 if self.positive else -most, most)
 
 
 def solve_conservative(
