@@ -34,9 +34,10 @@ class Rates:
 
     @cache  # noqa: B019 - there is one object
     def per_second(self, name: str) -> float:
-        """Of "divisions", "multiply-adds", "exponentials", "solves of n" ..."""
+        """Of "divisions", "multiply-adds", "exponentials", "solves of 12" (unknowns), ..."""
         kind, _, size = name.partition(" of ")
-        return float(getattr(self, "_" + kind.replace(" ", "_").replace("-", "_"))(size))
+        kind = kind.lower().replace(" ", "_").replace("-", "_")
+        return float(getattr(self, "_" + kind)(size))
 
     def _divisions(self, _: str) -> float:
         a, out = np.linspace(1.0, 2.0, _SIDE * 16).reshape(_SIDE, 16), np.empty((_SIDE, 16))
@@ -51,6 +52,33 @@ class Rates:
     def _exponentials(self, _: str) -> float:
         a, out = np.linspace(-1.0, 1.0, 16 * _SIDE), np.empty(16 * _SIDE)
         return _best(lambda: np.exp(a, out=out), a.size)
+
+    def _sines(self, _: str) -> float:
+        a, out = np.linspace(0.0, 20.0, 16 * _SIDE), np.empty(16 * _SIDE)
+        return _best(lambda: np.sin(a, out=out), a.size)
+
+    def _products(self, _: str) -> float:
+        a = np.linspace(0.5, 2.0, 16 * _SIDE)
+        out = np.empty_like(a)
+        return _best(lambda: np.multiply(a, a, out=out), a.size)
+
+    def _bessel_functions(self, _: str) -> float:
+        from scipy.special import j0
+
+        a = np.linspace(0.0, 100.0, 4 * _SIDE)
+        return _best(lambda: j0(a), a.size)
+
+    def _transforms(self, size: str) -> float:
+        """Real ones of so many numbers, forty together."""
+        a = np.ones((40, int(size)))
+        return _best(lambda: np.fft.rfft(a), 40)
+
+    def _solves(self, size: str) -> float:
+        """Of dense systems of so many unknowns and one right-hand side more, twenty together."""
+        n = int(size)
+        matrix = np.linspace(0.0, 1.0, 20 * n * n).reshape(20, n, n) + n * np.eye(n)
+        right = np.ones((20, n, n + 1))
+        return _best(lambda: np.linalg.solve(matrix, right), 20)
 
     def _bytes_copied(self, _: str) -> float:
         a, out = np.ones(4 * _SIDE**2), np.empty(4 * _SIDE**2)
