@@ -54,7 +54,8 @@ def solve(
     ----------
     scene : system, initial state, times and outputs
     rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics), and of
-        the densities relative to their maximum; 1e-14 to 0.1. The scaled position density G(R) is
+        the densities relative to their maximum, for speeds above 1e-2 of the thermal one; below it
+        is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
         solved to max(rtol, 1e-8), absolute
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
         positivity exact, second order, for rough ones), or None for the solver's choice. Averages
@@ -243,7 +244,10 @@ def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
 def _collisions(averages: Averages) -> FloatArray:
     if averages.elastic:
         speed = np.exp(averages.log_reference) * averages.power(1.0)
-        return np.asarray(speed * averages.times / averages.mean_free_path)
+        # speed times time, or over length, may leave the range of doubles when all three do not
+        root = np.sqrt(averages.times) / math.sqrt(averages.mean_free_path)
+        with np.errstate(over="ignore", under="ignore"):
+            return np.asarray(speed * root * root)
     return averages.average(MEAN_COLLISIONS)
 
 

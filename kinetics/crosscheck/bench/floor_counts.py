@@ -52,3 +52,46 @@ def flights(ensemble: Any) -> Counts:
         ("cells of eight scatterers searched", total * searched, "cells searched"),
         ("bounces", total, "bounces"),
     ]
+
+
+def densities(solution: Any, turned: bool = False) -> Counts:
+    """Of spectral densities: the gain of each harmonic, and its transforms at every time.
+
+    turned : whether the axis is turned into the plane, where a field is complex
+    """
+    from kinetics import CollisionLaw
+
+    law = CollisionLaw(solution.scene.restitution)
+    products = exponentials = multiply_adds = 0.0
+    transforms: Counts = []
+    for m, profile in solution._profiles.items():
+        grid = profile.at.early.grid
+        modes, highest = grid.nodes // 2 + 1, math.pi / grid.spacing
+        points = law.quadrature_for(highest, m).weight.size
+        # the average over the impact parameter: phases, each the product of two that are known,
+        # and a matrix product with 38 columns
+        products += 4.0 * modes * points
+        multiply_adds += 2.0 * modes * points * 38
+        kinds = 2.0 if turned else 1.0
+        fields = (2.0 if m == 0 else 1.0) * kinds
+        size = grid.nodes * solution.times.size
+        transforms.append(
+            ("to the wave numbers and back", solution.times.size * (kinds + fields),
+             f"transforms of {grid.nodes}")
+        )  # fmt: skip
+        exponentials += kinds * size
+        products += 3.0 * (fields + 1.0) * size
+    return [
+        ("averages of the gain", multiply_adds, "multiply-adds"),
+        ("decay at every time", exponentials, "exponentials"),
+        ("phases of the gain, fields at every time", products, "products"),
+        *_together(transforms),
+    ]
+
+
+def _together(counts: Counts) -> Counts:
+    """Entries of one kind summed."""
+    found: dict[tuple[str, str], float] = {}
+    for what, number, rate in counts:
+        found[what, rate] = found.get((what, rate), 0.0) + number
+    return [(what, number, rate) for (what, rate), number in found.items()]

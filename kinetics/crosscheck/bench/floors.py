@@ -93,7 +93,7 @@ def profile(work: Callable[[], Any]) -> list[tuple[str, float]]:
 
 def pieces(effort: Effort) -> Iterator[Piece]:
     """The five slowest kinds of work, each at a size where it is slow."""
-    from kinetics import Scene, solve
+    from kinetics import Gaussian, Scene, solve
     from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
 
     def scene(e: float, times: Any, *outputs: str, **others: Any) -> Any:
@@ -109,6 +109,21 @@ def pieces(effort: Effort) -> Iterator[Piece]:
     )
     if effort.quick:
         return
+    harmonics = scene(0.7, [10.0, 100.0], "velocity_density", initial=Gaussian(2.0, 1.0),
+                      harmonics=32)  # fmt: skip
+    yield Piece(
+        "velocity density, 17 harmonics, e = 0.7",
+        SPECTRAL,
+        lambda: solve(harmonics, 1e-8),
+        floor_counts.densities,
+    )
+    density = scene(0.99, np.geomspace(1.0, 1e4, 256), "speed_density")
+    yield Piece(
+        "speed density at 256 times, e = 0.99",
+        SPECTRAL,
+        lambda: solve(density, 1e-8),
+        lambda solution: floor_counts.densities(solution, turned=True),
+    )
     yield Piece(
         "2 million collisions among 10 000 hard disks",
         "particles",

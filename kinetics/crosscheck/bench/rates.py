@@ -53,10 +53,6 @@ class Rates:
         a, out = np.linspace(-1.0, 1.0, 16 * _SIDE), np.empty(16 * _SIDE)
         return _best(lambda: np.exp(a, out=out), a.size)
 
-    def _sines(self, _: str) -> float:
-        a, out = np.linspace(0.0, 20.0, 16 * _SIDE), np.empty(16 * _SIDE)
-        return _best(lambda: np.sin(a, out=out), a.size)
-
     def _products(self, _: str) -> float:
         a = np.linspace(0.5, 2.0, 16 * _SIDE)
         out = np.empty_like(a)
