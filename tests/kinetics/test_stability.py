@@ -447,3 +447,17 @@ def test_densities_of_the_slowest_tracers(e: float, initial: str) -> None:
         assert apart <= max(loose.error_estimate, 1e-6)
     if e == 0.0:
         assert loose.status is SolverStatus.CONVERGED
+
+
+@pytest.mark.parametrize("size", [1e-150, 1e150])
+def test_elastic_collisions_of_extreme_sizes(size: float) -> None:
+    """v t/l, whatever the sizes of v, t and l apart."""
+    scene = Scene(
+        restitution=1.0,
+        number_density=0.5 / size,
+        initial=Monoenergetic(size),
+        times=[0.0, 1e-250, 1e-3, 1e250],
+        outputs=("collisions",),
+    )
+    found = solve(scene, rtol=1e-10).collisions
+    assert np.allclose(found, scene.times, rtol=1e-12, atol=0.0)
