@@ -150,7 +150,7 @@ class Gaussian(State):
         wide, factor = self._wide, self._factor(m)
 
         def value(v: FloatArray) -> NDArray[Any]:
-            u = np.minimum(v / wide, 100.0)  # beyond, nothing is left
+            u = np.minimum(v, 100.0 * wide) / wide  # beyond, nothing is left
             with np.errstate(under="ignore"):
                 f = u / wide * np.exp(-0.5 * u * u)
             return f if factor is None else np.asarray(f * factor(u))
