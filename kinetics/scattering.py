@@ -11,8 +11,9 @@ and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real
     da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
 
 On panels in X = ln T, as in :mod:`kinetics.backward`, each panel is a block-tridiagonal system in
-m, solved downwards from the highest harmonic for all wave numbers at once. a_0 is the mean over
-the directions: all that an isotropic start, or a radial density, needs.
+m, solved from both ends to the middle for all wave numbers at once, with as many harmonics as
+count on that panel. a_0 is the mean over the directions: all that an isotropic start, or a radial
+density, needs.
 """
 
 from __future__ import annotations
@@ -101,7 +102,7 @@ def solve_waves(
 
     Parameters
     ----------
-    tolerance : absolute, of a_0
+    tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     """
     largest = float(wave_numbers.max())
