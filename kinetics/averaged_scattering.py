@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from kinetics.barycentric import interpolation_rows
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
+from kinetics.errors import InputError, warn_missed
 from kinetics.evolve import Averages
 from kinetics.initial import Profile, State
 from kinetics.measure import LogMeasure, panels
@@ -87,12 +88,14 @@ class Scattering:
     law, mean_free_path : of the medium, l in d
     state : the start
     times : in d/U, shape (n_times,)
+    systems : how many systems of so many equations have been solved, by their size
     """
 
     law: CollisionLaw
     mean_free_path: float
     state: State
     times: FloatArray
+    systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
 
     def log_stretch(self, which: Indices) -> FloatArray:
         """ln(t/l) of some of the times."""
@@ -105,7 +108,9 @@ class Scattering:
         """What the backward equation gives for K = k l, up to the largest T of the times."""
         speeds = points_of(self.state, 1.0, tolerance)
         highest = float(speeds.x.max() + self.log_stretch(which).max())
-        return solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
+        found = solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
+        self.systems[found.rule.nodes - 1] += found.systems
+        return found
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
@@ -193,7 +198,10 @@ def _collided(waves: Waves, x: FloatArray) -> FloatArray:
 def scattering_function(
     averages: Averages, wave_numbers: FloatArray, direction: float | None
 ) -> NDArray[Any]:
-    """F (n_times, n_k) at wave numbers in 1/d (n_k,); InputError where they are too large."""
+    """F (n_times, n_k) at wave numbers in 1/d (n_k,); InputError where they are too large.
+
+    Warns (ToleranceWarning) where the error estimate exceeds max(rtol, 1e-12).
+    """
     path, times = averages.mean_free_path, averages.times
     scaled = wave_numbers * path
     typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
@@ -208,20 +216,27 @@ def scattering_function(
     late = times > 0.0
     system = Scattering(averages.law, path, averages.state, times[late])
     left = (scaled > 0.0) & bool(late.any())
+    tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():
         # those within a factor of two share their panels
         largest = float(scaled[left].max())
         group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
-        found = _through_points(system, scaled[group], direction, max(averages.rtol, _BEST))
+        found, error = _through_points(system, scaled[group], direction, tolerance)
+        worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group
+    if worst > tolerance:
+        warn_missed("F(k, t)", worst, tolerance)
     return out
 
 
 def _through_points(
     system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
-) -> NDArray[Any]:
-    """F (n_times, n_k), by a polynomial where the wave numbers are many more than it needs."""
+) -> tuple[NDArray[Any], float]:
+    """F (n_times, n_k) and its error.
+
+    By a polynomial where the wave numbers are many more than it needs.
+    """
     low, high = float(wave_numbers.min()), float(wave_numbers.max())
     nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)
     if system.state.peaks is not None:
@@ -231,9 +246,10 @@ def _through_points(
         nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
     if wave_numbers.size > 1.5 * nodes:
         local, weights = chebyshev_points(math.ceil(nodes))
-        trial, _ = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
-        if last_coefficients(trial) < 0.5 * tolerance:
+        trial, error = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
+        left_out = last_coefficients(trial)
+        if left_out < 0.5 * tolerance:
             places = (wave_numbers - low) / (high - low)
-            return np.asarray(trial @ interpolation_rows(places[:, None] - local, weights).T)
-    found, _ = system.whole(wave_numbers, direction, tolerance)
-    return found
+            rows = interpolation_rows(places[:, None] - local, weights)
+            return np.asarray(trial @ rows.T), error + float(left_out)
+    return system.whole(wave_numbers, direction, tolerance)

@@ -35,7 +35,7 @@ _STEEP = 5.0  # U above which exponentials of U are taken apart
 _LARGEST_TURN = 1e7
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(points)

@@ -63,6 +63,7 @@ class Displacement:
         shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
+    systems : how many systems of so many equations were solved, by their size
     """
 
     mean_free_path: float
@@ -76,6 +77,7 @@ class Displacement:
     front_weight: FloatArray
     reach: FloatArray
     error_estimate: float
+    systems: dict[int, int]
 
     @property
     def wave_numbers(self) -> int:
@@ -234,6 +236,7 @@ def solve_displacement(
         weight,
         np.minimum(reach(state, times, 0.1 * rtol), _FAR * root_mean_square),
         float(missed.max(initial=0.0)),
+        dict(system.systems),
     )
 
 

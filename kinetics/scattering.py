@@ -53,6 +53,7 @@ class Waves:
     coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
     ended : whether everything was below the tolerance at the last panel: 0 from there on
     error_estimate : absolute, of a_0 and of those kept
+    systems : how many systems of rule.nodes - 1 equations were solved
     """
 
     wave_numbers: FloatArray
@@ -62,6 +63,7 @@ class Waves:
     coefficients: FloatArray
     ended: bool
     error_estimate: float
+    systems: int
 
     def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
         """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
@@ -194,7 +196,7 @@ def _sweep(
     # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
     closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
     done, ended = count, False
-    used, left_out = 0, 0.0
+    used, left_out, systems = 0, 0.0, 0
     # what comes back to m = 0 is the square at most; others are wanted as they are
     rising = 0.1 * tolerance if kept else tolerance**_RISING
     for j in range(count):
@@ -210,6 +212,7 @@ def _sweep(
         found = _panel(
             rule, loss[: used + 1], rate, drive, known[: used + 1], wave_numbers, closure
         )
+        systems += (used + 1) * size
         table[reach + j, : used + 1] = found
         known = table[reach + j, :, -1]
         # what the highest harmonic misses goes back to m = 0 as weakened as it came
@@ -232,6 +235,7 @@ def _sweep(
         series[:, : kept + 1].copy(),
         ended,
         chebyshev + left_out,
+        systems,
     )
 
 

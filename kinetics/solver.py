@@ -379,4 +379,6 @@ def _stats(
     if displacement is not None:
         stats["wave_numbers"] = displacement.wave_numbers
         stats["position_density_error"] = displacement.error_estimate
+        # how many systems of so many equations were solved for F(k)
+        stats["systems"] = {str(size): count for size, count in displacement.systems.items()}
     return stats

@@ -35,6 +35,27 @@ def test_counts_of_averages() -> None:
     assert sums == 3 * weights
 
 
+def test_counts_of_waves_are_the_systems_that_were_solved() -> None:
+    from kinetics import Scene, solve
+
+    solution = solve(Scene(0.7, times=[200.0], outputs=("position_density",)), 1e-2)
+    counts = floor_counts.waves(solution)
+    # at least one harmonic in one panel for each wave number
+    assert sum(number for _, number, _ in counts) > solution.stats["wave_numbers"]
+    assert all(rate == f"solves of {int(rate.split()[-1])}" for _, _, rate in counts)
+
+
+def test_counts_of_densities_grow_with_the_times() -> None:
+    from kinetics import Scene, solve
+
+    totals = []
+    for times in ([10.0], [10.0, 20.0, 40.0]):
+        solution = solve(Scene(0.7, times=times, outputs=("speed_density",)), 1e-6)
+        counts = {what: number for what, number, _ in floor_counts.densities(solution)}
+        totals.append(counts["decay at every time"] / solution.stats["density_nodes_m0"])
+    assert totals == [1.0, 3.0]
+
+
 def test_counts_of_flights_are_those_of_a_traced_flight() -> None:
     # cells that a straight path crosses: 1 + (|dx| + |dy|)/side on average, and the mean of
     # |cos| + |sin| over directions is 4/pi; free paths of points among disks of radius 1

@@ -54,6 +54,14 @@ def flights(ensemble: Any) -> Counts:
     ]
 
 
+def waves(solution: Any) -> Counts:
+    """Of a position density: the block systems of F(k), each with one right-hand side a column."""
+    return [
+        ("blocks of two harmonics at one k", float(count), f"solves of {size}")
+        for size, count in sorted(solution.stats["systems"].items(), key=lambda item: int(item[0]))
+    ]
+
+
 def densities(solution: Any, turned: bool = False) -> Counts:
     """Of spectral densities: the gain of each harmonic, and its transforms at every time.
 

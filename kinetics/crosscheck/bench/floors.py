@@ -109,6 +109,14 @@ def pieces(effort: Effort) -> Iterator[Piece]:
     )
     if effort.quick:
         return
+    for t, late in ((300.0, "t = 300"), (1.0, "t = 1, before most collide")):
+        distribution = scene(0.6, [t], "position_density")
+        yield Piece(
+            f"G(R), e = 0.6, {late}",
+            SPECTRAL,
+            lambda distribution=distribution: solve(distribution, 1e-5),  # type: ignore[misc]
+            floor_counts.waves,
+        )
     harmonics = scene(0.7, [10.0, 100.0], "velocity_density", initial=Gaussian(2.0, 1.0),
                       harmonics=32)  # fmt: skip
     yield Piece(
@@ -140,9 +148,14 @@ def lines(records: Iterable[Record]) -> Iterator[str]:
         if row.section != SECTION or row.status != MEASURED:
             continue
         spent = ", ".join(f"{name} {share:.0%}" for name, share in row.extra["profile"])
+        kinds: dict[tuple[str, str], tuple[float, float]] = {}
+        for part in row.extra["counted"]:
+            kind = part["what"], part["rate"].partition(" of ")[0]
+            number, seconds = kinds.get(kind, (0.0, 0.0))
+            kinds[kind] = number + part["number"], seconds + part["seconds"]
         counted = "; ".join(
-            f"{part['number']:.2g} {part['rate']} ({part['what']}): {seconds_text(part['seconds'])}"
-            for part in row.extra["counted"]
+            f"{number:.2g} {rate} ({what}): {seconds_text(seconds)}"
+            for (what, rate), (number, seconds) in kinds.items()
         )
         rows.append(
             [
