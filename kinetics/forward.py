@@ -44,6 +44,8 @@ _USUAL = 1.5e-3  # share of rtol that g is wrong by where it ends: measured, e f
 _BEST = 4e-13  # of f relative to its maximum, where g is right to rounding (measured)
 _READ = 5e-15  # rounding of g, relative to its maximum, where it is divided by a low speed
 _BEST_STEPPED = 1e-10  # what steps reach
+_SEEN = 1e-6  # share of the maximum of g down to which two solutions are compared,
+_SAMPLES = 200  # at so many speeds or a few more
 _LEAST_MAXIMUM = 0.3  # of the isotropic density of ln v, at any time: its width is of order 1
 
 
@@ -174,8 +176,12 @@ def solve_spectral(
     times: FloatArray,
     rtol: float,
     nodes: int | None = None,
+    checked: bool = True,
 ) -> Profile | None:
-    """Harmonic m at the times, e < 1; None where the state is too rough for this method."""
+    """Harmonic m at the times, e < 1; None where the state is too rough for this method.
+
+    Nodes that are given may be too few: unless told not to, what twice as many give is the check.
+    """
     start = state.harmonic(0, 1e-3 * rtol)
     profile = state.profile(m)
     if start is None or profile is None:
@@ -232,6 +238,15 @@ def solve_spectral(
         missed = max(missed, _READ / filled)
     if m == 0 and 0.0 < law.restitution < _FILLING:
         missed = max(missed, collocated.low_error(_USUAL * rtol))
+    if nodes is not None and checked and early:
+        others = 2 * nodes if 2 * nodes <= _MOST_NODES else nodes // 2
+        again = (law, mean_free_path, state, m, times[:early], rtol)
+        try:
+            other = solve_spectral(*again, others, checked=False)
+        except InputError:  # too much work
+            other = solve_spectral(*again, nodes // 2, checked=False)
+        assert other is not None
+        missed = max(missed, _apart(collocated, other))
     return Profile(
         at=then_scaling(law, collocated, early, shift[early:], rtol),
         count=times.size,
@@ -239,6 +254,20 @@ def solve_spectral(
         nodes=found.grid.nodes,
         error_estimate=max(0.1 * rtol, _BEST, found.rounding, rough, missed),
     )
+
+
+def _apart(found: _Collocated, other: Profile) -> float:
+    """The largest difference of two solutions where there is anything, relative to the maximum."""
+    worst = 0.0
+    for i, values in enumerate(found.values):
+        size = np.abs(values)
+        there = np.nonzero(size > _SEEN * size.max())[0]
+        x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
+        v = np.exp(x - found.shift[i])
+        first, second = found(i, v), other.at(i, v)
+        top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
+        worst = max(worst, float(np.abs(first - second).max(initial=0.0)) / top)
+    return worst
 
 
 @dataclass(frozen=True)
@@ -274,7 +303,8 @@ def _at_once(
     The window is that of g and more: u reaches further down, as v, and further up, as
     exp(-v t/l).
     """
-    kept = resolved(np.fft.rfft(rows)) / grid.nodes * 2.0 * math.pi / grid.spacing
+    modes = np.fft.rfft(rows)
+    kept = resolved(modes) / grid.nodes * 2.0 * math.pi / grid.spacing
     spacing = grid.spacing
     turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
     while turn.error > 0.3 * rtol and nodes is None:
@@ -283,6 +313,14 @@ def _at_once(
         if other.error > 0.3 * turn.error:
             break
         turn, spacing = other, 0.6 * spacing
+    # more modes than these are left empty: dividing by their gain would raise the rounding
+    highest = math.pi / spacing
+    size = np.abs(modes).max(axis=0)
+    least = float(grid.wave_numbers[np.nonzero(size > _SHARE * rtol * size.max())[0][-1]])
+    while turn.error > 0.3 * rtol and nodes is not None and 0.8 * highest > least:
+        highest *= 0.8
+        other = choose_turn(law, min(kept, highest), highest, m, rtol, math.pi / spacing)
+        turn = min(turn, other, key=lambda t: t.error)
     if turn.error > max(0.3 * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
@@ -296,9 +334,9 @@ def _at_once(
     else:
         wide = LogGrid(left, (right - left) / grid.nodes, grid.nodes)
     gain = log_gain(law, wide.wave_numbers, m)
-    hidden = intertwine(wide, at_nodes(wide), gain, turn.angle, m)
-    moved, values, highest = hidden.at(tau)
-    return _Found(wide, values, moved * wide.spacing, highest, turn.error)
+    hidden = intertwine(wide, at_nodes(wide), gain, turn, m)
+    moved, values, last = hidden.at(tau)
+    return _Found(wide, values, moved * wide.spacing, last, turn.error)
 
 
 def _good_count(least: int) -> int:

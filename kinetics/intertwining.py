@@ -47,30 +47,41 @@ class Turn:
     angle : 0 to pi/2; 0 where the gain is flat enough
     error : what rounding leaves, relative to the maximum
     raised : ln of the most by which what is small is raised
+    highest : wave number up to which modes are used
     """
 
     angle: float
     error: float
     raised: float
+    highest: float
 
 
-def choose_turn(law: CollisionLaw, kept: float, highest: float, m: int, rtol: float) -> Turn:
+def choose_turn(
+    law: CollisionLaw,
+    kept: float,
+    highest: float,
+    m: int,
+    rtol: float,
+    nyquist: float | None = None,
+) -> Turn:
     """The least angle that does for a state with modes up to wave number kept, of modes up to
-    highest; the best one where none does.
+    highest; the best one where none does. nyquist: highest wave number of the grid, if it is
+    another one.
     """
     k = np.linspace(0.0, highest, max(32, math.ceil(0.5 * highest)) + 1)
     gain = log_gain(law, k, m).real
-    best = Turn(0.0, math.inf, 0.0)
+    best = Turn(0.0, math.inf, 0.0, highest)
+    folding = 2.0 * (nyquist or highest) - highest
     for angle in _ANGLES:
         height = gain + angle * k
         raised = -float(height.min())
-        # modes from 2 highest on would fold onto those that are used
-        if angle and (math.pi - 2.0 * angle) * highest < math.log(1e2 / rtol) + raised:
+        # modes from there on would fold onto those that are used
+        if angle and (math.pi - 2.0 * angle) * folding < math.log(1e2 / rtol) + raised:
             break
         lost = float(height[k <= kept].max()) + raised
         error = _LOSS * _ROUNDING * math.exp(min(lost, 600.0))
         if error < best.error:
-            best = Turn(angle, error, raised)
+            best = Turn(angle, error, raised, highest)
         if error < 0.005 * rtol:
             break
     return best
@@ -141,16 +152,17 @@ class Intertwined:
 
 
 def intertwine(
-    grid: LogGrid, rows: FloatArray, gain: ComplexArray, angle: float, m: int
+    grid: LogGrid, rows: FloatArray, gain: ComplexArray, turn: Turn, m: int
 ) -> Intertwined:
     """The state of harmonic m at the nodes, rows (n, nodes), with ln of its gain at the modes."""
-    half = grid.nodes // 2
+    half, angle = grid.nodes // 2, turn.angle
     k = grid.wave_numbers
     modes = np.fft.rfft(rows)
     # noise would be raised as well
     modes[:, resolved(modes) :] = 0.0
     back = np.exp(-gain - angle * k)
     back[-1] = 0.0
+    back[k > turn.highest * (1.0 + 1e-9)] = 0.0
     if angle:
         whole = np.zeros((rows.shape[0], grid.nodes), dtype=complex)
         whole[:, :half] = (modes * np.exp(gain + angle * k))[:, :half]

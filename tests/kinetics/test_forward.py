@@ -159,3 +159,25 @@ def test_densities_as_functions_and_as_states_are_the_same(formulas: ModuleType)
     one = density(0.6, [2.0, 50.0], initial=f, rtol=1e-8)
     other = density(0.6, [2.0, 50.0], initial=SpeedDensity(f), rtol=1e-8)
     np.testing.assert_array_equal(one.speed_density(v), other.speed_density(v))
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.7, 0.9, 0.99])
+def test_nodes_that_are_given_are_judged_by_twice_as_many(e: float) -> None:
+    # 256 nodes at e = 0.7 were 40 times worse than asked, with an estimate below it; 4096 at
+    # e = 0.9 were refused
+    times = [0.0, 1.0, 30.0, 1e3]
+    outputs = ("thermal_speed", "speed_density")
+    best = solve(Scene(e, times=times, outputs=outputs), 1e-9, method="spectral")
+    v = np.geomspace(1e-2, 6.0, 200) * best.thermal_speed[:, None]
+    exact = np.array([best.speed_density(v[i])[i] for i in range(len(times))])
+    verdicts = set()
+    for nodes in (16, 64, 100, 256, 1024, 4096):
+        for rtol in (1e-3, 1e-6):
+            found = solve(Scene(e, times=times, outputs=outputs), rtol, "spectral", nodes)
+            f = np.array([found.speed_density(v[i])[i] for i in range(len(times))])
+            error = float(np.max(np.abs(f - exact).max(axis=1) / exact.max(axis=1)))
+            assert error <= 6.0 * found.error_estimate, nodes
+            verdicts.add(found.status)
+            if found.status is SolverStatus.CONVERGED:
+                assert error <= rtol, nodes
+    assert verdicts == set(SolverStatus)

@@ -78,7 +78,7 @@ def test_as_in_steps(e: float, m: int) -> None:
     g = np.exp(2.0 * grid.x - 0.5 * np.exp(2.0 * grid.x))
     rows = np.stack([g, g * np.exp(-(grid.x**2))]) if m else g[None]
     turn = choose_turn(law, 45.0, math.pi / grid.spacing, m, rtol)
-    hidden = intertwine(grid, rows, log_gain(law, grid.wave_numbers, m), turn.angle, m)
+    hidden = intertwine(grid, rows, log_gain(law, grid.wave_numbers, m), turn, m)
     moved, values, _ = hidden.at(tau)
     other, _ = stepped(law, grid, rows, m, tau, rtol)
     scale = np.abs(rows).max()
