@@ -108,7 +108,9 @@ class Scattering:
         """What the backward equation gives for K = k l, up to the largest T of the times."""
         speeds = points_of(self.state, 1.0, tolerance)
         highest = float(speeds.x.max() + self.log_stretch(which).max())
-        found = solve_waves(self.law, wave_numbers, highest, 0.3 * tolerance, kept)
+        # of the directions each harmonic that is kept has its own share of the error
+        share = 0.1 if kept else 0.3
+        found = solve_waves(self.law, wave_numbers, highest, share * tolerance, kept)
         self.systems[found.rule.nodes - 1] += found.systems
         return found
 
