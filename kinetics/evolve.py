@@ -148,10 +148,17 @@ class Averages:
         found = self.measure(y.harmonic if m is None else m)
         if found is None:
             return np.zeros(self.times.shape)
-        x, w, p = found.x, found.weight, y.degree + leading
+        w = found.weight
         if start:
-            w = w * np.exp(start * (x - 0.5 * self.speeds.log_second_moment()))
-        points = LogMeasure(x, w)
+            w = w * np.exp(start * (found.x - 0.5 * self.speeds.log_second_moment()))
+        return self._at_times(LogMeasure(found.x, w), y, leading)
+
+    def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
+        """The average at all times, (n_times,): of many of them most by interpolation.
+
+        An average over speeds is as smooth in ln t as its observable is in ln T: a few times of
+        each panel give the others.
+        """
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
         rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
@@ -160,19 +167,18 @@ class Averages:
         used, which = np.unique(
             np.floor((end - stretch) / self.width).astype(int), return_inverse=True
         )
-        if stretch.size <= _MANY * used.size * rule.nodes or x.size < _FEW_POINTS:
+        if stretch.size <= _MANY * used.size * rule.nodes or points.x.size < _FEW_POINTS:
             return self._at(points, y, leading, self.log_stretch)
-        # an average over speeds is as smooth in ln t as its observable is in ln T: a few times of
-        # each panel give the others
         first = end - (used + 1) * self.width
         nodes = first[:, None] + self.width * rule.local
         values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
         # as powers of T, which are smooth everywhere: v_ref is not
+        p = y.degree + leading
         power = nodes + self._reference(nodes)
         values = values * np.exp(p * (power - power[:, :1]))
         rows = rule.rows((stretch - first[which]) / self.width)
         at_times = stretch + self._reference(stretch) - power[which, 0]
-        out = np.empty(self.times.shape, dtype=w.dtype)
+        out = np.empty(self.times.shape, dtype=values.dtype)
         out[late] = np.einsum("ij,ij->i", rows, values[which]) * np.exp(-p * at_times)
         out[~late] = self._at(points, y, leading, self.log_stretch[~late])
         return out
