@@ -117,6 +117,7 @@ def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
     r, weight = (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
     g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
+    front, share = front[share > 0.0], share[share > 0.0]
     if found.msd[0] > 1e-290:
         scaled = share * (front / math.sqrt(found.msd[0])) ** 2
     else:  # all fly freely
