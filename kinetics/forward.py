@@ -40,6 +40,7 @@ _MOST_TERMS = 2_000_000  # of a Fourier sum: nodes times points
 _SHARE = 0.005  # of rtol that each part of the error may have
 _FILLED = 1e-3  # of the thermal speed, about: below, the density at e = 0 is a polynomial
 _FILLING = 0.05  # e below which bounces fill low speeds down to e times their own
+_PROMISED = 1e-2  # of the thermal speed: above it densities are right relative to their maximum
 _USUAL = 1.5e-3  # share of rtol that g is wrong by where it ends: measured, e from 1e-10 to 0.01
 _BEST = 4e-13  # of f relative to its maximum, where g is right to rounding (measured)
 _READ = 5e-15  # rounding of g, relative to its maximum, where it is divided by a low speed
@@ -96,9 +97,12 @@ class _Collocated:
         return out
 
     def low_error(self, missed: float) -> float:
-        """Of g/v where g ends, relative to the maximum, if g is wrong by that share of its own."""
+        """Of g/v where g ends, relative to the maximum, if g is wrong by that share of its own.
+
+        Below _PROMISED of the thermal speed it is g that keeps its accuracy.
+        """
         ends = [self._width(i) / math.exp(self._low_end(i)[0]) for i in range(len(self.values))]
-        return missed * max(ends, default=0.0)
+        return missed * min(1.0 / _PROMISED, max(ends, default=0.0))
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g(t_i) is resolved, and the slope of ln(g/v) there, not below 0."""

@@ -181,3 +181,19 @@ def test_nodes_that_are_given_are_judged_by_twice_as_many(e: float) -> None:
             if found.status is SolverStatus.CONVERGED:
                 assert error <= rtol, nodes
     assert verdicts == set(SolverStatus)
+
+
+@pytest.mark.parametrize("e", [1e-6, 1e-3, 0.02, 0.045, 0.06])
+def test_small_restitutions_keep_what_is_promised_and_claim_it(e: float) -> None:
+    # of speeds above 1e-2 v0 relative to the maximum; below, of the density of ln v
+    times = [0.5, 30.0, 3e3]
+    scene = Scene(e, times=times, outputs=("thermal_speed", "speed_density"))
+    for rtol in (1e-3, 1e-6):
+        found, best = solve(scene, rtol, method="spectral"), solve(scene, 1e-9, method="spectral")
+        assert found.status is SolverStatus.CONVERGED
+        for i, v0 in enumerate(found.thermal_speed):
+            v = v0 * np.geomspace(1e-6, 6.0, 400)
+            f, exact = found.speed_density(v)[i], best.speed_density(v)[i]
+            promised = v >= 1e-2 * v0
+            assert np.max(np.abs(f - exact)[promised]) <= rtol * exact.max()
+            assert np.max(np.abs(f - exact) * v) <= rtol * np.max(exact * v)
