@@ -435,18 +435,19 @@ def test_moments_of_slow_tracers_that_do_not_exist() -> None:
 def test_densities_of_the_slowest_tracers(e: float, initial: str) -> None:
     """At e = 0 bounces leave a density at v = 0; for e > 0, down to speeds e times their own.
 
-    Its error there is that of the density of ln v, divided by v.
+    Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy for e > 0:
+    this one's error, divided by v, may be larger there. At e = 0 it may not.
     """
     state = starts(1.0)[initial][0]
     scene = Scene(restitution=e, initial=state, times=[0.5, 30.0, 1e3], outputs=DENSITY)
     loose, tight = (solve(scene, rtol=rtol, method="spectral") for rtol in (1e-6, 1e-9))
     c = np.geomspace(1e-8, 10.0, 2000)
+    share = np.ones(c.size) if e == 0.0 else np.minimum(1.0, c / 1e-2)
     for i, v0 in enumerate(tight.thermal_speed):
         expected = tight.speed_density(c * v0)[i]
-        apart = np.abs(loose.speed_density(c * v0)[i] - expected).max() / expected.max()
-        assert apart <= max(loose.error_estimate, 1e-6)
-    if e == 0.0:
-        assert loose.status is SolverStatus.CONVERGED
+        apart = np.abs(loose.speed_density(c * v0)[i] - expected) * share
+        assert apart.max() <= 1e-6 * expected.max()
+    assert loose.status is SolverStatus.CONVERGED
 
 
 @pytest.mark.parametrize("size", [1e-150, 1e150])
