@@ -93,8 +93,8 @@ class Solution:
 
         Without the delta peak of the tracers of a monoenergetic start that have not collided: see
         :attr:`uncollided`. Right to rtol of its maximum above 1e-2 of the thermal speed; below it
-        is the density of ln v that is. Raises InputError for v negative or not finite, or if "speed_density"
-        was not among the outputs.
+        is the density of ln v that is. Raises InputError for v negative or not finite, or if
+        "speed_density" was not among the outputs.
         """
         return np.asarray(self._profile(0, "speed_density").continuous(_speeds(v)).real)
 
