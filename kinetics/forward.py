@@ -39,9 +39,6 @@ _MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute of step
 _MOST_TERMS = 2_000_000  # of a Fourier sum: nodes times points
 _SHARE = 0.005  # of rtol that each part of the error may have
 _FILLED = 1e-3  # of the thermal speed, about: below, the density at e = 0 is a polynomial
-_FILLING = 0.05  # e below which bounces fill low speeds down to e times their own
-_PROMISED = 1e-2  # of the thermal speed: above it densities are right relative to their maximum
-_USUAL = 1.5e-3  # share of rtol that g is wrong by where it ends: measured, e from 1e-10 to 0.01
 _BEST = 4e-13  # of f relative to its maximum, where g is right to rounding (measured)
 _READ = 5e-15  # rounding of g, relative to its maximum, where it is divided by a low speed
 _BEST_STEPPED = 1e-10  # what steps reach
@@ -95,14 +92,6 @@ class _Collocated:
             others = np.delete(node, k)
             out += value * np.prod((u[:, None] - others) / (node[k] - others), axis=1)
         return out
-
-    def low_error(self, missed: float) -> float:
-        """Of g/v where g ends, relative to the maximum, if g is wrong by that share of its own.
-
-        Below _PROMISED of the thermal speed it is g that keeps its accuracy.
-        """
-        ends = [self._width(i) / math.exp(self._low_end(i)[0]) for i in range(len(self.values))]
-        return missed * min(1.0 / _PROMISED, max(ends, default=0.0))
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g(t_i) is resolved, and the slope of ln(g/v) there, not below 0."""
@@ -240,8 +229,6 @@ def solve_spectral(
     missed = float(np.max(found.highest * found.grid.spacing, initial=_ends(joined, least)))
     if filled:
         missed = max(missed, _READ / filled)
-    if m == 0 and 0.0 < law.restitution < _FILLING:
-        missed = max(missed, collocated.low_error(_USUAL * rtol))
     if nodes is not None and checked and early:
         others = 2 * nodes if 2 * nodes <= _MOST_NODES else nodes // 2
         again = (law, mean_free_path, state, m, times[:early], rtol)

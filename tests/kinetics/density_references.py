@@ -11,12 +11,13 @@ trapezoid rule; a power series in t is a check at early times. Run as a script: 
 
 from __future__ import annotations
 
-import itertools
 import json
 from pathlib import Path
 from typing import Any
 
 import mpmath as mp
+
+from kinetics.crosscheck.bench.references import Gain
 
 HERE = Path(__file__).parent
 # and how far the lines go: the ring of nearly elastic tracers is narrow
@@ -37,45 +38,6 @@ def initial_moment(start: str, z: Any) -> Any:
 def scale(t: float) -> float:
     """A speed of the order of the thermal one."""
     return 1.5 / (1.0 + 0.3 * t)
-
-
-def ratio_powers(e: float, z: Any, count: int) -> list[Any]:
-    """E[s^z], E[s^(z+1)], ..."""
-    e_, half = mp.mpf(e), mp.mpf(1) / 2
-    phi = [e_**p * mp.hyp2f1(-p / 2, half, 3 * half, 1 - 1 / e_**2) for p in (z, z + 1)]
-    for k in range(2, count):
-        phi.append((1 + (z + k) * e_**2 * phi[k - 2]) / (z + k + 1))
-    return phi
-
-
-class Gain:
-    """G(z), 0 < Re z, |Im z| <= half."""
-
-    def __init__(self, e: float, half: float) -> None:
-        self.e, self.far = e, 40 + int(2.5 * half)
-        with mp.workdps(int(80 + half)):  # each difference doubles the rounding
-            logs = [
-                mp.log(1 - f) for f in ratio_powers(e, mp.mpf(1), self.far + int(90 + 2 * half))
-            ]
-            self.log_far = mp.fsum(logs[: self.far - 1])
-            row, self.differences = logs[self.far - 1 :], []
-            while row:
-                self.differences.append(row[0])
-                row = [b - a for a, b in itertools.pairwise(row)]
-
-    def __call__(self, z: Any) -> Any:
-        total, binomial = self.log_far, mp.mpf(1)
-        for k, difference in enumerate(self.differences, start=1):
-            binomial *= (z - k + 1) / k
-            total += binomial * difference
-            if k > 3 and abs(binomial * difference) < mp.mpf(10) ** -26:
-                break
-        else:
-            raise ArithmeticError(f"no convergence at z = {z}")
-        value = mp.exp(total)
-        for f in ratio_powers(self.e, z, self.far):
-            value /= 1 - f
-        return value
 
 
 def densities(e: float) -> dict[str, dict[str, list[list[float]]]]:

@@ -57,16 +57,17 @@ def speed_ratio_powers(e: float, z: Any, count: int) -> list[Any]:
     return phi
 
 
-class _Gain:
-    """G(z) near the line."""
+class Gain:
+    """G(z), 0 < Re z, |Im z| <= half; to 28 digits where the caller works with enough."""
 
-    def __init__(self, e: float) -> None:
+    def __init__(self, e: float, half: float) -> None:
         import mpmath as mp
 
         self.e = e
-        self.far = 40 + int(2.5 * _HALF)
-        with mp.workdps(110):  # each difference doubles the rounding
-            logs = [mp.log(1 - f) for f in speed_ratio_powers(e, mp.mpf(1), self.far + 150)]
+        self.far = 40 + int(2.5 * half)
+        count = self.far + int(90 + 2 * half)
+        with mp.workdps(int(80 + half)):  # each difference doubles the rounding
+            logs = [mp.log(1 - f) for f in speed_ratio_powers(e, mp.mpf(1), count)]
             self.log_far = mp.fsum(logs[: self.far - 1])
             row, self.differences = logs[self.far - 1 :], []
             while row:
@@ -74,6 +75,7 @@ class _Gain:
                 row = [b - a for a, b in itertools.pairwise(row)]
 
     def __call__(self, z: Any) -> Any:
+        """G(z)."""
         import mpmath as mp
 
         total, binomial = self.log_far, mp.mpf(1)
@@ -104,7 +106,7 @@ class Cooling:
         import mpmath as mp
 
         mp.mp.dps = 36
-        self.gain = _Gain(e)
+        self.gain = Gain(e, _HALF)
         step, real = mp.mpf(_STEP), mp.mpf("0.6")
         self.z = [mp.mpc(real, n * step) for n in range(int(_HALF / _STEP))]
         self.line = [self.gain(z) for z in self.z]
