@@ -9,36 +9,39 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kinetics.collision import CollisionLaw
-    from kinetics.directed import AngularHarmonics, Beam, PolarGrid, VelocitySamples
     from kinetics.errors import InputError, ToleranceWarning
-    from kinetics.exact import ScalingSolution
-    from kinetics.initial import Gaussian, Monoenergetic, SpeedDensity, SpeedSamples, SpeedTable
-    from kinetics.scaled import ScaledVDF, SolverStatus, solve_scaled
+    from kinetics.scaling.closed_form import ScalingSolution
+    from kinetics.scaling.scaled_vdf import ScaledVDF, SolverStatus, solve_scaled
     from kinetics.scene import Scene
     from kinetics.solution import Solution
     from kinetics.solver import solve
+    from kinetics.states.directed import AngularHarmonics, Beam, PolarGrid, VelocitySamples
+    from kinetics.states.isotropic import (
+        Gaussian,
+        Monoenergetic,
+        SpeedDensity,
+        SpeedSamples,
+        SpeedTable,
+    )
 
 _HOMES = {
-    "AngularHarmonics": "directed",
-    "Beam": "directed",
-    "CollisionLaw": "collision",
-    "Gaussian": "initial",
-    "InputError": "errors",
-    "Monoenergetic": "initial",
-    "PolarGrid": "directed",
-    "ScaledVDF": "scaled",
-    "ScalingSolution": "exact",
-    "Scene": "scene",
-    "Solution": "solution",
-    "SolverStatus": "scaled",
-    "SpeedDensity": "initial",
-    "SpeedSamples": "initial",
-    "SpeedTable": "initial",
-    "ToleranceWarning": "errors",
-    "VelocitySamples": "directed",
-    "solve": "solver",
-    "solve_scaled": "scaled",
+    "collision": ("CollisionLaw",),
+    "errors": ("InputError", "ToleranceWarning"),
+    "scaling.closed_form": ("ScalingSolution",),
+    "scaling.scaled_vdf": ("ScaledVDF", "SolverStatus", "solve_scaled"),
+    "scene": ("Scene",),
+    "solution": ("Solution",),
+    "solver": ("solve",),
+    "states.directed": ("AngularHarmonics", "Beam", "PolarGrid", "VelocitySamples"),
+    "states.isotropic": (
+        "Gaussian",
+        "Monoenergetic",
+        "SpeedDensity",
+        "SpeedSamples",
+        "SpeedTable",
+    ),
 }
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "AngularHarmonics",
@@ -64,9 +67,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"kinetics.{_HOMES[name]}"), name)
+    value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
     globals()[name] = value
     return value
 

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from kinetics.crosscheck.bench.command import bench
-from kinetics.crosscheck.comparison.command import compare
+from kinetics.crosscheck.compare.command import compare
 from kinetics.crosscheck.stress.command import stress
 
 UNITS = (
@@ -138,7 +138,7 @@ def report(
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck.files import require_writable_folder
-    from kinetics.crosscheck.settings import ReportSettings, final_time
+    from kinetics.crosscheck.report.settings import ReportSettings, final_time
 
     restitutions = restitutions or ReportSettings().restitutions
     if not final_times:
@@ -150,8 +150,8 @@ def report(
         settings = settings.quick()
     require_writable_folder(output)
 
-    from kinetics.crosscheck import report as court
     from kinetics.crosscheck.plain import dumps
+    from kinetics.crosscheck.report import report as court
     from kinetics.crosscheck.text import verdict_table
 
     with _Bar(court.stages(settings)) as tell:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.displacement import Displacement
+from kinetics.densities.harmonic import Profile
+from kinetics.densities.marginal import component_density
 from kinetics.errors import InputError, short
-from kinetics.marginal import component_density
-from kinetics.profile import Profile
-from kinetics.scaled import SolverStatus
+from kinetics.position.density import Displacement
+from kinetics.scaling.scaled_vdf import SolverStatus
 from kinetics.scene import Scene
 
 FloatArray = NDArray[np.float64]

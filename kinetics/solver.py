@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics import position
-from kinetics.averaged_scattering import scattering_function
-from kinetics.backward import MEAN_COLLISIONS, Observable, nodes_for, speed_power
 from kinetics.collision import CollisionLaw
-from kinetics.displacement import Displacement, solve_displacement
+from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, check_rtol, short, warn_missed
-from kinetics.evolve import Averages
-from kinetics.profile import Profile
-from kinetics.scaled import SolverStatus
+from kinetics.moments import displacement as position
+from kinetics.moments.backward import MEAN_COLLISIONS, Observable, nodes_for, speed_power
+from kinetics.moments.velocity import Averages
+from kinetics.position.density import Displacement, solve_displacement
+from kinetics.position.intermediate_scattering import scattering_function
+from kinetics.scaling.scaled_vdf import SolverStatus
 from kinetics.scene import Scene
 from kinetics.solution import PlanStep, Solution
 
@@ -272,11 +272,11 @@ def _profile(
     if state.harmonic(m, rtol) is None:
         return None
     if law.restitution == 1.0:
-        from kinetics.elastic import elastic_profile
+        from kinetics.densities.elastic import elastic_profile
 
         return elastic_profile(law, path, state, m, times)
     if method != "conservative" and (state.smooth or method == "spectral"):
-        from kinetics.forward import solve_spectral
+        from kinetics.densities.spectral import solve_spectral
 
         profile = solve_spectral(law, path, state, m, times, rtol, nodes)
         if profile is not None:
@@ -286,7 +286,7 @@ def _profile(
                 "method: got 'spectral'; this initial state is too rough for it, "
                 "use method='conservative'"
             )
-    from kinetics.conservative import solve_conservative
+    from kinetics.densities.conservative import solve_conservative
 
     return solve_conservative(law, path, state, m, times, rtol, nodes)
 

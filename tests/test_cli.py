@@ -112,7 +112,7 @@ def test_a_density_that_is_too_high_to_fill_the_box_is_refused(
 def test_an_output_that_is_a_file_is_refused_before_any_work(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from kinetics.crosscheck import report
+    from kinetics.crosscheck.report import report
 
     def never(*arguments: object) -> None:
         raise AssertionError("the report was begun")

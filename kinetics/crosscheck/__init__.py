@@ -4,10 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.comparison.judge import compare
-    from kinetics.crosscheck.comparison.result import Comparison
+    from kinetics.crosscheck.compare.judge import compare
+    from kinetics.crosscheck.compare.result import Comparison
 
-_HOMES = {"Comparison": "comparison.result", "compare": "comparison.judge"}
+_HOMES = {"Comparison": "compare.result", "compare": "compare.judge"}
 
 __all__ = ["Comparison", "compare"]
 

@@ -65,7 +65,7 @@ def solve_document(
 
 def solve_text(found: dict[str, Any]) -> str:
     """The same as tables, one row per time."""
-    from kinetics.scaled import SolverStatus
+    from kinetics.scaling.scaled_vdf import SolverStatus
 
     names = [name for name in HEADS if name in found]
     heads, values = ["t [d/U]"], [found["times"]]

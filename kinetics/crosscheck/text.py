@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from kinetics.crosscheck.page import matrix
+from kinetics.crosscheck.report.page import matrix
 
 
 def verdict_table(document: Mapping[str, Any]) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.evidence import (
+from kinetics.crosscheck.report.evidence import (
     Case,
     DensityScan,
     Measured,
@@ -19,14 +19,14 @@ from kinetics.crosscheck.evidence import (
     Scans,
     TrapScan,
 )
-from kinetics.crosscheck.positions import bands_of, bin_density
-from kinetics.crosscheck.rows import (
+from kinetics.crosscheck.report.positions import bands_of, bin_density
+from kinetics.crosscheck.report.rows import (
     bin_average,
     cooling_rate_between,
     last_vdf,
     msd_slope_between,
 )
-from kinetics.crosscheck.settings import ReportSettings
+from kinetics.crosscheck.report.settings import ReportSettings
 
 TIMES = np.geomspace(1.0, 1000.0, 12)
 EDGES = np.linspace(0.0, 4.0, 21)

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from derivations import report_subset, verify
-from kinetics.crosscheck.equations import report_equations
 from kinetics.crosscheck.mathml import mathml
+from kinetics.crosscheck.report.equations import report_equations
 
 
 def letters(element: str) -> list[str]:

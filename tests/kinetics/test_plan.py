@@ -12,12 +12,11 @@ from kinetics import (
     Scene,
     Solution,
     VelocitySamples,
-    conservative,
-    elastic,
-    forward,
     solve,
 )
-from kinetics.backward import BackwardEquation, Observable
+from kinetics.densities import conservative, elastic
+from kinetics.densities import spectral as forward
+from kinetics.moments.backward import BackwardEquation, Observable
 from kinetics.scene import OUTPUTS
 
 TIMES = [0.0, 1.0, 100.0]

@@ -25,8 +25,8 @@ _MEDIA = 50  # blocks of a Monte Carlo run
 def panels(e: float, start: str, times: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:
     """The spectral averages with so many nodes in a panel of the backward equation."""
     from kinetics import CollisionLaw
-    from kinetics.evolve import Averages
-    from kinetics.initial import NAMED
+    from kinetics.moments.velocity import Averages
+    from kinetics.states.isotropic import NAMED
 
     averages = Averages(
         CollisionLaw(e), references.MEAN_FREE_PATH, NAMED[start], times, TIGHTEST, nodes=nodes

@@ -1,0 +1,186 @@
+"""Comparison: the frozen result of holding a sample against the kinetic equation."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from kinetics.crosscheck.compare.statistics import gaussian_sigmas
+from kinetics.crosscheck.plain import dumps, plain
+from kinetics.crosscheck.verdicts import Verdict
+
+SCHEMA = "inelastic-lorentz/comparison/1"
+TITLES = {
+    "thermal_speed": "Thermal speed v₀ = √⟨v²⟩ / U",
+    "a2": "Second Sonine coefficient a₂ = ⟨v⁴⟩/(2⟨v²⟩²) − 1",
+    "msd": "Mean square displacement ⟨r²⟩ / d²",
+    "kurtosis": "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²",
+    "speed_density": "Speed density, mean over a bin / U⁻¹",
+    "position_density": "Displacement density g(r, t), mean over a bin / d⁻¹",
+}
+"""Every observable that a row can have, in the order of the page."""
+
+
+OUTCOMES = {
+    "explains": "explains the difference",
+    "found": "found in the data",
+    "in part": "explains part of it",
+    "does not": "does not explain it",
+    "noted": "noted",
+}
+"""What an explanation comes to, in words; in the order in which they are told."""
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """One observable at one time (and, for a density, in one bin from `low` to `high`).
+
+    `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
+    difference (that of the value, unless the theory was taken from the same data), `sigmas` their
+    difference in it. `high` is None where a bin has no upper end, and then value and theory are
+    shares of the samples. `verdict` looks at `corrected_sigmas`: the sigmas of a Gaussian with
+    the same p-value once that is multiplied by the number of rows of the observable. Without
+    spread in the data (all speeds equal) both are None.
+    """
+
+    observable: str
+    time: float
+    value: float
+    error: float
+    theory: float
+    sigmas: float | None
+    verdict: Verdict
+    corrected_sigmas: float | None
+    samples: int
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class ComparisonTest:
+    """All rows of an observable together (of a density: at one time) by one chi-square.
+
+    The p-value holds although the same tracers stand behind several rows. `groups` independent
+    groups gave the covariance, None where it is known. `rows` of the observable entered. `verdict`
+    looks at the p-value times the number of tests, as `sigmas` of a Gaussian.
+    """
+
+    observable: str
+    time: float | None
+    chi_square: float
+    dof: int
+    p_value: float
+    groups: int | None
+    sigmas: float
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that the theory needed: told (error None) or found in the data."""
+
+    value: float
+    error: float | None
+    source: str
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Something that may explain a difference, held against the data.
+
+    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by
+    a tenth at least), "does not",
+    "noted" (a fact about data or theory; `tested` is then False) or "found" (an effect that the
+    data show by itself). `chi_square` is the sum over the averages before and after.
+    """
+
+    name: str
+    outcome: str
+    text: str
+    tested: bool = True
+    value: float | None = None
+    error: float | None = None
+    chi_square_before: float | None = None
+    chi_square_after: float | None = None
+    dof: int | None = None
+    p_value: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A sample against the kinetic equation; lengths in d, speeds in U, times in d/U.
+
+    Attributes
+    ----------
+    verdict : on everything, from the tests and from rows without spread
+    summary : the verdict in a sentence or two
+    rows : ComparisonRow, one per observable and time (and bin)
+    tests : ComparisonTest, one chi-square per average, and per density and time
+    explanations : Explanation; empty where nothing needs one and nothing is to be noted
+    parameters : "restitution", "number_density", "mean_free_path" as Parameter
+    initial : the start of the theory, in words
+    samples, groups : tracers at most, and independent groups that the errors are from
+    warnings : what the reader should know of the data
+    names : where the data came from
+    figures : the data of every figure, see kinetics.crosscheck.report.figures
+    """
+
+    verdict: Verdict
+    summary: str
+    rows: tuple[ComparisonRow, ...]
+    tests: tuple[ComparisonTest, ...]
+    explanations: tuple[Explanation, ...]
+    parameters: dict[str, Parameter]
+    initial: str
+    samples: int
+    groups: int
+    grouping: str
+    warnings: tuple[str, ...]
+    names: tuple[str, ...]
+    figures: dict[str, Any] = field(repr=False)
+
+    def observable(self, name: str) -> tuple[ComparisonRow, ...]:
+        """The rows of one observable."""
+        return tuple(row for row in self.rows if row.observable == name)
+
+    def p_value(self, observable: str, time: float | None = None) -> float:
+        """The p-value of an average, or of a density at a time; KeyError where there is none."""
+        for test in self.tests:
+            if test.observable == observable and test.time == time:
+                return test.p_value
+        raise KeyError(f"no test of {observable!r}" + ("" if time is None else f" at {time:g}"))
+
+    def document(self) -> dict[str, Any]:
+        """Everything as plain data, as it stands in the JSON file."""
+        found: dict[str, Any] = plain(
+            {
+                "schema": SCHEMA,
+                "title": f"{', '.join(self.names)}: held against the kinetic equation",
+                "verdict": self.verdict.value,
+                "summary": self.summary,
+                "parameters": {k: asdict(p) for k, p in self.parameters.items()},
+                "initial": self.initial,
+                "data": {
+                    "names": self.names,
+                    "samples": self.samples,
+                    "groups": self.groups,
+                    "grouping": self.grouping,
+                },
+                "warnings": self.warnings,
+                "tests": [asdict(test) for test in self.tests],
+                "explanations": [asdict(item) for item in self.explanations],
+                "rows": [asdict(row) for row in self.rows],
+                "figures": self.figures,
+            }
+        )
+        return found
+
+    def to_json(self) -> str:
+        """The document as strict JSON."""
+        return dumps(self.document())
+
+
+def judge_p_value(p_value: float, trials: int) -> tuple[float, Verdict]:
+    """Gaussian sigmas of a p-value, the least of so many, and the verdict on it."""
+    from kinetics.crosscheck.verdicts import judge_sigmas
+
+    sigmas = gaussian_sigmas(min(1.0, p_value * trials))
+    return sigmas, judge_sigmas(sigmas)

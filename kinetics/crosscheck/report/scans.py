@@ -1,0 +1,133 @@
+"""Hard disks at other densities and restitutions: the dilute limit, and where traps begin."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from kinetics.crosscheck.report.evidence import Array, Case, DensityScan, Measured, Scans, TrapScan
+from kinetics.crosscheck.report.histograms import jackknife_error
+from kinetics.crosscheck.report.settings import ReportSettings
+
+DILUTIONS = (1 / 8, 1 / 4, 1 / 2, 1.0, 2.0)
+"""Densities of the extrapolation, in units of the report's own."""
+LARGEST_DENSITY = 0.25
+"""In d^-2; above, random placement without overlap becomes slow, and fails in the end."""
+TRAP_RESTITUTIONS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+TRAP_FLIGHT = 40.0
+"""d rho0 t U of the trap scan: 1000 d/U at the paper's density."""
+LARGEST_BOX = 10_000
+"""Scatterers in the box of a scan at most."""
+
+
+def gather_scans(
+    cases: Sequence[Case], settings: ReportSettings, tell: Callable[[str], None]
+) -> Scans:
+    """Both scans; calls `tell` twice."""
+    tell("hard disks at other densities")
+    nearest = min(cases, key=lambda case: abs(case.restitution - 0.7))
+    density = _density_scan(nearest, settings)
+    tell("traps")
+    return Scans(density, _trap_scan(settings))
+
+
+def _allowed(factors: Sequence[float], settings: ReportSettings) -> Array:
+    """Multiples of the report's density; its own is allowed whatever it is."""
+    own = settings.number_density
+    return np.array([f * own for f in factors if f <= 1 or f * own <= LARGEST_DENSITY])
+
+
+def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
+    from particles import HardDisks, simulate
+
+    theory = case.kinetic
+    last = float(case.times[-1])
+    densities = _allowed(DILUTIONS, settings)
+    found: dict[str, list[tuple[float, float]]] = {"free_path": [], "thermal_speed": [], "msd": []}
+    for index, density in enumerate(densities):
+        stretch = settings.number_density / density
+        run = simulate(
+            HardDisks(float(density), min(settings.count, LARGEST_BOX)),
+            restitution=case.restitution,
+            times=[last * stretch],
+            media=settings.media,
+            tracers=settings.tracers,
+            seed=settings.seed + 1000 + index,
+            workers=settings.workers,
+        )
+        dilute = {
+            "free_path": 1 / (2 * float(density)),
+            "thermal_speed": float(theory.thermal_speed[-1]),
+            "msd": float(theory.msd[-1]) * stretch**2,
+        }
+        measured = {
+            "free_path": run.mean_free_path,
+            "thermal_speed": run.thermal_speed,
+            "msd": run.msd,
+        }
+        for name, estimate in measured.items():
+            value, error = (np.asarray(x).ravel()[-1] for x in (estimate.value, estimate.error))
+            found[name].append((float(value) / dilute[name], float(error) / dilute[name]))
+    ratios = {name: Measured(*np.array(pairs).T) for name, pairs in found.items()}
+    degree = min(2, densities.size - 2)
+    extrapolated = {name: extrapolate(densities, r, degree) for name, r in ratios.items()}
+    return DensityScan(
+        restitution=case.restitution,
+        densities=densities,
+        samples=settings.media * settings.tracers,
+        degree=degree,
+        ratios=ratios,
+        fits={name: fit for name, (fit, _) in extrapolated.items()},
+        limits={name: limit for name, (_, limit) in extrapolated.items()},
+    )
+
+
+def extrapolate(x: Array, measured: Measured, degree: int) -> tuple[Array, Measured]:
+    """Weighted polynomial fit, lowest coefficient first, and its value at x = 0 with its error.
+
+    The error is what the points' own give. Points without a positive error carry no weight; NaN if
+    fewer than degree + 1 are left.
+    """
+    used = measured.error > 0
+    if np.count_nonzero(used) <= degree:
+        return np.full(degree + 1, np.nan), Measured(np.asarray(np.nan), np.asarray(np.nan))
+    weight = 1 / measured.error[used]
+    scale = np.max(x)
+    basis = np.vander(x[used] / scale, degree + 1, increasing=True) * weight[:, None]
+    inverse = np.linalg.pinv(basis)
+    scaled = inverse @ (measured.value[used] * weight)
+    limit = Measured(scaled[0], np.asarray(np.linalg.norm(inverse[0])))
+    return scaled / scale ** np.arange(degree + 1), limit
+
+
+def _trap_scan(settings: ReportSettings) -> TrapScan:
+    from particles import HardDisks, simulate
+
+    densities = _allowed((1.0, 4.0), settings)
+    value = np.empty((densities.size, len(TRAP_RESTITUTIONS)))
+    error = np.empty_like(value)
+    for i, density in enumerate(densities):
+        for j, e in enumerate(TRAP_RESTITUTIONS):
+            run = simulate(
+                HardDisks(float(density), min(settings.count, LARGEST_BOX)),
+                restitution=e,
+                times=[TRAP_FLIGHT / float(density)],
+                media=settings.media,
+                tracers=settings.tracers,
+                seed=settings.seed + 2000 + 100 * i + j,
+                workers=settings.workers,
+            )
+            value[i, j], error[i, j] = _share(run.statuses.trap_tracers, run.media, run.tracers)
+    return TrapScan(
+        time=TRAP_FLIGHT / settings.number_density,
+        restitutions=np.array(TRAP_RESTITUTIONS),
+        densities=densities,
+        samples=settings.media * settings.tracers,
+        share=Measured(value, error),
+    )
+
+
+def _share(caught: Array, media: int, tracers: int) -> tuple[float, float]:
+    """Share of tracers caught, with its jackknife error over configurations."""
+    by_medium = np.bincount(caught[:, 0].astype(int), minlength=media) / tracers
+    without = (by_medium.sum() - by_medium) / (media - 1)
+    return float(by_medium.mean()), float(jackknife_error(without))

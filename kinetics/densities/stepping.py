@@ -1,0 +1,63 @@
+r"""The forward equation in steps of logarithmic time, by Fourier collocation.
+
+With Y = v (t + t0)/l, x = ln Y and tau = ln(t + t0) the inelastic Lorentz equation (paper, label
+``inelaslorentz2``) has constant coefficients: for the density g of x in harmonic m,
+
+    dg/dtau = -dg/dx - Lambda (e^x g),     Lambda : symbol 1 - E[s^(-i k) cos(m chi)].
+
+Mass is kept to rounding, because the symbol of m = 0 vanishes at k = 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.numerics.log_grid import LogGrid
+from kinetics.scaling.symbols import decay_symbol, harmonic_symbol
+
+FloatArray = NDArray[np.float64]
+
+
+def stepped(
+    law: CollisionLaw, grid: LogGrid, rows: FloatArray, m: int, tau: FloatArray, rtol: float
+) -> tuple[FloatArray, FloatArray]:
+    """g at the nodes of x at the times tau, (n_times, rows, nodes), and the size of its highest
+    modes, (n_times,); rows (n, nodes) are real and imaginary part of it at tau = 0.
+    """
+    from scipy.integrate import solve_ivp
+
+    z = -1j * grid.wave_numbers
+    loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
+    # the highest mode of a real transform has no partner: its odd part is left out
+    z[-1] = 0.0
+    loss[-1] = loss[-1].real
+    rate = np.exp(grid.x)
+
+    def derivative(_: float, flat: FloatArray) -> FloatArray:
+        g = flat.reshape(rows.shape)
+        spectrum = z * np.fft.rfft(g) - loss * np.fft.rfft(rate * g)
+        return np.asarray(np.fft.irfft(spectrum, grid.nodes).ravel())
+
+    values = np.empty((tau.size, *rows.shape))
+    scale = float(np.abs(rows).max())
+    now, g = 0.0, rows.ravel()
+    # from one output time to the next: the dense output of the method is of lower order
+    for i, time in enumerate(map(float, tau)):
+        if time > now:
+            result = solve_ivp(
+                derivative,
+                (now, time),
+                g,
+                method="DOP853",
+                t_eval=[time],
+                rtol=max(0.01 * rtol, 3e-14),
+                atol=max(0.01 * rtol, 1e-15) * scale,
+                first_step=min(time - now, 1.0 / float(rate[-1])),
+            )
+            if not result.success:
+                raise RuntimeError(f"the forward equation was not integrated: {result.message}")
+            g, now = result.y[:, -1], time
+        values[i] = g.reshape(rows.shape)
+    return values, np.abs(np.fft.rfft(values)[..., -3:]).max(axis=(1, 2))

@@ -1,0 +1,5 @@
+"""Averages of the velocity and of the displacement, by the backward equation.
+
+Each average is one smooth function of v t, averaged over the initial state. May import
+`kinetics.states`, `kinetics.collision` and `kinetics.numerics`. Begin with `backward.py`.
+"""

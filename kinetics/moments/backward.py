@@ -1,0 +1,369 @@
+r"""The time-dependent equation, solved backwards: one smooth function of v t per observable.
+
+The mean of an observable at time t, seen as a function of the speed u at time 0, obeys the
+backward equation, the adjoint of the inelastic Lorentz equation (paper, label ``inelaslorentz2``).
+The equation has no scale of its own, so for an observable of degree p in the speed the mean is
+u^p times a function of T = u t/l alone. With y(X) = T^p (that function), X = ln T,
+
+    dy/dX = p y + e^X ( E[cos(m chi) y(X - xi)] - y + sources ),     xi = -ln s >= 0,
+
+m the angular harmonic. y at X needs y below X only, and the kernel does not depend on X: on equal
+panels the collision term is the same few small matrices everywhere, and one sweep upwards gives
+every later time for every initial state. Nothing depends on how rough that state is: its speeds
+only enter when the result is averaged over them.
+
+Examples, with the sources in brackets:
+    v^p                 : m = 0, degree p
+    collisions N        : m = 0, degree 0, [1]
+    v_hat(0).r = l chi1 : m = 1, degree 0, [1]
+    r^2 = l^2 rho       : m = 0, degree 0, [2 chi1]
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.numerics.panels import PanelRule
+
+FloatArray = NDArray[np.float64]
+
+_START = -2.0  # below X = -2 the power series in T converges within _TERMS terms
+_TERMS = 40
+_NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold
+_FEWEST_TERMS = 8
+# Beyond ln(1/kappa) + 38 corrections to the asymptote are below rounding.
+_SATURATION = 38.0
+_FEWEST, _MOST = 5, 48
+# Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
+_STEEPEST = 4.0
+# Errors over the last two Chebyshev coefficients, of 1822 solves with 6 to 17 nodes, e from 0 to
+# 1 - 1e-6: at most 1.4 times either the last or a tenth of the one before, and a quarter more is
+# for the initial state.
+_LAST, _BEFORE = 1.75, 0.175
+
+
+def panel_width(degree: float) -> float:
+    """Width in X of panels for powers of the speed up to ``degree`` in size."""
+    return min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
+
+
+@dataclass(frozen=True)
+class Observable:
+    """One unknown of the backward equation.
+
+    Attributes
+    ----------
+    degree : p, the power of the speed by which it scales
+    harmonic : m
+    constant : source that does not depend on X
+    sources : (factor, observable) pairs that drive it
+    growth : late, it is a polynomial of this degree in ln T; 0 to 2
+    """
+
+    degree: float = 0.0
+    harmonic: int = 0
+    constant: float = 0.0
+    sources: tuple[tuple[float, Observable], ...] = ()
+    growth: int = 1
+
+    @property
+    def first_power(self) -> float:
+        """The power of T with which it begins."""
+        if self.constant:
+            return self.degree + 1.0
+        return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
+
+
+# Nodes of a panel above 2 + the digits asked for + the first power of T, measured: over e, for
+# 2, 7 and 12 digits. Of v^2, and what each further power of the speed adds; of what depends on the
+# direction of the velocity; of moments of the displacement.
+_DIGITS = (2.0, 7.0, 12.0)
+_AT = (0.0, 0.4, 0.7, 0.9, 0.99, 1.0)
+_OF_SQUARE = np.array(
+    [
+        [-0.6, -0.6, -0.5, -0.2, 0.1, 0.7],
+        [-0.2, -0.5, -1.0, -0.9, -0.6, 0.0],
+        [0.7, 0.3, -1.2, -1.6, -1.6, -1.3],
+    ]
+)
+_OF_POWER = np.array(
+    [
+        [0.1, 0.1, 0.1, 0.15, 0.22, 0.26],
+        [-0.1, 0.0, 0.2, 0.3, 0.4, 0.5],
+        [0.0, 0.0, 0.2, 0.25, 0.55, 0.85],
+    ]
+)
+_DIRECTED = np.array(
+    [
+        [-0.3, 0.0, 0.0, -0.2, -0.3, -0.3],
+        [0.1, 0.6, 1.0, 0.2, 0.0, 0.0],
+        [1.4, 1.6, 2.6, 1.6, 1.1, 1.0],
+    ]
+)
+_DISPLACED = np.array(
+    [
+        [-0.4, -0.4, -0.4, -0.4, -0.4, -0.3],
+        [-0.6, -0.5, -0.5, -0.7, -0.7, -0.7],
+        [-0.4, 0.0, 0.4, -0.4, -0.8, -0.8],
+    ]
+)
+
+
+def nodes_for(rtol: float, y: Observable, restitution: float, width: float = 1.0) -> int:
+    """Chebyshev nodes of a panel at which the error estimate is about rtol: a first guess."""
+    digits = -math.log10(rtol)
+    power = width * abs(y.first_power)
+    if y.harmonic or (y.sources and y.degree):
+        table = _DIRECTED
+    elif y.sources:
+        table = _DISPLACED
+    else:
+        table = _OF_SQUARE + (power - 2.0) * _OF_POWER
+    more = np.interp(digits, _DIGITS, [np.interp(restitution, _AT, row) for row in table])
+    return int(min(_MOST, max(_FEWEST, math.ceil(2.0 + digits + power + float(more)))))
+
+
+MEAN_COLLISIONS = Observable(constant=1.0)
+DISPLACEMENT_ALONG_START = Observable(harmonic=1, constant=1.0)
+SQUARED_DISPLACEMENT = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
+# <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/position/scattering.py)
+_SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
+_THIRD_ORDER = Observable(
+    harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
+)
+QUARTIC_DISPLACEMENT = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
+
+
+def speed_power(p: float, harmonic: int = 0) -> Observable:
+    """v^p cos(m (phi - phi_0))."""
+    return Observable(degree=p, harmonic=harmonic, growth=0)
+
+
+# d r^2/d ln t, driven by the velocity along the start
+MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
+
+
+def moment_series(
+    law: CollisionLaw, y: Observable, known: dict[Observable, FloatArray] | None = None
+) -> FloatArray:
+    """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,).
+
+    ``known`` keeps what was found on the way.
+    """
+    known = {} if known is None else known
+    if y in known:
+        return known[y]
+    drive = np.zeros(_TERMS)
+    drive[0] = y.constant
+    for factor, other in y.sources:
+        drive += factor * moment_series(law, other, known)[:-1]
+    rates = law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+    a = np.zeros(_TERMS + 1)
+    a[0] = 0.0 if y.constant or y.sources else 1.0
+    for k in range(_TERMS):
+        a[k + 1] = (drive[k] - rates[k] * a[k]) / (k + 1.0)
+    known[y] = a
+    return a
+
+
+def _needed(series: FloatArray) -> FloatArray:
+    """The series without its end, which adds nothing up to T = exp(_START)."""
+    size = np.abs(series) * np.exp(_START * np.arange(series.size))
+    below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
+    return series[: max(_FEWEST_TERMS, int(below[-1]) + 1)]
+
+
+@dataclass(frozen=True)
+class _Panels:
+    """y on consecutive panels from _START on."""
+
+    values: FloatArray  # (n_panels, nodes)
+    series: FloatArray  # coefficients of T^k below _START
+    degree: float
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where values of X lie; see `BackwardEquation.locate`.
+
+    Attributes
+    ----------
+    shape : of the X
+    low : whether each is below the panels, (n,)
+    early : T of those, (n_low,)
+    index, level : panel, and X in panels, of the others, (n_others,)
+    shares, total : barycentric weights over distances to the nodes, (n_others, nodes), their sums
+    """
+
+    shape: tuple[int, ...]
+    low: NDArray[np.bool_]
+    early: FloatArray
+    index: NDArray[np.intp]
+    shares: FloatArray
+    total: FloatArray
+    level: FloatArray
+
+
+@dataclass
+class BackwardEquation:
+    """Solves for observables on panels in X = ln(u t/l), and keeps what it solved.
+
+    Parameters
+    ----------
+    law : the collision law, e < 1 (the elastic case is elementary: see evolve.py)
+    highest : largest X that will be asked for
+    nodes : Chebyshev nodes of a panel
+    width : of a panel in X, see `panel_width`
+    """
+
+    law: CollisionLaw
+    highest: float
+    nodes: int
+    width: float = 1.0
+    _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
+    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
+    _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
+    _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        limit = _SATURATION - math.log(self.law.mean_log_loss)
+        self.count = max(1, math.ceil((min(self.highest, limit) - _START) / self.width))
+
+    # -- discretisation -----------------------------------------------------------------------
+
+    @property
+    def _offsets(self) -> FloatArray:
+        """The nodes of a panel from its lower end on, in X."""
+        return self.rule.local * self.width
+
+    @cached_property
+    def rule(self) -> PanelRule:
+        """The collocation of a panel."""
+        return PanelRule(self.nodes, self.width)
+
+    def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
+        """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
+        if m not in self._kernels:
+            rate = max(float(self.nodes), _STEEPEST / self.width)
+            loss, gain = self.rule.kernel(self.law, [m], rate)
+            self._kernels[m] = loss[0], gain[0]
+        return self._kernels[m]
+
+    # -- solution -----------------------------------------------------------------------------
+
+    def _solve(self, y: Observable) -> _Panels:
+        if y in self._solved:
+            return self._solved[y]
+        sources = [(factor, self._solve(other).values) for factor, other in y.sources]
+        series = _needed(moment_series(self.law, y, self._series))
+        loss, gain = self._kernel(y.harmonic)
+        n = self.nodes
+        reach = gain.shape[1] // n
+        # the panels below, and the point where the first one begins
+        x = _START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
+        below = np.append(x[:reach], _START)
+        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), series)
+        table = np.empty((reach + self.count, n))
+        table[:reach] = known[:-1].reshape(reach, n)
+        rate = np.exp(x[reach:])
+        drive = np.full((self.count, n), y.constant)
+        for factor, values in sources:
+            drive += factor * values
+        # rows are divided by the collision rate where that is large
+        scale = 1.0 / np.maximum(1.0, rate)
+        rate *= scale
+        matrix = scale[:, :, None] * (self.rule.derivative - y.degree * np.eye(n))
+        matrix += rate[:, :, None] * loss
+        matrix[:, 0] = 0.0
+        matrix[:, 0, 0] = 1.0
+        inverse = np.linalg.inv(matrix)
+        first = known[-1]
+        for j in range(self.count):
+            right = rate[j] * (gain @ table[j : j + reach].ravel() + drive[j])
+            right[0] = first
+            table[reach + j] = inverse[j] @ right
+            first = table[reach + j, -1]
+        self._solved[y] = _Panels(table[reach:], series, y.degree)
+        return self._solved[y]
+
+    def solve(self, observable: Observable) -> FloatArray:
+        """Values at the nodes of all panels, shape (n_panels, nodes)."""
+        return self._solve(observable).values
+
+    def error_estimate(self, observable: Observable) -> float:
+        """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.
+
+        For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
+        """
+        if observable not in self._errors:
+            self._errors[observable] = self._estimate(observable)
+        return self._errors[observable]
+
+    def _estimate(self, observable: Observable) -> float:
+        values = self._solve(observable).values
+        last, before = self.rule.last_coefficients(values)
+        if observable.harmonic and not observable.sources and not observable.constant:
+            scale = self._solve(speed_power(observable.degree)).values
+        else:
+            scale = values
+        # powers rise as e^(p X) over a panel: its lower end has the largest relative error
+        ends = np.minimum(np.abs(scale[:, 0]), np.abs(scale[:, -1]))
+        top = np.maximum(np.maximum(ends, 1e-3 * np.abs(scale).max(axis=1)), 1e-300)
+        # errors of panels add up while an observable grows
+        return float(np.sum(np.maximum(_LAST * last, _BEFORE * before) / top))
+
+    def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
+        """y(X) at X = x, any shape."""
+        small, large = self.reduced(observable, self.locate(x))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
+            )
+
+    def locate(self, x: FloatArray) -> Places:
+        """Where X = x lies, for every observable; any shape, -inf allowed."""
+        flat = x.ravel()
+        level = (flat - _START) / self.width
+        low = level < 0.0
+        level = level[~low]
+        index = np.minimum(level.astype(int), self.count - 1)
+        shares = self.rule.shares(np.minimum(level - index, 1.0))
+        return Places(x.shape, low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
+
+    def reduced(
+        self, observable: Observable, places: Places, leading: int = 0
+    ) -> tuple[FloatArray, FloatArray]:
+        """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
+
+        Below the panels by the power series, whose first ``leading`` terms must vanish; above
+        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. Both of
+        the shape of the places.
+        """
+        panels = self._solve(observable)
+        small = np.full(places.low.shape, np.nan)
+        large = np.full(places.low.shape, np.nan)
+        series = panels.series[leading:]
+        small[places.low] = np.polynomial.polynomial.polyval(places.early, series)
+        value = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
+        beyond = places.level > self.count
+        value[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
+        large[~places.low] = value
+        return small.reshape(places.shape), large.reshape(places.shape)
+
+    def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
+        """The polynomial in X through the ends of the last panels, at X in panels."""
+        ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
+        if growth == 0:
+            return np.full(level.shape, ends[0])
+        first = ends[0] - ends[1]
+        u = level - self.count
+        if growth < 2 or values.shape[0] <= 3:
+            return np.asarray(ends[0] + first * u)
+        second = ends[0] - 2.0 * ends[1] + ends[2]
+        return np.asarray(ends[0] + first * u + 0.5 * second * u * (u + 1.0))

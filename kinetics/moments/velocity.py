@@ -1,0 +1,213 @@
+"""The time-dependent homogeneous equation (paper, label ``inelaslorentz2``).
+
+Averages of powers of the speed come from the backward equation (:mod:`kinetics.moments.backward`):
+one smooth function of v t for each, averaged over the initial state. The speed density itself comes
+from the forward equation in :mod:`kinetics.densities.spectral`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.moments.backward import (
+    BackwardEquation,
+    Observable,
+    Places,
+    nodes_for,
+    panel_width,
+    speed_power,
+)
+from kinetics.numerics.panels import PanelRule
+from kinetics.states.isotropic import State
+from kinetics.states.quadrature import LogMeasure
+
+FloatArray = NDArray[np.float64]
+
+_MANY = 2  # times for each node of the panels in ln t that hold them
+_FEW_POINTS = 4  # of the initial state, below which each time is as quick
+_MORE_NODES = 2  # of a panel in ln t
+_PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
+_KEPT = 16  # such pieces
+
+
+@dataclass(frozen=True)
+class Averages:
+    """Averages over an initial state, at given times.
+
+    Parameters
+    ----------
+    law : the collision law
+    mean_free_path : l, in d
+    state : the initial state
+    times : in d/U, shape (n_times,)
+    rtol : relative accuracy
+    degree, lowest : largest and smallest power of the speed that will be asked for
+    nodes : of a panel of the backward equation; chosen from rtol and degree by default
+    """
+
+    law: CollisionLaw
+    mean_free_path: float
+    state: State
+    times: FloatArray
+    rtol: float
+    degree: float = 4.0
+    lowest: float = 0.0
+    nodes: int | None = None
+    _measures: dict[int, LogMeasure | None] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def with_nodes(self, nodes: int) -> Averages:
+        """The same with so many nodes of a panel; the initial state is not made again."""
+        other = replace(self, nodes=nodes)
+        other._measures.update(self._measures)
+        return other
+
+    @property
+    def elastic(self) -> bool:
+        """Speeds are kept: nothing needs to be solved."""
+        return self.law.restitution == 1.0
+
+    def measure(self, m: int) -> LogMeasure | None:
+        """Harmonic m of the initial state as weighted points; None where it is zero."""
+        if m not in self._measures:
+            self._measures[m] = self.state.harmonic(
+                m, self.rtol, self.lowest, max(self.degree, 2.0)
+            )
+        return self._measures[m]
+
+    @property
+    def speeds(self) -> LogMeasure:
+        """The initial speeds: harmonic 0, which is never zero."""
+        found = self.measure(0)
+        assert found is not None
+        return found
+
+    @cached_property
+    def log_stretch(self) -> FloatArray:
+        """ln(t/l) per time, -inf at t = 0, shape (n_times,)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(self.times) - math.log(self.mean_free_path))
+
+    @cached_property
+    def log_reference(self) -> FloatArray:
+        """ln of a speed of the order of the thermal one, (n_times,): its powers keep in range."""
+        if self.elastic:
+            return np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
+        return self._reference(self.log_stretch)
+
+    def _reference(self, log_stretch: FloatArray) -> FloatArray:
+        late = -log_stretch - math.log(self.law.mean_log_loss)
+        return np.minimum(0.5 * self.speeds.log_second_moment(), late)
+
+    @property
+    def width(self) -> float:
+        """Of the panels of the backward equation."""
+        return panel_width(max(abs(self.degree), abs(self.lowest)))
+
+    @cached_property
+    def equation(self) -> BackwardEquation:
+        """The backward equation, up to the largest v t that occurs."""
+        highest = float(self.speeds.x.max() + self.log_stretch[-1])
+        nodes = self.nodes or nodes_for(
+            self.rtol, speed_power(self.degree), self.law.restitution, self.width
+        )
+        return BackwardEquation(self.law, max(highest, -2.0), nodes, self.width)
+
+    def power(self, p: float, m: int = 0) -> NDArray[Any]:
+        """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
+        found = self.measure(m)
+        if found is None:
+            return np.zeros(self.times.shape)
+        if not self.elastic:
+            return self.average(speed_power(p, m))
+        # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)] = nu_m
+        with np.errstate(under="ignore", over="ignore"):
+            kept = np.exp(p * (found.x - self.log_reference[:, None]))
+            if m:
+                nu = self.law.harmonic_decay_rate(0.0, m)
+                kept = kept * np.exp(-nu * np.exp(found.x + self.log_stretch[:, None]))
+        return np.asarray(kept @ found.weight)
+
+    def average(
+        self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
+    ) -> NDArray[Any]:
+        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading; e < 1.
+
+        Lengths in l, v_first the root mean square of the initial speeds, shape (n_times,). m is
+        the harmonic of y by default; ``leading`` takes the T^leading out with which y begins.
+        """
+        found = self.measure(y.harmonic if m is None else m)
+        if found is None:
+            return np.zeros(self.times.shape)
+        w = found.weight
+        if start:
+            w = w * np.exp(start * (found.x - 0.5 * self.speeds.log_second_moment()))
+        return self._at_times(LogMeasure(found.x, w), y, leading)
+
+    def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
+        """The average at all times, (n_times,): of many of them most by interpolation.
+
+        An average over speeds is as smooth in ln t as its observable is in ln T: a few times of
+        each panel give the others.
+        """
+        late = np.isfinite(self.log_stretch)
+        stretch = self.log_stretch[late]
+        rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
+        # panels down from the last time: the equation is not solved beyond it
+        end = stretch[-1:]
+        used, which = np.unique(
+            np.floor((end - stretch) / self.width).astype(int), return_inverse=True
+        )
+        if stretch.size <= _MANY * used.size * rule.nodes or points.x.size < _FEW_POINTS:
+            return self._at(points, y, leading, self.log_stretch)
+        first = end - (used + 1) * self.width
+        nodes = first[:, None] + self.width * rule.local
+        values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
+        # as powers of T, which are smooth everywhere: v_ref is not
+        p = y.degree + leading
+        power = nodes + self._reference(nodes)
+        values = values * np.exp(p * (power - power[:, :1]))
+        rows = rule.rows((stretch - first[which]) / self.width)
+        at_times = stretch + self._reference(stretch) - power[which, 0]
+        out = np.empty(self.times.shape, dtype=values.dtype)
+        out[late] = np.einsum("ij,ij->i", rows, values[which]) * np.exp(-p * at_times)
+        out[~late] = self._at(points, y, leading, self.log_stretch[~late])
+        return out
+
+    def _places(self, x: FloatArray) -> Places:
+        """Of these X; the observables of a scene ask for the same ones again and again."""
+        key = x.tobytes()
+        if key not in self._known:
+            if len(self._known) >= _KEPT:
+                self._known.clear()
+            self._known[key] = self.equation.locate(x)
+        return self._known[key]
+
+    def _at(
+        self, points: LogMeasure, y: Observable, leading: int, log_stretch: FloatArray
+    ) -> NDArray[Any]:
+        """The average at these ln(t/l), (n,)."""
+        x, w, p = points.x, points.weight, y.degree + leading
+        out = np.empty(log_stretch.shape, dtype=w.dtype)
+        # in pieces of the time axis, so that memory stays flat
+        piece = max(1, _PIECE // x.size)
+        for first in range(0, log_stretch.size, piece):
+            stretch = log_stretch[first : first + piece, None]
+            reference = self._reference(stretch)
+            places = self._places(x + stretch)
+            small, large = self.equation.reduced(y, places, leading)
+            with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+                # y = T^p m: m where T is small, y where it is not
+                early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
+                late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
+            out[first : first + piece] = (early + late) @ w
+        return out

@@ -1,0 +1,257 @@
+"""F(k, t): the scattering function of one tracer, averaged over the initial state."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError, warn_missed
+from kinetics.moments.velocity import Averages
+from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.wave_panel import Indices, chebyshev_points, last_coefficients
+from kinetics.position.scattering import Waves, solve_waves
+from kinetics.states.isotropic import Profile, State
+from kinetics.states.quadrature import LogMeasure, panels
+
+FloatArray = NDArray[np.float64]
+
+_POINTS = 10  # Gauss points of a panel of initial speeds
+_HALVINGS = 6
+_LARGEST = 200.0  # K, or K T, that can be asked for
+_BEST = 1e-12
+_WIDEST = 0.5  # K up to which panels are as wide as they get
+_FREE = math.log(40.0)  # X beyond which exp(-T) is nothing
+_MOST_PIECES = 4000  # of the panels, for averages over them
+
+
+def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
+    """The initial speeds as points that resolve functions varying over ``spacing`` in ln v.
+
+    Peaks and samples are the points that they are; densities get Gauss panels no wider than
+    spacing, with an edge at each kink.
+    """
+    profile = state.profile(0)
+    if profile is None:
+        found = state.harmonic(0, rtol)
+        assert found is not None  # harmonic 0 is never zero
+        return found
+    _, x, weight = _panels_of(state, profile, spacing, rtol)
+    return LogMeasure(x, weight / float(weight.sum()))
+
+
+def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
+    """The same for harmonic m > 0; None where it is zero."""
+    profile, harmonic = state.profile(0), state.profile(m)
+    if profile is None or harmonic is None:
+        return state.harmonic(m, rtol)
+    edges, _, weight = _panels_of(state, profile, spacing, rtol)
+    x, w = panels(edges, _POINTS)
+    v = np.exp(x)
+    return LogMeasure(x, np.asarray(harmonic(v) * v * w) / float(weight.sum()))
+
+
+def _panels_of(
+    state: State, profile: Profile, spacing: float, rtol: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
+    found = state.harmonic(0, rtol)
+    assert found is not None
+    low, high = float(found.x.min()), float(found.x.max())
+    kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
+    if kinks.size:
+        # the points of a table stop short of its ends
+        low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
+    kinks = kinks[(kinks > low) & (kinks < high)]
+    for halving in range(_HALVINGS + 1):
+        count = math.ceil((high - low) / spacing * 2**halving) + 1
+        edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
+        x, w = panels(edges, _POINTS)
+        v = np.exp(x)
+        weight = np.asarray(profile(v).real * v * w)
+        if abs(float(weight.sum()) - 1.0) < rtol:
+            break
+    return edges, x, weight
+
+
+@dataclass(frozen=True)
+class Scattering:
+    """F for one system and start.
+
+    Parameters
+    ----------
+    law, mean_free_path : of the medium, l in d
+    state : the start
+    times : in d/U, shape (n_times,)
+    systems : how many systems of so many equations have been solved, by their size
+    """
+
+    law: CollisionLaw
+    mean_free_path: float
+    state: State
+    times: FloatArray
+    systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
+
+    def log_stretch(self, which: Indices) -> FloatArray:
+        """ln(t/l) of some of the times."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(self.times[which]) - math.log(self.mean_free_path))
+
+    def _waves(
+        self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
+    ) -> Waves:
+        """What the backward equation gives for K = k l, up to the largest T of the times."""
+        speeds = points_of(self.state, 1.0, tolerance)
+        highest = float(speeds.x.max() + self.log_stretch(which).max())
+        # of the directions each harmonic that is kept has its own share of the error
+        share = 0.1 if kept else 0.3
+        found = solve_waves(self.law, wave_numbers, highest, share * tolerance, kept)
+        self.systems[found.rule.nodes - 1] += found.systems
+        return found
+
+    def collided(
+        self, wave_numbers: FloatArray, which: Indices, tolerance: float
+    ) -> tuple[FloatArray, float]:
+        """F without the tracers that have not collided, (n_which, n_k), and its error.
+
+        wave_numbers : K = k l, of similar size, shape (n_k,)
+        """
+        waves, stretch = self._waves(wave_numbers, which, tolerance), self.log_stretch(which)
+        profile = self.state.profile(0)
+        out = None
+        if profile is not None and self.state.smooth:
+            out = self._on_panels(waves, profile, stretch, tolerance)
+        if out is None:
+            speeds = points_of(self.state, waves.rule.width, tolerance)
+            out = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
+        return out, waves.error_estimate
+
+    def _on_panels(
+        self, waves: Waves, profile: Profile, stretch: FloatArray, tolerance: float
+    ) -> FloatArray | None:
+        """The means over a smooth density, from the same X for all times; None if too many."""
+        width = waves.rule.width
+        edges, _, weight = _panels_of(self.state, profile, width, tolerance)
+        norm, bottom, top = float(weight.sum()), float(edges[0]), float(edges[-1])
+        # nothing has collided below, and nothing is left above if the waves end
+        low = max(bottom + float(stretch.min()), math.log(tolerance) - 3.0)
+        high = top + float(stretch.max())
+        if waves.ended:
+            high = min(high, waves.start + (waves.values.shape[0] - 0.5) * width)
+        pieces = math.ceil(width * (edges.size - 1) / (top - bottom) - 1e-9)
+        first, last = (math.floor((x - waves.start) / width) * pieces for x in (low, high))
+        if last - first > _MOST_PIECES:
+            return None
+        steps = np.arange(first, max(first, last) + pieces + 1)
+        x, w = panels(np.asarray(waves.start + width / pieces * steps), _POINTS)
+        left = _collided(waves, x)
+        out = np.empty((stretch.size, left.shape[1]))
+        for i, s in enumerate(stretch):
+            part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
+            v = np.exp(x[part] - s)
+            out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
+        return out
+
+    def whole(
+        self, wave_numbers: FloatArray, direction: float | None, tolerance: float
+    ) -> tuple[NDArray[Any], float]:
+        """F (n_times, n_k), and its error; real where k has no direction or the start has none.
+
+        wave_numbers : K = k l, of similar size, shape (n_k,)
+        direction : angle of k to the x axis; None for the mean over the directions
+        """
+        which = np.arange(self.times.size)
+        most = self.state.highest_harmonic
+        kept = 0
+        if direction is not None and most != 0:
+            kept = 10**6 if most is None else most
+        waves = self._waves(wave_numbers, which, tolerance, kept)
+        width = waves.rule.width
+        speeds = points_of(self.state, width, tolerance)
+        out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
+        for m in range(min(kept + 1, waves.values.shape[1])):
+            start = speeds if m == 0 else _harmonic_of(self.state, m, width, tolerance)
+            if start is None:
+                continue
+            turn = np.exp(1j * m * (direction or 0.0))
+            for i, stretch in enumerate(self.log_stretch(which)):
+                mean = start.weight @ waves(start.x + stretch, m)
+                # harmonics m and -m together
+                out[i] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
+        return out, waves.error_estimate
+
+
+def _collided(waves: Waves, x: FloatArray) -> FloatArray:
+    """a_0 less exp(-T) J_0(K T), at X = x (n_x,): shape (n_x, n_k)."""
+    from scipy.special import j0
+
+    left = waves(x)
+    near = x < _FREE
+    path = np.exp(x[near])
+    left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, waves.wave_numbers))
+    return left
+
+
+def scattering_function(
+    averages: Averages, wave_numbers: FloatArray, direction: float | None
+) -> NDArray[Any]:
+    """F (n_times, n_k) at wave numbers in 1/d (n_k,); InputError where they are too large.
+
+    Warns (ToleranceWarning) where the error estimate exceeds max(rtol, 1e-12).
+    """
+    path, times = averages.mean_free_path, averages.times
+    scaled = wave_numbers * path
+    typical = math.exp(0.5 * averages.speeds.log_second_moment()) / path
+    limit = _LARGEST * max(1.0, 1.0 / max(float(times[-1]) * typical, 1e-300))
+    if float(scaled.max()) > limit:
+        raise InputError(
+            f"wave_numbers: got up to {wave_numbers.max():.4g}; for these times they may reach "
+            f"{limit / path:.4g} per d"
+        )
+    directed = direction is not None and averages.state.highest_harmonic != 0
+    out = np.ones((times.size, scaled.size), dtype=complex if directed else float)
+    late = times > 0.0
+    system = Scattering(averages.law, path, averages.state, times[late])
+    left = (scaled > 0.0) & bool(late.any())
+    tolerance, worst = max(averages.rtol, _BEST), 0.0
+    while left.any():
+        # those within a factor of two share their panels
+        largest = float(scaled[left].max())
+        group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
+        found, error = _through_points(system, scaled[group], direction, tolerance)
+        worst = max(worst, error)
+        out[np.ix_(late, group)] = found
+        left &= ~group
+    if worst > tolerance:
+        warn_missed("F(k, t)", worst, tolerance)
+    return out
+
+
+def _through_points(
+    system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
+) -> tuple[NDArray[Any], float]:
+    """F (n_times, n_k) and its error.
+
+    By a polynomial where the wave numbers are many more than it needs.
+    """
+    low, high = float(wave_numbers.min()), float(wave_numbers.max())
+    nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)
+    if system.state.peaks is not None:
+        # tracers of one speed that have not collided make F turn with cos(K T)
+        longest = float(np.exp(system.log_stretch(np.arange(system.times.size))).max())
+        fastest = float(np.max(system.state.peaks[0]))
+        nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
+    if wave_numbers.size > 1.5 * nodes:
+        local, weights = chebyshev_points(math.ceil(nodes))
+        trial, error = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
+        left_out = last_coefficients(trial)
+        if left_out < 0.5 * tolerance:
+            places = (wave_numbers - low) / (high - low)
+            rows = interpolation_rows(places[:, None] - local, weights)
+            return np.asarray(trial @ rows.T), error + float(left_out)
+    return system.whole(wave_numbers, direction, tolerance)

@@ -1,0 +1,316 @@
+"""Log g on the whole axis: the tilts that a question needs, glued, and the recursion below them.
+
+Each tilt (:mod:`kinetics.scaling.tilted`) resolves g around its own peak. Two neighbours are glued
+where both still do, and the recursion of :mod:`kinetics.scaling.low_speeds` goes on below the
+lowest. ln g is then accurate relative to g, and moments are sums of positive terms.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.scaling.low_speeds import LowSpeeds
+from kinetics.scaling.tilted import BULK_MARGIN, Tilt, next_tilt, solve_tilt
+
+FloatArray = NDArray[np.float64]
+
+# The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
+# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just above 0,
+# it serves the moments 0 to 4 alone: noise is no worse in moments above the tilt, but below.
+_FIRST_TILT = 0.1
+# At small e the norm itself would lack the long tail to low speeds.
+_FIRST_TILT_LOW, _LONG_TAIL = -0.05, 0.35
+_LOWEST_LOG = -690.0  # F below e^-690 is 0
+# ln g this far below its peak, above and below the bulk, falls so steeply that an error of the
+# unit of speed counts too much.
+_FAR_ABOVE, _FAR_BELOW = 75.0, 150.0
+_FAR = 15.0  # g below e^-_FAR rtol does not matter to the recursion
+_NEGLIGIBLE = 4.0  # what lies beyond the lowest speeds weighs e^-_NEGLIGIBLE rtol
+# A tilt's noise at the ends of its window, and how much of rtol it may cost a moment (measured).
+_NOISE_LEFT, _NOISE_RIGHT = 1.0, 0.05
+_MOMENT_SHARE = 0.15
+_SPACING = 1.4  # the trapezoid rule needs half the points that resolve the density
+_PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0
+
+
+class SpeedAxis:
+    """Log g(x), x = ln(kappa v t/l), as far as it was asked for; up to its norm.
+
+    Parameters
+    ----------
+    law : the collision law, 0 <= e < 1
+    rtol : relative accuracy of g and of its moments
+    nodes : of each tilt, or None for as many as rtol takes
+
+    Attributes
+    ----------
+    tilts : those solved so far, upwards
+    scales : what to add to the log of each; 0 for the first one solved, the bulk's
+    refined : whether the bulk was solved again, for densities far out
+    unresolved : whether there were too few nodes to go on: part of the axis is missing
+    """
+
+    def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
+        self.law = law
+        self.rtol = rtol
+        self.requested_nodes = nodes
+        first = _FIRST_TILT_LOW if law.restitution < _LONG_TAIL else _FIRST_TILT
+        self.tilts = [solve_tilt(law, first, rtol, nodes, BULK_MARGIN)]
+        self.scales = [0.0]
+        self._bulk = 0  # which of them was the first
+        self._seams: list[float] = []  # where neighbours meet
+        self._disagreements: list[float] = []  # of them there
+        self._low: LowSpeeds | None = None
+        self._low_scale = 0.0
+        self.refined = False
+        self.unresolved = False
+        self._lost = 0.0  # by moments that reach beyond all that can be solved
+        self._sampled: tuple[FloatArray, FloatArray, float] | None = None
+
+    @property
+    def error_estimate(self) -> float:
+        """Relative error of the results, over all that was solved so far."""
+        estimates = [t.error for t in self.tilts]
+        return max(*estimates, *self._disagreements, self._lost, 1.0 if self.unresolved else 0.0)
+
+    # -- moments ------------------------------------------------------------------------------
+
+    def log_sum(self, p: float, share: float = 1.0) -> float:
+        """Log of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
+        self._extend_for_moment(p, _MOMENT_SHARE * share * self.rtol)
+        x, log_g, spacing = self._samples()
+        if self.law.restitution == 0.0:
+            # there g ~ e^x: the grid goes on below what is solved until e^((1+p) x) is negligible
+            depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
+            more = math.ceil(depth / (1.0 + p) / spacing)
+            below = x[0] - spacing * np.arange(more, 0, -1)
+            x = np.concatenate([below, x])
+            log_g = np.concatenate([self._below_at_zero(below), log_g])
+        terms = p * x + log_g
+        largest = float(terms.max())
+        if not math.isfinite(largest):
+            self.unresolved = True
+            return 0.0
+        return largest + math.log(float(np.exp(terms - largest).sum()) * spacing)
+
+    def _extend_for_moment(self, p: float, accepted: float) -> None:
+        """Solve further up and down until the noise of the last tilts is negligible."""
+        while True:
+            high = self.tilts[-1]
+            lost = self._lost_by(high, self.scales[-1], p, high.grid.end, _NOISE_RIGHT)
+            if p <= high.theta or lost < accepted:
+                break
+            if not self._add_above():
+                self._lost = max(self._lost, min(lost, 1.0))
+                break
+        while True:
+            if self._low is not None:
+                end = self._log_at_bottom() + p * self._bottom
+                depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
+                if end < self._peak(p) - depth or not self._add_below():
+                    break
+                continue
+            low = self.tilts[0]
+            if p >= low.theta or self.law.restitution == 0.0:
+                break
+            lost = self._lost_by(low, self.scales[0], p, low.grid.start, _NOISE_LEFT)
+            if lost < accepted or not self._add_below():
+                break
+
+    def _peak(self, p: float) -> float:
+        """Log of the maximum of e^(p x) g, nearly."""
+        return max(
+            t.landmarks[1]
+            + scale
+            + p * t.centre
+            + 0.5 * min(t.span, abs(p - t.theta) * t.deviation) ** 2
+            for t, scale in zip(self.tilts, self.scales, strict=True)
+        )
+
+    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float, level: float) -> float:
+        """What the noise of a tilt at x adds to moment p, relative to it."""
+        peak = tilt.landmarks[1] + tilt.theta * tilt.centre + scale
+        log_lost = peak + (p - tilt.theta) * x - self._peak(p)
+        return level * tilt.noise * math.exp(min(log_lost, 600.0))
+
+    def _samples(self) -> tuple[FloatArray, FloatArray, float]:
+        """Equidistant x over all that is solved, ln g there, and the spacing."""
+        if self._sampled is None:
+            if len(self.tilts) == 1 and self._low is None and self.law.restitution > 0.0:
+                only = self.tilts[0]
+                self._sampled = (only.grid.x, only.log_at_nodes, only.grid.spacing)
+                return self._sampled
+            bottom = self.tilts[0].grid.start if self._low is None else self._low.bottom
+            if self.law.restitution == 0.0:
+                bottom = self.tilts[0].bottom
+            top = float(self.tilts[-1].grid.x[-1])  # beyond, the window begins again
+            if not top > bottom:  # too few nodes
+                self.unresolved = True
+                top = bottom + 1.0
+            spacing = _SPACING * min(t.grid.spacing for t in self.tilts)
+            x = np.linspace(bottom, top, math.ceil((top - bottom) / spacing) + 1)
+            self._sampled = (x, self._glued(x), float(x[1] - x[0]))
+        return self._sampled
+
+    # -- the axis, piece by piece -------------------------------------------------------------
+
+    @property
+    def _bottom(self) -> float:
+        return self.tilts[0].bottom if self._low is None else self._low.bottom
+
+    def _log_at_bottom(self) -> float:
+        if self._low is not None:
+            return self._low.log_at_bottom + self._low_scale
+        return self.tilts[0].landmarks[0] + self.scales[0]
+
+    def _join(self, low: Tilt, high: Tilt) -> tuple[float, float, float]:
+        """Where two tilts meet, the difference of their logarithms there, and its spread."""
+        reach = low.span * low.deviation
+        share = reach / (reach + high.span * high.deviation)
+        x = low.centre + share * (high.centre - low.centre)
+        # over a period of the highest modes, of which the noise is made
+        around = x + np.linspace(-0.5, 0.5, 5) * (low.grid.spacing + high.grid.spacing)
+        with np.errstate(invalid="ignore"):
+            gap = low.log_density(around) - high.log_density(around)
+        if not np.all(np.isfinite(gap)):
+            return x, float(gap[2]), 1.0
+        inner = gap[1:-1]
+        # both have a part in it
+        return x, float(_PERIOD @ gap), 0.5 * float(inner.max() - inner.min())
+
+    def _add_above(self) -> bool:
+        """The next tilt up; False where too few nodes were asked for to find it."""
+        known = self.tilts[-1]
+        theta = next_tilt(self.law, known, self.rtol, above=True)
+        if theta is not None:
+            tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
+            x, gap, spread = self._join(known, tilt)
+            scale = self.scales[-1] + gap
+            if math.isfinite(scale + sum(tilt.landmarks[1:])):
+                self.tilts.append(tilt)
+                self.scales.append(scale)
+                self._seams.append(x)
+                self._disagreements.append(spread)
+                self._sampled = None
+                return True
+        self.unresolved = True
+        return False
+
+    def _add_below(self) -> bool:
+        """One piece further down; False where F = g/(2 pi c^2) is below e^-690."""
+        if self._log_at_bottom() - 2.0 * self._bottom < _LOWEST_LOG - 50.0:
+            return False
+        if self.law.restitution == 0.0:
+            return False  # known in closed form, see _below_at_zero
+        self._sampled = None
+        if self._low is not None:
+            self._low.extend(self._bottom - 4.0)
+            return True
+        known = self.tilts[0]
+        theta = next_tilt(self.law, known, self.rtol, above=False)
+        if theta is not None:
+            tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
+            x, gap, spread = self._join(tilt, known)
+            scale = self.scales[0] - gap
+            if not math.isfinite(scale + sum(tilt.landmarks[:2])):
+                self.unresolved = True
+                return False
+            self._bulk += 1
+            self.tilts.insert(0, tilt)
+            self.scales.insert(0, scale)
+            self._seams.insert(0, x)
+            self._disagreements.append(spread)
+            return True
+        # the sweeps of the recursion converge as e^top
+        top = max(min(known.centre, -1.0), known.bottom)
+        self._low = LowSpeeds(self.law, top, self._log_density_above, self.rtol)
+        self._low.extend(known.bottom - 2.0)
+        return True
+
+    def cover_above(self, x: float, floor: float = _LOWEST_LOG) -> None:
+        """Solve upwards until x is reached, or g there is below e^floor."""
+        while self.tilts[-1].top < x and self.tilts[-1].landmarks[1] + self.scales[-1] > floor:
+            if not self._add_above():
+                return
+
+    def _log_density_above(self, x: FloatArray) -> FloatArray:
+        """Log g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
+        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _FAR)
+        top = self.tilts[-1].top
+        out = self._glued(np.minimum(x, top))
+        above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
+        out = out - above / self.law.mean_log_loss
+        if not np.all(np.isfinite(out)):
+            self.unresolved = True
+        return np.asarray(
+            np.nan_to_num(out, nan=_LOWEST_LOG, posinf=_LOWEST_LOG, neginf=_LOWEST_LOG)
+        )
+
+    def log_density(self, x: FloatArray) -> FloatArray:
+        """Log g at x, shape (n,), up to the norm; -inf where it is negligible."""
+        if x.size == 0:
+            return np.zeros(0)
+        self.cover_above(float(x.max()))
+        lowest = float(x.min())
+        while self._bottom > lowest and self._add_below():
+            pass
+        out = self._glued(x)
+        if not self.refined and self.requested_nodes is None:
+            bulk = self.tilts[self._bulk]
+            drop = np.where(np.isfinite(out), bulk.landmarks[1] - out, 0.0)
+            if np.any(drop > np.where(x > bulk.centre, _FAR_ABOVE, _FAR_BELOW)):
+                self._refine()
+                return self._glued(x)
+        return out
+
+    def _refine(self) -> None:
+        """The bulk again, with the margin of the others, in its place between them."""
+        i = self._bulk
+        known = self.tilts[i]
+        fine = solve_tilt(self.law, known.theta, self.rtol)
+        self.tilts[i] = fine
+        below = 0.0
+        if i + 1 < len(self.tilts):
+            self._seams[i], gap, _ = self._join(fine, self.tilts[i + 1])
+            above = gap - self.scales[i + 1]
+            self.scales[i + 1 :] = [scale + above for scale in self.scales[i + 1 :]]
+        if i > 0:
+            self._seams[i - 1], gap, _ = self._join(self.tilts[i - 1], fine)
+            below = -gap - self.scales[i - 1]
+            self.scales[:i] = [scale + below for scale in self.scales[:i]]
+        elif self._low is not None:
+            top = np.array([self._low.top])
+            below = float((fine.log_density(top) - known.log_density(top))[0])
+        self._low_scale += below
+        self._sampled = None
+        self.refined = True
+
+    def _glued(self, x: FloatArray) -> FloatArray:
+        """The same from what is solved."""
+        out = np.full(x.shape, -math.inf)
+        chosen = np.searchsorted(self._seams, x)
+        if self._low is not None:
+            chosen[x < self._low.top] = -1
+        elif self.law.restitution == 0.0:
+            chosen[x < self.tilts[0].bottom] = -1
+        for i, tilt in enumerate(self.tilts):
+            mine = (chosen == i) & (x >= tilt.grid.start) & (x <= tilt.grid.x[-1])
+            if np.any(mine):
+                out[mine] = tilt.log_density(x[mine]) + self.scales[i]
+        mine = chosen == -1
+        if np.any(mine):
+            if self._low is None:
+                out[mine] = self._below_at_zero(x[mine])
+            else:
+                mine &= x >= self._low.bottom
+                out[mine] = self._low.log_density(x[mine]) + self._low_scale
+        return out
+
+    def _below_at_zero(self, x: FloatArray) -> FloatArray:
+        """Log g below the lowest tilt at e = 0, where g = e^x (integral of g from x upwards)."""
+        base = self.tilts[0].bottom
+        return np.asarray(self._log_at_bottom() + (x - base) - (np.exp(x) - math.exp(base)))

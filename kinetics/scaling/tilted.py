@@ -1,0 +1,323 @@
+r"""The stationary scaled equation, solved through a tilt of the logarithmic speed axis.
+
+The paper's scaled equation (label ``ifmu2``), for the density g of x = ln(kappa v t/l), reads
+
+    dg/dx = -e^x g/kappa + E[ e^(x+xi) g(x+xi) ]/kappa,     xi = -ln s >= 0 :
+
+a constant drift to larger v t against the losses at bounces. Integrated once it says that the flux
+upwards, g, equals the flux of losses downwards past x. For G = e^(theta x) g on a periodic window
+of equidistant x this is a convolution W (symbol lambda(z)/(kappa z), z = theta - i k):
+
+    G = W (e^x G).
+
+G is the null vector of a dense matrix of 50 to 200 rows. The tilt theta moves the weight of the
+unknown along the axis: each tilt resolves g, to rounding relative to g itself, around the peak of
+e^(theta x) g.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.numerics.log_grid import LogGrid
+from kinetics.scaling.symbols import decay_symbol_on_line, drift_log, flux_symbol, peak_position
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+MAX_NODES = 4096
+SMALLEST_NODES = 8
+# A tilt's error is e^-depth of its peak within a factor of ten (measured), if its window ends
+# where the density weighs e^(1-depth) and its highest mode is e^-(depth+1): depth is ln(1/rtol)
+# and a margin. The tilt of the bulk decides the error of most answers. The others have the better
+# margin: they serve more of the axis each, and so are fewer.
+BULK_MARGIN = 4.3
+MARGIN = 7.0
+_MORE_MODES = 1.0
+# Wide densities are moved as a whole by what the highest modes miss, and high moments show it.
+_MORE_WHERE_WIDE, _WIDE = 2.3, 1.2
+_MISSED = 20.0  # the factor of an error estimate above which a tilt is solved again
+# Relative to the peak; wide windows and low speeds are the worst.
+_ROUNDING = 1e-14
+_NARROW_ROUNDING = 2e-15  # nearly elastic tracers: over the deviation (measured)
+_NARROWEST = 2.2  # standard deviations
+# Below this restitution few bounces carry a tracer from the bulk (x near 0) to low speeds, and a
+# tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of its accuracy.
+_FEW_BOUNCES = 0.65
+_BULK_DROP = 3.5
+_SIZING = 0.6  # of the points that a symbol takes to rounding will do to size a grid
+_ELASTIC = 1.0 - 1e-6  # the tilted state is nearly a ring above it
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """The solution seen through e^(theta x).
+
+    Attributes
+    ----------
+    theta : the tilt
+    grid : nodes in x = ln(kappa v t/l)
+    values : e^(theta x) g(x)/A(theta) at the nodes, shape (nodes,); sums to 1/h
+    centre, deviation : mean and standard deviation of x under that density
+    span : how many deviations from the centre it is used where a neighbour takes over
+    noise : what its error relative to the maximum was chosen to be
+    defect, edges, spectrum : three estimates of what it is: from what the discrete equation is
+        short of being singular, from the values at the ends, and from the highest modes
+    """
+
+    theta: float
+    grid: LogGrid
+    values: FloatArray
+    centre: float
+    deviation: float
+    span: float
+    noise: float
+    defect: float
+    edges: float
+    spectrum: float
+
+    @property
+    def error(self) -> float:
+        """Estimate of the error relative to the maximum."""
+        return max(self.discretisation_error, _NARROW_ROUNDING / self.deviation)
+
+    @property
+    def discretisation_error(self) -> float:
+        """Estimate of the part of it that more nodes would make smaller."""
+        return max(self.defect, self.edges, self.spectrum)
+
+    @cached_property
+    def landmarks(self) -> tuple[float, float, float]:
+        """Log g, up to the tilt's own scale, at the bottom, the centre and the top."""
+        low, middle, high = self.log_density(np.array([self.bottom, self.centre, self.top]))
+        return float(low), float(middle), float(high)
+
+    @property
+    def bottom(self) -> float:
+        """Lowest x at which the tilt is used as long as there is a neighbour."""
+        return self.centre - self.span * self.deviation
+
+    @property
+    def top(self) -> float:
+        """Highest x at which the tilt is used as long as there is a neighbour."""
+        return self.centre + self.span * self.deviation
+
+    @cached_property
+    def _coefficients(self) -> ComplexArray:
+        return self.grid.coefficients(self.values)
+
+    def log_density(self, x: FloatArray) -> FloatArray:
+        """Log g(x) up to the tilt's own scale, x (n,) in the window; -inf where it is not > 0."""
+        value = self.grid.evaluate(self._coefficients, x)
+        return self._log(value) - self.theta * x
+
+    @cached_property
+    def log_at_nodes(self) -> FloatArray:
+        """The same at the nodes."""
+        return self._log(self.values) - self.theta * self.grid.x
+
+    @staticmethod
+    def _log(value: FloatArray) -> FloatArray:
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(np.maximum(value, 0.0)))
+
+
+def _variance(law: CollisionLaw, theta: float) -> float:
+    """Of x under the tilt, nearly: the second derivative of ln E[(kappa v t/l)^z] at theta."""
+    if law.restitution > _ELASTIC:
+        # E[xi^2]/(2 kappa), which differences of logarithms close to 0 do not hold
+        q = law.quadrature
+        return float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss)
+    around = theta + np.array([-0.01, 0.01])
+    return float(np.diff(peak_position(law, around))[0]) / 0.02
+
+
+def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
+    """Ends of the window beyond which the tilted density weighs e^-depth, and its width.
+
+    Chernoff's bound on either side. The cumulants K(theta + n) it needs are sums of
+    rho(z) = ln(kappa z/lambda(z)), taken in steps of about half a standard deviation.
+    """
+    deviation = math.sqrt(_variance(law, theta))
+    stride = max(1, round(0.5 / deviation))
+    n = np.arange(1, 51)
+    # sum of rho over stride integers, from its middle: exact at stride 1
+    up_at = theta + (n - 0.5) * stride - 0.5
+    down_at = theta - (n - 0.5) * stride - 0.5
+    if law.restitution == 0.0:
+        down_at = down_at[:0]
+    else:
+        down_at = down_at[down_at > -600.0 / float(law.quadrature.log_loss.max())]
+    rho = drift_log(law, np.concatenate([up_at, down_at])) * stride
+    up, down = np.cumsum(rho[:50]), -np.cumsum(rho[50:])
+    # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
+    right = float(np.min((up + depth + 5.0) / (n * stride)))
+    if law.restitution == 0.0:
+        return _left_at_zero(theta, depth), right, deviation
+    left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
+    return left, right, deviation
+
+
+def _left_at_zero(theta: float, depth: float) -> float:
+    """Left end of the window at e = 0, where the tilted density is e^((1 + theta) x) there."""
+    return -(depth + 2.0) / (1.0 + theta)
+
+
+def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
+    """The wave number at which the transform A(theta + i k) has fallen to e^-depth.
+
+    From Re z >= 1/2 upwards ln A turns as rho(z - 1/2) does, rho = ln(kappa z/lambda(z)); what
+    lies lower is carried there by ln A(z) = ln A(z + 1) - rho(z).
+    """
+    # lower down only wide densities need the care: the branches are unwrapped
+    shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.4 else 0
+    for reach in (14.0, 60.0, 300.0) if deviation < 0.6 else (45.0, 300.0):
+        k = np.linspace(0.0, reach / deviation, 32)
+        lines = np.append(theta + np.arange(shift), theta + shift - 0.5)
+        log_flux = _log_flux_on_lines(law, lines, k)
+        # the imaginary part without its branches, from step to step
+        turn = -np.cumsum(np.angle(np.exp(1j * np.diff(log_flux[-1].imag, prepend=0.0))))
+        fall = np.concatenate([[0.0], np.cumsum(0.5 * (turn[1:] + turn[:-1]) * np.diff(k))])
+        # the real part has no branches
+        if shift:
+            fall -= (log_flux[:shift].real - log_flux[:shift, :1].real).sum(axis=0)
+        past = np.nonzero(fall > depth)[0]
+        if past.size:
+            # the fall is convex: the wave number of the last point before is not far off
+            i = int(past[0])
+            share = (depth - fall[i - 1]) / (fall[i] - fall[i - 1])
+            return float(k[i - 1] + share * (k[i] - k[i - 1]))
+    return float(k[-1])
+
+
+def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> ComplexArray:
+    """ln[lambda(z)/(kappa z)] at z = real + i k, shape (n_real, n_k); to size grids with.
+
+    real (n_real,), k (n_k,) equidistant from 0. The lines share the exponentials of k.
+    """
+    real = np.where(np.abs(real) < 1e-3, 1e-3, real)  # lambda(z)/z has a limit at z = 0
+    z = real[:, None] + 1j * k
+    if law.restitution == 0.0:
+        return np.asarray(-np.log(1.0 + z))
+    if law.restitution > _ELASTIC:
+        # 1 - E[s^z] would be 0
+        return np.asarray(np.log(flux_symbol(law, z.ravel()).reshape(z.shape)))
+    q = law.quadrature_for(_SIZING * float(np.abs(real).max() + k[-1]))
+    weights = q.weight * np.exp(-np.multiply.outer(real, q.log_loss))
+    turns = np.empty((q.log_loss.size, k.size), dtype=complex)
+    turns[:] = np.exp(-1j * k[1] * q.log_loss)[:, None]
+    turns[:, 0] = 1.0
+    power = weights @ np.cumprod(turns, axis=1, out=turns)
+    return np.asarray(np.log((1.0 - power) / (law.mean_log_loss * z)))
+
+
+def _span(rtol: float, margin: float) -> float:
+    """Deviations from its centre at which a tilt leaves an eighth of rtol: there are many seams.
+
+    Its error there is some 0.3 e^-depth of the peak, and g is e^(-span^2/2) of it.
+    """
+    room = 0.4 * rtol / max(math.exp(-margin) * rtol, _ROUNDING)
+    return max(_NARROWEST, math.sqrt(2.0 * math.log(max(room, 1.0))))
+
+
+def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> float | None:
+    """The tilt that takes over, up or down, where a known one ends.
+
+    None where there is none: at low e the cascade to low speeds starts in the bulk, which the
+    tilt must still resolve.
+    """
+    sign = 1.0 if above else -1.0
+    span = _span(rtol, MARGIN)
+    # s^z must not overflow, half a unit below the tilt either
+    deepest = float(law.quadrature.log_loss.max())
+    lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
+    shares = np.array([2.0, 1.6, 1.3, 1.0, 0.8, 0.65, 0.5, 0.4, 0.3])
+    thetas = known.theta + sign * shares * (span + known.span) / known.deviation
+    thetas = thetas[thetas > lowest]
+    if thetas.size == 0:
+        return None
+    two = peak_position(law, np.concatenate([thetas, thetas + 0.05]))
+    centre = two[: thetas.size]
+    slope = (two[thetas.size :] - centre) / 0.05
+    distance = sign * (centre - known.centre)
+    near = distance <= known.span * known.deviation + span * np.sqrt(np.abs(slope))
+    if not above and law.restitution < _FEW_BOUNCES:
+        near &= (centre > 0.0) | (centre**2 < 2.0 * _BULK_DROP * np.abs(slope))
+    return float(thetas[near][0]) if np.any(near) else None
+
+
+def solve_tilt(
+    law: CollisionLaw,
+    theta: float,
+    rtol: float,
+    nodes: int | None = None,
+    margin: float = MARGIN,
+) -> Tilt:
+    """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
+    span = _span(rtol, margin)
+    depth = math.log(1.0 / rtol) + margin
+    if nodes is not None:
+        left, right, _ = window_of(law, theta, depth - 1.0)
+        tilt = _solve_on(law, theta, LogGrid(left, (right - left) / nodes, nodes))
+        return replace(tilt, span=span, noise=tilt.error)
+    noise = max(math.exp(-depth), _ROUNDING)
+    for more in (0.0, 2.5, 5.0):
+        grid = _choose_grid(law, theta, depth + more)
+        tilt = _solve_on(law, theta, grid)
+        if tilt.discretisation_error <= _MISSED * noise or grid.nodes >= MAX_NODES:
+            break
+    return replace(tilt, span=span, noise=noise)
+
+
+def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
+    left, right, deviation = window_of(law, theta, depth - 1.0)
+    more = _MORE_MODES + _MORE_WHERE_WIDE * min(deviation, _WIDE)
+    band = band_of(law, theta, depth + more, deviation)
+    # an odd number: at an even one the highest mode is half missing, and its error ten times that
+    nodes = min(MAX_NODES, max(SMALLEST_NODES, math.ceil((right - left) * band / math.pi))) | 1
+    return LogGrid(left, (right - left) / nodes, nodes)
+
+
+def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
+    nodes = grid.nodes
+    decay = decay_symbol_on_line(law, theta, grid.wave_numbers)
+    flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers, decay))
+    # bordered, so that it is regular: the last row fixes the sum, the last column takes up what
+    # the discrete equation is short of being singular
+    matrix = np.empty((nodes + 1, nodes + 1))
+    np.multiply(flux, -np.exp(grid.x), out=matrix[:nodes, :nodes])
+    matrix.ravel()[: nodes * (nodes + 1) : nodes + 2] += 1.0
+    matrix[:nodes, nodes] = 1.0
+    matrix[nodes, :nodes] = 1.0
+    matrix[nodes, nodes] = 0.0
+    right_side = np.zeros(nodes + 1)
+    right_side[nodes] = 1.0 / grid.spacing
+    solution = np.linalg.solve(matrix, right_side)
+    values: FloatArray = np.asarray(solution[:nodes], dtype=float)
+    top = float(np.abs(values).max())
+    spectrum = np.abs(np.fft.rfft(values))
+    centre = float(grid.x @ values) * grid.spacing
+    variance = float((grid.x - centre) ** 2 @ values) * grid.spacing
+    deviation = math.sqrt(max(variance, grid.spacing**2))
+    first, before, last = (abs(float(v)) for v in values[[0, -2, -1]])
+    # beyond the last node the density goes on falling, faster and faster
+    last *= min(1.0, last / before) if before > 0.0 else 1.0
+    return Tilt(
+        theta=theta,
+        grid=grid,
+        values=values,
+        centre=centre,
+        deviation=deviation,
+        span=_NARROWEST,
+        noise=0.0,
+        # the factors were measured
+        defect=abs(float(solution[nodes])) / top * (30.0 + 1.3 / deviation),
+        edges=max(first, last) / top,
+        spectrum=0.3 * float(spectrum[-2:].max()) / float(spectrum[0]),
+    )

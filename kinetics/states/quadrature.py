@@ -1,0 +1,262 @@
+"""Distributions of speeds as weighted points on the logarithmic speed axis.
+
+The solver only ever needs averages of smooth functions of ln v over the initial state, so that a
+state is a list of points and weights: one point for a monoenergetic start, the trapezoid rule for a
+Gaussian, panels of Gauss-Legendre points for a density, and for samples of velocities the points
+of a fine grid that give every smooth average that the samples give.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import gauss_legendre
+from kinetics.errors import InputError
+from kinetics.numerics.barycentric import interpolation_rows
+
+FloatArray = NDArray[np.float64]
+
+_MOST_POINTS = 400  # samples up to this number are kept as they are
+_CLOSE = 512  # points of a panel of the scan where narrow peaks are looked for
+_LOWEST = -700.0  # ln v
+_FAR = 60.0  # e-folds above the bulk
+_MOST_PIECES = 5000  # of an integral that go on being halved
+
+
+@dataclass(frozen=True)
+class LogMeasure:
+    """A distribution of speeds: weight w_k at ln v = x_k.
+
+    Attributes
+    ----------
+    x : ln(v/U), shape (n_points,)
+    weight : shape (n_points,); real and summing to 1 for a speed distribution, complex for an
+        angular harmonic of one
+    """
+
+    x: FloatArray
+    weight: NDArray[Any]
+
+    def log_second_moment(self) -> float:
+        """ln <v^2>, for speeds of any scale."""
+        top = float(self.x.max())
+        return 2.0 * top + math.log(float(self.weight.real @ np.exp(2.0 * (self.x - top))))
+
+
+def gaussian(
+    rtol: float,
+    lowest: float,
+    highest: float,
+    deviation: float = 1.0,
+    factor: Callable[[Any], Any] | None = None,
+    ratio: float = 1.0,
+) -> LogMeasure:
+    """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
+
+    Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
+    the powers of v. The left end is where v^(2 + lowest) is below rtol. ``factor`` multiplies the
+    density, as a function of v/D; it is at most ``ratio``, and at most D/v.
+    """
+    depth = math.log(1.0 / rtol)
+    spacing = 0.5 * math.pi**2 / (depth + 8.0 + 1.5 * highest)
+    power = min(0.0, lowest)
+    left = -(depth + 2.0 + math.log(ratio)) / (2.0 + power)
+    if power > -1.0:
+        left = max(left, -(depth + 2.0) / (1.0 + power))
+    right = 0.5 * math.log(2.0 * (depth + 8.0 + 1.5 * highest))
+    x = np.arange(left, right + spacing, spacing)
+    weight: NDArray[Any] = spacing * np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
+    weight /= weight.sum()
+    if factor is not None:
+        weight = weight * factor(np.exp(x))
+    return LogMeasure(x + math.log(deviation), weight)
+
+
+def panels(edges: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on each interval between edges, flattened."""
+    x, w = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), points)
+    return x.ravel(), w.ravel()
+
+
+def panels_of(ends: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on intervals (n, 2): two arrays (n, points)."""
+    node, weight = gauss_legendre(points)
+    width = (ends[:, 1] - ends[:, 0])[:, None]
+    return ends[:, :1] + width * node, width * weight
+
+
+def table(
+    speed: FloatArray, density: NDArray[Any], rtol: float = 1e-16, lowest: float = 0.0
+) -> LogMeasure:
+    """A density, real or complex, linear between the points; pieces no wider than 1/4 in ln v.
+
+    One that begins at speed 0 goes down to where what is left is rtol of <v^lowest>. Raises
+    InputError where that is below the smallest number.
+    """
+    knots = np.log(np.maximum(speed, 1e-320))
+    if speed[0] == 0.0:
+        converges = (1.0 if density[0] else 2.0) + min(lowest, 0.0)
+        knots[0] = knots[1] - (math.log(1.0 / rtol) + 2.0) / converges
+        if knots[0] < _LOWEST:
+            raise InputError(f"p: got {lowest:g}; <v^p> of this table is too near to divergence")
+    parts = [
+        np.linspace(a, b, max(2, math.ceil(4.0 * (b - a)) + 1))[:-1]
+        for a, b in itertools.pairwise(knots)
+        if b > a
+    ]
+    x, w = panels(np.concatenate([*parts, knots[-1:]]), 6)
+    v = np.exp(x)
+    values: NDArray[Any] = np.interp(v, speed, density.real)
+    if np.iscomplexobj(density):
+        values = values + 1j * np.interp(v, speed, density.imag)
+    weight = w * v * values
+    keep = weight != 0.0
+    return LogMeasure(x[keep], weight[keep])
+
+
+def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
+    """Points x of the given weights, (n,) each, many of them gathered on a fine grid.
+
+    Each is spread by local interpolation (12 points, spacing 1/16): averages of functions that
+    are smooth in ln v, as the solver's are, stay the same to 1e-13.
+    """
+    if x.size <= _MOST_POINTS:
+        return LogMeasure(x, weight)
+    spacing, width = 1.0 / 16.0, 12
+    start = spacing * (math.floor(float(x.min()) / spacing) - width)
+    cells = math.ceil((float(x.max()) - start) / spacing) + width
+    total = np.zeros(cells + 1, dtype=weight.dtype)
+    nodes = np.arange(width, dtype=float)
+    barycentric = np.array([(-1.0) ** k * math.comb(width - 1, k) for k in range(width)])
+    pieces = max(1, x.size // 100_000)
+    for chunk, part in zip(np.array_split(x, pieces), np.array_split(weight, pieces), strict=True):
+        level = (chunk - start) / spacing
+        first = np.floor(level).astype(int) - width // 2 + 1
+        rows = interpolation_rows((level - first)[:, None] - nodes, barycentric)
+        np.add.at(total, first[:, None] + np.arange(width), rows * part[:, None])
+    keep = total != 0.0
+    return LogMeasure((start + spacing * np.arange(cells + 1))[keep], total[keep])
+
+
+def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
+    """Call a user's density on an array of speeds; InputError where the answer cannot be used.
+
+    Speeds beyond 1e150 or below 1e-150 may overflow in it: NaN counts as 0 there.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            f = np.asarray(density(v))
+        f = f.astype(complex if f.dtype.kind == "c" else float)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"initial: the density could not be evaluated on an array ({error}); "
+            "it must map an array of speeds to an array"
+        ) from None
+    if f.shape == v.shape:
+        f = np.where(np.isnan(f) & ((v > 1e150) | (v < 1e-150)), 0.0, f)
+    if f.shape != v.shape or np.any(np.isnan(f)):
+        raise InputError(
+            f"initial: the density returned shape {f.shape} or NaN for speeds of shape {v.shape}; "
+            "it must map an array of speeds to an array of finite densities"
+        )
+    return f
+
+
+def function(
+    density: Callable[[Any], Any], rtol: float, lowest: float, highest: float
+) -> LogMeasure:
+    """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
+
+    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice.
+
+    Raises InputError where it is NaN, has no finite integral or no second moment.
+    """
+
+    def per_log_speed(x: FloatArray) -> NDArray[Any]:
+        v = np.exp(x)
+        return np.asarray(evaluate_density(density, v) * v)
+
+    edges = np.arange(-360.0, 700.5, 0.5)
+    x, w = panels(edges, 32)
+    with np.errstate(all="ignore"):
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 32).sum(axis=1)
+    # within e^20 of U, where states usually are, narrow peaks are looked for as well
+    middle = slice(int(np.searchsorted(edges, -20.0)), int(np.searchsorted(edges, 20.0)))
+    close = np.linspace(-20.0, 20.0, _CLOSE * (middle.stop - middle.start), endpoint=False)
+    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE).sum(axis=1) * (close[1] - close[0])
+    narrow = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
+    mass[middle] = np.maximum(found, mass[middle])
+    narrow_at = np.zeros(mass.shape, dtype=bool)
+    narrow_at[middle] = narrow
+    if not np.all(np.isfinite(mass)) or mass.sum() <= 0.0:
+        raise InputError(
+            "initial: the density has no finite integral over the speed, or a peak too narrow to "
+            "find; it must be 1, and narrow peaks need a SpeedTable"
+        )
+    if not _converges(mass, edges, 2.0):
+        raise InputError("initial: the density has no second moment; <v^2> must be finite")
+    if not _converges(mass, edges, highest):
+        raise InputError(
+            f"initial: <v^{highest:g}> of the density does not exist, and is asked for"
+        )
+    live = np.zeros(mass.shape, dtype=bool)
+    for p in {0.0, 2.0, min(lowest, 0.0), max(highest, 2.0)}:
+        live |= _weight(mass, edges, p) > 1e-3 * rtol
+    first, last = np.nonzero(live)[0][[0, -1]]
+    cuts = [
+        np.linspace(edges[i], edges[i + 1], 129 if narrow_at[i] else 2)[:-1]
+        for i in range(max(first - 2, 0), min(last + 3, mass.size))
+    ]
+    span = np.append(np.concatenate(cuts), edges[min(last + 3, mass.size)])
+    pieces = np.stack([span[:-1], span[1:]], axis=1)
+    return _refine(per_log_speed, pieces, 0.1 * rtol * float(mass.sum()))
+
+
+def _weight(mass: FloatArray, edges: FloatArray, p: float) -> FloatArray:
+    """Share of <v^p> in each panel of the scan."""
+    with np.errstate(divide="ignore"):
+        log_weight = np.log(mass) + p * 0.5 * (edges[1:] + edges[:-1])
+    weight = np.exp(np.maximum(log_weight - log_weight.max(), -700.0))
+    return np.asarray(weight / weight.sum())
+
+
+def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
+    """Whether <v^p> is not still growing where the density ends or the scan does."""
+    weight = _weight(mass, edges, p)
+    last = int(np.nonzero(mass > 0.0)[0][-1])
+    # a power law goes on until numbers end, far above the bulk; a cut or a Gaussian does not
+    far = edges[last] - edges[int(mass.argmax())] > _FAR
+    return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
+
+
+def _refine(
+    per_log_speed: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
+) -> LogMeasure:
+    """Halve intervals (n, 2) until twelve points and twice twelve agree; at most 40 times."""
+    points: list[FloatArray] = []
+    weights: list[NDArray[Any]] = []
+    for depth in range(41):
+        middle = ends.mean(axis=1)
+        halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
+        coarse_x, coarse_w = panels_of(ends, 12)
+        fine_x, fine_w = panels_of(halves, 12)
+        coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
+        fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
+        difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
+        good = (difference <= tolerance) | (depth == 40) | (ends.shape[0] > _MOST_PIECES)
+        both = np.repeat(good, 2)
+        points.append(fine_x[both].ravel())
+        weights.append(fine[both].ravel())
+        ends = halves[~both]
+        if ends.size == 0:
+            break
+    x, weight = np.concatenate(points), np.concatenate(weights)
+    keep = weight != 0.0
+    return LogMeasure(x[keep], weight[keep])

@@ -1,0 +1,121 @@
+"""Figures draw what their data hold, and nothing else; each can stand in a page beside others."""
+
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from kinetics.crosscheck.report.evidence import Case, Scans
+from kinetics.crosscheck.report.figure_data import PAPER_FIGURES, all_figures
+from kinetics.crosscheck.report.figures import draw, legend_entries, svg
+from kinetics.crosscheck.report.settings import ReportSettings
+
+MakeCase = Callable[..., Case]
+
+
+@pytest.fixture
+def figures(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
+    return all_figures([make_case(restitution=0.4), make_case(restitution=0.7)], scans, settings)
+
+
+NAMES = [
+    *PAPER_FIGURES, "cooling-rate", "inverse-speed", "a2", "approach", "vdf-tail", "msd-slope",
+    "kurtosis", "tail-exponent", "density", "traps",
+]  # fmt: skip
+
+
+def test_every_figure_is_there(figures: dict[str, Any]) -> None:
+    assert list(figures) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_draws_its_series_and_nothing_else(figures: dict[str, Any], name: str) -> None:
+    data = figures[name]
+    axis = Figure().add_subplot()
+    draw(data, axis)
+    assert len(axis.lines) == len(data["series"])
+    for line, series in zip(axis.lines, data["series"], strict=True):
+        x, y = (np.array(series[k], dtype=float) for k in "xy")
+        np.testing.assert_array_equal(line.get_xdata(), x)
+        np.testing.assert_array_equal(line.get_ydata(), y)
+    bars = [s for s in data["series"] if s["error"] is not None]
+    assert len(axis.collections) == len(bars)
+    for collection, series in zip(axis.collections, bars, strict=True):
+        lengths = [np.ptp(s[:, 1]) for s in collection.get_segments() if len(s)]
+        expected = [2 * e for e in series["error"] if e is not None]
+        np.testing.assert_allclose(lengths, expected, rtol=1e-9)
+    assert not axis.patches
+    assert not axis.texts
+    assert not axis.images
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_axes_are_labelled_and_series_named(figures: dict[str, Any], name: str) -> None:
+    data = figures[name]
+    axis = Figure().add_subplot()
+    draw(data, axis)
+    for label, spec in ((axis.get_xlabel(), data["x"]), (axis.get_ylabel(), data["y"])):
+        assert spec["label"] in label
+        assert spec["unit"] in label
+    entries = [label for label, _ in legend_entries(data)]
+    assert len(entries) == len(set(entries))
+    for series in data["series"]:
+        assert (series["source"] in entries) == (series["source"] != "zero")
+        if series["restitution"] is not None:
+            assert f"e = {series['restitution']:g}" in entries
+
+
+class Elements(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+
+
+@pytest.mark.parametrize("name", ["cooling-rate", "vdf-tail"])
+def test_the_element_stands_alone(figures: dict[str, Any], name: str) -> None:
+    text = svg(name, figures[name])
+    parser = Elements()
+    parser.feed(text)
+    tag, attributes = parser.found[0]
+    assert tag == "svg"
+    assert attributes["role"] == "img"
+    ids = [a["id"] for _, a in parser.found if "id" in a]
+    assert len(ids) == len(set(ids))
+    assert all(i is not None and i.startswith(f"fig-{name}-") for i in ids)
+    labels = attributes["aria-labelledby"]
+    assert labels is not None
+    assert set(labels.split()) <= set(ids)
+    # every reference, in an attribute or in a style, is to an id of this element
+    references = re.findall(r'(?:url\(|href=")([^")]*)', text)
+    assert references
+    assert {r.removeprefix("#") for r in references} <= set(ids)
+    assert all(r.startswith("#") for r in references)
+    assert "http" not in text
+    assert "#0a0b" not in text  # every stand-in colour became a variable of the page
+
+
+def test_the_same_data_give_the_same_text(figures: dict[str, Any]) -> None:
+    assert svg("approach", figures["approach"]) == svg("approach", figures["approach"])
+
+
+def test_titles_are_escaped(figures: dict[str, Any]) -> None:
+    data = figures["approach"] | {"title": "<script>", "description": "a & <b>"}
+    text = svg("approach", data)
+    assert "<script>" not in text
+    assert "&lt;script&gt;" in text
+    assert "a &amp; &lt;b&gt;" in text
+
+
+def test_a_gap_breaks_the_line(figures: dict[str, Any]) -> None:
+    sonine = next(s for s in figures["cooling-rate"]["series"] if s["source"] == "Sonine")
+    assert sonine["y"][0] is None
+    axis = Figure().add_subplot()
+    draw(figures["cooling-rate"] | {"series": [sonine]}, axis)
+    assert np.isnan(np.asarray(axis.lines[0].get_ydata())[0])

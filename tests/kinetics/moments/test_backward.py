@@ -1,0 +1,176 @@
+"""The backward equation: its error estimate, its first guess of nodes, and high moments."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kinetics import (
+    CollisionLaw,
+    Gaussian,
+    Monoenergetic,
+    ScalingSolution,
+    Scene,
+    SolverStatus,
+    SpeedTable,
+    ToleranceWarning,
+    solve,
+)
+from kinetics.moments.backward import (
+    DISPLACEMENT_ALONG_START,
+    MEAN_COLLISIONS,
+    MSD_SLOPE,
+    QUARTIC_DISPLACEMENT,
+    SQUARED_DISPLACEMENT,
+    BackwardEquation,
+    Observable,
+    nodes_for,
+    panel_width,
+    speed_power,
+)
+from kinetics.states.isotropic import State
+
+OBSERVABLES = (
+    speed_power(-0.25),
+    speed_power(1.0),
+    speed_power(2.0),
+    speed_power(3.0),
+    speed_power(4.0),
+    speed_power(1.0, 1),
+    speed_power(2.0, 2),
+    MEAN_COLLISIONS,
+    DISPLACEMENT_ALONG_START,
+    SQUARED_DISPLACEMENT,
+    QUARTIC_DISPLACEMENT,
+    MSD_SLOPE,
+)
+RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
+
+
+def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Observable) -> float:
+    x = np.linspace(-1.99, 20.0, 800)
+    truth = exact.evaluate(y, x)
+    power = y.harmonic and not (y.sources or y.constant)
+    scale = exact.evaluate(speed_power(y.degree), x) if power else truth
+    return float(np.max(np.abs(equation.evaluate(y, x) - truth) / np.abs(scale)))
+
+
+@pytest.mark.parametrize("e", RESTITUTIONS)
+def test_the_estimate_covers_the_error(e: float) -> None:
+    # against 30 nodes a panel, which other tests hold against mpmath
+    law = CollisionLaw(e)
+    exact = BackwardEquation(law, 22.0, 30)
+    for nodes in range(6, 18):
+        equation = BackwardEquation(law, 22.0, nodes)
+        for y in OBSERVABLES:
+            error = relative_error(equation, exact, y)
+            if 1e-12 < error < 1e-2:
+                assert error <= equation.error_estimate(y) <= 150.0 * error, (nodes, y)
+
+
+@pytest.mark.parametrize("e", RESTITUTIONS)
+def test_the_first_guess_of_nodes_is_nearly_right(e: float) -> None:
+    law = CollisionLaw(e)
+    for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
+        for y in OBSERVABLES:
+            nodes = nodes_for(rtol, y, e)
+            assert BackwardEquation(law, 22.0, nodes + 1).error_estimate(y) <= rtol, (rtol, y)
+            if nodes > 8:
+                assert BackwardEquation(law, 22.0, nodes - 3).error_estimate(y) > rtol, (rtol, y)
+
+
+def test_panels_are_narrow_for_high_powers() -> None:
+    assert panel_width(4.0) == panel_width(0.0) == 1.0
+    assert panel_width(-40.0) == panel_width(40.0) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("p", [8.0, 12.0, 20.0, 30.0, 40.0])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-10])
+def test_high_moments_of_the_late_state(e: float, p: float, rtol: float) -> None:
+    # T = 1e16: what is left of the start is below 1e-13 (e = 0.999: kappa T = 1e13)
+    exact = ScalingSolution(e)
+    scene = Scene(e, 0.5, initial=Monoenergetic(1e16), times=[1.0])  # l = d
+    moment = float(solve(scene, rtol).moment(p)[0])
+    expected = exact.moment(p) * (2.0 / exact.cooling_rate) ** p
+    assert abs(moment / expected - 1.0) <= rtol
+
+
+@pytest.mark.parametrize("p", [-20.0, -6.0])
+def test_low_moments_of_the_late_state(p: float) -> None:
+    exact = ScalingSolution(0.7)
+    scene = Scene(0.7, 0.5, initial=Monoenergetic(1e16), times=[1.0])
+    moment = float(solve(scene, 1e-9).moment(p)[0])
+    assert abs(moment * (0.5 * exact.cooling_rate) ** p / exact.moment(p) - 1.0) <= 1e-9
+
+
+def test_a_moment_that_misses_its_tolerance_says_so() -> None:
+    solution = solve(Scene(0.7, times=[10.0], initial="monoenergetic"), 1e-14)
+    assert solution.status is SolverStatus.TOLERANCE_NOT_REACHED
+    with pytest.warns(ToleranceWarning, match=r"<v\^3>: the error estimate .* exceeds rtol"):
+        solution.moment(3.0)
+
+
+def test_the_error_of_a_ratio_counts_both_of_its_parts() -> None:
+    # 1 + a2 = <v^4>/2<v^2>^2 and the kurtosis were once taken to be as good as their worse part
+    for e in (0.3, 0.9, 0.99999996):
+        for rtol in (3.898e-4, 3e-6, 3e-9):
+            scene = Scene(
+                e, times=np.geomspace(1.0, 1e4, 30), initial="monoenergetic",
+                outputs=("a2", "kurtosis"),
+            )  # fmt: skip
+            found, exact = solve(scene, rtol), solve(scene, 1e-13)
+            assert np.max(np.abs((1.0 + found.a2) / (1.0 + exact.a2) - 1.0)) <= rtol
+            assert np.max(np.abs(found.kurtosis / exact.kurtosis - 1.0)) <= rtol
+
+
+@pytest.mark.parametrize("e", [0.0, 0.6, 0.99])
+@pytest.mark.parametrize(
+    "start", [Gaussian(), Gaussian(1.0, 0.3), SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])]
+)
+def test_many_times_are_interpolated_and_stay_right(e: float, start: State) -> None:
+    # 4000 times by interpolation in ln t, some of them by themselves, the last ones among these
+    names = ("thermal_speed", "msd", "kurtosis", "collisions", "velocity_tensor")
+    times = np.concatenate([[0.0], np.geomspace(300.0 if e == 0.6 else 1e-6, 1e6, 3999)])
+    some = [*range(0, 4000, 500), 3990, 3999]
+    for rtol in (1e-4, 1e-11):
+        many = solve(Scene(e, times=times, initial=start, outputs=names), rtol)
+        few = solve(Scene(e, times=times[some], initial=start, outputs=names), rtol)
+        for name in names:
+            dense, alone = getattr(many, name)[some], getattr(few, name)
+            size = np.abs(alone).max(axis=tuple(range(1, alone.ndim)), keepdims=True)
+            assert np.all(np.abs(dense - alone) <= max(0.1 * rtol, 1e-13) * size), name
+        third, alone = many.moment(3.0)[some], few.moment(3.0)
+        assert np.all(np.abs(third / alone - 1.0) <= max(0.1 * rtol, 1e-13))
+
+
+def test_loss_rates_of_an_array_of_powers() -> None:
+    law = CollisionLaw(0.6)
+    p = np.array([0.0, 0.5, 3.0, 11.0])
+    for m in (0, 1, 4):
+        each = [law.harmonic_decay_rate(float(x), m) for x in p]
+        assert all(isinstance(x, float) for x in each)
+        assert law.harmonic_decay_rate(p, m) == pytest.approx(each, rel=1e-13)
+
+
+def test_observables_know_with_which_power_they_begin() -> None:
+    powers = {
+        speed_power(3.0): 3.0,
+        MEAN_COLLISIONS: 1.0,
+        DISPLACEMENT_ALONG_START: 1.0,
+        SQUARED_DISPLACEMENT: 2.0,
+        QUARTIC_DISPLACEMENT: 4.0,
+        MSD_SLOPE: 2.0,
+    }
+    for y, power in powers.items():
+        assert y.first_power == power
+
+
+def test_more_nodes_keep_the_initial_state() -> None:
+    from kinetics.moments.velocity import Averages
+
+    averages = Averages(CollisionLaw(0.7), 1.0, Gaussian(), np.array([1.0]), 1e-8)
+    speeds = averages.speeds
+    assert averages.with_nodes(12).speeds is speeds
+    assert averages.with_nodes(12).equation.nodes == 12
+    assert math.isclose(float(speeds.weight.sum()), 1.0)
