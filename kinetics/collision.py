@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, check_restitution
 from kinetics.errors import short as _short
+from kinetics.numerics.gauss import equal_panels, gauss_legendre
 
 FloatArray = NDArray[np.float64]
 
@@ -33,24 +34,6 @@ _RESOLVED = 30.0
 _DEEPEST = 40.0
 _STEEP = 5.0  # U above which exponentials of U are taken apart
 _LARGEST_TURN = 1e7
-
-
-@lru_cache(maxsize=64)
-def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights on [0, 1]."""
-    x, w = np.polynomial.legendre.leggauss(points)
-    return 0.5 * (x + 1.0), 0.5 * w
-
-
-def composite_gauss(
-    length: float, points: int = _POINTS, longest: float = 1.0
-) -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights on [0, length], in equal panels no longer than ``longest``."""
-    panels = max(1, int(np.ceil(length / longest)))
-    width = length / panels
-    x, w = gauss_legendre(points)
-    nodes = (np.arange(panels)[:, None] + x[None, :]).ravel() * width
-    return nodes, np.tile(w, panels) * width
 
 
 @dataclass(frozen=True)
@@ -95,15 +78,15 @@ def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrat
     e = restitution
     if e == 1.0:
         # nothing is lost, but the deflection remains: cos(chi) = 2 y^2 - 1
-        y, w = composite_gauss(1.0, _POINTS, longest)
+        y, w = equal_panels(1.0, _POINTS, longest)
         one = np.ones_like(y)
         return ImpactQuadrature(w, np.zeros_like(y), one, 2.0 * y * y - 1.0)
     if e == 0.0:
-        xi, w = composite_gauss(_DEEPEST, _POINTS, longest)
+        xi, w = equal_panels(_DEEPEST, _POINTS, longest)
         s = np.exp(-xi)
         return ImpactQuadrature(w * s, xi, s, s * s)
     top = _highest(e)
-    u, w = composite_gauss(top, _POINTS, longest)
+    u, w = equal_panels(top, _POINTS, longest)
     rest = u[::-1]  # U - u without cancellation: the nodes are symmetric
     if top > _STEEP:
         # cosh and sinh of u against those of U, with what is small apart: any e > 0

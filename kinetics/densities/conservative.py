@@ -21,8 +21,9 @@ from kinetics.collision import CollisionLaw, impact_cells
 from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
+from kinetics.numerics.gauss import panels_between
 from kinetics.states.isotropic import State
-from kinetics.states.quadrature import LogMeasure, panels
+from kinetics.states.quadrature import LogMeasure
 
 FloatArray = NDArray[np.float64]
 
@@ -84,7 +85,7 @@ def _start_masses(
     profile = state.profile(m)
     if profile is None:
         return deposit(start, x0, spacing, nodes)
-    x, w = panels(x0 + spacing * np.arange(nodes, dtype=float), 4)
+    x, w = panels_between(x0 + spacing * np.arange(nodes, dtype=float), 4)
     v = np.exp(x)
     weight = w * v * profile(v)
     found = deposit(LogMeasure(x, weight), x0, spacing, nodes)

@@ -12,7 +12,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw, gauss_legendre
+from kinetics.collision import CollisionLaw
+from kinetics.numerics.gauss import gauss_legendre
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.states.quadrature import panels
+from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def component_density(
     plane_density : |v| (k,) -> (..., k); the answer has shape (..., n).
     """
     edges = np.arange(_LOWEST, _HIGHEST + 0.5 * _PANEL, _PANEL)
-    y, w = panels(edges, _POINTS)
+    y, w = panels_between(edges, _POINTS)
     other = typical * np.exp(y)
     speed = np.hypot(component[:, None], other)
     values = plane_density(speed.ravel())

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import gauss_legendre
 from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.gauss import gauss_legendre
 
 FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]

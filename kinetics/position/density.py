@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.gauss import panels_of
 from kinetics.numerics.wave_panel import Indices, WavePanel, chebyshev_points, last_coefficients
 from kinetics.position.ballistic_front import fronts, reach, uncollided_density
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.states.isotropic import State
-from kinetics.states.quadrature import panels_of
 
 FloatArray = NDArray[np.float64]
 

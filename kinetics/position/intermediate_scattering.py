@@ -14,10 +14,11 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.wave_panel import Indices, chebyshev_points, last_coefficients
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.states.isotropic import Profile, State
-from kinetics.states.quadrature import LogMeasure, panels
+from kinetics.states.quadrature import LogMeasure
 
 FloatArray = NDArray[np.float64]
 
@@ -51,7 +52,7 @@ def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasur
     if profile is None or harmonic is None:
         return state.harmonic(m, rtol)
     edges, _, weight = _panels_of(state, profile, spacing, rtol)
-    x, w = panels(edges, _POINTS)
+    x, w = panels_between(edges, _POINTS)
     v = np.exp(x)
     return LogMeasure(x, np.asarray(harmonic(v) * v * w) / float(weight.sum()))
 
@@ -71,7 +72,7 @@ def _panels_of(
     for halving in range(_HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
         edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
-        x, w = panels(edges, _POINTS)
+        x, w = panels_between(edges, _POINTS)
         v = np.exp(x)
         weight = np.asarray(profile(v).real * v * w)
         if abs(float(weight.sum()) - 1.0) < rtol:
@@ -148,7 +149,7 @@ class Scattering:
         if last - first > _MOST_PIECES:
             return None
         steps = np.arange(first, max(first, last) + pieces + 1)
-        x, w = panels(np.asarray(waves.start + width / pieces * steps), _POINTS)
+        x, w = panels_between(np.asarray(waves.start + width / pieces * steps), _POINTS)
         left = _collided(waves, x)
         out = np.empty((stretch.size, left.shape[1]))
         for i, s in enumerate(stretch):

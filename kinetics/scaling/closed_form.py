@@ -22,8 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision import CollisionLaw, composite_gauss
+from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, check_restitution, short
+from kinetics.numerics.gauss import equal_panels
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -137,7 +138,7 @@ class ScalingSolution:
         # Euler-Maclaurin from n on; the integral in u = n/p up to p = last, beyond that from the
         # first three terms of the series in 1/p
         last = 2000.0 * b
-        u, w = composite_gauss(1.0 - n / last, 40, 0.25)
+        u, w = equal_panels(1.0 - n / last, 40, 0.25)
         u = u + n / last
         integral = float((excess(n / u) * n / u**2) @ w)
         at = last * np.array([1.0, 1.5, 2.0])
@@ -304,7 +305,7 @@ class ScalingSolution:
         if self.restitution > 0.0:
             unit = max(unit, 2.0 / abs(math.log(self.restitution)))
         signed = math.copysign(unit, high - low)
-        nodes, weights = composite_gauss(abs(high - low) / unit, 24)
+        nodes, weights = equal_panels(abs(high - low) / unit, 24)
         return float(self._rho(low + signed * nodes) @ weights) * signed
 
     # -- Mellin inversion through the saddle ------------------------------------------------

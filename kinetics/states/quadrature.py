@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import gauss_legendre
 from kinetics.errors import InputError
 from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.gauss import panels_between, panels_of
 
 FloatArray = NDArray[np.float64]
 
@@ -79,19 +79,6 @@ def gaussian(
     return LogMeasure(x + math.log(deviation), weight)
 
 
-def panels(edges: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on each interval between edges, flattened."""
-    x, w = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), points)
-    return x.ravel(), w.ravel()
-
-
-def panels_of(ends: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights on intervals (n, 2): two arrays (n, points)."""
-    node, weight = gauss_legendre(points)
-    width = (ends[:, 1] - ends[:, 0])[:, None]
-    return ends[:, :1] + width * node, width * weight
-
-
 def table(
     speed: FloatArray, density: NDArray[Any], rtol: float = 1e-16, lowest: float = 0.0
 ) -> LogMeasure:
@@ -111,7 +98,7 @@ def table(
         for a, b in itertools.pairwise(knots)
         if b > a
     ]
-    x, w = panels(np.concatenate([*parts, knots[-1:]]), 6)
+    x, w = panels_between(np.concatenate([*parts, knots[-1:]]), 6)
     v = np.exp(x)
     values: NDArray[Any] = np.interp(v, speed, density.real)
     if np.iscomplexobj(density):
@@ -184,7 +171,7 @@ def function(
         return np.asarray(evaluate_density(density, v) * v)
 
     edges = np.arange(-360.0, 700.5, 0.5)
-    x, w = panels(edges, 32)
+    x, w = panels_between(edges, 32)
     with np.errstate(all="ignore"):
         mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 32).sum(axis=1)
     # within e^20 of U, where states usually are, narrow peaks are looked for as well

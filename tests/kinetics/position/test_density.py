@@ -21,9 +21,10 @@ from kinetics import (
     ToleranceWarning,
     solve,
 )
-from kinetics.collision import ImpactQuadrature, composite_gauss
+from kinetics.collision import ImpactQuadrature
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
+from kinetics.numerics.gauss import equal_panels
 from kinetics.numerics.panels import PanelRule
 from kinetics.position.density import solve_displacement
 from kinetics.position.intermediate_scattering import Scattering
@@ -79,7 +80,7 @@ class Isotropic(CollisionLaw):
 
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
         """chi = pi x, x uniform on [0, 1]."""
-        x, w = composite_gauss(1.0, 20, 1.0 / (1.0 + m / 4))
+        x, w = equal_panels(1.0, 20, 1.0 / (1.0 + m / 4))
         return ImpactQuadrature(w, np.zeros_like(x), np.ones_like(x), np.cos(math.pi * x))
 
 

@@ -1,0 +1,40 @@
+"""Gauss-Legendre quadrature on one interval, on equal panels, and on panels of any length."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def gauss_legendre(points: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on [0, 1], shape (points,) each."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return 0.5 * (x + 1.0), 0.5 * w
+
+
+def equal_panels(length: float, points: int, longest: float = 1.0) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on [0, length], in equal panels no longer than ``longest``, flattened."""
+    panels = max(1, math.ceil(length / longest))
+    width = length / panels
+    x, w = gauss_legendre(points)
+    nodes = (np.arange(panels)[:, None] + x).ravel() * width
+    return nodes, np.tile(w, panels) * width
+
+
+def panels_between(edges: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on each interval between neighbouring edges, flattened."""
+    x, w = panels_of(np.stack([edges[:-1], edges[1:]], axis=1), points)
+    return x.ravel(), w.ravel()
+
+
+def panels_of(ends: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights on intervals ``ends``, shape (n, 2): two arrays (n, points)."""
+    node, weight = gauss_legendre(points)
+    width = (ends[:, 1] - ends[:, 0])[:, None]
+    return ends[:, :1] + width * node, width * weight
