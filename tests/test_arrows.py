@@ -1,80 +1,195 @@
-"""The three witnesses share no code path: who may import whom (README, "Independence")."""
+"""Who may import whom: the independence of the methods, the rooms of kinetics, no cycle anywhere.
+
+Imports that are only for type checkers, and those inside functions, count like all others.
+"""
 
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-WITNESSES = {"kinetics", "particles", "derivations"}
-COURT = {"kinetics/cli.py"}
+METHODS = ("kinetics", "particles", "derivations")
+
+# The rooms of the core, from the ground up. A room imports from itself and from rooms further up
+# in this list, and only from those that stand beside its name.
+BASE = {"numerics", "errors", "status", "validation"}
+ROOMS = {
+    "errors": set(),
+    "status": set(),
+    "numerics": set(),
+    "validation": {"errors"},
+    "storage": {"errors", "status", "validation"},
+    "collision": BASE,
+    "states": BASE | {"storage"},
+    "scaling": BASE | {"storage", "collision"},
+    "sonine": BASE | {"collision"},
+    "moments": BASE | {"storage", "collision", "states"},
+    "densities": BASE | {"storage", "collision", "states", "scaling", "moments"},
+    "position": BASE | {"storage", "collision", "states", "moments"},
+    "outputs": BASE | {"collision", "states", "moments"},
+    "scene": BASE | {"storage", "states", "outputs"},
+    "plan": BASE | {"storage", "moments", "densities", "position", "outputs", "scene"},
+    "solution": BASE
+    | {"storage", "collision", "states", "moments", "densities", "position", "outputs"}
+    | {"scene", "plan"},
+    "solver": BASE
+    | {"storage", "collision", "states", "moments", "densities", "position", "outputs"}
+    | {"scene", "plan", "solution"},
+}
+MODULES = {
+    path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
+    for method in METHODS
+    for path in (ROOT / method).rglob("*.py")
+}
 
 
-def project_imports(source: str, package: str) -> set[str]:
-    """Top-level project packages that a module names in any import, wherever it stands in it."""
-    found = set()
+def file_of(module: str) -> Path:
+    path = ROOT / module.replace(".", "/")
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def named(source: str, module: str, is_package: bool) -> Iterator[tuple[str, str | None]]:
+    """(module, name) of every import in the source; name is None for `import module`."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
+            yield from ((alias.name, None) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            found.add(package if node.level else (node.module or "").split(".")[0])
+            base = node.module or ""
+            if node.level:
+                parts = module.split(".")
+                up = node.level - is_package
+                base = ".".join([*parts[: len(parts) - up], *([base] if base else [])])
+            yield from ((base, alias.name) for alias in node.names)
         elif isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "import_module":
-            found |= {a.value.split(".")[0] for a in node.args if isinstance(a, ast.Constant)}
-    return found & WITNESSES
+            yield from ((a.value, None) for a in node.args if isinstance(a, ast.Constant))
 
 
-def is_court(path: str) -> bool:
-    return path in COURT or path.startswith("kinetics/crosscheck/")
+@cache
+def imports_of(module: str) -> frozenset[str]:
+    """The project's modules that this one imports, each name followed to where it is defined."""
+    path = file_of(module)
+    found = set()
+    for base, name in named(path.read_text(encoding="utf-8"), module, path.stem == "__init__"):
+        target = follow(base, name)
+        if target is not None and target != module:
+            found.add(target)
+    return frozenset(found)
 
 
-MODULES = sorted(
-    p.relative_to(ROOT).as_posix() for w in WITNESSES for p in (ROOT / w).rglob("*.py")
-)
+def follow(base: str, name: str | None) -> str | None:
+    """Through the `__init__.py` of packages, which hand names on."""
+    if name is not None and f"{base}.{name}" in MODULES:
+        return f"{base}.{name}"
+    if base not in MODULES:
+        return None
+    path = file_of(base)
+    if name is not None and path.stem == "__init__":
+        for inner, given in named(path.read_text(encoding="utf-8"), base, True):
+            if given == name:
+                return follow(inner, name)
+    return base
 
 
-@pytest.mark.parametrize("path", MODULES)
-def test_a_witness_imports_no_other_witness(path: str) -> None:
-    package = path.split("/")[0]
-    imported = project_imports((ROOT / path).read_text(encoding="utf-8"), package)
-    allowed = WITNESSES if is_court(path) else {package}
-    assert imported <= allowed, f"{path} imports {sorted(imported - allowed)}"
+def room_of(module: str) -> str:
+    return module.split(".")[1] if "." in module else ""
 
 
-def test_the_core_of_kinetics_does_not_import_its_court() -> None:
-    for path in MODULES:
-        if not path.startswith("kinetics/") or is_court(path):
-            continue
-        tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
-        for node in ast.walk(tree):
-            names = []
-            if isinstance(node, ast.Import):
-                names = [a.name for a in node.names]
-            elif isinstance(node, ast.ImportFrom):
-                names = [f"{'.' * node.level}{node.module or ''}.{a.name}" for a in node.names]
-            assert not any("crosscheck" in n or n.endswith("cli") for n in names), path
+def is_crosscheck(module: str) -> bool:
+    return module == "kinetics.cli" or module.startswith("kinetics.crosscheck")
 
 
-def test_the_check_sees_a_forbidden_import() -> None:
-    assert project_imports("def f():\n    from particles.media import Poisson\n", "kinetics") == {
-        "particles"
-    }
-    assert project_imports("import derivations.verify as v\n", "particles") == {"derivations"}
+@pytest.mark.parametrize("module", sorted(MODULES))
+def test_a_method_imports_no_other_method(module: str) -> None:
+    if is_crosscheck(module):
+        return
+    own = module.split(".")[0]
+    others = {m for m in imports_of(module) if m.split(".")[0] != own or is_crosscheck(m)}
+    if module == "kinetics":
+        # the face of the package hands on names of the cross-check, loaded at first use
+        others = {m for m in others if not is_crosscheck(m)}
+    assert not others, f"{module} imports {sorted(others)}"
 
 
-@pytest.mark.parametrize("package", ["kinetics", "particles", "derivations"])
-def test_importing_a_witness_loads_no_other(package: str) -> None:
+CORE = sorted(m for m in MODULES if m.startswith("kinetics.") and not is_crosscheck(m))
+
+
+def test_every_room_of_the_core_is_known() -> None:
+    assert {room_of(module) for module in CORE} <= set(ROOMS)
+
+
+def test_rooms_stand_on_rooms_below_them() -> None:
+    order = list(ROOMS)
+    for room, allowed in ROOMS.items():
+        assert all(order.index(other) < order.index(room) for other in allowed), room
+
+
+@pytest.mark.parametrize("module", CORE)
+def test_a_room_imports_only_what_it_may(module: str) -> None:
+    room = room_of(module)
+    rooms = {room_of(other) for other in imports_of(module)}
+    assert rooms <= ROOMS[room] | {room}, f"{module} imports {sorted(rooms - ROOMS[room])}"
+
+
+def cycles() -> list[list[str]]:
+    """Groups of modules that import each other, by Tarjan's algorithm."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(module: str) -> None:
+        index[module] = low[module] = len(index)
+        stack.append(module)
+        for other in imports_of(module):
+            if other not in index:
+                visit(other)
+                low[module] = min(low[module], low[other])
+            elif other in stack:
+                low[module] = min(low[module], index[other])
+        if low[module] == index[module]:
+            group = stack[stack.index(module) :]
+            del stack[stack.index(module) :]
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    for module in sorted(MODULES):
+        if module not in index and file_of(module).stem != "__init__":
+            visit(module)
+    return found
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    assert cycles() == []
+
+
+def test_the_check_sees_imports_of_every_kind() -> None:
+    source = "def f():\n    from particles.media import Poisson\n"
+    assert list(named(source, "kinetics.solver", False)) == [("particles.media", "Poisson")]
+    source = "from ..collision import CollisionLaw\n"
+    assert list(named(source, "kinetics.states.isotropic", False)) == [
+        ("kinetics.collision", "CollisionLaw")
+    ]
+    assert follow("kinetics", "CollisionLaw") == "kinetics.collision"
+
+
+def loaded_by(package: str) -> set[str]:
     code = f"import sys, {package}; print(*sorted(m.split('.')[0] for m in sys.modules))"
-    loaded = subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    ).stdout.split()
-    assert not (WITNESSES - {package}) & set(loaded)
+    )
+    return set(ran.stdout.split())
+
+
+@pytest.mark.parametrize("package", METHODS)
+def test_importing_a_method_loads_no_other(package: str) -> None:
+    assert not (set(METHODS) - {package}) & loaded_by(package)
 
 
 def test_importing_kinetics_is_light() -> None:
-    code = "import sys, kinetics; print(*sorted(m.split('.')[0] for m in sys.modules))"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    ).stdout.split()
-    assert not {"sympy", "numba", "matplotlib", "mpmath", "jinja2", "h5py"} & set(loaded)
+    heavy = {"numpy", "scipy", "sympy", "numba", "matplotlib", "mpmath", "jinja2", "h5py"}
+    assert not (heavy | {"pyarrow", "pandas"}) & loaded_by("kinetics")
