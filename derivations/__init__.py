@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .output import to_json, to_latex_document, to_text
-    from .record import Check, Status
-    from .rows import report_subset, verify
+    from .derived.record import Check, Status
+    from .output.latex_document import to_json, to_latex_document, to_text
+    from .verdicts.checks import report_subset, verify
 
 __all__ = [
     "Check",
@@ -24,13 +24,13 @@ __all__ = [
 ]
 
 _HOME = {
-    "Check": "record",
-    "Status": "record",
-    "report_subset": "rows",
-    "to_json": "output",
-    "to_latex_document": "output",
-    "to_text": "output",
-    "verify": "rows",
+    "Check": "derived.record",
+    "Status": "derived.record",
+    "report_subset": "verdicts.checks",
+    "to_json": "output.latex_document",
+    "to_latex_document": "output.latex_document",
+    "to_text": "output.latex_document",
+    "verify": "verdicts.checks",
 }
 
 
