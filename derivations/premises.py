@@ -11,7 +11,7 @@ from functools import cache
 
 import sympy as sp
 
-from .symbols import a2, c, e, p, theta, x, y
+from . import symbols as s
 
 
 @cache
@@ -19,7 +19,7 @@ def collision_matrix() -> sp.Matrix:
     """The collision as a linear map of the (normal, tangential) components: v = A v*."""
     before = sp.symbols("v_n v_t", real=True)
     after = sp.symbols("w_n w_t", real=True)
-    rule = sp.solve([after[0] + e * before[0], after[1] - before[1]], after)
+    rule = sp.solve([after[0] + s.e * before[0], after[1] - before[1]], after)
     return sp.Matrix([rule[w] for w in after]).jacobian(before)
 
 
@@ -29,7 +29,7 @@ def postcollision() -> tuple[sp.Expr, sp.Expr]:
 
     theta = 0 is head-on.
     """
-    normal, tangential = collision_matrix() * sp.Matrix([sp.cos(theta), sp.sin(theta)])
+    normal, tangential = collision_matrix() * sp.Matrix([sp.cos(s.theta), sp.sin(s.theta)])
     return normal, tangential
 
 
@@ -44,16 +44,16 @@ def speed_ratio_squared() -> sp.Expr:
 def parallel_component() -> sp.Expr:
     """v'.v/|v|^2 as a polynomial in y."""
     normal, tangential = postcollision()
-    return sp.expand(_in_impact_parameter(normal * sp.cos(theta) + tangential * sp.sin(theta)))
+    return sp.expand(_in_impact_parameter(normal * sp.cos(s.theta) + tangential * sp.sin(s.theta)))
 
 
 def _in_impact_parameter(weight: sp.Expr) -> sp.Expr:
-    return sp.expand(weight).subs(sp.cos(theta) ** 2, 1 - y**2).subs(sp.sin(theta), y)
+    return sp.expand(weight).subs(sp.cos(s.theta) ** 2, 1 - s.y**2).subs(sp.sin(s.theta), s.y)
 
 
 def over_angle(weight: sp.Expr) -> sp.Expr:
     """The integral of cos(theta) weight over |theta| < pi/2, with y = sin(theta): weight(y)."""
-    return sp.factor(sp.integrate(sp.expand(weight), (y, -1, 1)))
+    return sp.factor(sp.integrate(sp.expand(weight), (s.y, -1, 1)))
 
 
 @cache
@@ -67,14 +67,14 @@ def loss(order: int) -> sp.Expr:
 @cache
 def gaussian_moment() -> sp.Expr:
     """<c^p> over exp(-c^2)/pi in the plane, for p > 0: Gamma(1 + p/2)."""
-    return sp.integrate(2 * c ** (p + 1) * sp.exp(-(c**2)), (c, 0, sp.oo))
+    return sp.integrate(2 * s.c ** (s.p + 1) * sp.exp(-(s.c**2)), (s.c, 0, sp.oo))
 
 
 def gaussian_average(polynomial: sp.Expr) -> sp.Expr:
     """The average of a polynomial in c over exp(-c^2)/pi in the plane, term by term."""
     total = sp.Integer(0)
-    for (order,), coefficient in sp.Poly(polynomial, c).terms():
-        moment = gaussian_moment().subs(p, order) if order else sp.Integer(1)
+    for (order,), coefficient in sp.Poly(polynomial, s.c).terms():
+        moment = gaussian_moment().subs(s.p, order) if order else sp.Integer(1)
         total += coefficient * moment
     return total
 
@@ -84,8 +84,8 @@ def sonine_average(order: int) -> sp.Expr:
     """<c^order> over exp(-c^2)/pi (1 + a2 S_2(c^2)) in the plane."""
     from .derived.sonine import polynomial
 
-    weight = 1 + a2 * polynomial(2).subs(x, c**2)
-    return sp.collect(sp.expand(gaussian_average(sp.expand(c**order * weight))), a2, sp.factor)
+    weight = 1 + s.a2 * polynomial(2).subs(s.x, s.c**2)
+    return sp.collect(sp.expand(gaussian_average(sp.expand(s.c**order * weight))), s.a2, sp.factor)
 
 
 @cache

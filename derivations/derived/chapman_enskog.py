@@ -10,44 +10,14 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, dot, eq
-from ..symbols import (
-    J0,
-    J1,
-    Bv,
-    De,
-    J,
-    Jj,
-    T,
-    br,
-    bv,
-    d,
-    eps,
-    f,
-    h,
-    j,
-    m,
-    n,
-    nabla,
-    nabla0,
-    nabla1,
-    nd,
-    nuD,
-    p0,
-    p1,
-    p2,
-    pj,
-    rho0,
-    t,
-    v0,
-    xi,
-)
 from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 
-_N = nd(br, t)
-_P0, _P1, _P2 = (order(br, bv, t) for order in (p0, p1, p2))
-_B = Bv(bv, T(t))
+_N = s.nd(s.br, s.t)
+_P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
+_B = s.Bv(s.bv, s.T(s.t))
 
 
 @derives("diffuse2")
@@ -56,7 +26,7 @@ def _diffuse2() -> Derived:
 
     loss = weak_form(sp.Integer(1), sp.Integer(1))
     return Derived(
-        eq(sp.Derivative(_N, t) + dot(nabla, J(br, t)), _zero(loss)),
+        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), _zero(loss)),
         (
             Step("integral of the kinetic equation over v: density and flux", None),
             Step("the collision operator keeps mass: its weak form with Y = 1", loss),
@@ -93,27 +63,27 @@ def _diffuse5() -> Derived:
 @cache
 def _flux_orders() -> dict[int, sp.Expr]:
     """Orders of -div J with both the gradient and the flux expanded."""
-    fluxes = [sp.Function(f"J_vec_{order}")(br, t) for order in range(3)]
+    fluxes = [sp.Function(f"J_vec_{order}")(s.br, s.t) for order in range(3)]
     total = sp.expand(
         sum(
-            eps ** (order + 1 + step) * dot(gradient, flux)
-            for step, gradient in enumerate((nabla0, nabla1))
+            s.eps ** (order + 1 + step) * dot(gradient, flux)
+            for step, gradient in enumerate((s.nabla0, s.nabla1))
             for order, flux in enumerate(fluxes)
         )
     )
-    return {order: -total.coeff(eps, order + 1) for order in range(3)}
+    return {order: -total.coeff(s.eps, order + 1) for order in range(3)}
 
 
 def density_series(density: sp.Expr) -> sp.Expr:
     """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
     lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
-    return sp.Sum(eps ** (j + lowest) * Dt(j, density), (j, 0, sp.oo))
+    return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
 
 
 @derives("diffuse6")
 def _diffuse6() -> Derived:
     return Derived(
-        eq(sp.Derivative(_N, t), density_series(_N)),
+        eq(sp.Derivative(_N, s.t), density_series(_N)),
         (
             Step("order epsilon of -div J", _flux_orders()[0]),
             Step("order epsilon^2 of -div J", _flux_orders()[1]),
@@ -124,17 +94,17 @@ def _diffuse6() -> Derived:
 
 @derives("diffuse7")
 def _diffuse7() -> Derived:
-    return continuity_order(Jj(br, t), _N)
+    return continuity_order(s.Jj(s.br, s.t), _N)
 
 
 def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     """Order j of continuity: with the gradient expanded, lower fluxes meet its higher orders."""
     index = sp.Symbol("i", integer=True, nonnegative=True)
     gradient = sp.Function("nabla")(index)
-    lower = sp.Function("J_vec")(j - index, *flux.args)
-    general = -sp.Sum(dot(gradient, lower), (index, 0, j))
+    lower = sp.Function("J_vec")(s.j - index, *flux.args)
+    general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
     return Derived(
-        eq(Dt(j, density), general),
+        eq(Dt(s.j, density), general),
         (
             Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
             Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
@@ -149,12 +119,12 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
 
 @derives("diffuse8")
 def _diffuse8() -> Derived:
-    series = sum(eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
-    terms = [sp.expand(bv * series).coeff(eps, order) for order in range(3)]
+    series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
+    terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
     factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
     (weight,) = factor
     return Derived(
-        eq(Jj(br, t), Int(weight * pj(br, bv, t), bv)),
+        eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
         (Step("order epsilon^j of v p, over p^(j)", weight),),
     )
 
@@ -167,18 +137,21 @@ def _diffuse9() -> Derived:
 @cache
 def orders() -> tuple[sp.Eq, sp.Eq]:
     """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through n and T."""
-    rate_of_n = eps * Dt(0, _N) + eps**2 * Dt(1, _N)
+    rate_of_n = s.eps * Dt(0, _N) + s.eps**2 * Dt(1, _N)
     left = sp.expand(
         sum(
-            eps**order
-            * (rate_of_n * Partial(part, _N) + sp.Derivative(T(t), t) * Partial(part, T(t)))
+            s.eps**order
+            * (
+                rate_of_n * Partial(part, _N)
+                + sp.Derivative(s.T(s.t), s.t) * Partial(part, s.T(s.t))
+            )
             for order, part in enumerate((_P0, _P1))
         )
         # the gradient acts through n, and on p^(0) alone at this order
-        + eps * dot(bv, nabla0) * _N * Partial(_P0, _N)
+        + s.eps * dot(s.bv, s.nabla0) * _N * Partial(_P0, _N)
     )
-    right = sp.expand(sum(eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
-    zeroth, first = (eq(left.coeff(eps, k), right.coeff(eps, k)) for k in (0, 1))
+    right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
+    zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
     return zeroth, first
 
 
@@ -191,11 +164,14 @@ def _diffuse10() -> Derived:
 def _diffuse11() -> Derived:
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
-    (solution,) = sp.solve(amplitude * n - _N, amplitude)
+    (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
     return Derived(
-        eq(_P0, solution * f(bv, t)),
+        eq(_P0, solution * s.f(s.bv, s.t)),
         (
-            Step("f solves the zeroth order: so does any multiple A of it", amplitude * f(bv, t)),
+            Step(
+                "f solves the zeroth order: so does any multiple A of it",
+                amplitude * s.f(s.bv, s.t),
+            ),
             Step("normalisation to n(r, t)", solution),
         ),
     )
@@ -209,14 +185,14 @@ def _diffuse12() -> Derived:
 @cache
 def _first_order() -> sp.Eq:
     """diffuse13: the first order with the zeroth inserted."""
-    slope = sp.diff(sp.Symbol("n_r") / n * f(bv, t), sp.Symbol("n_r"))
+    slope = sp.diff(sp.Symbol("n_r") / s.n * s.f(s.bv, s.t), sp.Symbol("n_r"))
     cooled = {
         Dt(0, _N): sp.Integer(0),  # the flux of order 0 vanishes: f is even
-        sp.Derivative(T(t), t): -xi(t) * T(t),
+        sp.Derivative(s.T(s.t), s.t): -s.xi(s.t) * s.T(s.t),
         Partial(_P0, _N): slope,
     }
     residual = (orders()[1].lhs - orders()[1].rhs).subs(cooled)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, T(t)): 0})
+    source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
     return eq(sp.expand(source - residual), source)
 
 
@@ -225,8 +201,8 @@ def _diffuse13() -> Derived:
     return Derived(
         _first_order(),
         (
-            Step("flux of order 0: v f is odd", eq(J0(br, t), sp.Integer(0))),
-            Step("cooling", eq(sp.Derivative(T(t), t), -xi(t) * T(t))),
+            Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+            Step("cooling", eq(sp.Derivative(s.T(s.t), s.t), -s.xi(s.t) * s.T(s.t))),
             Step("the first order", _first_order()),
         ),
     )
@@ -247,8 +223,8 @@ def _diffuse14() -> Derived:
 def b_equation() -> sp.Eq:
     """diffuse15: p^(1) = B.grad n inserted and the arbitrary gradient divided out."""
     inserted = {
-        Lam(_P1): dot(Lam(_B), nabla0) * _N,
-        Partial(_P1, T(t)): dot(Partial(_B, T(t)), nabla0) * _N,
+        Lam(_P1): dot(Lam(_B), s.nabla0) * _N,
+        Partial(_P1, s.T(s.t)): dot(Partial(_B, s.T(s.t)), s.nabla0) * _N,
     }
     both = [side.subs(inserted) / _N for side in _first_order().args]
     strip = [_strip(sp.expand(side)) for side in both]
@@ -259,9 +235,9 @@ def _strip(expression: sp.Expr) -> sp.Expr:
     """X.grad -> X: the gradient is arbitrary."""
 
     def other(one: sp.Expr, two: sp.Expr) -> sp.Expr:
-        if nabla0 not in (one, two):
+        if s.nabla0 not in (one, two):
             raise ValueError(f"{one}.{two} holds no gradient")
-        return two if one == nabla0 else one
+        return two if one == s.nabla0 else one
 
     from ..formal import Dot
 
@@ -288,11 +264,11 @@ def isotropy() -> sp.Expr:
 
 @derives("diffuse16")
 def _diffuse16() -> Derived:
-    integral = Int(dot(bv, _B), bv)
-    flux = isotropy() * integral * nabla0 * _N
-    coefficient = flux.subs(integral, De(t) / (-sp.Rational(1, 2)))
+    integral = Int(dot(s.bv, _B), s.bv)
+    flux = isotropy() * integral * s.nabla0 * _N
+    coefficient = flux.subs(integral, s.De(s.t) / (-sp.Rational(1, 2)))
     return Derived(
-        eq(J1(br, t), coefficient),
+        eq(s.J1(s.br, s.t), coefficient),
         (
             Step("mean of the squared cosine over directions", isotropy()),
             Step("flux of order 1: v times B.grad n, integrated", flux),
@@ -322,11 +298,11 @@ def _diffuse18() -> Derived:
 def _d_equation() -> sp.Eq:
     """-(1/2) int v.(equation for B) dv, with D_e, nu_D and <v^2> = v0^2 = 2T/m named."""
     half = -sp.Rational(1, 2)
-    flux = De(t) / half
+    flux = s.De(s.t) / half
     named = {
-        Partial(_B, T(t)): Partial(De(t), T(t)) / half,
-        Lam(_B): -nuD * flux,
-        bv * f(bv, t): n * 2 * T(t) / m,
+        Partial(_B, s.T(s.t)): Partial(s.De(s.t), s.T(s.t)) / half,
+        Lam(_B): -s.nuD * flux,
+        s.bv * s.f(s.bv, s.t): s.n * 2 * s.T(s.t) / s.m,
     }
     left, right = b_equation().args
     return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
@@ -341,7 +317,7 @@ def _diffuse19() -> Derived:
 def thermal_speed() -> sp.Expr:
     """v0 as a function of the temperature, from T = m v0^2/2."""
     speed = sp.Symbol("speed", positive=True)
-    (root,) = sp.solve(sp.Eq(T(t), m * speed**2 / 2), speed)
+    (root,) = sp.solve(sp.Eq(s.T(s.t), s.m * speed**2 / 2), speed)
     return root
 
 
@@ -349,14 +325,14 @@ def thermal_speed() -> sp.Expr:
 def temperature_exponent() -> sp.Expr:
     """q in D_e ~ T^q: D_e is a number times l v0, the only length and speed at hand."""
     heat = sp.Symbol("heat", positive=True)
-    speed = thermal_speed().subs(T(t), heat)
+    speed = thermal_speed().subs(s.T(s.t), heat)
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
 @derives("diffuse20")
 def _diffuse20() -> Derived:
     return Derived(
-        eq(Partial(De(t), T(t)), temperature_exponent() * De(t) / T(t)),
+        eq(Partial(s.De(s.t), s.T(s.t)), temperature_exponent() * s.De(s.t) / s.T(s.t)),
         (
             Step("v0 as a function of the temperature", thermal_speed()),
             Step("D_e = number l v0: exponent of T", temperature_exponent()),
@@ -368,24 +344,27 @@ def _diffuse20() -> Derived:
 @derives("diffuse21")
 def _diffuse21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
-    inserted = {Partial(De(t), T(t)): temperature_exponent() * unknown / T(t), De(t): unknown}
+    inserted = {
+        Partial(s.De(s.t), s.T(s.t)): temperature_exponent() * unknown / s.T(s.t),
+        s.De(s.t): unknown,
+    }
     equation = (_d_equation().lhs - _d_equation().rhs).subs(inserted)
     (solution,) = sp.solve(equation, unknown)
     return Derived(
-        eq(De(t), sp.factor(solution)),
+        eq(s.De(s.t), sp.factor(solution)),
         (
             Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
             Step("solved for D_e", solution),
-            Step("xi = 2 d rho0 v0 h", eq(xi(t), 2 * d * rho0 * v0(t) * h)),
+            Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
         ),
     )
 
 
 @derives("diffuse22")
 def _diffuse22() -> Derived:
-    flux = -De(t) * nabla0 * _N
+    flux = -s.De(s.t) * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
-    right = sp.expand(-nabla0 * flux)
+    right = sp.expand(-s.nabla0 * flux)
     return Derived(
         eq(Dt(1, _N), right),
         (

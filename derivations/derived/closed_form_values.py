@@ -14,14 +14,14 @@ from functools import cache
 import mpmath as mp
 import sympy as sp
 
-from ..symbols import e, p
+from .. import symbols as s
 from . import closed_forms
 
 
 @cache
 def _function(name: str) -> Callable[..., mp.mpf]:
     expression = getattr(closed_forms, name)()
-    arguments = (p, e) if expression.has(p) else (e,)
+    arguments = (s.p, s.e) if expression.has(s.p) else (s.e,)
     return sp.lambdify(arguments, expression, "mpmath")
 
 

@@ -6,32 +6,8 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
-from ..symbols import (
-    I_,
-    M2,
-    F,
-    G,
-    Mp,
-    R,
-    T,
-    bc,
-    c,
-    d,
-    g,
-    h,
-    klog,
-    lam,
-    m,
-    msd1,
-    n,
-    p,
-    r,
-    rho0,
-    t,
-    v,
-    v0,
-)
 from .closed_form_values import largest_cooling_ratio
 from .quadrature_values import cooling_rate_value
 from .record import Derived, Number, Status, Step, definition
@@ -40,10 +16,10 @@ from .registry import derives
 
 @derives("gtilde")
 def _gtilde() -> Derived:
-    root = sp.sqrt(msd1(t))
+    root = sp.sqrt(s.msd1(s.t))
     return Derived(
-        eq(g(r, t), sp.diff(r / root, r) * G(R)),
-        (Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(r / root, r)),),
+        eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
+        (Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),),
         "The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
         Status.ASSUMPTION,
@@ -73,9 +49,9 @@ def _mup() -> Derived:
 
 @derives("tdiff")
 def _tdiff() -> Derived:
-    exact = -2 * d * v0(t) * rho0 * lam(2) * Avg(c**3) * T(t)
+    exact = -2 * s.d * s.v0(s.t) * s.rho0 * s.lam(2) * Avg(s.c**3) * s.T(s.t)
     return Derived(
-        eq(sp.Derivative(T(t), t), exact),
+        eq(sp.Derivative(s.T(s.t), s.t), exact),
         (
             Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
             Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
@@ -98,17 +74,17 @@ def _tdiff() -> Derived:
 def _speed_equation(rate: sp.Expr) -> sp.Expr:
     """dv0/dt from dT/dt = rate and T = m v0^2/2."""
     slope = sp.Symbol("slope")
-    energy = m * v0(t) ** 2 / 2
-    balance = sp.diff(energy, v0(t)) * slope - rate.subs(T(t), energy)
+    energy = s.m * s.v0(s.t) ** 2 / 2
+    balance = sp.diff(energy, s.v0(s.t)) * slope - rate.subs(s.T(s.t), energy)
     (solution,) = sp.solve(balance, slope)
     return solution
 
 
 @derives("vdiff")
 def _vdiff() -> Derived:
-    rate = -2 * d * v0(t) * rho0 * h * T(t)
+    rate = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)
     return Derived(
-        eq(sp.Derivative(v0(t), t), _speed_equation(rate)),
+        eq(sp.Derivative(s.v0(s.t), s.t), _speed_equation(rate)),
         (
             Step("dT/dt", rate),
             Step("T = m v0^2/2 inserted, solved for dv0/dt", _speed_equation(rate)),
@@ -118,15 +94,15 @@ def _vdiff() -> Derived:
 
 @derives("veq")
 def _veq() -> Derived:
-    slope = _speed_equation(-2 * d * v0(t) * rho0 * h * T(t))
-    inverse = 1 / v0(0) + sp.integrate(sp.cancel(-slope / v0(t) ** 2), (t, 0, t))
+    slope = _speed_equation(-2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t))
+    inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / s.v0(s.t) ** 2), (s.t, 0, s.t))
     solution = 1 / inverse
-    if sp.simplify(sp.diff(solution, t) - slope.subs(v0(t), solution)) != 0:
+    if sp.simplify(sp.diff(solution, s.t) - slope.subs(s.v0(s.t), solution)) != 0:
         raise ArithmeticError("the thermal velocity does not solve its equation")
     return Derived(
-        eq(v0(t), solution),
+        eq(s.v0(s.t), solution),
         (
-            Step("rate of 1/v0", sp.cancel(-slope / v0(t) ** 2)),
+            Step("rate of 1/v0", sp.cancel(-slope / s.v0(s.t) ** 2)),
             Step("1/v0, integrated from 0 to t", inverse),
         ),
     )
@@ -144,7 +120,7 @@ def _hsimu() -> Derived:
         Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
     ]
     return Derived(
-        eq(h, 2 * sp.sqrt(klog * lam(1))),
+        eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
         note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
         "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
         "free path, which is shorter where disks do not overlap.",
@@ -170,20 +146,20 @@ def _tdepend() -> Derived:
 
 def _second_moment_rate() -> sp.Expr:
     """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    return sp.cancel(_energy_rate() / (m * v0(t) ** 2 / 2)) * T(t)
+    return sp.cancel(_energy_rate() / (s.m * s.v0(s.t) ** 2 / 2)) * s.T(s.t)
 
 
 def _energy_rate() -> sp.Expr:
     """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
-    energy, rate = m / 2 * v0(t) ** 2, d * rho0 * v0(t)
-    density, volume = n / v0(t) ** 2, v0(t) ** 2
-    return energy * rate * density * volume / n * (-M2)
+    energy, rate = s.m / 2 * s.v0(s.t) ** 2, s.d * s.rho0 * s.v0(s.t)
+    density, volume = s.n / s.v0(s.t) ** 2, s.v0(s.t) ** 2
+    return energy * rate * density * volume / s.n * (-s.M2)
 
 
 @derives("tdiff2")
 def _tdiff2() -> Derived:
     return Derived(
-        eq(sp.Derivative(T(t), t), _second_moment_rate()),
+        eq(sp.Derivative(s.T(s.t), s.t), _second_moment_rate()),
         (
             Step(
                 "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
@@ -196,10 +172,10 @@ def _tdiff2() -> Derived:
 
 @derives("compare2")
 def _compare2() -> Derived:
-    difference = -2 * d * v0(t) * rho0 * h * T(t) - _second_moment_rate()
-    (solution,) = sp.solve(difference, h)
+    difference = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t) - _second_moment_rate()
+    (solution,) = sp.solve(difference, s.h)
     return Derived(
-        eq(h, solution),
+        eq(s.h, solution),
         (Step("difference of the two rates of T", difference),),
         "Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
     )
@@ -208,7 +184,7 @@ def _compare2() -> Derived:
 @derives("rearramu2")
 def _rearramu2() -> Derived:
     return Derived(
-        eq(sp.Derivative(v0(t), t), speed_equation_by_moment()),
+        eq(sp.Derivative(s.v0(s.t), s.t), speed_equation_by_moment()),
         (Step("dT/dt", _second_moment_rate()), Step("T = m v0^2/2 inserted", None)),
     )
 
@@ -223,9 +199,9 @@ def _scaled_derivative() -> sp.Expr:
     """df/dt over (n d rho0/v0) for f = n/v0^2 Phi(v/v0): a combination of Phi and Phi'."""
     shape = sp.Function("Phi")
     slope = speed_equation_by_moment()
-    rate = sp.diff(n / v0(t) ** 2 * shape(v / v0(t)), t)
-    rate = rate.subs(sp.Derivative(v0(t), t), slope).doit()
-    return sp.simplify((rate * v0(t) / (n * d * rho0)).subs(v, c * v0(t)).doit())
+    rate = sp.diff(s.n / s.v0(s.t) ** 2 * shape(s.v / s.v0(s.t)), s.t)
+    rate = rate.subs(sp.Derivative(s.v0(s.t), s.t), slope).doit()
+    return sp.simplify((rate * s.v0(s.t) / (s.n * s.d * s.rho0)).subs(s.v, s.c * s.v0(s.t)).doit())
 
 
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
@@ -234,7 +210,7 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
     shape = sp.Function("Phi")
     # on c^q the operator c d/dc is q: read both coefficients off a power
     expression = _scaled_derivative().replace(shape, lambda z: z**power).doit()
-    image = sp.expand(sp.simplify(expression / c**power))
+    image = sp.expand(sp.simplify(expression / s.c**power))
     return image.coeff(power, 0), image.coeff(power, 1)
 
 
@@ -242,7 +218,7 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
     return Derived(
-        eq(I_(F(bc)), plain * F(bc) + slope * dot(bc, Partial(F(bc), bc))),
+        eq(s.I_(s.F(s.bc)), plain * s.F(s.bc) + slope * dot(s.bc, Partial(s.F(s.bc), s.bc))),
         (
             Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
             Step("factor of F", plain),
@@ -255,10 +231,10 @@ def _ifmu2() -> Derived:
 def _mueq() -> Derived:
     plain, slope = _scaled_coefficients()
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc
-    by_parts = sp.simplify(-sp.diff(c ** (p + 2), c) / c ** (p + 1))
+    by_parts = sp.simplify(-sp.diff(s.c ** (s.p + 2), s.c) / s.c ** (s.p + 1))
     factor = sp.factor(-(plain + slope * by_parts))
     return Derived(
-        eq(Mp, factor * Avg(c**p)),
+        eq(s.Mp, factor * Avg(s.c**s.p)),
         (
             Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
             Step("M_p over <c^p>", factor),

@@ -6,9 +6,9 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import eq
 from ..premises import over_angle, parallel_component, sonine_average
-from ..symbols import De, a2, bv, c, d, e, fa2, h, msd, n, nuD, rho0, t, t1, v, v0, x
 from .chapman_enskog import thermal_speed
 from .quadrature_values import a2_value, diffusion_slope_value
 from .record import Derived, Number, Status, Step
@@ -40,7 +40,7 @@ def _ad4() -> Derived:
             Number(f"{name} at e = {value}", float(number))
             for value in (0.6, 0.7, 0.9)
             for name, number in (
-                ("Sonine a_2", roots()[0].subs(e, sp.Rational(str(value)))),
+                ("Sonine a_2", roots()[0].subs(s.e, sp.Rational(str(value)))),
                 ("exact a_2", a2_value(value)),
             )
         ),
@@ -49,15 +49,15 @@ def _ad4() -> Derived:
 
 @derives("ad5")
 def _ad5() -> Derived:
-    scaled = sp.exp(-(c**2)) / sp.pi * (1 + a2 * polynomial(2).subs(x, c**2))
-    dimensional = n / v0(t) ** 2 * scaled.subs(c, v / v0(t))
-    derived = dimensional.subs(v0(t), thermal_speed())
+    scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
+    dimensional = s.n / s.v0(s.t) ** 2 * scaled.subs(s.c, s.v / s.v0(s.t))
+    derived = dimensional.subs(s.v0(s.t), thermal_speed())
     return Derived(
-        eq(fa2(bv, t), derived),
+        eq(s.fa2(s.bv, s.t), derived),
         (
             Step("scaled Sonine form", scaled),
             Step("f = (n/v0^2) F(v/v0)", dimensional),
-            Step("v0 by the temperature", eq(v0(t), thermal_speed())),
+            Step("v0 by the temperature", eq(s.v0(s.t), thermal_speed())),
         ),
         "The printed form lacks the factor n: by v0defi and tdepend the integral of f over v is "
         "n, that of the printed form is 1. Nothing follows: nu_D is a ratio in which it cancels.",
@@ -71,20 +71,20 @@ def flux_relaxation() -> sp.Expr:
     # int v.Lambda(v f) dv / int v.v f dv, with v.(v' - v) = v^2 (parallel - 1), rate d rho0 v dy
     transfer = over_angle(parallel_component() - 1)
     ratio = transfer * sonine_average(3) / sonine_average(2)
-    return sp.factor(-d * rho0 * v0(t) * ratio)
+    return sp.factor(-s.d * s.rho0 * s.v0(s.t) * ratio)
 
 
 @derives("ad6")
 def _ad6() -> Derived:
     loss = over_angle(parallel_component() - 1)
     return Derived(
-        eq(nuD, flux_relaxation().subs(v0(t), thermal_speed())),
+        eq(s.nuD, flux_relaxation().subs(s.v0(s.t), thermal_speed())),
         (
             Step("v'.v/v^2 of one collision", parallel_component()),
             Step("its loss, over the impact parameter", loss),
             Step("<c^3> of the Sonine VDF", sonine_average(3)),
             Step("<c^2> of the Sonine VDF", sonine_average(2)),
-            Step("nu_D in terms of the thermal speed", eq(nuD, flux_relaxation())),
+            Step("nu_D in terms of the thermal speed", eq(s.nuD, flux_relaxation())),
         ),
         "Follows from the approximation B ~ v f; the speed dependence of B that this drops costs "
         "15 % of D_e even at e = 1.",
@@ -94,8 +94,8 @@ def _ad6() -> Derived:
 @cache
 def sonine_diffusion() -> sp.Expr:
     """D_e in the first Sonine approximation, as a function of v0(t)."""
-    cooling = 2 * d * rho0 * v0(t) * sonine_cooling_rate()
-    return tidy(v0(t) ** 2 / 2 / (flux_relaxation() - cooling / 2))
+    cooling = 2 * s.d * s.rho0 * s.v0(s.t) * sonine_cooling_rate()
+    return tidy(s.v0(s.t) ** 2 / 2 / (flux_relaxation() - cooling / 2))
 
 
 @cache
@@ -105,23 +105,23 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
     Exact: the flux at one speed decays at the rate 2 d rho0 v (1 - <v'.v>/v^2), so that
     D(v) = v^2/2 over it; then averaged over the Gaussian.
     """
-    boltzmann_grad = {d: sp.Rational(1, 2), rho0: 1}  # l = 1/(2 d rho0) = 1
-    sonine = (sonine_diffusion() / v0(t)).subs({a2: 0, e: 1}).subs(boltzmann_grad)
-    decay = -over_angle(parallel_component() - 1).subs(e, 1) / 2
-    exact = sonine_average(1).subs(a2, 0) / (2 * decay)
+    boltzmann_grad = {s.d: sp.Rational(1, 2), s.rho0: 1}  # l = 1/(2 d rho0) = 1
+    sonine = (sonine_diffusion() / s.v0(s.t)).subs({s.a2: 0, s.e: 1}).subs(boltzmann_grad)
+    decay = -over_angle(parallel_component() - 1).subs(s.e, 1) / 2
+    exact = sonine_average(1).subs(s.a2, 0) / (2 * decay)
     return sp.simplify(sonine), sp.simplify(exact)
 
 
 @derives("ad7")
 def _ad7() -> Derived:
-    derived = sp.simplify(sonine_diffusion().subs(v0(t), thermal_speed()))
+    derived = sp.simplify(sonine_diffusion().subs(s.v0(s.t), thermal_speed()))
     sonine, lorentz = elastic_diffusion()
     return Derived(
-        eq(De(t), derived),
+        eq(s.De(s.t), derived),
         (
-            Step("T/m = v0^2/2", eq(thermal_speed(), v0(t))),
-            Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(h, sonine_cooling_rate())),
-            Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(De(t), sonine_diffusion())),
+            Step("T/m = v0^2/2", eq(thermal_speed(), s.v0(s.t))),
+            Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(s.h, sonine_cooling_rate())),
+            Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(s.De(s.t), sonine_diffusion())),
         ),
         "Follows from diffuse21 and ad6. At e = 1 with a Gaussian VDF the exact value is "
         "(3/8) l <v>: this is 15 % low.",
@@ -139,12 +139,12 @@ def _ad8() -> Derived:
     x_, y_ = sp.symbols("x y", real=True)
     laplacian = sp.diff(x_**2 + y_**2, x_, 2) + sp.diff(x_**2 + y_**2, y_, 2)
     return Derived(
-        eq(msd(t), laplacian * sp.Integral(De(t1), (t1, 0, t))),
+        eq(s.msd(s.t), laplacian * sp.Integral(s.De(s.t1), (s.t1, 0, s.t))),
         (
             Step("Laplacian of r^2 in the plane", laplacian),
             Step(
                 "second moment of the diffusion equation",
-                eq(sp.Derivative(msd(t), t), laplacian * De(t)),
+                eq(sp.Derivative(s.msd(s.t), s.t), laplacian * s.De(s.t)),
             ),
         ),
         "Misprint: the integrand is printed at the upper limit t, not at the integration variable "
@@ -161,14 +161,14 @@ def _log(value: float) -> float:
 def sonine_msd() -> sp.Expr:
     """4 int_0^t D dt' with D = k v0(t') and v0 = 1/(1/v0(0) + beta t'), v0(0) = sqrt(2), U = 1."""
     beta, start = sp.symbols("beta v_00", positive=True)
-    speed = 1 / (1 / start + beta * t)
-    logarithm = sp.log(1 + start * beta * t) / beta
-    if sp.cancel(sp.diff(logarithm, t) - speed) != 0 or logarithm.subs(t, 0) != 0:
+    speed = 1 / (1 / start + beta * s.t)
+    logarithm = sp.log(1 + start * beta * s.t) / beta
+    if sp.cancel(sp.diff(logarithm, s.t) - speed) != 0 or logarithm.subs(s.t, 0) != 0:
         raise ArithmeticError("not the integral of v0 from 0 to t")
-    total = 4 * sp.cancel(sonine_diffusion() / v0(t)) * logarithm
-    cooling = d * rho0 * sonine_cooling_rate()
-    return tidy(total.coeff(sp.log(1 + start * beta * t)).subs(beta, cooling)) * sp.log(
-        1 + tidy((start * beta).subs({beta: cooling, start: sp.sqrt(2)})) * t
+    total = 4 * sp.cancel(sonine_diffusion() / s.v0(s.t)) * logarithm
+    cooling = s.d * s.rho0 * sonine_cooling_rate()
+    return tidy(total.coeff(sp.log(1 + start * beta * s.t)).subs(beta, cooling)) * sp.log(
+        1 + tidy((start * beta).subs({beta: cooling, start: sp.sqrt(2)})) * s.t
     )
 
 
@@ -176,9 +176,9 @@ def sonine_msd() -> sp.Expr:
 def _ad8_2() -> Derived:
     total = sonine_msd()
     return Derived(
-        eq(msd(t), total),
+        eq(s.msd(s.t), total),
         (
-            Step("D_e is proportional to v0", eq(De(t), sonine_diffusion())),
+            Step("D_e is proportional to v0", eq(s.De(s.t), sonine_diffusion())),
             Step("4 int_0^t D_e dt' with v0 = 1/(1/v0(0) + d rho0 h t'), v0(0) = sqrt(2) U", total),
         ),
         "In the paper's units (U = 1). Its slope in ln t is below the exact one.",
@@ -188,9 +188,9 @@ def _ad8_2() -> Derived:
 
 def sonine_slope(value: float) -> float:
     """d<r^2>/d ln t in units of l^2 by the first Sonine approximation with the lower a_2."""
-    slope = 4 * sp.cancel(sonine_diffusion() / v0(t)) / (d * rho0 * sonine_cooling_rate())
-    slope = slope.subs({d: sp.Rational(1, 2), rho0: 1}).subs(a2, roots()[0])
-    return float(slope.subs(e, value))
+    slope = 4 * sp.cancel(sonine_diffusion() / s.v0(s.t)) / (s.d * s.rho0 * sonine_cooling_rate())
+    slope = slope.subs({s.d: sp.Rational(1, 2), s.rho0: 1}).subs(s.a2, roots()[0])
+    return float(slope.subs(s.e, value))
 
 
 def _slopes(value: float) -> tuple[Number, Number]:

@@ -6,47 +6,26 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Avg, chain, eq
-from ..symbols import (
-    De,
-    G,
-    Gt,
-    N,
-    R,
-    V,
-    alpha,
-    beta,
-    eta,
-    flatness,
-    gt,
-    kappa_d,
-    l,
-    msd,
-    norm,
-    pd,
-    r,
-    t,
-    t1,
-    tc,
-)
 from .chapman_enskog import isotropy
 from .random_walk import collisions
 from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 
-_SPREAD = sp.Integral(De(V, t1), (t1, 0, t))
+_SPREAD = sp.Integral(s.De(s.V, s.t1), (s.t1, 0, s.t))
 
 
 @cache
 def diffusive_density() -> sp.Expr:
     """The radial density that solves dn/dt = D laplace(n) from a point, with I = int D dt."""
     spread = sp.Symbol("spread", positive=True)
-    kernel = sp.exp(-(r**2) / (4 * spread)) / (4 * sp.pi * spread)
-    laplacian = sp.diff(r * sp.diff(kernel, r), r) / r
+    kernel = sp.exp(-(s.r**2) / (4 * spread)) / (4 * sp.pi * spread)
+    laplacian = sp.diff(s.r * sp.diff(kernel, s.r), s.r) / s.r
     if sp.simplify(sp.diff(kernel, spread) - laplacian) != 0:
         raise ArithmeticError("the Gaussian does not solve the diffusion equation")
-    radial = sp.simplify(2 * sp.pi * r * kernel)
-    if sp.integrate(radial, (r, 0, sp.oo)) != 1:
+    radial = sp.simplify(2 * sp.pi * s.r * kernel)
+    if sp.integrate(radial, (s.r, 0, sp.oo)) != 1:
         raise ArithmeticError("the Gaussian is not normalised")
     return radial
 
@@ -55,11 +34,11 @@ def diffusive_density() -> sp.Expr:
 def _normg() -> Derived:
     spread = sp.Symbol("spread", positive=True)
     density = diffusive_density()
-    second = sp.integrate(r**2 * density, (r, 0, sp.oo))
+    second = sp.integrate(s.r**2 * density, (s.r, 0, sp.oo))
     printed = density.subs(spread, 2 * spread)
-    printed_second = sp.integrate(r**2 * printed, (r, 0, sp.oo))
+    printed_second = sp.integrate(s.r**2 * printed, (s.r, 0, sp.oo))
     return Derived(
-        eq(gt(r, t), density.subs(spread, _SPREAD)),
+        eq(s.gt(s.r, s.t), density.subs(spread, _SPREAD)),
         (
             Step("radial solution of the diffusion equation from a point, I = int D dt", density),
             Step("its <r^2>", second),
@@ -74,9 +53,9 @@ def _normg() -> Derived:
 
 @derives("ddif")
 def _ddif() -> Derived:
-    elastic = sp.Rational(3, 8) * V * l / (alpha + beta * t1)
+    elastic = sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)
     return Derived(
-        eq(De(V, t1), elastic),
+        eq(s.De(s.V, s.t1), elastic),
         (Step("exact at e = 1: (3/8) v l with v = V v0", elastic),),
         "The power of V is a guess (see ap20): at e = 1 the exact one is 1, not 2. The shape of "
         "G(R) rests on it.",
@@ -97,15 +76,15 @@ def _eta() -> Derived:
 
 @derives("etadif")
 def _etadif() -> Derived:
-    integral = kappa_d * V**2 * l * sp.log(1 + beta * t / alpha) / beta
-    coefficient = kappa_d * V**2 * l / (alpha + beta * t)
-    if sp.simplify(sp.diff(integral, t) - coefficient) != 0 or integral.subs(t, 0) != 0:
+    integral = s.kappa_d * s.V**2 * s.l * sp.log(1 + s.beta * s.t / s.alpha) / s.beta
+    coefficient = s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t)
+    if sp.simplify(sp.diff(integral, s.t) - coefficient) != 0 or integral.subs(s.t, 0) != 0:
         raise ArithmeticError("not the integral of D_e(V, t)")
-    square = l**2 * collisions().subs(tc(N), t)
-    value = sp.simplify(4 * integral / (V**2 * square))
-    (fixed,) = sp.solve(value.subs(l * beta, 1) - sp.Rational(1, 2), kappa_d)
+    square = s.l**2 * collisions().subs(s.tc(s.N), s.t)
+    value = sp.simplify(4 * integral / (s.V**2 * square))
+    (fixed,) = sp.solve(value.subs(s.l * s.beta, 1) - sp.Rational(1, 2), s.kappa_d)
     return Derived(
-        eq(eta, value),
+        eq(s.eta, value),
         (
             Step("int_0^t D_e(V, t') dt'", integral),
             Step("<r^2> of the random walk (msd)", square),
@@ -122,15 +101,15 @@ def _posivel() -> Derived:
     # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
     spread = sp.Symbol("spread", positive=True)
     printed = diffusive_density().subs(spread, 2 * spread)
-    inserted = printed.subs(spread, eta * V**2 * msd(t) / 4)
-    scaled = sp.simplify((sp.sqrt(msd(t)) * inserted).subs(r, R * sp.sqrt(msd(t))))
+    inserted = printed.subs(spread, s.eta * s.V**2 * s.msd(s.t) / 4)
+    scaled = sp.simplify((sp.sqrt(s.msd(s.t)) * inserted).subs(s.r, s.R * sp.sqrt(s.msd(s.t))))
     return Derived(
-        eq(Gt(R, V), scaled),
+        eq(s.Gt(s.R, s.V), scaled),
         (
             Step("the Gaussian of normg", printed),
             Step("eta inserted, times the root of <r^2>", scaled),
-            Step("its integral", sp.integrate(scaled, (R, 0, sp.oo))),
-            Step("its second moment", sp.integrate(R**2 * scaled, (R, 0, sp.oo))),
+            Step("its integral", sp.integrate(scaled, (s.R, 0, sp.oo))),
+            Step("its second moment", sp.integrate(s.R**2 * scaled, (s.R, 0, sp.oo))),
         ),
         "Follows from normg as printed. With the factor of normg put right, eta stands for "
         "eta/2 here; being free, it hides the factor.",
@@ -140,8 +119,8 @@ def _posivel() -> Derived:
 @cache
 def _weighted() -> sp.Expr:
     """The integrand of G(R): Gaussian speeds times the distribution at one speed."""
-    at_speed = R / (eta * V**2) * sp.exp(-(R**2) / (2 * eta * V**2))
-    return sp.exp(-(V**2)) / sp.pi * at_speed * 2 * sp.pi * V
+    at_speed = s.R / (s.eta * s.V**2) * sp.exp(-(s.R**2) / (2 * s.eta * s.V**2))
+    return sp.exp(-(s.V**2)) / sp.pi * at_speed * 2 * sp.pi * s.V
 
 
 @cache
@@ -151,8 +130,8 @@ def closed_form() -> sp.Expr:
     K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)); here z^2/4 = R^2/(2 eta).
     """
     u = sp.Symbol("u", positive=True)
-    changed = sp.simplify(_weighted().subs(V, sp.sqrt(u)) * sp.diff(sp.sqrt(u), u))
-    exponent = -sp.log(changed * u * eta / R)
+    changed = sp.simplify(_weighted().subs(s.V, sp.sqrt(u)) * sp.diff(sp.sqrt(u), u))
+    exponent = -sp.log(changed * u * s.eta / s.R)
     quarter = sp.simplify((sp.expand_log(exponent, force=True) - u) * u)
     prefactor = sp.simplify(changed * u * sp.exp(u + quarter / u))
     return 2 * prefactor * sp.besselk(0, sp.sqrt(4 * quarter))
@@ -161,13 +140,13 @@ def closed_form() -> sp.Expr:
 @derives("gdefi")
 def _gdefi() -> Derived:
     integrand = _weighted()
-    exponent = sp.exp(-pd(V, R) * R**2)
-    prefactor = sp.simplify(integrand / sp.exp(-saddle_exponent() * R**2))
+    exponent = sp.exp(-s.pd(s.V, s.R) * s.R**2)
+    prefactor = sp.simplify(integrand / sp.exp(-saddle_exponent() * s.R**2))
     return Derived(
         chain(
-            G(R),
-            sp.Integral(integrand, (V, 0, sp.oo)),
-            prefactor * sp.Integral(exponent, (V, 0, sp.oo)),
+            s.G(s.R),
+            sp.Integral(integrand, (s.V, 0, sp.oo)),
+            prefactor * sp.Integral(exponent, (s.V, 0, sp.oo)),
         ),
         (
             Step("integrand: Gaussian speed times posivel", integrand),
@@ -185,21 +164,21 @@ def _gdefi() -> Derived:
 def _moment(order: int) -> sp.Expr:
     """<R^order> of the closed form, from int_0^oo z^(q-1) K_0(z) dz = 2^(q-2) Gamma(q/2)^2."""
     q = sp.Integer(order + 2)
-    scale = sp.sqrt(2 / eta)
-    return sp.simplify(2 / eta * scale ** (-q) * 2 ** (q - 2) * sp.gamma(q / 2) ** 2)
+    scale = sp.sqrt(2 / s.eta)
+    return sp.simplify(2 / s.eta * scale ** (-q) * 2 ** (q - 2) * sp.gamma(q / 2) ** 2)
 
 
 @cache
 def saddle_exponent() -> sp.Expr:
     """p(V, R) such that the integrand is (2 R/eta) exp(-p R^2)."""
-    ratio = sp.simplify(_weighted() * eta / (2 * R))
-    return sp.expand(-sp.expand_log(sp.log(ratio), force=True) / R**2)
+    ratio = sp.simplify(_weighted() * s.eta / (2 * s.R))
+    return sp.expand(-sp.expand_log(sp.log(ratio), force=True) / s.R**2)
 
 
 @derives("pdefi")
 def _pdefi() -> Derived:
     return Derived(
-        eq(pd(V, R), saddle_exponent()),
+        eq(s.pd(s.V, s.R), saddle_exponent()),
         (Step("minus the logarithm of the integrand over 2 R/eta, over R^2", saddle_exponent()),),
     )
 
@@ -207,7 +186,7 @@ def _pdefi() -> Derived:
 @derives("beyond:bessel")
 def _bessel() -> Derived:
     return Derived(
-        sp.Tuple(eq(G(R), closed_form()), eq(norm, _moment(0)), eq(Avg(R**2), _moment(2))),
+        sp.Tuple(eq(s.G(s.R), closed_form()), eq(s.norm, _moment(0)), eq(Avg(s.R**2), _moment(2))),
         (
             Step("integrand of gdefi", _weighted()),
             Step("u = V^2: K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)), z^2/4 = R^2/(2 eta)", None),
@@ -229,7 +208,7 @@ def _position() -> Derived:
     ratio = sp.simplify(fourth_moment / (second * mean) ** 2)
     bessel = sp.simplify(_moment(4) / _moment(2) ** 2)
     return Derived(
-        eq(flatness, sp.limit(ratio, mean, sp.oo)),
+        eq(s.flatness, sp.limit(ratio, mean, sp.oo)),
         (
             Step("<r^4>/<r^2>^2 for N free flights, N with mean and variance ~ ln t", ratio),
             Step("its value for the paper's K_0 form", bessel),

@@ -10,36 +10,9 @@ from functools import cache
 import mpmath as mp
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Avg, eq
 from ..premises import gaussian_moment, loss, speed_ratio_squared
-from ..symbols import (
-    M2,
-    MY,
-    F,
-    Mp,
-    N,
-    S,
-    a2,
-    bc,
-    c,
-    cos_chi,
-    e,
-    gap,
-    h,
-    k,
-    klog,
-    lam,
-    p,
-    power,
-    q,
-    rate,
-    s,
-    slope,
-    t,
-    width2,
-    x,
-    y,
-)
 from .closed_forms import (
     coefficient_ratio,
     loss_one,
@@ -57,9 +30,9 @@ from .sonine import generating_function, polynomial
 @derives("beyond:loss-p")
 def _loss_p() -> Derived:
     return Derived(
-        eq(lam(p), 1 - mean_ratio_power()),
+        eq(s.lam(s.p), 1 - mean_ratio_power()),
         (
-            Step("s^2 in powers of 1 - e^2", 1 - (1 - e**2) * (1 - y**2)),
+            Step("s^2 in powers of 1 - e^2", 1 - (1 - s.e**2) * (1 - s.y**2)),
             Step("coefficient k + 1 over coefficient k of E[s^p]", coefficient_ratio()),
             Step("the series with that ratio and first coefficient 1", mean_ratio_power()),
         ),
@@ -71,14 +44,19 @@ def _loss_p() -> Derived:
 @derives("beyond:loss-even")
 def _loss_even() -> Derived:
     # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
-    average = sp.integrate(y ** (2 * k), (y, 0, 1), conds="none")
-    term = sp.binomial(q, k) * e ** (2 * (q - k)) * (1 - e**2) ** k * sp.simplify(average)
+    average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
+    term = (
+        sp.binomial(s.q, s.k)
+        * s.e ** (2 * (s.q - s.k))
+        * (1 - s.e**2) ** s.k
+        * sp.simplify(average)
+    )
     for order in range(1, 5):
-        total = sum(term.subs({q: order, k: index}) for index in range(order + 1))
+        total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
         if sp.expand(1 - total - loss(2 * order)) != 0:
             raise ArithmeticError(f"the sum misses lambda({2 * order})")
     return Derived(
-        eq(lam(2 * q), 1 - sp.Sum(term, (k, 0, q))),
+        eq(s.lam(2 * s.q), 1 - sp.Sum(term, (s.k, 0, s.q))),
         (Step("average of y^(2k) over the impact parameter", average),),
         "For q = 1 ... 4 it is also compared with the integrated polynomial.",
     )
@@ -87,20 +65,20 @@ def _loss_even() -> Derived:
 @derives("beyond:loss-1")
 def _loss_1() -> Derived:
     return Derived(
-        eq(lam(1), loss_one()),
+        eq(s.lam(1), loss_one()),
         (Step("E[s] by its antiderivative; asinh(b/e) = artanh(b)", loss_one()),),
     )
 
 
 @derives("beyond:loss-2")
 def _loss_2() -> Derived:
-    return Derived(eq(lam(2), loss_two()), (Step("E[1 - s^2]", loss_two()),))
+    return Derived(eq(s.lam(2), loss_two()), (Step("E[1 - s^2]", loss_two()),))
 
 
 @derives("beyond:log-loss")
 def _log_loss() -> Derived:
     return Derived(
-        eq(klog, mean_log_loss()),
+        eq(s.klog, mean_log_loss()),
         (Step("E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)", mean_log_loss()),),
     )
 
@@ -108,7 +86,7 @@ def _log_loss() -> Derived:
 @derives("beyond:cosine")
 def _cosine() -> Derived:
     return Derived(
-        eq(cos_chi, mean_cosine()),
+        eq(s.cos_chi, mean_cosine()),
         (Step("E[(-e + (1 + e) y^2)/s] by its antiderivative", mean_cosine()),),
     )
 
@@ -116,19 +94,19 @@ def _cosine() -> Derived:
 @derives("beyond:collision-moment")
 def _collision_moment() -> Derived:
     z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
-    weight = sp.Poly(sp.expand((1 + a2 * polynomial(2)).subs(x, c**2)), c)
+    weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
     average = sum(
         (
-            factor * gaussian_moment().subs(p, 2 * z - 2 + order)
+            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
             for (order,), factor in weight.terms()
         ),
         sp.Integer(0),
     )
-    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (p + 3) / 2)
+    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
     return Derived(
-        eq(Mp, 2 * lam(p) * sp.gamma((p + 3) / 2) * sp.collect(sp.expand(ratio), a2)),
+        eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
         (
-            Step("weak form: twice lambda(p) <c^(p+1)>", 2 * lam(p) * Avg(c ** (p + 1))),
+            Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
             Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
         ),
         "p = 2 and p = 4 are sonine9 and sonine10.",
@@ -138,19 +116,22 @@ def _collision_moment() -> Derived:
 @derives("beyond:sonine-n")
 def _sonine_n() -> Derived:
     # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
-    inner = sp.binomial(N, N - k)
-    if sp.gammasimp((inner / sp.binomial(N, k)).rewrite(sp.gamma)) != 1:
+    inner = sp.binomial(s.N, s.N - s.k)
+    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
         raise ArithmeticError("the binomial coefficient is not symmetric")
-    term = (-1) ** k * x**k / sp.factorial(k) * sp.binomial(N, k)
+    term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
     for order in range(7):
         total = sum(
-            ((-x) ** i / sp.factorial(i) * sp.binomial(order, order - i) for i in range(order + 1)),
+            (
+                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
+                for i in range(order + 1)
+            ),
             sp.Integer(0),
         )
         if sp.expand(total - polynomial(order)) != 0:
             raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
     return Derived(
-        eq(S(N, x), sp.Sum(term, (k, 0, N))),
+        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
         (
             Step("generating function of orthogonal polynomials", generating_function()[0]),
             Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
@@ -161,19 +142,19 @@ def _sonine_n() -> Derived:
 
 @derives("beyond:moments")
 def _moments() -> Derived:
-    scaled = MY(p) * t ** (-p)
-    loss_term = -lam(p) * MY(p + 1) * t ** (-(p + 1))
-    (following,) = sp.solve(sp.diff(scaled, t) - loss_term, MY(p + 1))
+    scaled = s.MY(s.p) * s.t ** (-s.p)
+    loss_term = -s.lam(s.p) * s.MY(s.p + 1) * s.t ** (-(s.p + 1))
+    (following,) = sp.solve(sp.diff(scaled, s.t) - loss_term, s.MY(s.p + 1))
     # p -> 0: p/lambda(p) -> 1/E[-ln s], since d(1 - s^p)/dp = -ln s there
-    first = sp.diff(1 - s**p, p).subs(p, 0)
-    start = 1 / klog if first == -sp.log(s) else sp.nan
+    first = sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0)
+    start = 1 / s.klog if first == -sp.log(s.s) else sp.nan
     return Derived(
-        sp.Tuple(eq(MY(1), start), eq(MY(p + 1), sp.simplify(following))),
+        sp.Tuple(eq(s.MY(1), start), eq(s.MY(s.p + 1), sp.simplify(following))),
         (
             Step(
                 "weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>", None
             ),
-            Step("<v^p> = E[Y^p] t^(-p) inserted", sp.diff(scaled, t) - loss_term),
+            Step("<v^p> = E[Y^p] t^(-p) inserted", sp.diff(scaled, s.t) - loss_term),
             Step("d(1 - s^p)/dp at p = 0, whose mean is kappa", first),
         ),
         "Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < 1.",
@@ -183,9 +164,9 @@ def _moments() -> Derived:
 @cache
 def moment(order: int) -> sp.Expr:
     """E[Y^n] in kappa, lambda(1), lambda(2), ..."""
-    value = 1 / klog
+    value = 1 / s.klog
     for index in range(1, order):
-        value *= index / lam(index)
+        value *= index / s.lam(index)
     return value
 
 
@@ -193,9 +174,9 @@ def moment(order: int) -> sp.Expr:
 def _cooling_rate() -> Derived:
     third = moment(3) / moment(2) ** sp.Rational(3, 2)
     return Derived(
-        eq(h, sp.simplify(lam(2) * third)),
+        eq(s.h, sp.simplify(s.lam(2) * third)),
         (
-            Step("h = M_2/2 = lambda(2) <c^3>", lam(2) * Avg(c**3)),
+            Step("h = M_2/2 = lambda(2) <c^3>", s.lam(2) * Avg(s.c**3)),
             Step("<c^3> = E[Y^3]/E[Y^2]^(3/2)", third),
         ),
     )
@@ -207,7 +188,7 @@ def _a2() -> Derived:
     with mp.workdps(20):
         zero = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
     return Derived(
-        eq(a2, sp.simplify(fourth / 2 - 1)),
+        eq(s.a2, sp.simplify(fourth / 2 - 1)),
         (Step("<c^4> = E[Y^4]/E[Y^2]^2", fourth),),
         "Exists for every e in [0, 1).",
         numbers=(Number("restitution at which a_2 = 0", float(zero)),),
@@ -218,7 +199,7 @@ def _a2() -> Derived:
 def _series_near_one(order: int) -> tuple[sp.Expr, sp.Expr]:
     """(kappa, lambda(1)) in powers of w = 1 - e^2, expanded under the integral."""
     w = sp.Symbol("w", positive=True)
-    averages = [sp.integrate((1 - y**2) ** i, (y, 0, 1)) for i in range(order)]
+    averages = [sp.integrate((1 - s.y**2) ** i, (s.y, 0, 1)) for i in range(order)]
     log_loss = sum(w**i / (2 * i) * averages[i] for i in range(1, order))
     loss_ = -sum(
         sp.binomial(sp.Rational(1, 2), i) * (-w) ** i * averages[i] for i in range(1, order)
@@ -229,14 +210,14 @@ def _series_near_one(order: int) -> tuple[sp.Expr, sp.Expr]:
 @derives("beyond:cooling-near-1")
 def _cooling_near_1() -> Derived:
     w = sp.Symbol("w", positive=True)
-    product = sp.expand(sp.Mul(*_series_near_one(4)).subs(w, 1 - (1 - gap) ** 2) / gap**2)
-    kept = sum(product.coeff(gap, order) * gap**order for order in range(3))
+    product = sp.expand(sp.Mul(*_series_near_one(4)).subs(w, 1 - (1 - s.gap) ** 2) / s.gap**2)
+    kept = sum(product.coeff(s.gap, order) * s.gap**order for order in range(3))
     series = sum(
-        sp.diff(2 * sp.sqrt(kept), gap, order).subs(gap, 0) / sp.factorial(order) * gap**order
+        sp.diff(2 * sp.sqrt(kept), s.gap, order).subs(s.gap, 0) / sp.factorial(order) * s.gap**order
         for order in range(3)
     )
     return Derived(
-        eq(h / gap, sp.expand(series)),
+        eq(s.h / s.gap, sp.expand(series)),
         (
             Step("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
             Step("lambda(1) in powers of w", _series_near_one(4)[1]),
@@ -248,13 +229,13 @@ def _cooling_near_1() -> Derived:
 @derives("beyond:cooling-small-e")
 def _cooling_small_e() -> Derived:
     logarithm = sp.Symbol("L", real=True)  # ln e, kept apart so that the rest is a power series
-    b = sp.sqrt(1 - e**2)
+    b = sp.sqrt(1 - s.e**2)
     first = loss_one().subs(sp.atanh(b), sp.log(1 + b) - logarithm)
-    log_loss = sp.series(mean_log_loss(), e, 0, 3).removeO()
-    first = sp.series(first, e, 0, 3).removeO()
-    root = sp.series(sp.sqrt(sp.expand(4 * log_loss * first)), e, 0, 3).removeO()
+    log_loss = sp.series(mean_log_loss(), s.e, 0, 3).removeO()
+    first = sp.series(first, s.e, 0, 3).removeO()
+    root = sp.series(sp.sqrt(sp.expand(4 * log_loss * first)), s.e, 0, 3).removeO()
     return Derived(
-        eq(h, sp.expand(root).subs(logarithm, sp.log(e))),
+        eq(s.h, sp.expand(root).subs(logarithm, sp.log(s.e))),
         (
             Step("kappa to order e^2", log_loss),
             Step("lambda(1) to order e^2, with L = ln e; artanh(b) = ln(1 + b) - ln e", first),
@@ -267,15 +248,15 @@ def _cooling_small_e() -> Derived:
 @derives("beyond:a2-limits")
 def _a2_limits() -> Derived:
     w = sp.Symbol("w", positive=True)
-    exact = 3 * klog * lam(1) / (lam(2) * lam(3)) - 1
-    dead = {lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}  # e = 0: s = y, E[y^p] = 1/(p + 1)
-    at_zero = exact.subs(dead).subs(klog, -sp.integrate(sp.log(y), (y, 0, 1)))
+    exact = 3 * s.klog * s.lam(1) / (s.lam(2) * s.lam(3)) - 1
+    dead = {s.lam(i): sp.Rational(i, i + 1) for i in (1, 2, 3)}  # e = 0: s = y, E[y^p] = 1/(p + 1)
+    at_zero = exact.subs(dead).subs(s.klog, -sp.integrate(sp.log(s.y), (s.y, 0, 1)))
     log_loss, first = _series_near_one(3)
-    cubic = sp.Rational(3, 2) * w * sp.integrate(1 - y**2, (y, 0, 1))  # 1 - (1 - w(..))^(3/2)
-    second = w * sp.integrate(1 - y**2, (y, 0, 1))
-    near_one = exact.subs({klog: log_loss, lam(1): first, lam(2): second, lam(3): cubic})
+    cubic = sp.Rational(3, 2) * w * sp.integrate(1 - s.y**2, (s.y, 0, 1))  # 1 - (1 - w(..))^(3/2)
+    second = w * sp.integrate(1 - s.y**2, (s.y, 0, 1))
+    near_one = exact.subs({s.klog: log_loss, s.lam(1): first, s.lam(2): second, s.lam(3): cubic})
     return Derived(
-        sp.Tuple(eq(a2, at_zero), eq(a2, sp.limit(near_one, w, 0))),
+        sp.Tuple(eq(s.a2, at_zero), eq(s.a2, sp.limit(near_one, w, 0))),
         (
             Step("exact a_2", exact),
             Step("e = 0: lambda(p) = p/(p + 1), kappa = 1", at_zero),
@@ -288,18 +269,18 @@ def _a2_limits() -> Derived:
 def _tail() -> Derived:
     order, shift = sp.symbols("order shift", positive=True)
     # E[s^p] for large p comes from y near 1, where -ln s = steepness (1 - y)
-    steepness = sp.simplify(sp.diff(sp.log(speed_ratio_squared()) / 2, y).subs(y, 1))
+    steepness = sp.simplify(sp.diff(sp.log(speed_ratio_squared()) / 2, s.y).subs(s.y, 1))
     decay = sp.Symbol("decay", positive=True)
-    laplace = sp.integrate(sp.exp(-decay * x), (x, 0, sp.oo))  # x = 1 - y
+    laplace = sp.integrate(sp.exp(-decay * s.x), (s.x, 0, sp.oo))  # x = 1 - y
     large = laplace.subs(decay, order * steepness)
     extra = sp.limit(order * large / (1 - large), order, sp.oo)
     # y^(shift - 1) exp(-y): its moments have ratio p + shift
     ratio = sp.gammasimp(sp.gamma(order + 1 + shift) / sp.gamma(order + shift)) - order
     (exponent,) = sp.solve(ratio - extra, shift)
     scale = sp.sqrt(moment(2))  # c = Y/sqrt(E[Y^2])
-    by_h = scale.subs(klog, h**2 / 4 / lam(1))
+    by_h = scale.subs(s.klog, s.h**2 / 4 / s.lam(1))
     return Derived(
-        sp.Tuple(eq(power, exponent - 2), eq(rate, sp.simplify(by_h))),
+        sp.Tuple(eq(s.power, exponent - 2), eq(s.rate, sp.simplify(by_h))),
         (
             Step("-d ln s/dy at grazing incidence, with opposite sign", steepness),
             Step("p E[s^p] for large p", order * large),
@@ -316,9 +297,9 @@ def _ring() -> Derived:
     w = sp.Symbol("w", positive=True)
     variance = moment(2) / moment(1) ** 2 - 1
     log_loss, first = _series_near_one(4)
-    near = sp.series(variance.subs({klog: log_loss, lam(1): first}), w, 0, 2).removeO()
+    near = sp.series(variance.subs({s.klog: log_loss, s.lam(1): first}), w, 0, 2).removeO()
     return Derived(
-        eq(width2, near.subs(w, 1 - e**2)),
+        eq(s.width2, near.subs(w, 1 - s.e**2)),
         (
             Step("E[Y^2]/E[Y]^2 - 1", variance),
             Step("to first order in w = 1 - e^2", near),
@@ -331,12 +312,12 @@ def _ring() -> Derived:
 @cache
 def e_zero_solution() -> sp.Expr:
     """F(c) at e = 0: E[Y^n] = n! makes Y exponential."""
-    dead = {lam(i): sp.Rational(i, i + 1) for i in range(1, 8)}
-    moments = [moment(i).subs(dead).subs(klog, 1) for i in range(1, 8)]
+    dead = {s.lam(i): sp.Rational(i, i + 1) for i in range(1, 8)}
+    moments = [moment(i).subs(dead).subs(s.klog, 1) for i in range(1, 8)]
     if moments != [sp.factorial(i) for i in range(1, 8)]:
         raise ArithmeticError("the moments of Y at e = 0 are not n!")
     root = sp.sqrt(moments[1])
-    return sp.exp(-c * root) * root / (2 * sp.pi * c)
+    return sp.exp(-s.c * root) * root / (2 * sp.pi * s.c)
 
 
 @cache
@@ -347,13 +328,13 @@ def e_zero_residual() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """
     u = sp.Symbol("u", positive=True)
     shape = e_zero_solution()
-    arriving = sp.integrate(2 * sp.pi * u * shape.subs(c, u) * 2 * u / u, (u, c, sp.oo))
-    gain = arriving / (2 * sp.pi * c)
-    lost = 2 * c * shape
+    arriving = sp.integrate(2 * sp.pi * u * shape.subs(s.c, u) * 2 * u / u, (u, s.c, sp.oo))
+    gain = arriving / (2 * sp.pi * s.c)
+    lost = 2 * s.c * shape
     half_m2 = sp.integrate(
-        2 * sp.pi * c * shape * 2 * c * c**2 * sp.Rational(1, 3), (c, 0, sp.oo)
+        2 * sp.pi * s.c * shape * 2 * s.c * s.c**2 * sp.Rational(1, 3), (s.c, 0, sp.oo)
     )  # lambda(2) <c^3> with lambda(2) = 2/3
-    right = half_m2 * (2 * shape + c * sp.diff(shape, c))
+    right = half_m2 * (2 * shape + s.c * sp.diff(shape, s.c))
     return gain, lost, sp.simplify(gain - lost - right)
 
 
@@ -362,9 +343,9 @@ def _e_zero() -> Derived:
     gain, lost, residual = e_zero_residual()
     if residual != 0:
         raise ArithmeticError(f"the scaled equation at e = 0 leaves {residual}")
-    third = sp.integrate(2 * sp.pi * c**4 * e_zero_solution(), (c, 0, sp.oo))
+    third = sp.integrate(2 * sp.pi * s.c**4 * e_zero_solution(), (s.c, 0, sp.oo))
     return Derived(
-        sp.Tuple(eq(F(bc), e_zero_solution()), eq(M2 / 2, sp.Rational(2, 3) * third)),
+        sp.Tuple(eq(s.F(s.bc), e_zero_solution()), eq(s.M2 / 2, sp.Rational(2, 3) * third)),
         (
             Step("moments of Y are n!: exp(-y), scaled", e_zero_solution()),
             Step("gain", gain),
@@ -378,18 +359,18 @@ def _e_zero() -> Derived:
 def _slope() -> Derived:
     # d<v^p v.r>/dt = <v^(p+2)> - nu(p) <v^(p+1) v.r>, <v^p v.r> = A(p) t^(-p-1), at p = -1:
     flux = sp.Symbol("A_0")
-    (solution,) = sp.solve(moment(1) - (1 - cos_chi) * flux, flux)
+    (solution,) = sp.solve(moment(1) - (1 - s.cos_chi) * flux, flux)
     # random flights: free paths are exponential whatever the speed, <L> = 1, <L^2> = 2
     length = sp.Symbol("length", positive=True)
     first, second = (sp.integrate(length**n * sp.exp(-length), (length, 0, sp.oo)) for n in (1, 2))
     ratio = sp.Symbol("ratio")
     persistent = ratio / (1 - ratio)  # sum of ratio^n over n >= 1
-    per_flight = second + 2 * first**2 * persistent.subs(ratio, cos_chi)
+    per_flight = second + 2 * first**2 * persistent.subs(ratio, s.cos_chi)
     flights = moment(1)  # d N/d ln t = <v> t/l
     if sp.simplify(per_flight * flights - 2 * solution) != 0:
         raise ArithmeticError("the flux hierarchy and the random flights disagree")
     return Derived(
-        eq(slope, 2 * solution),
+        eq(s.slope, 2 * solution),
         (
             Step("flux hierarchy at p = -1, where its left-hand side vanishes: A(0)", solution),
             Step("second route: <r^2> per free flight, with persistence", per_flight),

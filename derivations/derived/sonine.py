@@ -6,6 +6,7 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Avg, Int, chain, eq
 from ..premises import (
     collision_moment,
@@ -13,7 +14,6 @@ from ..premises import (
     sonine_average,
     speed_ratio_squared,
 )
-from ..symbols import M2, M4, F, S, a, a1, a2, a2bar, bc, c, e, p, phi, pm, pprime, x
 from .quadrature_values import a2_value
 from .record import Derived, Number, Status, Step
 from .registry import derives
@@ -22,7 +22,7 @@ from .registry import derives
 @cache
 def power_average() -> sp.Expr:
     """The integral of x^p exp(-x) over x > 0."""
-    return sp.integrate(x**p * sp.exp(-x), (x, 0, sp.oo))
+    return sp.integrate(s.x**s.p * sp.exp(-s.x), (s.x, 0, sp.oo))
 
 
 @cache
@@ -35,15 +35,15 @@ def polynomial(order: int) -> sp.Expr:
         raise ValueError(f"order = {order}: a Sonine polynomial has order >= 0")
 
     def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-        terms = sp.Poly(sp.expand(one * other), x).terms()
-        return sum((k * power_average().subs(p, i) for (i,), k in terms), sp.Integer(0))
+        terms = sp.Poly(sp.expand(one * other), s.x).terms()
+        return sum((k * power_average().subs(s.p, i) for (i,), k in terms), sp.Integer(0))
 
-    result = x**order
+    result = s.x**order
     for lower in range(order):
         basis = polynomial(lower)
-        result -= inner(x**order, basis) / inner(basis, basis) * basis
+        result -= inner(s.x**order, basis) / inner(basis, basis) * basis
     result = sp.expand(result)
-    return sp.expand(result / result.subs(x, 0))
+    return sp.expand(result / result.subs(s.x, 0))
 
 
 @derives("sonine1")
@@ -64,7 +64,7 @@ def _sonine1() -> Derived:
 @derives("sonine1.5")
 def _sonine1_5() -> Derived:
     return Derived(
-        sp.Tuple(*(eq(S(order, x), polynomial(order)) for order in (0, 1))),
+        sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))),
         (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1)),),
     )
 
@@ -72,7 +72,7 @@ def _sonine1_5() -> Derived:
 @derives("sonine2")
 def _sonine2() -> Derived:
     return Derived(
-        eq(S(2, x), polynomial(2)),
+        eq(s.S(2, s.x), polynomial(2)),
         (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2)),),
     )
 
@@ -85,7 +85,7 @@ def generating_function() -> tuple[sp.Expr, sp.Expr]:
     its series as norms.
     """
     u, w = sp.symbols("u w", positive=True)
-    single = sp.exp(-x * u / (1 - u)) / (1 - u)
+    single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
     decay = sp.together(1 + u / (1 - u) + w / (1 - w))
     product = sp.simplify(1 / ((1 - u) * (1 - w) * decay))
     return single, product
@@ -112,11 +112,11 @@ def _sonine3() -> Derived:
             raise ArithmeticError(f"the generating function misses S_{order}")
     return Derived(
         eq(
-            Int(phi(bc) * S(p, c**2) * S(pprime, c**2), bc),
-            squared_norm() * sp.KroneckerDelta(p, pprime),
+            Int(s.phi(s.bc) * s.S(s.p, s.c**2) * s.S(s.pprime, s.c**2), s.bc),
+            squared_norm() * sp.KroneckerDelta(s.p, s.pprime),
         ),
         (
-            Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-x)),
+            Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-s.x)),
             Step("generating function", single),
             Step("product of two of them, integrated: a function of u w alone", product),
         ),
@@ -129,16 +129,18 @@ def _sonine4() -> Derived:
     # int S_p phi sum_q a_q S_q = a_p norm
     norm = squared_norm()
     return Derived(
-        chain(a(p), Int(S(p, c**2) * F(bc), bc) / norm, Avg(S(p, c**2)) / norm),
+        chain(
+            s.a(s.p), Int(s.S(s.p, s.c**2) * s.F(s.bc), s.bc) / norm, Avg(s.S(s.p, s.c**2)) / norm
+        ),
         (Step("squared norm of S_p", norm),),
     )
 
 
 def _averaged(order: int) -> sp.Expr:
     """<S_order(c^2)> in the moments <c^2>, <c^4>."""
-    terms = sp.Poly(polynomial(order), x).terms()
+    terms = sp.Poly(polynomial(order), s.x).terms()
     return sum(
-        (k * (Avg(c ** (2 * power)) if power else 1) for (power,), k in terms), sp.Integer(0)
+        (k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms), sp.Integer(0)
     )
 
 
@@ -146,7 +148,7 @@ def _averaged(order: int) -> sp.Expr:
 def _sonine4_5() -> Derived:
     first = _averaged(1)
     return Derived(
-        chain(a1, first, first.subs(Avg(c**2), 1)),
+        chain(s.a1, first, first.subs(Avg(s.c**2), 1)),
         (Step("<S_1>", first), Step("<c^2> = 1 by the definition of v0", None)),
     )
 
@@ -155,16 +157,16 @@ def _sonine4_5() -> Derived:
 def _sonine5() -> Derived:
     second = _averaged(2)
     return Derived(
-        chain(a2, second, second.subs(Avg(c**2), 1)),
+        chain(s.a2, second, second.subs(Avg(s.c**2), 1)),
         (Step("<S_2>", second), Step("<c^2> = 1 by the definition of v0", None)),
     )
 
 
 @derives("sonine6")
 def _sonine6() -> Derived:
-    general = M2 / 2 * p * Avg(c**p)
+    general = s.M2 / 2 * s.p * Avg(s.c**s.p)
     return Derived(
-        eq(M4, general.subs(p, 4)),
+        eq(s.M4, general.subs(s.p, 4)),
         (Step("moments of the scaled equation (mueq)", general),),
     )
 
@@ -172,9 +174,9 @@ def _sonine6() -> Derived:
 def tidy(expression: sp.Expr) -> sp.Expr:
     """Factored, with e - 1 written as the paper does: through 1 - e^2."""
     for exponent in (1, -1):
-        rest = sp.factor(sp.cancel(expression / (1 - e**2) ** exponent))
-        if not rest.has(e - 1):
-            return (1 - e**2) ** exponent * rest
+        rest = sp.factor(sp.cancel(expression / (1 - s.e**2) ** exponent))
+        if not rest.has(s.e - 1):
+            return (1 - s.e**2) ** exponent * rest
     return sp.factor(expression)
 
 
@@ -196,22 +198,22 @@ def _moment_steps(order: int, symbol: sp.Symbol) -> tuple[Step, ...]:
 @derives("sonine9")
 def _sonine9() -> Derived:
     return Derived(
-        eq(M2, tidy(collision_moment(2))),
-        _moment_steps(2, M2),
+        eq(s.M2, tidy(collision_moment(2))),
+        _moment_steps(2, s.M2),
         "Exact in a_2; the next coefficient a_3 would add to it.",
     )
 
 
 @derives("sonine10")
 def _sonine10() -> Derived:
-    return Derived(eq(M4, tidy(collision_moment(4))), _moment_steps(4, M4))
+    return Derived(eq(s.M4, tidy(collision_moment(4))), _moment_steps(4, s.M4))
 
 
 @cache
 def stationarity() -> sp.Expr:
     """4 M_2 (1 + a_2) - M_4, from M_4 = 2 M_2 <c^4> and <c^4> of the Sonine form."""
     fourth = sonine_average(4)
-    return sp.expand(2 * M2 * fourth - M4)
+    return sp.expand(2 * s.M2 * fourth - s.M4)
 
 
 @derives("sonine7")
@@ -228,25 +230,25 @@ def _sonine7() -> Derived:
 @cache
 def quadratic() -> sp.Expr:
     """The equation for a_2, divided by its factor sqrt(pi) (1 - e^2), which vanishes at e = 1."""
-    inserted = stationarity().subs({M2: collision_moment(2), M4: collision_moment(4)})
-    return sp.expand(sp.cancel(inserted / (sp.sqrt(sp.pi) * (1 - e**2))))
+    inserted = stationarity().subs({s.M2: collision_moment(2), s.M4: collision_moment(4)})
+    return sp.expand(sp.cancel(inserted / (sp.sqrt(sp.pi) * (1 - s.e**2))))
 
 
 @cache
 def roots() -> tuple[sp.Expr, sp.Expr]:
     """(lower, upper) root of the equation for a_2."""
-    second, first, zeroth = sp.Poly(quadratic(), a2).all_coeffs()
+    second, first, zeroth = sp.Poly(quadratic(), s.a2).all_coeffs()
     square = sp.sqrt(sp.expand(64 * (first**2 - 4 * second * zeroth)))
     lower, upper = ((-8 * first + sign * square) / (16 * second) for sign in (-1, 1))
     for root in (lower, upper):
-        if sp.expand(quadratic().subs(a2, root)) != 0:
+        if sp.expand(quadratic().subs(s.a2, root)) != 0:
             raise ArithmeticError("the quadratic formula missed the root of the a_2 equation")
     return lower, upper
 
 
 def at_restitution(expression: sp.Expr, value: float) -> float:
     """A function of e at one restitution."""
-    return float(expression.subs(e, sp.Rational(str(value))))
+    return float(expression.subs(s.e, sp.Rational(str(value))))
 
 
 @derives("sonine11")
@@ -254,7 +256,7 @@ def _sonine11() -> Derived:
     lower, upper = roots()
     mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
     return Derived(
-        eq(a2, mean + pm * half),
+        eq(s.a2, mean + s.pm * half),
         (
             Step("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
             Step("lower root", lower),
@@ -272,8 +274,8 @@ def _sonine11() -> Derived:
 @cache
 def growth(root: sp.Expr | None = None) -> sp.Expr:
     """d/da_2 of the right-hand side of the a_2 equation, at a root (or at a symbol)."""
-    slope = sp.diff(quadratic(), a2)
-    return sp.expand(slope.subs(a2, a2bar if root is None else root))
+    slope = sp.diff(quadratic(), s.a2)
+    return sp.expand(slope.subs(s.a2, s.a2bar if root is None else root))
 
 
 @derives("sonine12")
@@ -284,7 +286,7 @@ def _sonine12() -> Derived:
     signs = [sp.simplify(rate / spread) for rate in growths]
     (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
     return Derived(
-        eq(a2, chosen),
+        eq(s.a2, chosen),
         (
             Step("growth rate H at the lower root", growths[0]),
             Step("growth rate H at the upper root", growths[1]),

@@ -6,64 +6,28 @@ from functools import cache
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, chain, dot, eq
 from ..premises import over_angle, parallel_component, speed_ratio_squared
-from ..symbols import (
-    J0,
-    J1,
-    Bv,
-    De,
-    J,
-    Jj,
-    T,
-    V,
-    alpha,
-    beta,
-    br,
-    bv,
-    bvh,
-    d,
-    delta,
-    e,
-    eps,
-    f,
-    h,
-    kappa_d,
-    l,
-    mn,
-    nabla,
-    nabla0,
-    nd,
-    nuD,
-    p0,
-    p1,
-    pd,
-    pj,
-    rho0,
-    t,
-    v,
-    v0,
-    vh,
-)
 from .chapman_enskog import continuity_order, density_series, isotropy
 from .record import Derived, Number, Status, Step, definition
 from .registry import derives
 
-_N = nd(br, v, t)
-_P0, _P1 = p0(br, bv, t), p1(br, bv, t)
-_B = Bv(bv, T(t))
-_SHELL = delta(vh - 1)
-_COOLING = v0(t) / l * h
+_N = s.nd(s.br, s.v, s.t)
+_P0, _P1 = s.p0(s.br, s.bv, s.t), s.p1(s.br, s.bv, s.t)
+_B = s.Bv(s.bv, s.T(s.t))
+_SHELL = s.delta(s.vh - 1)
+_COOLING = s.v0(s.t) / s.l * s.h
 
 
 @derives("ap1")
 def _ap1() -> Derived:
     # dv = v dv dphi: the sum over directions is n(r, v, t), that over speeds carries the factor v
-    density = v * (sp.Derivative(_N, t) + dot(nabla, J(br, v, t)))
+    density = s.v * (sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)))
     return Derived(
-        eq(Int(density, v), sp.Integer(0)),
+        eq(Int(density, s.v), sp.Integer(0)),
         (
-            Step("integral of the kinetic equation over v in polar form", Int(density, v)),
+            Step("integral of the kinetic equation over v in polar form", Int(density, s.v)),
             Step("the collision operator keeps mass", sp.Integer(0)),
         ),
         "Harmless: the printed factor 2 pi does not belong with ap2, whose n(r, v, t) is already "
@@ -84,10 +48,10 @@ def _ap3() -> Derived:
 
 @derives("ap4")
 def _ap4() -> Derived:
-    leak = Int(Lam(pd(br, v * bvh, t)) * _SHELL, bvh)
+    leak = Int(Lam(s.pd(s.br, s.v * s.bvh, s.t)) * _SHELL, s.bvh)
     loss = over_angle(1 - speed_ratio_squared()) / 2
     return Derived(
-        eq(sp.Derivative(_N, t) + dot(nabla, J(br, v, t)), leak),
+        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.v, s.t)), leak),
         (
             Step("the kinetic equation at one speed, summed over directions", leak),
             Step("collisions change the speed: E[1 - s^2]", loss),
@@ -96,8 +60,8 @@ def _ap4() -> Derived:
         "tracers from one speed to another; the right-hand side is zero only at e = 1. With it "
         "the speed-resolved expansion of this appendix loses its ground for e < 1.",
         numbers=(
-            Number("energy exchanged per collision at e = 0.9", float(loss.subs(e, 0.9))),
-            Number("energy exchanged per collision at e = 0.4", float(loss.subs(e, 0.4))),
+            Number("energy exchanged per collision at e = 0.9", float(loss.subs(s.e, 0.9))),
+            Number("energy exchanged per collision at e = 0.4", float(loss.subs(s.e, 0.4))),
         ),
     )
 
@@ -105,7 +69,7 @@ def _ap4() -> Derived:
 @derives("ap6")
 def _ap6() -> Derived:
     return Derived(
-        eq(sp.Derivative(_N, t), density_series(_N)),
+        eq(sp.Derivative(_N, s.t), density_series(_N)),
         (Step("each order of the gradient carries at least one factor of epsilon", None),),
         "Rests on ap4.",
     )
@@ -113,14 +77,14 @@ def _ap6() -> Derived:
 
 @derives("ap7")
 def _ap7() -> Derived:
-    return continuity_order(Jj(br, v, t), _N)
+    return continuity_order(s.Jj(s.br, s.v, s.t), _N)
 
 
 @derives("ap8")
 def _ap8() -> Derived:
-    velocity = v * bvh
+    velocity = s.v * s.bvh
     return Derived(
-        eq(Jj(br, v, t), Int(velocity * pj(br, velocity, t) * _SHELL, bvh)),
+        eq(s.Jj(s.br, s.v, s.t), Int(velocity * s.pj(s.br, velocity, s.t) * _SHELL, s.bvh)),
         (Step("order epsilon^j of ap3, v = |v| times its direction", velocity),),
     )
 
@@ -146,11 +110,18 @@ def _ap11_5() -> Derived:
 def _ap11_6() -> Derived:
     angle = sp.Symbol("angle", real=True)
     mean = sp.integrate(sp.cos(angle), (angle, 0, 2 * sp.pi))
-    ratio = _N / mn(v, t)
+    ratio = _N / s.mn(s.v, s.t)
     return Derived(
-        chain(J0(br, v, t), v * ratio * Int(bvh * f(v * bvh, t) * _SHELL, bvh), mean),
+        chain(
+            s.J0(s.br, s.v, s.t),
+            s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh),
+            mean,
+        ),
         (
-            Step("ap8 with p^(0) = n f/m", v * ratio * Int(bvh * f(v * bvh, t) * _SHELL, bvh)),
+            Step(
+                "ap8 with p^(0) = n f/m",
+                s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh),
+            ),
             Step("sum of the direction over the circle, f being isotropic", mean),
         ),
     )
@@ -159,15 +130,16 @@ def _ap11_6() -> Derived:
 @cache
 def _orders_at_one_speed() -> sp.Eq:
     """Order 1 of the kinetic equation with n(r, v, t)."""
-    rate = eps * Dt(0, _N)
+    rate = s.eps * Dt(0, _N)
     left = sp.expand(
         sum(
-            eps**order * (rate * Partial(q, _N) + sp.Derivative(T(t), t) * Partial(q, T(t)))
+            s.eps**order
+            * (rate * Partial(q, _N) + sp.Derivative(s.T(s.t), s.t) * Partial(q, s.T(s.t)))
             for order, q in enumerate((_P0, _P1))
         )
-        + eps * dot(bv, nabla0) * _N * Partial(_P0, _N)
+        + s.eps * dot(s.bv, s.nabla0) * _N * Partial(_P0, _N)
     )
-    return eq(left.coeff(eps, 1), Lam(_P1))
+    return eq(left.coeff(s.eps, 1), Lam(_P1))
 
 
 @derives("ap12")
@@ -182,24 +154,24 @@ def _ap12() -> Derived:
 @derives("ap12.5")
 def _ap12_5() -> Derived:
     path = sp.Symbol("path", positive=True)
-    (density,) = sp.solve(path - 1 / (2 * d * rho0), rho0)
-    rate = (-2 * d * v0(t) * rho0 * h * T(t)).subs(rho0, density).subs(path, l)
+    (density,) = sp.solve(path - 1 / (2 * s.d * s.rho0), s.rho0)
+    rate = (-2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)).subs(s.rho0, density).subs(path, s.l)
     return Derived(
-        eq(sp.Derivative(T(t), t), rate),
+        eq(sp.Derivative(s.T(s.t), s.t), rate),
         (Step("l = 1/(2 d rho0) in tdiff", rate),),
     )
 
 
 @cache
 def _first_order() -> sp.Eq:
-    slope = f(bv, t) / mn(v, t)
+    slope = s.f(s.bv, s.t) / s.mn(s.v, s.t)
     known = {
         Dt(0, _N): sp.Integer(0),
-        sp.Derivative(T(t), t): -_COOLING * T(t),
+        sp.Derivative(s.T(s.t), s.t): -_COOLING * s.T(s.t),
         Partial(_P0, _N): slope,
     }
     residual = (_orders_at_one_speed().lhs - _orders_at_one_speed().rhs).subs(known)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, T(t)): 0})
+    source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
     return eq(sp.expand(source - residual), source)
 
 
@@ -225,13 +197,13 @@ def _ap14() -> Derived:
 
 @cache
 def _b_equation() -> sp.Eq:
-    left = _COOLING * T(t) * Partial(_B, T(t)) + Lam(_B)
+    left = _COOLING * s.T(s.t) * Partial(_B, s.T(s.t)) + Lam(_B)
     inserted = _first_order().lhs.subs(
-        {Lam(_P1): Lam(_B) * _N, Partial(_P1, T(t)): Partial(_B, T(t)) * _N}
+        {Lam(_P1): Lam(_B) * _N, Partial(_P1, s.T(s.t)): Partial(_B, s.T(s.t)) * _N}
     )
     if sp.expand(inserted / _N - left) != 0:
         raise ArithmeticError("p^(1) = B.grad n does not give the equation for B")
-    source = sp.cancel(_first_order().rhs / (dot(bv, nabla0) * _N)) * bv
+    source = sp.cancel(_first_order().rhs / (dot(s.bv, s.nabla0) * _N)) * s.bv
     return eq(sp.expand(inserted / _N), source)
 
 
@@ -247,10 +219,10 @@ def _ap15() -> Derived:
 @derives("ap16")
 def _ap16() -> Derived:
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
-    flux = v * isotropy() * integral * nabla0 * _N
-    (value,) = sp.solve(De(v, t) + v / 2 * integral, integral)
+    flux = s.v * isotropy() * integral * s.nabla0 * _N
+    (value,) = sp.solve(s.De(s.v, s.t) + s.v / 2 * integral, integral)
     return Derived(
-        eq(J1(br, v, t), flux.subs(integral, value)),
+        eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)),
         (
             Step("mean of the squared cosine over directions", isotropy()),
             Step("flux with D_e as defined in ap17", flux.subs(integral, value)),
@@ -268,9 +240,9 @@ def _d_equation() -> sp.Eq:
     """-(1/2) of v.(equation for B), summed over directions."""
     half = -sp.Rational(1, 2)
     named = {
-        Partial(_B, T(t)): Partial(De(v, t), T(t)) / half,
-        Lam(_B): -nuD * De(v, t) / half,
-        bv * f(bv, t): v**2 * mn(v, t),
+        Partial(_B, s.T(s.t)): Partial(s.De(s.v, s.t), s.T(s.t)) / half,
+        Lam(_B): -s.nuD * s.De(s.v, s.t) / half,
+        s.bv * s.f(s.bv, s.t): s.v**2 * s.mn(s.v, s.t),
     }
     left, right = _b_equation().args
     return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
@@ -299,8 +271,8 @@ def _ap19() -> Derived:
 @cache
 def elastic_coefficient() -> tuple[sp.Expr, sp.Expr]:
     """(nu_D, D_e(v)) at e = 1, where B = b(v) v solves the equation at each speed exactly."""
-    decay = -over_angle(parallel_component() - 1).subs(e, 1) / 2 * v / l
-    return decay, v**2 / 2 / decay
+    decay = -over_angle(parallel_component() - 1).subs(s.e, 1) / 2 * s.v / s.l
+    return decay, s.v**2 / 2 / decay
 
 
 @derives("ap20")
@@ -311,7 +283,7 @@ def _ap20() -> Derived:
         for speed in (0.5, 1.0, 2.0)
     )
     return Derived(
-        eq(Partial(De(v, t), T(t)), sp.diff(exact, T(t))),
+        eq(Partial(s.De(s.v, s.t), s.T(s.t)), sp.diff(exact, s.T(s.t))),
         (
             Step("dimensions allow D_e = v l g(v/v0) with any function g", None),
             Step("nu_D at e = 1: speeds do not mix", decay),
@@ -329,12 +301,12 @@ def _ap20() -> Derived:
 @derives("ap21")
 def _ap21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
-    known = {Partial(De(v, t), T(t)): -unknown / (2 * T(t)), De(v, t): unknown}
+    known = {Partial(s.De(s.v, s.t), s.T(s.t)): -unknown / (2 * s.T(s.t)), s.De(s.v, s.t): unknown}
     equation = (_d_equation().lhs - _d_equation().rhs).subs(known)
     (solution,) = sp.solve(equation, unknown)
-    number = sp.cancel(solution.subs(nuD, v0(t) / l) / (v**2 * l / v0(t)))
+    number = sp.cancel(solution.subs(s.nuD, s.v0(s.t) / s.l) / (s.v**2 * s.l / s.v0(s.t)))
     return Derived(
-        chain(De(v, t), solution, v**2 * l / v0(t)),
+        chain(s.De(s.v, s.t), solution, s.v**2 * s.l / s.v0(s.t)),
         (
             Step("the equation for D_e with ap20", equation),
             Step("solved for D_e", solution),
@@ -350,10 +322,10 @@ def _ap21() -> Derived:
 
 @derives("ap21.5")
 def _ap21_5() -> Derived:
-    hopping = kappa_d * v**2 * l / v0(t)
-    derived = hopping.subs(v, V * v0(t)).subs(v0(t), 1 / (alpha + beta * t))
+    hopping = s.kappa_d * s.v**2 * s.l / s.v0(s.t)
+    derived = hopping.subs(s.v, s.V * s.v0(s.t)).subs(s.v0(s.t), 1 / (s.alpha + s.beta * s.t))
     return Derived(
-        eq(De(V, t), sp.simplify(derived)),
+        eq(s.De(s.V, s.t), sp.simplify(derived)),
         (Step("v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0", derived),),
         "Follows from the last form of ap21, and falls with it: the exact elastic result is "
         "(3/8) V l/(alpha + beta t).",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from ..symbols import M2, M4, H, Mp, a2, a2bar, a2t, c, d, da2, e, p, rho0, t, v0
 from .cooling import speed_equation_by_moment
 from .quadrature_values import a2_value
 from .record import Derived, Number, Step, definition
@@ -29,13 +29,13 @@ def _ac1() -> Derived:
 def _moment_balance(order: sp.Expr, moment: sp.Expr, rate: sp.Expr, loss: sp.Expr) -> sp.Expr:
     """d<v^p>/dt + loss, with <v^p> = v0^p <c^p>, over d rho0 v0^(p+1)."""
     slope = speed_equation_by_moment()
-    product = v0(t) ** order * rate + order * v0(t) ** (order - 1) * slope * moment
-    return sp.expand(sp.simplify(product / (d * rho0 * v0(t) ** (order + 1)))) + loss
+    product = s.v0(s.t) ** order * rate + order * s.v0(s.t) ** (order - 1) * slope * moment
+    return sp.expand(sp.simplify(product / (s.d * s.rho0 * s.v0(s.t) ** (order + 1)))) + loss
 
 
 @derives("ac2")
 def _ac2() -> Derived:
-    balance = _moment_balance(p, Avg(c**p), Partial(Avg(c**p), t), Mp)
+    balance = _moment_balance(s.p, Avg(s.c**s.p), Partial(Avg(s.c**s.p), s.t), s.Mp)
     return Derived(
         eq(balance, sp.Integer(0)),
         (
@@ -50,11 +50,11 @@ def _ac3() -> Derived:
     rate = sp.Symbol("adot")
     fourth = sonine_average(4)
     balance = _moment_balance(
-        sp.Integer(4), fourth.subs(a2, a2t(t)), sp.diff(fourth, a2) * rate, M4
+        sp.Integer(4), fourth.subs(s.a2, s.a2t(s.t)), sp.diff(fourth, s.a2) * rate, s.M4
     )
     (solution,) = sp.solve(balance, rate)
     return Derived(
-        eq(sp.Derivative(a2t(t), t), sp.factor(solution)),
+        eq(sp.Derivative(s.a2t(s.t), s.t), sp.factor(solution)),
         (
             Step("moment equation of the time-dependent scaled VDF, p = 4", eq(balance, 0)),
             Step("solved for the derivative of a_2", solution),
@@ -65,16 +65,16 @@ def _ac3() -> Derived:
 
 @derives("ac5")
 def _ac5() -> Derived:
-    prefactor = d * rho0 * v0(t) / 2
-    right = prefactor * sp.sqrt(sp.pi) * (1 - e**2) * quadratic()
-    linear = sp.diff(right, a2).subs(a2, a2bar)
-    scale = linear / (v0(t) * growth())
+    prefactor = s.d * s.rho0 * s.v0(s.t) / 2
+    right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
+    linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
+    scale = linear / (s.v0(s.t) * growth())
     return Derived(
-        eq(sp.Derivative(da2(t), t), tidy(scale) * H * v0(t) * da2(t)),
+        eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * s.v0(s.t) * s.da2(s.t)),
         (
             Step("right-hand side of the equation for a_2 with M_2 and M_4 inserted", right),
             Step("its derivative at the stationary a_2", sp.factor(linear)),
-            Step("H(e) collects the bracket", eq(H, growth())),
+            Step("H(e) collects the bracket", eq(s.H, growth())),
         ),
     )
 
@@ -83,9 +83,9 @@ def _ac5() -> Derived:
 def _ac7() -> Derived:
     lower, upper = (sp.expand(growth(root)) for root in roots())
     return Derived(
-        eq(H, growth()),
+        eq(s.H, growth()),
         (
-            Step("derivative of the a_2 equation", eq(H, growth())),
+            Step("derivative of the a_2 equation", eq(s.H, growth())),
             Step("at the lower root", lower),
             Step("at the upper root", upper),
         ),
@@ -105,16 +105,18 @@ def _ac4() -> Derived:
 
 @derives("ac6")
 def _ac6() -> Derived:
-    rate = d * rho0 / 2 * sp.sqrt(sp.pi) * (1 - e**2) * H
+    rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
     # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
-    grown = da2(0) * sp.exp(rate * sp.Integral(v0(t), (t, 0, t)))
+    grown = s.da2(0) * sp.exp(rate * sp.Integral(s.v0(s.t), (s.t, 0, s.t)))
     path = sp.Function("path")
-    form = grown.subs(sp.Integral(v0(t), (t, 0, t)), path(t))
-    residual = sp.diff(form, t).subs(sp.Derivative(path(t), t), v0(t)) - rate * v0(t) * form
+    form = grown.subs(sp.Integral(s.v0(s.t), (s.t, 0, s.t)), path(s.t))
+    residual = (
+        sp.diff(form, s.t).subs(sp.Derivative(path(s.t), s.t), s.v0(s.t)) - rate * s.v0(s.t) * form
+    )
     if sp.simplify(residual) != 0:
         raise ArithmeticError("the exponential does not solve the linear equation")
     return Derived(
-        eq(da2(t), grown),
+        eq(s.da2(s.t), grown),
         (Step("ac5 divided by the perturbation and integrated", grown),),
         "With v0 = 1/(alpha + beta t) it is a power of time: exponent sqrt(pi)(1 - e^2) H/(2 h). "
         "The integration variable is printed as t.",
@@ -123,14 +125,14 @@ def _ac6() -> Derived:
 
 @derives("compare1")
 def _compare1() -> Derived:
-    discriminant = sp.expand(sp.discriminant(8 * quadratic(), a2))
+    discriminant = sp.expand(sp.discriminant(8 * quadratic(), s.a2))
     square = sp.Symbol("e2", positive=True)
-    (positive,) = sp.solve(discriminant.subs(e, sp.sqrt(square)), square)
-    if discriminant.subs(e, 1) <= 0:
+    (positive,) = sp.solve(discriminant.subs(s.e, sp.sqrt(square)), square)
+    if discriminant.subs(s.e, 1) <= 0:
         raise ArithmeticError("the roots are not real above the threshold")
     threshold = sp.sqrt(positive)
     return Derived(
-        sp.Le(threshold, e, evaluate=False),
+        sp.Le(threshold, s.e, evaluate=False),
         (
             Step("discriminant of the a_2 equation", discriminant),
             Step("its only positive zero in e^2", positive),
@@ -146,17 +148,18 @@ def _compare1() -> Derived:
 @derives("compare3", "compare3#2")
 def _compare3() -> Derived:
     lower, _ = roots()
-    inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - e**2)).subs(a2, lower))
+    inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))
     return Derived(
-        eq(M2, (1 - e**2) * inserted),
+        eq(s.M2, (1 - s.e**2) * inserted),
         (
             Step("M_2 at symbolic a_2", collision_moment(2)),
-            Step("the stable root", eq(a2, lower)),
+            Step("the stable root", eq(s.a2, lower)),
         ),
         "Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
         numbers=tuple(
             Number(
-                f"M_2/2 over (1 - e) at e = {value}", at_restitution(inserted * (1 + e) / 2, value)
+                f"M_2/2 over (1 - e) at e = {value}",
+                at_restitution(inserted * (1 + s.e) / 2, value),
             )
             for value in (0.6, 0.7, 0.9)
         ),

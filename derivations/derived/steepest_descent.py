@@ -7,16 +7,8 @@ from functools import cache
 import mpmath as mp
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Second, chain, eq
-from ..symbols import (
-    G,
-    R,
-    V,
-    Vbar,
-    Vs,
-    eta,
-    pd,
-)
 from .position import saddle_exponent
 from .record import Derived, Number, Status, Step
 from .registry import derives
@@ -26,17 +18,17 @@ from .registry import derives
 def saddle() -> sp.Expr:
     """The positive V with dp/dV = 0."""
     square = sp.Symbol("square", positive=True)
-    slope = sp.expand(sp.diff(saddle_exponent(), V) * V**3 * R**2).subs(V, sp.sqrt(square))
-    positive = [root for root in sp.solve(slope, square) if root.subs({R: 1, eta: 1}) > 0]
+    slope = sp.expand(sp.diff(saddle_exponent(), s.V) * s.V**3 * s.R**2).subs(s.V, sp.sqrt(square))
+    positive = [root for root in sp.solve(slope, square) if root.subs({s.R: 1, s.eta: 1}) > 0]
     (value,) = positive
     return sp.sqrt(value)
 
 
 @derives("csolu")
 def _csolu() -> Derived:
-    slope = sp.diff(saddle_exponent(), V)
+    slope = sp.diff(saddle_exponent(), s.V)
     return Derived(
-        eq(Vs, saddle()),
+        eq(s.Vs, saddle()),
         (
             Step("dp/dV", slope),
             Step("its positive zero", saddle()),
@@ -44,7 +36,7 @@ def _csolu() -> Derived:
     )
 
 
-_CURVATURE = Second(pd(V, R), V, Vs)
+_CURVATURE = Second(s.pd(s.V, s.R), s.V, s.Vs)
 
 
 @cache
@@ -52,22 +44,22 @@ def gaussian_integral() -> sp.Expr:
     """int exp(-(V - V*)^2 p'' R^2/2) dV over all V."""
     width = sp.Symbol("width", positive=True)
     shift = sp.Symbol("shift", real=True)
-    value = sp.integrate(sp.exp(-(shift**2) * width * R**2 / 2), (shift, -sp.oo, sp.oo))
+    value = sp.integrate(sp.exp(-(shift**2) * width * s.R**2 / 2), (shift, -sp.oo, sp.oo))
     return sp.simplify(value).subs(width, _CURVATURE)
 
 
 @derives("tailg")
 def _tailg() -> Derived:
-    quadratic = sp.exp(-pd(Vs, R) * R**2 - (V - Vs) ** 2 / 2 * _CURVATURE * R**2)
-    leading = 2 / eta * R * sp.Integral(quadratic, (V, 0, sp.oo))
-    value = 2 / eta * R * gaussian_integral() * sp.exp(-pd(Vs, R) * R**2)
+    quadratic = sp.exp(-s.pd(s.Vs, s.R) * s.R**2 - (s.V - s.Vs) ** 2 / 2 * _CURVATURE * s.R**2)
+    leading = 2 / s.eta * s.R * sp.Integral(quadratic, (s.V, 0, sp.oo))
+    value = 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)
     numbers = [
         Number(f"exact G over {name} at R = {radius}, eta = 1/4", ratio)
         for radius in (1.0, 3.0)
         for name, ratio in zip(("printed", "derived"), _tail_ratios(radius, 0.25), strict=True)
     ]
     return Derived(
-        chain(G(R), leading, value),
+        chain(s.G(s.R), leading, value),
         (
             Step("Gaussian integral about the saddle", gaussian_integral()),
             Step("the factor R cancels against 1/R of the width", value),
@@ -119,35 +111,37 @@ def tail() -> sp.Expr:
     """The steepest descent as R -> oo: with w = V*^2, R^2 = eta (w + 2 w^2) exactly."""
     w = sp.Symbol("w", positive=True)
     square = sp.Symbol("square", positive=True)
-    on_saddle = sp.expand(sp.diff(saddle_exponent(), V) * V**3 * R**2).subs(V, sp.sqrt(w))
-    (radius_squared,) = sp.solve(on_saddle.subs(R, sp.sqrt(square)), square)
-    height = sp.expand(saddle_exponent() * R**2).subs(V, sp.sqrt(w))
-    bend = sp.expand(sp.diff(saddle_exponent(), V, 2) * R**2).subs(V, sp.sqrt(w))
+    on_saddle = sp.expand(sp.diff(saddle_exponent(), s.V) * s.V**3 * s.R**2).subs(s.V, sp.sqrt(w))
+    (radius_squared,) = sp.solve(on_saddle.subs(s.R, sp.sqrt(square)), square)
+    height = sp.expand(saddle_exponent() * s.R**2).subs(s.V, sp.sqrt(w))
+    bend = sp.expand(sp.diff(saddle_exponent(), s.V, 2) * s.R**2).subs(s.V, sp.sqrt(w))
     height, bend = (
-        sp.expand(sp.simplify(part.subs(R, sp.sqrt(radius_squared)))) for part in (height, bend)
+        sp.expand(sp.simplify(part.subs(s.R, sp.sqrt(radius_squared)))) for part in (height, bend)
     )
     # G / (sqrt(R) exp(-R sqrt(2/eta))) in terms of w
-    rate = sp.limit(sp.sqrt(2 * radius_squared / eta) - height - sp.log(w) / -2, w, sp.oo)
+    rate = sp.limit(sp.sqrt(2 * radius_squared / s.eta) - height - sp.log(w) / -2, w, sp.oo)
     power = sp.limit(
         sp.simplify(sp.sqrt(sp.sqrt(radius_squared) * 2 * sp.pi / (bend * w))), w, sp.oo
     )
-    prefactor = sp.simplify(2 / eta * power * sp.exp(rate))
-    return prefactor * sp.sqrt(R) * sp.exp(-sp.sqrt(2 / eta) * R)
+    prefactor = sp.simplify(2 / s.eta * power * sp.exp(rate))
+    return prefactor * sp.sqrt(s.R) * sp.exp(-sp.sqrt(2 / s.eta) * s.R)
 
 
 @derives("semig")
 def _semig() -> Derived:
-    bessel = sp.sqrt(sp.pi / 2) * 2 / eta * (eta / 2) ** sp.Rational(1, 4) * sp.sqrt(R)
-    bessel = bessel * sp.exp(-sp.sqrt(2 / eta) * R)
+    bessel = sp.sqrt(sp.pi / 2) * 2 / s.eta * (s.eta / 2) ** sp.Rational(1, 4) * sp.sqrt(s.R)
+    bessel = bessel * sp.exp(-sp.sqrt(2 / s.eta) * s.R)
     half = sp.simplify(tail() / bessel)
     return Derived(
-        eq(G(R), tail()),
+        eq(s.G(s.R), tail()),
         (
             Step("large R with the saddle, Gaussian integral as derived", tail()),
             Step("the same from K_0(z) ~ sqrt(pi/(2 z)) exp(-z)", bessel),
             Step("their ratio", half),
-            Step("integral of the derived form", sp.simplify(sp.integrate(tail(), (R, 0, sp.oo)))),
-            Step("its second moment", sp.simplify(sp.integrate(R**2 * tail(), (R, 0, sp.oo)))),
+            Step(
+                "integral of the derived form", sp.simplify(sp.integrate(tail(), (s.R, 0, sp.oo)))
+            ),
+            Step("its second moment", sp.simplify(sp.integrate(s.R**2 * tail(), (s.R, 0, sp.oo)))),
         ),
         "Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right for "
         "the printed model; with eta = 1/2 it is 2.",
@@ -163,7 +157,7 @@ def _semig() -> Derived:
 def _gammatailg() -> Derived:
     norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
     return Derived(
-        eq(G(R), 2 / eta * R * gaussian_integral() * sp.exp(-pd(Vs, R) * R**2)),
+        eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
         note="With the Gaussian integral put right, gamma is 2 for every eta and <R^2> = 1 fixes "
         "eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
         status=Status.FIT,
@@ -180,13 +174,13 @@ def _gammatailg() -> Derived:
 
 @derives("peakg")
 def _peakg() -> Derived:
-    form = R / (eta * Vbar**2) * sp.exp(-(R**2) / (2 * eta * Vbar**2))
+    form = s.R / (s.eta * s.Vbar**2) * sp.exp(-(s.R**2) / (2 * s.eta * s.Vbar**2))
     return Derived(
-        eq(G(R), form),
+        eq(s.G(s.R), form),
         (
             Step("posivel with V a constant", form),
-            Step("its integral", sp.integrate(form, (R, 0, sp.oo))),
-            Step("its second moment", sp.simplify(sp.integrate(R**2 * form, (R, 0, sp.oo)))),
+            Step("its integral", sp.integrate(form, (s.R, 0, sp.oo))),
+            Step("its second moment", sp.simplify(sp.integrate(s.R**2 * form, (s.R, 0, sp.oo)))),
         ),
         "The formula follows by substitution; eta = 0.75 is fitted and gives <R^2> = 0.75 where "
         "R is scaled so that it is 1. A Gaussian of the right width has eta V^2 = 1/2. The paper's "

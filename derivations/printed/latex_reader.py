@@ -11,7 +11,7 @@ import re
 
 import sympy as sp
 
-from .. import symbols as sy
+from .. import symbols as s
 from ..formal import Avg, Dt, Int, Lam, Measure, Partial, Second, dot
 
 _REWRITES: tuple[tuple[str, str], ...] = (
@@ -61,34 +61,34 @@ _REWRITES: tuple[tuple[str, str], ...] = (
 )
 
 _PLAIN: dict[str, sp.Expr] = {
-    "e": sy.e, "d": sy.d, "l": sy.l, "m": sy.m, "n": sy.n, "t": sy.t, "b": sy.b, "v": sy.v,
-    "c": sy.c, "p": sy.p, "j": sy.j, "k": sy.k, "x": sy.x, "r": sy.r, "N": sy.N, "V": sy.V,
-    "R": sy.R, "T": sy.T(sy.t), "F": sy.F(sy.bc), r"\bB": sy.Bv(sy.bv, sy.T(sy.t)),
-    r"\pi": sp.pi, r"\infty": sp.oo, r"\alpha": sy.alpha, r"\beta": sy.beta, r"\eta": sy.eta,
-    r"\gamma": sy.gamma, r"\kappa": sy.kappa_d, r"\tau": sy.tau1, r"\psi": sy.psi,
-    r"\epsilon": sy.eps, r"\rho_0": sy.rho0, r"\nu_D": sy.nuD, r"\hsig": sy.sigma,
-    r"\bv": sy.bv, r"\bvs": sy.bvs, r"\bvp": sy.bvp, r"\bvhat": sy.bvh, r"\bc": sy.bc,
-    r"\bcs": sy.bcs, r"\br": sy.br, r"\bl": sy.bl, r"\nabla": sy.nabla, r"\nabz": sy.nabla0,
-    r"\nabo": sy.nabla1, r"\speed": sy.v, r"\speeds": sy.vs, r"\speedh": sy.vh,
-    r"\abar": sy.a2bar, r"\Vbar": sy.Vbar, r"\Vs": sy.Vs, r"\tp": sy.t1, r"\dt": sy.dt,
-    r"\cp": sy.cp, r"\pprime": sy.pprime, r"\kron": sp.KroneckerDelta(sy.p, sy.pprime),
-    r"\curv": Second(sy.pd(sy.V, sy.R), sy.V, sy.Vs), "a_1": sy.a1, "a_2": sy.a2,
-    "M_2": sy.M2, "M_4": sy.M4, "M_p": sy.Mp, "a_p": sy.a(sy.p), "t_N": sy.tc(sy.N),
-    r"\Gamma_-": sy.Gamma_minus, r"\Gamma_+": sy.Gamma_plus, r"\Gamma_flow": sy.Gamma_flow,
+    "e": s.e, "d": s.d, "l": s.l, "m": s.m, "n": s.n, "t": s.t, "b": s.b, "v": s.v,
+    "c": s.c, "p": s.p, "j": s.j, "k": s.k, "x": s.x, "r": s.r, "N": s.N, "V": s.V,
+    "R": s.R, "T": s.T(s.t), "F": s.F(s.bc), r"\bB": s.Bv(s.bv, s.T(s.t)),
+    r"\pi": sp.pi, r"\infty": sp.oo, r"\alpha": s.alpha, r"\beta": s.beta, r"\eta": s.eta,
+    r"\gamma": s.gamma, r"\kappa": s.kappa_d, r"\tau": s.tau1, r"\psi": s.psi,
+    r"\epsilon": s.eps, r"\rho_0": s.rho0, r"\nu_D": s.nuD, r"\hsig": s.sigma,
+    r"\bv": s.bv, r"\bvs": s.bvs, r"\bvp": s.bvp, r"\bvhat": s.bvh, r"\bc": s.bc,
+    r"\bcs": s.bcs, r"\br": s.br, r"\bl": s.bl, r"\nabla": s.nabla, r"\nabz": s.nabla0,
+    r"\nabo": s.nabla1, r"\speed": s.v, r"\speeds": s.vs, r"\speedh": s.vh,
+    r"\abar": s.a2bar, r"\Vbar": s.Vbar, r"\Vs": s.Vs, r"\tp": s.t1, r"\dt": s.dt,
+    r"\cp": s.cp, r"\pprime": s.pprime, r"\kron": sp.KroneckerDelta(s.p, s.pprime),
+    r"\curv": Second(s.pd(s.V, s.R), s.V, s.Vs), "a_1": s.a1, "a_2": s.a2,
+    "M_2": s.M2, "M_4": s.M4, "M_p": s.Mp, "a_p": s.a(s.p), "t_N": s.tc(s.N),
+    r"\Gamma_-": s.Gamma_minus, r"\Gamma_+": s.Gamma_plus, r"\Gamma_flow": s.Gamma_flow,
 }  # fmt: skip
 
 _FUNCTIONS = {
-    "v_0": sy.v0, "T": sy.T, "f": sy.f, "F": sy.F, "p": sy.pd, "n": sy.nd, "m": sy.mn, "g": sy.g,
-    "g_e": sy.ge, "G": sy.G, "X": sy.X, "Y": sy.Y, "B": sy.Brate, "D_e": sy.De, "I": sy.I_,
-    "a_2": sy.a2t, "f_a_2": sy.fa2, r"\xi": sy.xi, r"\phi": sy.phi, r"\bB": sy.Bv, r"\bJ": sy.J,
-    r"\msd": sy.msd, r"\msdel": sy.msd1, r"\da": sy.da2, r"\dirac": sy.delta,
-    r"\gtilde": sy.gt, r"\Gtilde": sy.Gt, "p0": sy.p0, "p1": sy.p1, "p2": sy.p2, "pj": sy.pj,
-    r"\bJ0": sy.J0, r"\bJ1": sy.J1, r"\bJj": sy.Jj,
+    "v_0": s.v0, "T": s.T, "f": s.f, "F": s.F, "p": s.pd, "n": s.nd, "m": s.mn, "g": s.g,
+    "g_e": s.ge, "G": s.G, "X": s.X, "Y": s.Y, "B": s.Brate, "D_e": s.De, "I": s.I_,
+    "a_2": s.a2t, "f_a_2": s.fa2, r"\xi": s.xi, r"\phi": s.phi, r"\bB": s.Bv, r"\bJ": s.J,
+    r"\msd": s.msd, r"\msdel": s.msd1, r"\da": s.da2, r"\dirac": s.delta,
+    r"\gtilde": s.gt, r"\Gtilde": s.Gt, "p0": s.p0, "p1": s.p1, "p2": s.p2, "pj": s.pj,
+    r"\bJ0": s.J0, r"\bJ1": s.J1, r"\bJj": s.Jj,
 }  # fmt: skip
 
-_MAGNITUDE = {sy.bv: sy.v, sy.bc: sy.c}
-_VECTORS = {sy.bv, sy.bvs, sy.bvp, sy.bvh, sy.bc, sy.sigma, sy.nabla, sy.nabla0, sy.nabla1}
-_VECTOR_FUNCTIONS = {sy.Bv, sy.J, sy.J0, sy.J1, sy.Jj, Lam}
+_MAGNITUDE = {s.bv: s.v, s.bc: s.c}
+_VECTORS = {s.bv, s.bvs, s.bvp, s.bvh, s.bc, s.sigma, s.nabla, s.nabla0, s.nabla1}
+_VECTOR_FUNCTIONS = {s.Bv, s.J, s.J0, s.J1, s.Jj, Lam}
 _LAMBDA = sp.Symbol("<Lambda>")
 _STOP = {"+", "-", r"\pm", ")", "]", "}", r"\}", "=", ",", r"\rangle", r"\leq", ""}
 
@@ -175,7 +175,7 @@ class _Reader:
             sign = sp.Integer(-1)
         total += sign * self.term()
         while self.peek() in {"+", "-", r"\pm"}:
-            sign = {"+": sp.Integer(1), "-": sp.Integer(-1), r"\pm": sy.pm}[self.take()]
+            sign = {"+": sp.Integer(1), "-": sp.Integer(-1), r"\pm": s.pm}[self.take()]
             total += sign * self.term()
         return total
 
@@ -215,12 +215,12 @@ class _Reader:
                 continue
             tokens = self.group()
             if ">" in tokens:
-                domain = sy.hemi_c if r"\bc" in tokens else sy.hemi
+                domain = s.hemi_c if r"\bc" in tokens else s.hemi
             else:
                 lower = _parse(tokens)
         product = self.term()
         measures = [x for x in sp.Mul.make_args(product) if isinstance(x, Measure)]
-        over = [x for x in measures if x.args[0] == sy.b] or measures
+        over = [x for x in measures if x.args[0] == s.b] or measures
         if len(over) != 1:
             raise LatexError(f"{len(over)} integration variables")
         variable = over[0].args[0]
@@ -328,16 +328,16 @@ class _Reader:
     def resolve(self, key: str, token: str, subscript: str) -> sp.Expr:
         if token in {"h", "H"}:
             self.arguments()
-            return {"h": sy.h, "H": sy.H}[token]
+            return {"h": s.h, "H": s.H}[token]
         if token == "S":
             order = _parse([subscript] if subscript != r"\pprime" else [r"\pprime"])
-            return sy.S(order, *self.arguments())
+            return s.S(order, *self.arguments())
         if key in _FUNCTIONS and self.peek() == "(" and (key != "a_2" or self.peek(1) == "t"):
             return _FUNCTIONS[key](*self.arguments())
         if token == r"\tau" and subscript:
-            return sy.tau(sp.sympify(subscript, locals={"N": sy.N, "k": sy.k}))
+            return s.tau(sp.sympify(subscript, locals={"N": s.N, "k": s.k}))
         if token == "t" and subscript:
-            return sy.tc(sp.sympify(subscript, locals={"N": sy.N}))
+            return s.tc(sp.sympify(subscript, locals={"N": s.N}))
         if key in _PLAIN:
             return _PLAIN[key]
         raise LatexError(f"unknown name {key!r}")

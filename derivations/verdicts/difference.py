@@ -15,8 +15,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
+from .. import symbols as s
 from ..formal import Formal, linear
-from ..symbols import pm
 
 POINTS, DIGITS = 20, 50
 OPAQUE = (
@@ -54,8 +54,8 @@ def judge(expression: sp.Expr) -> Difference:
     """Whether an expression is zero; the cheap simplifications come first."""
     if expression == 0:
         return Difference.NONE
-    if pm in expression.free_symbols:
-        return _worst(judge(expression.subs(pm, branch)) for branch in (1, -1))
+    if s.pm in expression.free_symbols:
+        return _worst(judge(expression.subs(s.pm, branch)) for branch in (1, -1))
     expanded = sp.expand(linear(expression))
     if expanded == 0:
         return Difference.NONE
