@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
-from ..symbols import LATEX
+from ..typesetting import latex
 
 
 class Status(StrEnum):
@@ -95,18 +94,3 @@ class Check:
     def derived_latex(self) -> str:
         """The derived formula as LaTeX (no delimiters); empty if there is none."""
         return latex(self.derived)
-
-
-def latex(formula: sp.Basic | None) -> str:
-    """LaTeX of a formula; the members of a Tuple are joined by a quad."""
-    if formula is None:
-        return ""
-    if isinstance(formula, sp.Tuple):
-        return r",\quad ".join(latex(part) for part in formula)
-    names = {
-        symbol: LATEX[symbol.name] for symbol in formula.atoms(sp.Symbol) if symbol.name in LATEX
-    }
-    for function in {applied.func for applied in formula.atoms(AppliedUndef)}:
-        if function.__name__ in LATEX:
-            formula = formula.replace(function, sp.Function(LATEX[function.__name__]))
-    return sp.latex(formula, symbol_names=names).replace(r"+ \pm", r"\pm")

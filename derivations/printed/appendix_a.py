@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Int, Measure, chain, dot, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Appendix A: kinetic equation")
 _add = SECTION.add

@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Int, Lam, dot, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Appendix C: diffusion coefficient")
 _add = SECTION.add

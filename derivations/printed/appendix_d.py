@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, chain, dot, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Appendix D: diffusion at one speed")
 _add = SECTION.add

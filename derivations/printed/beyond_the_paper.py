@@ -10,7 +10,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Int, Lam, Partial, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Beyond the paper")
 _half = sp.Rational(1, 2)

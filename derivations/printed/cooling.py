@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Int, dot, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Sections 2 and 3: cooling")
 _add = SECTION.add

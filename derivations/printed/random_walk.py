@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import chain, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Section 3: random walk")
 _add = SECTION.add

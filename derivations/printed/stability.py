@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Appendix B: stability")
 _add = SECTION.add

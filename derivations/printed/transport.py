@@ -6,7 +6,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, dot, eq
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Section 3: Chapman-Enskog")
 _add = SECTION.add

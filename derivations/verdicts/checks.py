@@ -23,9 +23,7 @@ from ..derived import (  # noqa: F401  (they register their derivations)
 )
 from ..derived.record import Check, Status
 from ..derived.registry import REGISTRY
-from ..printed import PRINTED
-from ..printed.beyond_the_paper import SECTION as _claims
-from ..printed.entry import Printed
+from ..printed import ROWS, printed_equation
 from .difference import Difference, compare
 
 report_subset: tuple[str, ...] = (
@@ -48,12 +46,6 @@ report_subset: tuple[str, ...] = (
 )
 
 
-ROWS: dict[str, Printed] = PRINTED | {
-    entry.label: entry for section in (_claims, statements.SECTION) for entry in section.entries
-}
-"""Every row: the paper's labels in its order, what lies beyond it, and its statements."""
-
-
 VERDICTS: dict[Difference, tuple[Status, str]] = {
     Difference.NONE: (Status.VERIFIED, "exact"),
     Difference.NONE_NUMERICALLY: (
@@ -72,12 +64,7 @@ def check(label: str, printed: sp.Basic | None = None) -> Check:
     ``printed`` replaces the formula of :mod:`derivations.printed` (the mutation test uses it).
     Raises ValueError for a label that does not exist.
     """
-    if label not in REGISTRY or label not in ROWS:
-        raise ValueError(
-            f"label: got {label!r}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
-            "'taun#2' or 'beyond:a2' (verify() gives them all)"
-        )
-    entry = ROWS[label]
+    entry = printed_equation(label)
     formula = entry.formula if printed is None else printed
     derived = REGISTRY[label]()
     status, proof = derived.status, ""

@@ -1,4 +1,4 @@
-"""The closed forms: two routes to each, and the numerical package's own against the derived ones."""
+"""The closed forms by two routes each, and the numbers of the solver against them."""
 
 import mpmath as mp
 import numpy as np

@@ -11,8 +11,8 @@ import sympy as sp
 
 from derivations import symbols as sy
 from derivations import to_json, to_latex_document, to_text, verify
-from derivations.derived.record import latex
-from derivations.output.latex_document import counts
+from derivations.output.text import counts
+from derivations.typesetting import latex
 
 CHECKS = verify()
 DOCUMENT = to_latex_document(CHECKS)
