@@ -12,8 +12,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, dot, eq
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from .record import Derived, Number, Step, defines, derives, result
 
 _N = s.nd(s.br, s.t)
 _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
@@ -25,12 +24,10 @@ def _diffuse2() -> Derived:
     from .kinetic_equation import weak_form
 
     loss = weak_form(sp.Integer(1), sp.Integer(1))
-    return Derived(
+    return result(
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), _zero(loss)),
-        (
-            Step("integral of the kinetic equation over v: density and flux", None),
-            Step("the collision operator keeps mass: its weak form with Y = 1", loss),
-        ),
+        Step("integral of the kinetic equation over v: density and flux", None),
+        Step("the collision operator keeps mass: its weak form with Y = 1", loss),
     )
 
 
@@ -39,23 +36,23 @@ def _zero(integral: sp.Expr) -> sp.Expr:
     return sp.sympify(integral.replace(Int, lambda *args: 0 if args[0] == 0 else Int(*args)))
 
 
-@derives("diffuse3")
-def _diffuse3() -> Derived:
-    return definition("The zeroth moment in velocity.")
-
-
-@derives("diffuse4")
-def _diffuse4() -> Derived:
-    return definition("The first moment in velocity.")
+defines(
+    {
+        "diffuse3": "The zeroth moment in velocity.",
+        "diffuse4": "The first moment in velocity.",
+        "diffuse9": "Counts gradients.",
+        "diffuse17": "The diffusion coefficient as an integral of B.",
+        "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
+    }
+)
 
 
 @derives("diffuse5")
 def _diffuse5() -> Derived:
-    return Derived(
+    return result(
         None,
         note="A formal series; that it orders the distribution holds for gradients that are small "
         "over the distance which a tracer covers while its speed falls by a fixed factor.",
-        status=Status.ASSUMPTION,
         holds=True,
     )
 
@@ -82,13 +79,11 @@ def density_series(density: sp.Expr) -> sp.Expr:
 
 @derives("diffuse6")
 def _diffuse6() -> Derived:
-    return Derived(
+    return result(
         eq(sp.Derivative(_N, s.t), density_series(_N)),
-        (
-            Step("order epsilon of -div J", _flux_orders()[0]),
-            Step("order epsilon^2 of -div J", _flux_orders()[1]),
-        ),
-        "Each order of the gradient carries at least one factor of epsilon.",
+        Step("order epsilon of -div J", _flux_orders()[0]),
+        Step("order epsilon^2 of -div J", _flux_orders()[1]),
+        note="Each order of the gradient carries at least one factor of epsilon.",
     )
 
 
@@ -103,15 +98,13 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     gradient = sp.Function("nabla")(index)
     lower = sp.Function("J_vec")(s.j - index, *flux.args)
     general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
-    return Derived(
+    return result(
         eq(Dt(s.j, density), general),
-        (
-            Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
-            Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
-            Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
-        ),
-        "With the gradient expanded as in diffuse9, order j also holds the flux of order j - i "
-        "under the gradient of order i. The printed form drops these. At the orders that the "
+        Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
+        Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
+        Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order "
+        "j - i under the gradient of order i. The printed form drops these. At the orders that the "
         "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
         numbers=(Number("change of the diffusion equation (order 1)", 0.0),),
     )
@@ -123,15 +116,10 @@ def _diffuse8() -> Derived:
     terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
     factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
     (weight,) = factor
-    return Derived(
+    return result(
         eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
-        (Step("order epsilon^j of v p, over p^(j)", weight),),
+        Step("order epsilon^j of v p, over p^(j)", weight),
     )
-
-
-@derives("diffuse9")
-def _diffuse9() -> Derived:
-    return definition("Counts gradients.")
 
 
 @cache
@@ -157,7 +145,7 @@ def orders() -> tuple[sp.Eq, sp.Eq]:
 
 @derives("diffuse10")
 def _diffuse10() -> Derived:
-    return Derived(orders()[0], (Step("order epsilon^0 of the kinetic equation", orders()[0]),))
+    return result(orders()[0], Step("order epsilon^0 of the kinetic equation", orders()[0]))
 
 
 @derives("diffuse11")
@@ -165,21 +153,19 @@ def _diffuse11() -> Derived:
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
-    return Derived(
+    return result(
         eq(_P0, solution * s.f(s.bv, s.t)),
-        (
-            Step(
-                "f solves the zeroth order: so does any multiple A of it",
-                amplitude * s.f(s.bv, s.t),
-            ),
-            Step("normalisation to n(r, t)", solution),
+        Step(
+            "f solves the zeroth order: so does any multiple A of it",
+            amplitude * s.f(s.bv, s.t),
         ),
+        Step("normalisation to n(r, t)", solution),
     )
 
 
 @derives("diffuse12")
 def _diffuse12() -> Derived:
-    return Derived(orders()[1], (Step("order epsilon^1 of the kinetic equation", orders()[1]),))
+    return result(orders()[1], Step("order epsilon^1 of the kinetic equation", orders()[1]))
 
 
 @cache
@@ -198,23 +184,20 @@ def _first_order() -> sp.Eq:
 
 @derives("diffuse13")
 def _diffuse13() -> Derived:
-    return Derived(
+    return result(
         _first_order(),
-        (
-            Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
-            Step("cooling", eq(sp.Derivative(s.T(s.t), s.t), -s.xi(s.t) * s.T(s.t))),
-            Step("the first order", _first_order()),
-        ),
+        Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+        Step("cooling", eq(sp.Derivative(s.T(s.t), s.t), -s.xi(s.t) * s.T(s.t))),
+        Step("the first order", _first_order()),
     )
 
 
 @derives("diffuse14")
 def _diffuse14() -> Derived:
-    return Derived(
+    return result(
         None,
         note="Holds: the equation is linear with a source proportional to the gradient of n, and "
         "the operator commutes with rotations.",
-        status=Status.ASSUMPTION,
         holds=True,
     )
 
@@ -246,9 +229,8 @@ def _strip(expression: sp.Expr) -> sp.Expr:
 
 @derives("diffuse15")
 def _diffuse15() -> Derived:
-    return Derived(
-        b_equation(),
-        (Step("p^(1) = B.grad n inserted, the gradient divided out", b_equation()),),
+    return result(
+        b_equation(), Step("p^(1) = B.grad n inserted, the gradient divided out", b_equation())
     )
 
 
@@ -267,30 +249,21 @@ def _diffuse16() -> Derived:
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
     coefficient = flux.subs(integral, s.De(s.t) / (-sp.Rational(1, 2)))
-    return Derived(
+    return result(
         eq(s.J1(s.br, s.t), coefficient),
-        (
-            Step("mean of the squared cosine over directions", isotropy()),
-            Step("flux of order 1: v times B.grad n, integrated", flux),
-            Step("with D_e = -(1/2) int v.B dv", coefficient),
-        ),
+        Step("mean of the squared cosine over directions", isotropy()),
+        Step("flux of order 1: v times B.grad n, integrated", flux),
+        Step("with D_e = -(1/2) int v.B dv", coefficient),
     )
-
-
-@derives("diffuse17")
-def _diffuse17() -> Derived:
-    return definition("The diffusion coefficient as an integral of B.")
 
 
 @derives("diffuse18")
 def _diffuse18() -> Derived:
-    return Derived(
+    return result(
         _d_equation(),
-        (
-            Step("the equation for B", b_equation()),
-            Step("its product with -v/2, integrated over v", _d_equation()),
-        ),
-        "The paper cites diffuse17 where it means diffuse15.",
+        Step("the equation for B", b_equation()),
+        Step("its product with -v/2, integrated over v", _d_equation()),
+        note="The paper cites diffuse17 where it means diffuse15.",
     )
 
 
@@ -306,11 +279,6 @@ def _d_equation() -> sp.Eq:
     }
     left, right = b_equation().args
     return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
-
-
-@derives("diffuse19")
-def _diffuse19() -> Derived:
-    return definition("The relaxation rate of the flux; it depends on the shape of B.")
 
 
 @cache
@@ -331,13 +299,11 @@ def temperature_exponent() -> sp.Expr:
 
 @derives("diffuse20")
 def _diffuse20() -> Derived:
-    return Derived(
+    return result(
         eq(Partial(s.De(s.t), s.T(s.t)), temperature_exponent() * s.De(s.t) / s.T(s.t)),
-        (
-            Step("v0 as a function of the temperature", thermal_speed()),
-            Step("D_e = number l v0: exponent of T", temperature_exponent()),
-        ),
-        "Exact in the scaling state, where D_e/(l v0) is a number.",
+        Step("v0 as a function of the temperature", thermal_speed()),
+        Step("D_e = number l v0: exponent of T", temperature_exponent()),
+        note="Exact in the scaling state, where D_e/(l v0) is a number.",
     )
 
 
@@ -350,13 +316,11 @@ def _diffuse21() -> Derived:
     }
     equation = (_d_equation().lhs - _d_equation().rhs).subs(inserted)
     (solution,) = sp.solve(equation, unknown)
-    return Derived(
+    return result(
         eq(s.De(s.t), sp.factor(solution)),
-        (
-            Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
-            Step("solved for D_e", solution),
-            Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
-        ),
+        Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
+        Step("solved for D_e", solution),
+        Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
     )
 
 
@@ -365,10 +329,8 @@ def _diffuse22() -> Derived:
     flux = -s.De(s.t) * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
     right = sp.expand(-s.nabla0 * flux)
-    return Derived(
+    return result(
         eq(Dt(1, _N), right),
-        (
-            Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
-            Step("with J^(0) = 0 and the flux of order 1", right),
-        ),
+        Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
+        Step("with J^(0) = 0 and the flux of order 1", right),
     )

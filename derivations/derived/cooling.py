@@ -10,64 +10,49 @@ from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
 from .closed_form_values import largest_cooling_ratio
 from .quadrature_values import cooling_rate_value
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from .record import Derived, Number, Status, Step, defines, derives, result
 
 
 @derives("gtilde")
 def _gtilde() -> Derived:
     root = sp.sqrt(s.msd1(s.t))
-    return Derived(
+    return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
-        (Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),),
-        "The form is a change of variable; that G does not depend on time holds at e = 1, and "
+        Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
+        note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
-        Status.ASSUMPTION,
         holds=True,
     )
 
 
-@derives("v0defi")
-def _v0defi() -> Derived:
-    return definition("The root of <v^2>: sqrt(2) U for the Gaussian start.")
-
-
-@derives("thermo")
-def _thermo() -> Derived:
-    return definition("The mean energy; in the plane it is k_B T of a Gaussian.")
-
-
-@derives("if")
-def _if() -> Derived:
-    return definition("The collision operator in units of the thermal velocity.")
-
-
-@derives("mup")
-def _mup() -> Derived:
-    return definition("Twice lambda(p) <c^(p+1)> by the weak form (sonine8).")
+defines(
+    {
+        "v0defi": "The root of <v^2>: sqrt(2) U for the Gaussian start.",
+        "thermo": "The mean energy; in the plane it is k_B T of a Gaussian.",
+        "if": "The collision operator in units of the thermal velocity.",
+        "mup": "Twice lambda(p) <c^(p+1)> by the weak form (sonine8).",
+    }
+)
 
 
 @derives("tdiff")
 def _tdiff() -> Derived:
     exact = -2 * s.d * s.v0(s.t) * s.rho0 * s.lam(2) * Avg(s.c**3) * s.T(s.t)
-    return Derived(
+    return result(
         eq(sp.Derivative(s.T(s.t), s.t), exact),
-        (
-            Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
-            Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
-        ),
-        "The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
+        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
+        Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
+        note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
         "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
-        Status.ASSUMPTION,
         holds=True,
-        numbers=tuple(
+        numbers=[
             Number(f"{name} at e = {value}", float(number))
             for value in (0.4, 0.6, 0.7, 0.9)
             for name, number in (
                 ("rate at the Gaussian start", sp.sqrt(sp.pi) / 2 * (1 - sp.Float(value) ** 2)),
                 ("h in the scaling state", cooling_rate_value(value)),
             )
-        ),
+        ],
     )
 
 
@@ -83,12 +68,10 @@ def _speed_equation(rate: sp.Expr) -> sp.Expr:
 @derives("vdiff")
 def _vdiff() -> Derived:
     rate = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)
-    return Derived(
+    return result(
         eq(sp.Derivative(s.v0(s.t), s.t), _speed_equation(rate)),
-        (
-            Step("dT/dt", rate),
-            Step("T = m v0^2/2 inserted, solved for dv0/dt", _speed_equation(rate)),
-        ),
+        Step("dT/dt", rate),
+        Step("T = m v0^2/2 inserted, solved for dv0/dt", _speed_equation(rate)),
     )
 
 
@@ -99,12 +82,10 @@ def _veq() -> Derived:
     solution = 1 / inverse
     if sp.simplify(sp.diff(solution, s.t) - slope.subs(s.v0(s.t), solution)) != 0:
         raise ArithmeticError("the thermal velocity does not solve its equation")
-    return Derived(
+    return result(
         eq(s.v0(s.t), solution),
-        (
-            Step("rate of 1/v0", sp.cancel(-slope / s.v0(s.t) ** 2)),
-            Step("1/v0, integrated from 0 to t", inverse),
-        ),
+        Step("rate of 1/v0", sp.cancel(-slope / s.v0(s.t) ** 2)),
+        Step("1/v0, integrated from 0 to t", inverse),
     )
 
 
@@ -119,7 +100,7 @@ def _hsimu() -> Derived:
         Number("exact h/(1 - e) as e -> 1", 4 / 3),
         Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
     ]
-    return Derived(
+    return result(
         eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
         note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
         "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
@@ -131,15 +112,12 @@ def _hsimu() -> Derived:
 
 @derives("tdepend")
 def _tdepend() -> Derived:
-    return Derived(
+    return result(
         None,
-        (
-            Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
-            Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)", None),
-        ),
-        "Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows beyond "
-        "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-        Status.ASSUMPTION,
+        Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
+        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)", None),
+        note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
+        "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
         holds=True,
     )
 
@@ -158,15 +136,13 @@ def _energy_rate() -> sp.Expr:
 
 @derives("tdiff2")
 def _tdiff2() -> Derived:
-    return Derived(
+    return result(
         eq(sp.Derivative(s.T(s.t), s.t), _second_moment_rate()),
-        (
-            Step(
-                "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
-                _energy_rate(),
-            ),
-            Step("m v0^2/2 = T", _second_moment_rate()),
+        Step(
+            "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
+            _energy_rate(),
         ),
+        Step("m v0^2/2 = T", _second_moment_rate()),
     )
 
 
@@ -174,18 +150,19 @@ def _tdiff2() -> Derived:
 def _compare2() -> Derived:
     difference = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t) - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
-    return Derived(
+    return result(
         eq(s.h, solution),
-        (Step("difference of the two rates of T", difference),),
-        "Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
+        Step("difference of the two rates of T", difference),
+        note="Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
     )
 
 
 @derives("rearramu2")
 def _rearramu2() -> Derived:
-    return Derived(
+    return result(
         eq(sp.Derivative(s.v0(s.t), s.t), speed_equation_by_moment()),
-        (Step("dT/dt", _second_moment_rate()), Step("T = m v0^2/2 inserted", None)),
+        Step("dT/dt", _second_moment_rate()),
+        Step("T = m v0^2/2 inserted", None),
     )
 
 
@@ -217,13 +194,11 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 @derives("ifmu2")
 def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
-    return Derived(
+    return result(
         eq(s.I_(s.F(s.bc)), plain * s.F(s.bc) + slope * dot(s.bc, Partial(s.F(s.bc), s.bc))),
-        (
-            Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
-            Step("factor of F", plain),
-            Step("factor of c.dF/dc", slope),
-        ),
+        Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
+        Step("factor of F", plain),
+        Step("factor of c.dF/dc", slope),
     )
 
 
@@ -233,11 +208,9 @@ def _mueq() -> Derived:
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc
     by_parts = sp.simplify(-sp.diff(s.c ** (s.p + 2), s.c) / s.c ** (s.p + 1))
     factor = sp.factor(-(plain + slope * by_parts))
-    return Derived(
+    return result(
         eq(s.Mp, factor * Avg(s.c**s.p)),
-        (
-            Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
-            Step("M_p over <c^p>", factor),
-        ),
-        "Exact for every real p for which the boundary terms vanish.",
+        Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
+        Step("M_p over <c^p>", factor),
+        note="Exact for every real p for which the boundary terms vanish.",
     )

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from .flux import sonine_slope
 from .quadrature_values import a2_value, cooling_rate_value, diffusion_slope_value
-from .record import Derived, Number, Status
-from .registry import derives
+from .record import Derived, Number, Status, defines, derives, result
 
 _RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
 
 
 def _figure(note: str, *numbers: Number) -> Derived:
-    return Derived(None, note=note, status=Status.FIGURE, numbers=numbers)
+    return result(None, note=note, status=Status.FIGURE, numbers=numbers)
 
 
-@derives("collision")
-def _collision() -> Derived:
-    return _figure("Sketch of vchange.")
+defines(
+    {
+        "collision": "Sketch of vchange.",
+        "msdtheory": "The fitted l = 13.5 d stands in for the neglected persistence; see msd.",
+        "inelasticposi": "Neither curve is normalised to <R^2> = 1; see gammatailg and peakg. "
+        "The shapes at four values of e need not be one universal curve; see beyond:position.",
+        "impact": "Sketch of the impact parameter b = d sin(pi - psi).",
+        "sign": "H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8; see ac7.",
+    },
+    Status.FIGURE,
+)
 
 
 @derives("v0re")
@@ -40,19 +47,6 @@ def _hetomu2() -> Derived:
     )
 
 
-@derives("msdtheory")
-def _msdtheory() -> Derived:
-    return _figure("The fitted l = 13.5 d stands in for the neglected persistence; see msd.")
-
-
-@derives("inelasticposi")
-def _inelasticposi() -> Derived:
-    return _figure(
-        "Neither curve is normalised to <R^2> = 1; see gammatailg and peakg. The shapes at four "
-        "values of e need not be one universal curve; see beyond:position."
-    )
-
-
 @derives("scalev")
 def _scalev() -> Derived:
     return _figure(
@@ -60,16 +54,6 @@ def _scalev() -> Derived:
         "becomes a ring as e -> 1. A Gaussian has a_2 = 0.",
         *(Number(f"exact a_2 at e = {e}", float(a2_value(e))) for e in _RESTITUTIONS),
     )
-
-
-@derives("impact")
-def _impact() -> Derived:
-    return _figure("Sketch of the impact parameter b = d sin(pi - psi).")
-
-
-@derives("sign")
-def _sign() -> Derived:
-    return _figure("H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8; see ac7.")
 
 
 @derives("soninediffuse")

@@ -8,22 +8,20 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import eq
-from ..premises import over_angle, parallel_component, sonine_average
+from ..premises import over_angle, parallel_component
 from .chapman_enskog import thermal_speed
 from .quadrature_values import a2_value, diffusion_slope_value
-from .record import Derived, Number, Status, Step
-from .registry import derives
-from .sonine import polynomial, roots, sonine_cooling_rate, tidy
+from .record import Derived, Number, Step, derives, result
+from .sonine import polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 
 
 @derives("ad3")
 def _ad3() -> Derived:
     sonine, lorentz = elastic_diffusion()
-    return Derived(
+    return result(
         None,
         note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
         "collision rate is proportional to the speed. This alone makes D_e 15 % low.",
-        status=Status.ASSUMPTION,
         holds=False,
         numbers=(Number("D_e over its exact value at e = 1", float(sonine / lorentz)),),
     )
@@ -31,19 +29,18 @@ def _ad3() -> Derived:
 
 @derives("ad4")
 def _ad4() -> Derived:
-    return Derived(
+    return result(
         None,
         note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
-        status=Status.ASSUMPTION,
         holds=False,
-        numbers=tuple(
+        numbers=[
             Number(f"{name} at e = {value}", float(number))
             for value in (0.6, 0.7, 0.9)
             for name, number in (
                 ("Sonine a_2", roots()[0].subs(s.e, sp.Rational(str(value)))),
                 ("exact a_2", a2_value(value)),
             )
-        ),
+        ],
     )
 
 
@@ -52,15 +49,14 @@ def _ad5() -> Derived:
     scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
     dimensional = s.n / s.v0(s.t) ** 2 * scaled.subs(s.c, s.v / s.v0(s.t))
     derived = dimensional.subs(s.v0(s.t), thermal_speed())
-    return Derived(
+    return result(
         eq(s.fa2(s.bv, s.t), derived),
-        (
-            Step("scaled Sonine form", scaled),
-            Step("f = (n/v0^2) F(v/v0)", dimensional),
-            Step("v0 by the temperature", eq(s.v0(s.t), thermal_speed())),
-        ),
-        "The printed form lacks the factor n: by v0defi and tdepend the integral of f over v is "
-        "n, that of the printed form is 1. Nothing follows: nu_D is a ratio in which it cancels.",
+        Step("scaled Sonine form", scaled),
+        Step("f = (n/v0^2) F(v/v0)", dimensional),
+        Step("v0 by the temperature", eq(s.v0(s.t), thermal_speed())),
+        note="The printed form lacks the factor n: by v0defi and tdepend the integral of f over v "
+        "is n, that of the printed form is 1. Nothing follows: nu_D is a ratio in which it "
+        "cancels.",
         numbers=(Number("integral of the printed form over v", 1.0),),
     )
 
@@ -77,17 +73,15 @@ def flux_relaxation() -> sp.Expr:
 @derives("ad6")
 def _ad6() -> Derived:
     loss = over_angle(parallel_component() - 1)
-    return Derived(
+    return result(
         eq(s.nuD, flux_relaxation().subs(s.v0(s.t), thermal_speed())),
-        (
-            Step("v'.v/v^2 of one collision", parallel_component()),
-            Step("its loss, over the impact parameter", loss),
-            Step("<c^3> of the Sonine VDF", sonine_average(3)),
-            Step("<c^2> of the Sonine VDF", sonine_average(2)),
-            Step("nu_D in terms of the thermal speed", eq(s.nuD, flux_relaxation())),
-        ),
-        "Follows from the approximation B ~ v f; the speed dependence of B that this drops costs "
-        "15 % of D_e even at e = 1.",
+        Step("v'.v/v^2 of one collision", parallel_component()),
+        Step("its loss, over the impact parameter", sp.expand(loss)),
+        Step("<c^3> of the Sonine VDF", sonine_average(3)),
+        Step("<c^2> of the Sonine VDF", sonine_average(2)),
+        Step("nu_D in terms of the thermal speed", eq(s.nuD, flux_relaxation())),
+        note="Follows from the approximation B ~ v f; the speed dependence of B that this drops "
+        "costs 15 % of D_e even at e = 1.",
     )
 
 
@@ -116,14 +110,12 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
 def _ad7() -> Derived:
     derived = sp.simplify(sonine_diffusion().subs(s.v0(s.t), thermal_speed()))
     sonine, lorentz = elastic_diffusion()
-    return Derived(
+    return result(
         eq(s.De(s.t), derived),
-        (
-            Step("T/m = v0^2/2", eq(thermal_speed(), s.v0(s.t))),
-            Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(s.h, sonine_cooling_rate())),
-            Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(s.De(s.t), sonine_diffusion())),
-        ),
-        "Follows from diffuse21 and ad6. At e = 1 with a Gaussian VDF the exact value is "
+        Step("T/m = v0^2/2", eq(thermal_speed(), s.v0(s.t))),
+        Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(s.h, sonine_cooling_rate())),
+        Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(s.De(s.t), sonine_diffusion())),
+        note="Follows from diffuse21 and ad6. At e = 1 with a Gaussian VDF the exact value is "
         "(3/8) l <v>: this is 15 % low.",
         numbers=(
             Number("D_e/(l v0) at e = 1, first Sonine", float(sonine)),
@@ -138,17 +130,15 @@ def _ad8() -> Derived:
     # d<r^2>/dt = int r^2 D laplace(n) dr/n = 4 D: the Laplacian of r^2 in the plane is 4
     x_, y_ = sp.symbols("x y", real=True)
     laplacian = sp.diff(x_**2 + y_**2, x_, 2) + sp.diff(x_**2 + y_**2, y_, 2)
-    return Derived(
+    return result(
         eq(s.msd(s.t), laplacian * sp.Integral(s.De(s.t1), (s.t1, 0, s.t))),
-        (
-            Step("Laplacian of r^2 in the plane", laplacian),
-            Step(
-                "second moment of the diffusion equation",
-                eq(sp.Derivative(s.msd(s.t), s.t), laplacian * s.De(s.t)),
-            ),
+        Step("Laplacian of r^2 in the plane", laplacian),
+        Step(
+            "second moment of the diffusion equation",
+            eq(sp.Derivative(s.msd(s.t), s.t), laplacian * s.De(s.t)),
         ),
-        "Misprint: the integrand is printed at the upper limit t, not at the integration variable "
-        "t'. Taken at its word, 4 t D_e(t) levels off where the integral grows as ln t.",
+        note="Misprint: the integrand is printed at the upper limit t, not at the integration "
+        "variable t'. Taken at its word, 4 t D_e(t) levels off where the integral grows as ln t.",
         numbers=(Number("printed over derived at beta v0(0) t = 100", 100 / 101 / _log(101)),),
     )
 
@@ -175,14 +165,12 @@ def sonine_msd() -> sp.Expr:
 @derives("ad8#2")
 def _ad8_2() -> Derived:
     total = sonine_msd()
-    return Derived(
+    return result(
         eq(s.msd(s.t), total),
-        (
-            Step("D_e is proportional to v0", eq(s.De(s.t), sonine_diffusion())),
-            Step("4 int_0^t D_e dt' with v0 = 1/(1/v0(0) + d rho0 h t'), v0(0) = sqrt(2) U", total),
-        ),
-        "In the paper's units (U = 1). Its slope in ln t is below the exact one.",
-        numbers=tuple(number for value in (0.6, 0.7, 0.9) for number in _slopes(value)),
+        Step("D_e is proportional to v0", eq(s.De(s.t), sonine_diffusion())),
+        Step("4 int_0^t D_e dt' with v0 = 1/(1/v0(0) + d rho0 h t'), v0(0) = sqrt(2) U", total),
+        note="In the paper's units (U = 1). Its slope in ln t is below the exact one.",
+        numbers=[number for value in (0.6, 0.7, 0.9) for number in _slopes(value)],
     )
 
 

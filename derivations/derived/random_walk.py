@@ -15,13 +15,15 @@ from .quadrature_values import (
     log_loss_value,
     mean_scaled_speed_value,
 )
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from .record import Derived, Number, Step, defines, derives, result
 
-
-@derives("ab")
-def _ab() -> Derived:
-    return definition("v0(t) = 1/(alpha + beta t).")
+defines(
+    {
+        "ab": "v0(t) = 1/(alpha + beta t).",
+        "scaledposi": "Defines G. That it depends on neither e nor time does not hold: it tends to "
+        "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
+    }
+)
 
 
 @derives("taun")
@@ -35,14 +37,13 @@ def _taun() -> Derived:
             Number(f"dN/d ln t at e = {value}, printed", 1 / growth),
             Number(f"dN/d ln t at e = {value}, exact", 1 / float(log_loss_value(value))),
         ]
-    return Derived(
+    return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
-        (Step("v0 as solved, at the time of the last collision", speed),),
-        "The second equality follows from veq. The first is a guess: the rate of collisions is "
-        "<v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
-        Status.ASSUMPTION,
+        Step("v0 as solved, at the time of the last collision", speed),
+        note="The second equality follows from veq. The first is a guess: the rate of collisions "
+        "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
         holds=False,
-        numbers=tuple(numbers),
+        numbers=numbers,
     )
 
 
@@ -62,16 +63,14 @@ def interval() -> sp.Expr:
 
 @derives("taun#2")
 def _taun_2() -> Derived:
-    return Derived(
+    return result(
         eq(s.tau(s.N), interval()),
-        (
-            Step(
-                "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
-                s.l * s.beta * s.tau(s.N),
-            ),
-            Step("tau_1, since t_0 = 0", s.l * s.alpha),
-            Step("the recursion solved", interval()),
+        Step(
+            "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
+            s.l * s.beta * s.tau(s.N),
         ),
+        Step("tau_1, since t_0 = 0", s.l * s.alpha),
+        Step("the recursion solved", interval()),
     )
 
 
@@ -87,9 +86,9 @@ def total_time() -> sp.Expr:
 
 @derives("tn")
 def _tn() -> Derived:
-    return Derived(
+    return result(
         chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()),
-        (Step("the geometric sum of the intervals", total_time()),),
+        Step("the geometric sum of the intervals", total_time()),
     )
 
 
@@ -110,13 +109,11 @@ def _n() -> Derived:
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
     if sp.simplify(elastic - time / (s.alpha * s.l)) != 0:
         raise ArithmeticError("the elastic limit is not t/(alpha l)")
-    return Derived(
+    return result(
         eq(s.N, collisions()),
-        (
-            Step("t_N solved for N", collisions()),
-            Step("its elastic limit beta -> 0", elastic),
-        ),
-        "Its limit beta -> 0 is t/(alpha l), as the paper states.",
+        Step("t_N solved for N", collisions()),
+        Step("its elastic limit beta -> 0", elastic),
+        note="Its limit beta -> 0 is t/(alpha l), as the paper states.",
     )
 
 
@@ -131,21 +128,12 @@ def _msd() -> Derived:
             Number(f"slope at e = {value}, with the paper's l = 13.5 d (l^2)", fitted),
             Number(f"slope at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),
         ]
-    return Derived(
+    return result(
         chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
-        (Step("N as a function of time, inserted", collisions()),),
-        "<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
+        Step("N as a function of time, inserted", collisions()),
+        note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
         "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d "
         "makes up for a part.",
-        Status.ASSUMPTION,
         holds=False,
-        numbers=tuple(numbers),
-    )
-
-
-@derives("scaledposi")
-def _scaledposi() -> Derived:
-    return definition(
-        "Defines G. That it depends on neither e nor time does not hold: it tends to "
-        "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
+        numbers=numbers,
     )

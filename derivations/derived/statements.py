@@ -6,15 +6,14 @@ import mpmath as mp
 
 from .closed_form_values import largest_cooling_ratio
 from .quadrature_values import a2_value, cooling_rate_value, diffusion_slope_value
-from .record import Derived, Number, Status
-from .registry import derives
+from .record import Derived, Number, derives, result
 from .sonine import at_restitution, roots
 
 _RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
 
 
 def _verdict(holds: bool, note: str, *numbers: Number) -> Derived:
-    return Derived(None, note=note, status=Status.ASSUMPTION, holds=holds, numbers=numbers)
+    return result(None, note=note, holds=holds, numbers=numbers)
 
 
 @derives("statement:h-linear")
