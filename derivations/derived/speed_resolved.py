@@ -39,8 +39,8 @@ defines(
         "ap3": "The flux at one speed.",
         "ap11.5": "f summed over directions.",
         "ap17": "The diffusion coefficient at one speed as an integral of B.",
-        "ap19": "The relaxation rate at one speed. A parenthesis is missing in the numerator. At e = 1 it "
-        "is (4/3) v/l, proportional to the speed, not to the thermal velocity.",
+        "ap19": "The relaxation rate at one speed. A parenthesis is missing in the numerator. "
+        "At e = 1 it is (4/3) v/l, proportional to the speed, not to the thermal velocity.",
     }
 )
 
