@@ -11,7 +11,8 @@ from functools import cache
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Dt, Int, Lam, Partial, dot, eq
+from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
+from .kinetic_equation import mass_change, weak_form
 from .record import Derived, Number, Step, defines, derives, result
 
 _N = s.nd(s.br, s.t)
@@ -21,19 +22,11 @@ _B = s.Bv(s.bv, s.T(s.t))
 
 @derives("diffuse2")
 def _diffuse2() -> Derived:
-    from .kinetic_equation import weak_form
-
-    loss = weak_form(sp.Integer(1), sp.Integer(1))
     return result(
-        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), _zero(loss)),
+        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
         Step("integral of the kinetic equation over v: density and flux", None),
-        Step("the collision operator keeps mass: its weak form with Y = 1", loss),
+        Step("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
     )
-
-
-def _zero(integral: sp.Expr) -> sp.Expr:
-    """The value of a formal integral whose integrand vanishes."""
-    return sp.sympify(integral.replace(Int, lambda *args: 0 if args[0] == 0 else Int(*args)))
 
 
 defines(
@@ -123,20 +116,17 @@ def _diffuse8() -> Derived:
 
 
 @cache
-def orders() -> tuple[sp.Eq, sp.Eq]:
-    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through n and T."""
-    rate_of_n = s.eps * Dt(0, _N) + s.eps**2 * Dt(1, _N)
+def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
+    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
+    change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
+    cooling = sp.Derivative(s.T(s.t), s.t)
     left = sp.expand(
         sum(
-            s.eps**order
-            * (
-                rate_of_n * Partial(part, _N)
-                + sp.Derivative(s.T(s.t), s.t) * Partial(part, s.T(s.t))
-            )
+            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, s.T(s.t)))
             for order, part in enumerate((_P0, _P1))
         )
-        # the gradient acts through n, and on p^(0) alone at this order
-        + s.eps * dot(s.bv, s.nabla0) * _N * Partial(_P0, _N)
+        # the gradient acts through the density, and on p^(0) alone at this order
+        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
     )
     right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
     zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
@@ -168,18 +158,22 @@ def _diffuse12() -> Derived:
     return result(orders()[1], Step("order epsilon^1 of the kinetic equation", orders()[1]))
 
 
-@cache
-def _first_order() -> sp.Eq:
-    """diffuse13: the first order with the zeroth inserted."""
-    slope = sp.diff(sp.Symbol("n_r") / s.n * s.f(s.bv, s.t), sp.Symbol("n_r"))
-    cooled = {
-        Dt(0, _N): sp.Integer(0),  # the flux of order 0 vanishes: f is even
-        sp.Derivative(s.T(s.t), s.t): -s.xi(s.t) * s.T(s.t),
-        Partial(_P0, _N): slope,
+def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
+    """Order 1 with the zeroth inserted: ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt."""
+    known = {
+        Dt(0, density): sp.Integer(0),  # the flux of order 0 vanishes: f is even
+        sp.Derivative(s.T(s.t), s.t): cooling,
+        Partial(_P0, density): slope,
     }
-    residual = (orders()[1].lhs - orders()[1].rhs).subs(cooled)
+    residual = (orders(density)[1].lhs - orders(density)[1].rhs).subs(known)
     source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
     return eq(sp.expand(source - residual), source)
+
+
+@cache
+def _first_order() -> sp.Eq:
+    """diffuse13: the first order with p^(0) = f times the density over n."""
+    return first_order(_N, s.f(s.bv, s.t) / s.n, -s.xi(s.t) * s.T(s.t))
 
 
 @derives("diffuse13")
@@ -202,35 +196,32 @@ def _diffuse14() -> Derived:
     )
 
 
-@cache
-def b_equation() -> sp.Eq:
-    """diffuse15: p^(1) = B.grad n inserted and the arbitrary gradient divided out."""
+def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
+    """Order 1 with p^(1) = B.grad n inserted and the gradient, which is arbitrary, divided out."""
     inserted = {
-        Lam(_P1): dot(Lam(_B), s.nabla0) * _N,
-        Partial(_P1, s.T(s.t)): dot(Partial(_B, s.T(s.t)), s.nabla0) * _N,
+        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
+        Partial(_P1, s.T(s.t)): dot(Partial(_B, s.T(s.t)), s.nabla0) * density,
     }
-    both = [side.subs(inserted) / _N for side in _first_order().args]
-    strip = [_strip(sp.expand(side)) for side in both]
-    return eq(*strip)
+    left, right = (sp.expand(side.subs(inserted) / density) for side in order.args)
+    return eq(left.replace(Dot, _beside_gradient), right.replace(Dot, _beside_gradient))
 
 
-def _strip(expression: sp.Expr) -> sp.Expr:
-    """X.grad -> X: the gradient is arbitrary."""
+def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The vector X of the product X.grad."""
+    if s.nabla0 not in (one, other):
+        raise ValueError(f"{one}.{other} holds no gradient")
+    return other if one == s.nabla0 else one
 
-    def other(one: sp.Expr, two: sp.Expr) -> sp.Expr:
-        if s.nabla0 not in (one, two):
-            raise ValueError(f"{one}.{two} holds no gradient")
-        return two if one == s.nabla0 else one
 
-    from ..formal import Dot
-
-    return expression.replace(Dot, other)
+@cache
+def _b_equation() -> sp.Eq:
+    return b_equation(_first_order(), _N)
 
 
 @derives("diffuse15")
 def _diffuse15() -> Derived:
     return result(
-        b_equation(), Step("p^(1) = B.grad n inserted, the gradient divided out", b_equation())
+        _b_equation(), Step("p^(1) = B.grad n inserted, the gradient divided out", _b_equation())
     )
 
 
@@ -261,24 +252,31 @@ def _diffuse16() -> Derived:
 def _diffuse18() -> Derived:
     return result(
         _d_equation(),
-        Step("the equation for B", b_equation()),
+        Step("the equation for B", _b_equation()),
         Step("its product with -v/2, integrated over v", _d_equation()),
         note="The paper cites diffuse17 where it means diffuse15.",
     )
 
 
+def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
+    """-v/2 times the equation for B, integrated, with D_e and nu_D named.
+
+    ``source`` is the integral of v.v f: it stands for v f on the right.
+    """
+    half = -sp.Rational(1, 2)
+    named = {
+        Partial(_B, s.T(s.t)): Partial(coefficient, s.T(s.t)) / half,
+        Lam(_B): -s.nuD * coefficient / half,
+        s.bv * s.f(s.bv, s.t): source,
+    }
+    left, right = b_equation.args
+    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
+
+
 @cache
 def _d_equation() -> sp.Eq:
-    """-(1/2) int v.(equation for B) dv, with D_e, nu_D and <v^2> = v0^2 = 2T/m named."""
-    half = -sp.Rational(1, 2)
-    flux = s.De(s.t) / half
-    named = {
-        Partial(_B, s.T(s.t)): Partial(s.De(s.t), s.T(s.t)) / half,
-        Lam(_B): -s.nuD * flux,
-        s.bv * s.f(s.bv, s.t): s.n * 2 * s.T(s.t) / s.m,
-    }
-    left, right = b_equation().args
-    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
+    """diffuse18, with n <v^2> = n v0^2 = 2 n T/m."""
+    return coefficient_equation(_b_equation(), s.De(s.t), s.n * 2 * s.T(s.t) / s.m)
 
 
 @cache

@@ -7,14 +7,20 @@ from functools import cache
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Dt, Int, Lam, Partial, chain, dot, eq
+from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import over_angle, parallel_component, speed_ratio_squared
-from .chapman_enskog import continuity_order, density_series, isotropy
-from .record import Derived, Number, Step, defines, derives, result
+from .chapman_enskog import (
+    b_equation,
+    coefficient_equation,
+    continuity_order,
+    density_series,
+    first_order,
+    isotropy,
+    orders,
+)
+from .record import Derived, Number, Step, defines, derives, numbers_at, result
 
 _N = s.nd(s.br, s.v, s.t)
-_P0, _P1 = s.p0(s.br, s.bv, s.t), s.p1(s.br, s.bv, s.t)
-_B = s.Bv(s.bv, s.T(s.t))
 _SHELL = s.delta(s.vh - 1)
 _COOLING = s.v0(s.t) / s.l * s.h
 
@@ -56,9 +62,9 @@ def _ap4() -> Derived:
         note="That the integral over v vanishes does not make the integrand vanish. Collisions "
         "move tracers from one speed to another; the right-hand side is zero only at e = 1. With "
         "it the speed-resolved expansion of this appendix loses its ground for e < 1.",
-        numbers=(
-            Number("energy exchanged per collision at e = 0.9", float(loss.subs(s.e, 0.9))),
-            Number("energy exchanged per collision at e = 0.4", float(loss.subs(s.e, 0.4))),
+        numbers=numbers_at(
+            (0.9, 0.4),
+            {"energy exchanged per collision at e = {e}": lambda e: float(loss.subs(s.e, e))},
         ),
     )
 
@@ -102,40 +108,19 @@ def _ap11_6() -> Derived:
     angle = sp.Symbol("angle", real=True)
     mean = sp.integrate(sp.cos(angle), (angle, 0, 2 * sp.pi))
     ratio = _N / s.mn(s.v, s.t)
+    flux = s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh)
     return result(
-        chain(
-            s.J0(s.br, s.v, s.t),
-            s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh),
-            mean,
-        ),
-        Step(
-            "ap8 with p^(0) = n f/m",
-            s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh),
-        ),
+        chain(s.J0(s.br, s.v, s.t), flux, mean),
+        Step("ap8 with p^(0) = n f/m", flux),
         Step("sum of the direction over the circle, f being isotropic", mean),
     )
-
-
-@cache
-def _orders_at_one_speed() -> sp.Eq:
-    """Order 1 of the kinetic equation with n(r, v, t)."""
-    rate = s.eps * Dt(0, _N)
-    left = sp.expand(
-        sum(
-            s.eps**order
-            * (rate * Partial(q, _N) + sp.Derivative(s.T(s.t), s.t) * Partial(q, s.T(s.t)))
-            for order, q in enumerate((_P0, _P1))
-        )
-        + s.eps * dot(s.bv, s.nabla0) * _N * Partial(_P0, _N)
-    )
-    return eq(left.coeff(s.eps, 1), Lam(_P1))
 
 
 @derives("ap12")
 def _ap12() -> Derived:
     return result(
-        _orders_at_one_speed(),
-        Step("order epsilon^1 of the kinetic equation", _orders_at_one_speed()),
+        orders(_N)[1],
+        Step("order epsilon^1 of the kinetic equation", orders(_N)[1]),
         note="Formally right, given ap4 and ap11.",
     )
 
@@ -151,14 +136,7 @@ def _ap12_5() -> Derived:
 @cache
 def _first_order() -> sp.Eq:
     slope = s.f(s.bv, s.t) / s.mn(s.v, s.t)
-    known = {
-        Dt(0, _N): sp.Integer(0),
-        sp.Derivative(s.T(s.t), s.t): -_COOLING * s.T(s.t),
-        Partial(_P0, _N): slope,
-    }
-    residual = (_orders_at_one_speed().lhs - _orders_at_one_speed().rhs).subs(known)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
-    return eq(sp.expand(source - residual), source)
+    return first_order(_N, slope, -_COOLING * s.T(s.t))
 
 
 @derives("ap13")
@@ -182,14 +160,7 @@ def _ap14() -> Derived:
 
 @cache
 def _b_equation() -> sp.Eq:
-    left = _COOLING * s.T(s.t) * Partial(_B, s.T(s.t)) + Lam(_B)
-    inserted = _first_order().lhs.subs(
-        {Lam(_P1): Lam(_B) * _N, Partial(_P1, s.T(s.t)): Partial(_B, s.T(s.t)) * _N}
-    )
-    if sp.expand(inserted / _N - left) != 0:
-        raise ArithmeticError("p^(1) = B.grad n does not give the equation for B")
-    source = sp.cancel(_first_order().rhs / (dot(s.bv, s.nabla0) * _N)) * s.bv
-    return eq(sp.expand(inserted / _N), source)
+    return b_equation(_first_order(), _N)
 
 
 @derives("ap15")
@@ -215,15 +186,9 @@ def _ap16() -> Derived:
 
 @cache
 def _d_equation() -> sp.Eq:
-    """-(1/2) of v.(equation for B), summed over directions."""
-    half = -sp.Rational(1, 2)
-    named = {
-        Partial(_B, s.T(s.t)): Partial(s.De(s.v, s.t), s.T(s.t)) / half,
-        Lam(_B): -s.nuD * s.De(s.v, s.t) / half,
-        s.bv * s.f(s.bv, s.t): s.v**2 * s.mn(s.v, s.t),
-    }
-    left, right = _b_equation().args
-    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
+    """ap18: the sum over directions of v.v f is v^2 m(v, t)."""
+    source = s.v**2 * s.mn(s.v, s.t)
+    return coefficient_equation(_b_equation(), s.De(s.v, s.t), source)
 
 
 @derives("ap18")
@@ -246,10 +211,6 @@ def elastic_coefficient() -> tuple[sp.Expr, sp.Expr]:
 @derives("ap20")
 def _ap20() -> Derived:
     decay, exact = elastic_coefficient()
-    numbers = tuple(
-        Number(f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {speed} v0", 1 / speed)
-        for speed in (0.5, 1.0, 2.0)
-    )
     return result(
         eq(Partial(s.De(s.v, s.t), s.T(s.t)), sp.diff(exact, s.T(s.t))),
         Step("dimensions allow D_e = v l g(v/v0) with any function g", None),
@@ -260,7 +221,10 @@ def _ap20() -> Derived:
         "does not depend on the temperature at all, and nu_D is (4/3) v/l, not a number times "
         "v0/l.",
         holds=False,
-        numbers=numbers,
+        numbers=[
+            Number(f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {speed} v0", 1 / speed)
+            for speed in (0.5, 1.0, 2.0)
+        ],
     )
 
 
