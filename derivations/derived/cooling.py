@@ -10,7 +10,21 @@ from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
 from .closed_form_values import largest_cooling_ratio
 from .quadrature_values import cooling_rate_value
-from .record import Derived, Number, Status, Step, defines, derives, result
+from .record import (
+    RESTITUTIONS,
+    Derived,
+    Number,
+    Status,
+    Step,
+    defines,
+    derives,
+    numbers_at,
+    result,
+)
+
+_V0, _T = s.v0(s.t), s.T(s.t)
+_ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
+"""dT/dt, with the cooling rate h."""
 
 
 @derives("gtilde")
@@ -37,76 +51,74 @@ defines(
 
 @derives("tdiff")
 def _tdiff() -> Derived:
-    exact = -2 * s.d * s.v0(s.t) * s.rho0 * s.lam(2) * Avg(s.c**3) * s.T(s.t)
+    exact = -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T
     return result(
-        eq(sp.Derivative(s.T(s.t), s.t), exact),
+        eq(sp.Derivative(_T, s.t), exact),
         Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
         Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
         note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
         "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
         holds=True,
-        numbers=[
-            Number(f"{name} at e = {value}", float(number))
-            for value in (0.4, 0.6, 0.7, 0.9)
-            for name, number in (
-                ("rate at the Gaussian start", sp.sqrt(sp.pi) / 2 * (1 - sp.Float(value) ** 2)),
-                ("h in the scaling state", cooling_rate_value(value)),
-            )
-        ],
+        numbers=numbers_at(
+            RESTITUTIONS,
+            {
+                "rate at the Gaussian start at e = {e}": lambda e: (
+                    sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
+                ),
+                "h in the scaling state at e = {e}": cooling_rate_value,
+            },
+        ),
     )
 
 
 def _speed_equation(rate: sp.Expr) -> sp.Expr:
     """dv0/dt from dT/dt = rate and T = m v0^2/2."""
     slope = sp.Symbol("slope")
-    energy = s.m * s.v0(s.t) ** 2 / 2
-    balance = sp.diff(energy, s.v0(s.t)) * slope - rate.subs(s.T(s.t), energy)
+    energy = s.m * _V0**2 / 2
+    balance = sp.diff(energy, _V0) * slope - rate.subs(_T, energy)
     (solution,) = sp.solve(balance, slope)
     return solution
 
 
 @derives("vdiff")
 def _vdiff() -> Derived:
-    rate = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)
+    rate = _speed_equation(_ENERGY_LOSS)
     return result(
-        eq(sp.Derivative(s.v0(s.t), s.t), _speed_equation(rate)),
-        Step("dT/dt", rate),
-        Step("T = m v0^2/2 inserted, solved for dv0/dt", _speed_equation(rate)),
+        eq(sp.Derivative(_V0, s.t), rate),
+        Step("dT/dt", _ENERGY_LOSS),
+        Step("T = m v0^2/2 inserted, solved for dv0/dt", rate),
     )
 
 
 @derives("veq")
 def _veq() -> Derived:
-    slope = _speed_equation(-2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t))
-    inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / s.v0(s.t) ** 2), (s.t, 0, s.t))
+    slope = _speed_equation(_ENERGY_LOSS)
+    inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     solution = 1 / inverse
-    if sp.simplify(sp.diff(solution, s.t) - slope.subs(s.v0(s.t), solution)) != 0:
+    if sp.simplify(sp.diff(solution, s.t) - slope.subs(_V0, solution)) != 0:
         raise ArithmeticError("the thermal velocity does not solve its equation")
     return result(
-        eq(s.v0(s.t), solution),
-        Step("rate of 1/v0", sp.cancel(-slope / s.v0(s.t) ** 2)),
+        eq(_V0, solution),
+        Step("rate of 1/v0", sp.cancel(-slope / _V0**2)),
         Step("1/v0, integrated from 0 to t", inverse),
     )
 
 
 @derives("hsimu")
 def _hsimu() -> Derived:
-    values = [
-        Number(f"exact h/(1 - e) at e = {value}", float(cooling_rate_value(value)) / (1 - value))
-        for value in (0.4, 0.6, 0.7, 0.9)
-    ]
-    limits = [
-        Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
-        Number("exact h/(1 - e) as e -> 1", 4 / 3),
-        Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
-    ]
+    ratio = {"exact h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
     return result(
         eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
         note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
         "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
         "free path, which is shorter where disks do not overlap.",
         status=Status.FIT,
-        numbers=(*values, *limits),
+        numbers=(
+            *numbers_at(RESTITUTIONS, ratio),
+            Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
+            Number("exact h/(1 - e) as e -> 1", 4 / 3),
+            Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
+        ),
     )
 
 
@@ -124,20 +136,20 @@ def _tdepend() -> Derived:
 
 def _second_moment_rate() -> sp.Expr:
     """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    return sp.cancel(_energy_rate() / (s.m * s.v0(s.t) ** 2 / 2)) * s.T(s.t)
+    return sp.cancel(_energy_rate() / (s.m * _V0**2 / 2)) * _T
 
 
 def _energy_rate() -> sp.Expr:
     """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
-    energy, rate = s.m / 2 * s.v0(s.t) ** 2, s.d * s.rho0 * s.v0(s.t)
-    density, volume = s.n / s.v0(s.t) ** 2, s.v0(s.t) ** 2
+    energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
+    density, volume = s.n / _V0**2, _V0**2
     return energy * rate * density * volume / s.n * (-s.M2)
 
 
 @derives("tdiff2")
 def _tdiff2() -> Derived:
     return result(
-        eq(sp.Derivative(s.T(s.t), s.t), _second_moment_rate()),
+        eq(sp.Derivative(_T, s.t), _second_moment_rate()),
         Step(
             "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
             _energy_rate(),
@@ -148,7 +160,7 @@ def _tdiff2() -> Derived:
 
 @derives("compare2")
 def _compare2() -> Derived:
-    difference = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t) - _second_moment_rate()
+    difference = _ENERGY_LOSS - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
     return result(
         eq(s.h, solution),
@@ -160,7 +172,7 @@ def _compare2() -> Derived:
 @derives("rearramu2")
 def _rearramu2() -> Derived:
     return result(
-        eq(sp.Derivative(s.v0(s.t), s.t), speed_equation_by_moment()),
+        eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
         Step("dT/dt", _second_moment_rate()),
         Step("T = m v0^2/2 inserted", None),
     )
@@ -176,9 +188,9 @@ def _scaled_derivative() -> sp.Expr:
     """df/dt over (n d rho0/v0) for f = n/v0^2 Phi(v/v0): a combination of Phi and Phi'."""
     shape = sp.Function("Phi")
     slope = speed_equation_by_moment()
-    rate = sp.diff(s.n / s.v0(s.t) ** 2 * shape(s.v / s.v0(s.t)), s.t)
-    rate = rate.subs(sp.Derivative(s.v0(s.t), s.t), slope).doit()
-    return sp.simplify((rate * s.v0(s.t) / (s.n * s.d * s.rho0)).subs(s.v, s.c * s.v0(s.t)).doit())
+    rate = sp.diff(s.n / _V0**2 * shape(s.v / _V0), s.t)
+    rate = rate.subs(sp.Derivative(_V0, s.t), slope).doit()
+    return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 
 import sympy as sp
@@ -11,8 +12,11 @@ from ..formal import eq
 from ..premises import over_angle, parallel_component
 from .chapman_enskog import thermal_speed
 from .quadrature_values import a2_value, diffusion_slope_value
-from .record import Derived, Number, Step, derives, result
-from .sonine import polynomial, roots, sonine_average, sonine_cooling_rate, tidy
+from .record import Derived, Number, Step, derives, numbers_at, result
+from .sonine import at_restitution, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
+
+_RESTITUTIONS = (0.6, 0.7, 0.9)  # above the threshold of the Sonine a_2
+_V0 = s.v0(s.t)
 
 
 @derives("ad3")
@@ -33,27 +37,26 @@ def _ad4() -> Derived:
         None,
         note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
         holds=False,
-        numbers=[
-            Number(f"{name} at e = {value}", float(number))
-            for value in (0.6, 0.7, 0.9)
-            for name, number in (
-                ("Sonine a_2", roots()[0].subs(s.e, sp.Rational(str(value)))),
-                ("exact a_2", a2_value(value)),
-            )
-        ],
+        numbers=numbers_at(
+            _RESTITUTIONS,
+            {
+                "Sonine a_2 at e = {e}": lambda e: at_restitution(roots()[0], e),
+                "exact a_2 at e = {e}": a2_value,
+            },
+        ),
     )
 
 
 @derives("ad5")
 def _ad5() -> Derived:
     scaled = sp.exp(-(s.c**2)) / sp.pi * (1 + s.a2 * polynomial(2).subs(s.x, s.c**2))
-    dimensional = s.n / s.v0(s.t) ** 2 * scaled.subs(s.c, s.v / s.v0(s.t))
-    derived = dimensional.subs(s.v0(s.t), thermal_speed())
+    dimensional = s.n / _V0**2 * scaled.subs(s.c, s.v / _V0)
+    derived = dimensional.subs(_V0, thermal_speed())
     return result(
         eq(s.fa2(s.bv, s.t), derived),
         Step("scaled Sonine form", scaled),
         Step("f = (n/v0^2) F(v/v0)", dimensional),
-        Step("v0 by the temperature", eq(s.v0(s.t), thermal_speed())),
+        Step("v0 by the temperature", eq(_V0, thermal_speed())),
         note="The printed form lacks the factor n: by v0defi and tdepend the integral of f over v "
         "is n, that of the printed form is 1. Nothing follows: nu_D is a ratio in which it "
         "cancels.",
@@ -67,14 +70,14 @@ def flux_relaxation() -> sp.Expr:
     # int v.Lambda(v f) dv / int v.v f dv, with v.(v' - v) = v^2 (parallel - 1), rate d rho0 v dy
     transfer = over_angle(parallel_component() - 1)
     ratio = transfer * sonine_average(3) / sonine_average(2)
-    return sp.factor(-s.d * s.rho0 * s.v0(s.t) * ratio)
+    return sp.factor(-s.d * s.rho0 * _V0 * ratio)
 
 
 @derives("ad6")
 def _ad6() -> Derived:
     loss = over_angle(parallel_component() - 1)
     return result(
-        eq(s.nuD, flux_relaxation().subs(s.v0(s.t), thermal_speed())),
+        eq(s.nuD, flux_relaxation().subs(_V0, thermal_speed())),
         Step("v'.v/v^2 of one collision", parallel_component()),
         Step("its loss, over the impact parameter", sp.expand(loss)),
         Step("<c^3> of the Sonine VDF", sonine_average(3)),
@@ -88,8 +91,8 @@ def _ad6() -> Derived:
 @cache
 def sonine_diffusion() -> sp.Expr:
     """D_e in the first Sonine approximation, as a function of v0(t)."""
-    cooling = 2 * s.d * s.rho0 * s.v0(s.t) * sonine_cooling_rate()
-    return tidy(s.v0(s.t) ** 2 / 2 / (flux_relaxation() - cooling / 2))
+    cooling = 2 * s.d * s.rho0 * _V0 * sonine_cooling_rate()
+    return tidy(_V0**2 / 2 / (flux_relaxation() - cooling / 2))
 
 
 @cache
@@ -100,7 +103,7 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
     D(v) = v^2/2 over it; then averaged over the Gaussian.
     """
     boltzmann_grad = {s.d: sp.Rational(1, 2), s.rho0: 1}  # l = 1/(2 d rho0) = 1
-    sonine = (sonine_diffusion() / s.v0(s.t)).subs({s.a2: 0, s.e: 1}).subs(boltzmann_grad)
+    sonine = (sonine_diffusion() / _V0).subs({s.a2: 0, s.e: 1}).subs(boltzmann_grad)
     decay = -over_angle(parallel_component() - 1).subs(s.e, 1) / 2
     exact = sonine_average(1).subs(s.a2, 0) / (2 * decay)
     return sp.simplify(sonine), sp.simplify(exact)
@@ -108,11 +111,11 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
 
 @derives("ad7")
 def _ad7() -> Derived:
-    derived = sp.simplify(sonine_diffusion().subs(s.v0(s.t), thermal_speed()))
+    derived = sp.simplify(sonine_diffusion().subs(_V0, thermal_speed()))
     sonine, lorentz = elastic_diffusion()
     return result(
         eq(s.De(s.t), derived),
-        Step("T/m = v0^2/2", eq(thermal_speed(), s.v0(s.t))),
+        Step("T/m = v0^2/2", eq(thermal_speed(), _V0)),
         Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(s.h, sonine_cooling_rate())),
         Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(s.De(s.t), sonine_diffusion())),
         note="Follows from diffuse21 and ad6. At e = 1 with a Gaussian VDF the exact value is "
@@ -139,12 +142,8 @@ def _ad8() -> Derived:
         ),
         note="Misprint: the integrand is printed at the upper limit t, not at the integration "
         "variable t'. Taken at its word, 4 t D_e(t) levels off where the integral grows as ln t.",
-        numbers=(Number("printed over derived at beta v0(0) t = 100", 100 / 101 / _log(101)),),
+        numbers=(Number("printed over derived at beta v0(0) t = 100", 100 / 101 / math.log(101)),),
     )
-
-
-def _log(value: float) -> float:
-    return float(sp.log(value))
 
 
 @cache
@@ -155,7 +154,7 @@ def sonine_msd() -> sp.Expr:
     logarithm = sp.log(1 + start * beta * s.t) / beta
     if sp.cancel(sp.diff(logarithm, s.t) - speed) != 0 or logarithm.subs(s.t, 0) != 0:
         raise ArithmeticError("not the integral of v0 from 0 to t")
-    total = 4 * sp.cancel(sonine_diffusion() / s.v0(s.t)) * logarithm
+    total = 4 * sp.cancel(sonine_diffusion() / _V0) * logarithm
     cooling = s.d * s.rho0 * sonine_cooling_rate()
     return tidy(total.coeff(sp.log(1 + start * beta * s.t)).subs(beta, cooling)) * sp.log(
         1 + tidy((start * beta).subs({beta: cooling, start: sp.sqrt(2)})) * s.t
@@ -170,19 +169,18 @@ def _ad8_2() -> Derived:
         Step("D_e is proportional to v0", eq(s.De(s.t), sonine_diffusion())),
         Step("4 int_0^t D_e dt' with v0 = 1/(1/v0(0) + d rho0 h t'), v0(0) = sqrt(2) U", total),
         note="In the paper's units (U = 1). Its slope in ln t is below the exact one.",
-        numbers=[number for value in (0.6, 0.7, 0.9) for number in _slopes(value)],
+        numbers=numbers_at(
+            _RESTITUTIONS,
+            {
+                "slope in ln t at e = {e}, Sonine (l^2)": sonine_slope,
+                "slope in ln t at e = {e}, exact (l^2)": diffusion_slope_value,
+            },
+        ),
     )
 
 
 def sonine_slope(value: float) -> float:
     """d<r^2>/d ln t in units of l^2 by the first Sonine approximation with the lower a_2."""
-    slope = 4 * sp.cancel(sonine_diffusion() / s.v0(s.t)) / (s.d * s.rho0 * sonine_cooling_rate())
+    slope = 4 * sp.cancel(sonine_diffusion() / _V0) / (s.d * s.rho0 * sonine_cooling_rate())
     slope = slope.subs({s.d: sp.Rational(1, 2), s.rho0: 1}).subs(s.a2, roots()[0])
     return float(slope.subs(s.e, value))
-
-
-def _slopes(value: float) -> tuple[Number, Number]:
-    return (
-        Number(f"slope in ln t at e = {value}, Sonine (l^2)", sonine_slope(value)),
-        Number(f"slope in ln t at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),
-    )

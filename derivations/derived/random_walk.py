@@ -15,7 +15,7 @@ from .quadrature_values import (
     log_loss_value,
     mean_scaled_speed_value,
 )
-from .record import Derived, Number, Step, defines, derives, result
+from .record import RESTITUTIONS, Derived, Step, defines, derives, numbers_at, result
 
 defines(
     {
@@ -29,22 +29,26 @@ defines(
 @derives("taun")
 def _taun() -> Derived:
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
-    numbers = []
-    for value in (0.4, 0.9):
-        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
-        numbers += [
-            Number(f"exact <c> at e = {value}", float(mean_scaled_speed_value(value))),
-            Number(f"dN/d ln t at e = {value}, printed", 1 / growth),
-            Number(f"dN/d ln t at e = {value}, exact", 1 / float(log_loss_value(value))),
-        ]
     return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
         Step("v0 as solved, at the time of the last collision", speed),
         note="The second equality follows from veq. The first is a guess: the rate of collisions "
         "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
         holds=False,
-        numbers=numbers,
+        numbers=numbers_at(
+            (0.4, 0.9),
+            {
+                "exact <c> at e = {e}": mean_scaled_speed_value,
+                "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
+                "dN/d ln t at e = {e}, exact": lambda e: 1 / float(log_loss_value(e)),
+            },
+        ),
     )
+
+
+def _collisions_per_log_time(e: float) -> float:
+    """dN/d ln t of the random walk with the exact cooling rate, at l beta = h/2."""
+    return 1 / float(sp.log(1 + cooling_rate_value(e) / 2))
 
 
 @cache
@@ -119,15 +123,9 @@ def _n() -> Derived:
 
 @derives("msd")
 def _msd() -> Derived:
-    numbers = []
-    for value in (0.4, 0.6, 0.7, 0.9):
-        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
-        fitted = 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - value)))
-        numbers += [
-            Number(f"slope at e = {value}, l^2 N with the exact h (l^2)", 1 / growth),
-            Number(f"slope at e = {value}, with the paper's l = 13.5 d (l^2)", fitted),
-            Number(f"slope at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),
-        ]
+    def fitted(e: float) -> float:
+        return 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - e)))
+
     return result(
         chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
         Step("N as a function of time, inserted", collisions()),
@@ -135,5 +133,12 @@ def _msd() -> Derived:
         "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d "
         "makes up for a part.",
         holds=False,
-        numbers=numbers,
+        numbers=numbers_at(
+            RESTITUTIONS,
+            {
+                "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,
+                "slope at e = {e}, with the paper's l = 13.5 d (l^2)": fitted,
+                "slope at e = {e}, exact (l^2)": diffusion_slope_value,
+            },
+        ),
     )

@@ -12,125 +12,13 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, eq
-from ..premises import gaussian_moment, loss, speed_ratio_squared
+from ..premises import speed_ratio_squared
 from .closed_forms import (
-    coefficient_ratio,
     loss_one,
-    loss_two,
-    mean_cosine,
     mean_log_loss,
-    mean_ratio_power,
 )
 from .quadrature_values import a2_value, diffusion_slope_value
-from .record import Derived, Number, Step, derives, result
-from .sonine import generating_function, polynomial
-
-
-@derives("beyond:loss-p")
-def _loss_p() -> Derived:
-    return result(
-        eq(s.lam(s.p), 1 - mean_ratio_power()),
-        Step("s^2 in powers of 1 - e^2", 1 - (1 - s.e**2) * (1 - s.y**2)),
-        Step("coefficient k + 1 over coefficient k of E[s^p]", coefficient_ratio()),
-        Step("the series with that ratio and first coefficient 1", mean_ratio_power()),
-        note="Converges for 0 < e <= 1. By Pfaff's transformation it is "
-        "1 - e^p 2F1(-p/2, 1/2; 3/2; -(1 - e^2)/e^2).",
-    )
-
-
-@derives("beyond:loss-even")
-def _loss_even() -> Derived:
-    # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
-    average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
-    term = (
-        sp.binomial(s.q, s.k)
-        * s.e ** (2 * (s.q - s.k))
-        * (1 - s.e**2) ** s.k
-        * sp.simplify(average)
-    )
-    for order in range(1, 5):
-        total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
-        if sp.expand(1 - total - loss(2 * order)) != 0:
-            raise ArithmeticError(f"the sum misses lambda({2 * order})")
-    return result(
-        eq(s.lam(2 * s.q), 1 - sp.Sum(term, (s.k, 0, s.q))),
-        Step("average of y^(2k) over the impact parameter", average),
-        note="For q = 1 ... 4 it is also compared with the integrated polynomial.",
-    )
-
-
-@derives("beyond:loss-1")
-def _loss_1() -> Derived:
-    return result(
-        eq(s.lam(1), loss_one()),
-        Step("E[s] by its antiderivative; asinh(b/e) = artanh(b)", loss_one()),
-    )
-
-
-@derives("beyond:loss-2")
-def _loss_2() -> Derived:
-    return result(eq(s.lam(2), loss_two()), Step("E[1 - s^2]", loss_two()))
-
-
-@derives("beyond:log-loss")
-def _log_loss() -> Derived:
-    return result(
-        eq(s.klog, mean_log_loss()),
-        Step("E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)", mean_log_loss()),
-    )
-
-
-@derives("beyond:cosine")
-def _cosine() -> Derived:
-    return result(
-        eq(s.cos_chi, mean_cosine()),
-        Step("E[(-e + (1 + e) y^2)/s] by its antiderivative", mean_cosine()),
-    )
-
-
-@derives("beyond:collision-moment")
-def _collision_moment() -> Derived:
-    z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
-    weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
-    average = sum(
-        (
-            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
-            for (order,), factor in weight.terms()
-        ),
-        sp.Integer(0),
-    )
-    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
-    return result(
-        eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
-        Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
-        Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
-        note="p = 2 and p = 4 are sonine9 and sonine10.",
-    )
-
-
-@derives("beyond:sonine-n")
-def _sonine_n() -> Derived:
-    # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
-    inner = sp.binomial(s.N, s.N - s.k)
-    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
-        raise ArithmeticError("the binomial coefficient is not symmetric")
-    term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
-    for order in range(7):
-        total = sum(
-            (
-                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
-                for i in range(order + 1)
-            ),
-            sp.Integer(0),
-        )
-        if sp.expand(total - polynomial(order)) != 0:
-            raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
-    return result(
-        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
-        Step("generating function of orthogonal polynomials", generating_function()[0]),
-        Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
-        Step("Gram-Schmidt agrees with it for N = 0 ... 6", polynomial(6)),
-    )
+from .record import Derived, Number, Step, derives, numbers_at, result
 
 
 @derives("beyond:moments")
@@ -352,8 +240,5 @@ def _slope() -> Derived:
         Step("second route: <r^2> per free flight, with persistence", per_flight),
         Step("free flights per ln t: E[Y]", flights),
         Step("both routes give", sp.simplify(per_flight * flights)),
-        numbers=[
-            Number(f"slope at e = {value}", float(diffusion_slope_value(value)))
-            for value in (0.2, 0.5, 0.9)
-        ],
+        numbers=numbers_at((0.2, 0.5, 0.9), {"slope at e = {e}": diffusion_slope_value}),
     )

@@ -8,7 +8,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Int, chain, eq
-from ..premises import gaussian_average, loss, over_angle, speed_ratio_squared
+from ..premises import gaussian_average, gaussian_moment, loss, over_angle, speed_ratio_squared
 from .quadrature_values import a2_value
 from .record import Derived, Number, Step, derives, result
 
@@ -308,3 +308,48 @@ def _sonine12() -> Derived:
 def sonine_cooling_rate() -> sp.Expr:
     """M_2/2 with symbolic a_2: the cooling rate of the first Sonine approximation."""
     return sp.factor(collision_moment(2) / 2)
+
+
+@derives("beyond:collision-moment")
+def _collision_moment() -> Derived:
+    z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
+    weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
+    average = sum(
+        (
+            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
+            for (order,), factor in weight.terms()
+        ),
+        sp.Integer(0),
+    )
+    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
+    return result(
+        eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
+        Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
+        Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
+        note="p = 2 and p = 4 are sonine9 and sonine10.",
+    )
+
+
+@derives("beyond:sonine-n")
+def _sonine_n() -> Derived:
+    # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
+    inner = sp.binomial(s.N, s.N - s.k)
+    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
+        raise ArithmeticError("the binomial coefficient is not symmetric")
+    term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
+    for order in range(7):
+        total = sum(
+            (
+                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
+                for i in range(order + 1)
+            ),
+            sp.Integer(0),
+        )
+        if sp.expand(total - polynomial(order)) != 0:
+            raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
+    return result(
+        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
+        Step("generating function of orthogonal polynomials", generating_function()[0]),
+        Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
+        Step("Gram-Schmidt agrees with it for N = 0 ... 6", polynomial(6)),
+    )

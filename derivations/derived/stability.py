@@ -8,7 +8,7 @@ from .. import symbols as s
 from ..formal import Avg, Partial, eq
 from .cooling import speed_equation_by_moment
 from .quadrature_values import a2_value
-from .record import Derived, Number, Step, defines, derives, result
+from .record import Derived, Number, Step, defines, derives, numbers_at, result
 from .sonine import at_restitution, collision_moment, growth, quadratic, roots, sonine_average, tidy
 
 defines(
@@ -129,16 +129,14 @@ def _compare1() -> Derived:
 def _compare3() -> Derived:
     lower, _ = roots()
     inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))
+
+    def ratio(e: float) -> float:
+        return at_restitution(inserted * (1 + s.e) / 2, e)
+
     return result(
         eq(s.M2, (1 - s.e**2) * inserted),
         Step("M_2 at symbolic a_2", collision_moment(2)),
         Step("the stable root", eq(s.a2, lower)),
         note="Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
-        numbers=[
-            Number(
-                f"M_2/2 over (1 - e) at e = {value}",
-                at_restitution(inserted * (1 + s.e) / 2, value),
-            )
-            for value in (0.6, 0.7, 0.9)
-        ],
+        numbers=numbers_at((0.6, 0.7, 0.9), {"M_2/2 over (1 - e) at e = {e}": ratio}),
     )
