@@ -15,9 +15,13 @@ from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
 from .kinetic_equation import mass_change, weak_form
 from .record import Derived, Number, Step, defines, derives, result
 
+_T = s.T(s.t)
+_D = s.De(s.t)
+_F = s.f(s.bv, s.t)
+
 _N = s.nd(s.br, s.t)
 _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
-_B = s.Bv(s.bv, s.T(s.t))
+_B = s.Bv(s.bv, _T)
 
 
 @derives("diffuse2")
@@ -119,10 +123,10 @@ def _diffuse8() -> Derived:
 def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
     change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
-    cooling = sp.Derivative(s.T(s.t), s.t)
+    cooling = sp.Derivative(_T, s.t)
     left = sp.expand(
         sum(
-            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, s.T(s.t)))
+            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
             for order, part in enumerate((_P0, _P1))
         )
         # the gradient acts through the density, and on p^(0) alone at this order
@@ -144,11 +148,8 @@ def _diffuse11() -> Derived:
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
     return result(
-        eq(_P0, solution * s.f(s.bv, s.t)),
-        Step(
-            "f solves the zeroth order: so does any multiple A of it",
-            amplitude * s.f(s.bv, s.t),
-        ),
+        eq(_P0, solution * _F),
+        Step("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
         Step("normalisation to n(r, t)", solution),
     )
 
@@ -162,18 +163,18 @@ def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
     """Order 1 with the zeroth inserted: ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt."""
     known = {
         Dt(0, density): sp.Integer(0),  # the flux of order 0 vanishes: f is even
-        sp.Derivative(s.T(s.t), s.t): cooling,
+        sp.Derivative(_T, s.t): cooling,
         Partial(_P0, density): slope,
     }
     residual = (orders(density)[1].lhs - orders(density)[1].rhs).subs(known)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
+    source = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
     return eq(sp.expand(source - residual), source)
 
 
 @cache
 def _first_order() -> sp.Eq:
     """diffuse13: the first order with p^(0) = f times the density over n."""
-    return first_order(_N, s.f(s.bv, s.t) / s.n, -s.xi(s.t) * s.T(s.t))
+    return first_order(_N, _F / s.n, -s.xi(s.t) * _T)
 
 
 @derives("diffuse13")
@@ -181,7 +182,7 @@ def _diffuse13() -> Derived:
     return result(
         _first_order(),
         Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
-        Step("cooling", eq(sp.Derivative(s.T(s.t), s.t), -s.xi(s.t) * s.T(s.t))),
+        Step("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
         Step("the first order", _first_order()),
     )
 
@@ -200,7 +201,7 @@ def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
     """Order 1 with p^(1) = B.grad n inserted and the gradient, which is arbitrary, divided out."""
     inserted = {
         Lam(_P1): dot(Lam(_B), s.nabla0) * density,
-        Partial(_P1, s.T(s.t)): dot(Partial(_B, s.T(s.t)), s.nabla0) * density,
+        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
     left, right = (sp.expand(side.subs(inserted) / density) for side in order.args)
     return eq(left.replace(Dot, _beside_gradient), right.replace(Dot, _beside_gradient))
@@ -239,7 +240,7 @@ def isotropy() -> sp.Expr:
 def _diffuse16() -> Derived:
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
-    coefficient = flux.subs(integral, s.De(s.t) / (-sp.Rational(1, 2)))
+    coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
     return result(
         eq(s.J1(s.br, s.t), coefficient),
         Step("mean of the squared cosine over directions", isotropy()),
@@ -265,9 +266,9 @@ def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Exp
     """
     half = -sp.Rational(1, 2)
     named = {
-        Partial(_B, s.T(s.t)): Partial(coefficient, s.T(s.t)) / half,
+        Partial(_B, _T): Partial(coefficient, _T) / half,
         Lam(_B): -s.nuD * coefficient / half,
-        s.bv * s.f(s.bv, s.t): source,
+        s.bv * _F: source,
     }
     left, right = b_equation.args
     return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
@@ -276,14 +277,14 @@ def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Exp
 @cache
 def _d_equation() -> sp.Eq:
     """diffuse18, with n <v^2> = n v0^2 = 2 n T/m."""
-    return coefficient_equation(_b_equation(), s.De(s.t), s.n * 2 * s.T(s.t) / s.m)
+    return coefficient_equation(_b_equation(), _D, s.n * 2 * _T / s.m)
 
 
 @cache
 def thermal_speed() -> sp.Expr:
     """v0 as a function of the temperature, from T = m v0^2/2."""
     speed = sp.Symbol("speed", positive=True)
-    (root,) = sp.solve(sp.Eq(s.T(s.t), s.m * speed**2 / 2), speed)
+    (root,) = sp.solve(sp.Eq(_T, s.m * speed**2 / 2), speed)
     return root
 
 
@@ -291,14 +292,14 @@ def thermal_speed() -> sp.Expr:
 def temperature_exponent() -> sp.Expr:
     """q in D_e ~ T^q: D_e is a number times l v0, the only length and speed at hand."""
     heat = sp.Symbol("heat", positive=True)
-    speed = thermal_speed().subs(s.T(s.t), heat)
+    speed = thermal_speed().subs(_T, heat)
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
 @derives("diffuse20")
 def _diffuse20() -> Derived:
     return result(
-        eq(Partial(s.De(s.t), s.T(s.t)), temperature_exponent() * s.De(s.t) / s.T(s.t)),
+        eq(Partial(_D, _T), temperature_exponent() * _D / _T),
         Step("v0 as a function of the temperature", thermal_speed()),
         Step("D_e = number l v0: exponent of T", temperature_exponent()),
         note="Exact in the scaling state, where D_e/(l v0) is a number.",
@@ -308,14 +309,11 @@ def _diffuse20() -> Derived:
 @derives("diffuse21")
 def _diffuse21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
-    inserted = {
-        Partial(s.De(s.t), s.T(s.t)): temperature_exponent() * unknown / s.T(s.t),
-        s.De(s.t): unknown,
-    }
+    inserted = {Partial(_D, _T): temperature_exponent() * unknown / _T, _D: unknown}
     equation = (_d_equation().lhs - _d_equation().rhs).subs(inserted)
     (solution,) = sp.solve(equation, unknown)
     return result(
-        eq(s.De(s.t), sp.factor(solution)),
+        eq(_D, sp.factor(solution)),
         Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
         Step("solved for D_e", solution),
         Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
@@ -324,7 +322,7 @@ def _diffuse21() -> Derived:
 
 @derives("diffuse22")
 def _diffuse22() -> Derived:
-    flux = -s.De(s.t) * s.nabla0 * _N
+    flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
     right = sp.expand(-s.nabla0 * flux)
     return result(

@@ -22,6 +22,8 @@ from .record import (
     result,
 )
 
+_F_SCALED = s.F(s.bc)
+
 _V0, _T = s.v0(s.t), s.T(s.t)
 _ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
 """dT/dt, with the cooling rate h."""
@@ -207,7 +209,7 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
     return result(
-        eq(s.I_(s.F(s.bc)), plain * s.F(s.bc) + slope * dot(s.bc, Partial(s.F(s.bc), s.bc))),
+        eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
         Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
         Step("factor of F", plain),
         Step("factor of c.dF/dc", slope),

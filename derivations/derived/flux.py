@@ -15,6 +15,9 @@ from .quadrature_values import a2_value, diffusion_slope_value
 from .record import Derived, Number, Step, derives, numbers_at, result
 from .sonine import at_restitution, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 
+_D = s.De(s.t)
+_MSD = s.msd(s.t)
+
 _RESTITUTIONS = (0.6, 0.7, 0.9)  # above the threshold of the Sonine a_2
 _V0 = s.v0(s.t)
 
@@ -114,10 +117,10 @@ def _ad7() -> Derived:
     derived = sp.simplify(sonine_diffusion().subs(_V0, thermal_speed()))
     sonine, lorentz = elastic_diffusion()
     return result(
-        eq(s.De(s.t), derived),
+        eq(_D, derived),
         Step("T/m = v0^2/2", eq(thermal_speed(), _V0)),
         Step("cooling rate xi = 2 d rho0 v0 h with h = M_2/2", eq(s.h, sonine_cooling_rate())),
-        Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(s.De(s.t), sonine_diffusion())),
+        Step("D_e = (v0^2/2)/(nu_D - xi/2)", eq(_D, sonine_diffusion())),
         note="Follows from diffuse21 and ad6. At e = 1 with a Gaussian VDF the exact value is "
         "(3/8) l <v>: this is 15 % low.",
         numbers=(
@@ -134,11 +137,10 @@ def _ad8() -> Derived:
     x_, y_ = sp.symbols("x y", real=True)
     laplacian = sp.diff(x_**2 + y_**2, x_, 2) + sp.diff(x_**2 + y_**2, y_, 2)
     return result(
-        eq(s.msd(s.t), laplacian * sp.Integral(s.De(s.t1), (s.t1, 0, s.t))),
+        eq(_MSD, laplacian * sp.Integral(s.De(s.t1), (s.t1, 0, s.t))),
         Step("Laplacian of r^2 in the plane", laplacian),
         Step(
-            "second moment of the diffusion equation",
-            eq(sp.Derivative(s.msd(s.t), s.t), laplacian * s.De(s.t)),
+            "second moment of the diffusion equation", eq(sp.Derivative(_MSD, s.t), laplacian * _D)
         ),
         note="Misprint: the integrand is printed at the upper limit t, not at the integration "
         "variable t'. Taken at its word, 4 t D_e(t) levels off where the integral grows as ln t.",
@@ -165,8 +167,8 @@ def sonine_msd() -> sp.Expr:
 def _ad8_2() -> Derived:
     total = sonine_msd()
     return result(
-        eq(s.msd(s.t), total),
-        Step("D_e is proportional to v0", eq(s.De(s.t), sonine_diffusion())),
+        eq(_MSD, total),
+        Step("D_e is proportional to v0", eq(_D, sonine_diffusion())),
         Step("4 int_0^t D_e dt' with v0 = 1/(1/v0(0) + d rho0 h t'), v0(0) = sqrt(2) U", total),
         note="In the paper's units (U = 1). Its slope in ln t is below the exact one.",
         numbers=numbers_at(

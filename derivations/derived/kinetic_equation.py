@@ -15,6 +15,9 @@ from ..formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linea
 from ..premises import collision_matrix
 from .record import Derived, Status, Step, defines, derives, result
 
+_P = s.pd(s.br, s.bv, s.t)
+_P_PRE = s.pd(s.br, s.bvs, s.t)
+
 
 @cache
 def normal_factor() -> sp.Expr:
@@ -61,13 +64,7 @@ defines(
 def _streaming_change() -> sp.Expr:
     """What free flight does to p dr dv in a short time, to first order in that time."""
     shifted = sp.exp(-s.dt * dot(s.bv, s.nabla))
-    return (
-        s.dt
-        * sp.diff(shifted, s.dt).subs(s.dt, 0)
-        * s.pd(s.br, s.bv, s.t)
-        * Measure(s.br)
-        * Measure(s.bv)
-    )
+    return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
 
 
 @derives("gammaflow")
@@ -75,8 +72,7 @@ def _gammaflow() -> Derived:
     return result(
         eq(s.Gamma_flow, _streaming_change()),
         Step(
-            "free flight: p(r, v, t + dt) = p(r - v dt, v, t)",
-            sp.exp(-s.dt * dot(s.bv, s.nabla)),
+            "free flight: p(r, v, t + dt) = p(r - v dt, v, t)", sp.exp(-s.dt * dot(s.bv, s.nabla))
         ),
         Step("first order in dt", _streaming_change()),
     )
@@ -88,10 +84,7 @@ def _gamma_minus() -> Derived:
         None,
         Step(
             "scatterers in the strip of width db and length |v| dt, all b from -d to d",
-            eq(
-                sp.Integral(s.rho0 * s.v * s.dt, (s.b, -s.d, s.d)),
-                2 * s.d * s.rho0 * s.v * s.dt,
-            ),
+            eq(sp.Integral(s.rho0 * s.v * s.dt, (s.b, -s.d, s.d)), 2 * s.d * s.rho0 * s.v * s.dt),
         ),
         note="Counts the scatterers in the strip that the tracer sweeps: uncorrelated scatterers. "
         "Its rate 2 d rho_0 |v| makes the mean free path 1/(2 d rho_0).",
@@ -101,7 +94,7 @@ def _gamma_minus() -> Derived:
 
 @derives("gamma+")
 def _gamma_plus() -> Derived:
-    before = s.pd(s.br, s.bvs, s.t) * Measure(s.br) * s.rho0 * s.vs * s.dt
+    before = _P_PRE * Measure(s.br) * s.rho0 * s.vs * s.dt
     return result(
         chain(
             s.Gamma_plus,
@@ -119,21 +112,12 @@ def _gamma_plus() -> Derived:
 @derives("ftdiff")
 def _ftdiff() -> Derived:
     volume = Measure(s.br) * Measure(s.bv) * s.dt
-    gain = Int(
-        s.pd(s.br, s.bvs, s.t)
-        * Measure(s.br)
-        * volume_ratio()
-        * Measure(s.bv)
-        * s.rho0
-        * s.vs
-        * s.dt,
-        s.b,
-    )
-    loss = Int(s.pd(s.br, s.bv, s.t) * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
+    gain = Int(_P_PRE * Measure(s.br) * volume_ratio() * Measure(s.bv) * s.rho0 * s.vs * s.dt, s.b)
+    loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
     right = sp.expand(linear((gain - loss) / volume))
     flow = sp.cancel(_streaming_change() / volume)
     return result(
-        eq(sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) - flow, right),
+        eq(sp.Derivative(_P, s.t) - flow, right),
         Step("gain less loss, per dr dv dt", right),
         Step("streaming, per dr dv dt", flow),
     )
@@ -180,13 +164,13 @@ def _bexpress2() -> Derived:
 @cache
 def collision_term() -> sp.Expr:
     """The collision operator on p(r, v, t), over sigma."""
-    gain = gain_rate()[1] * volume_ratio() * s.pd(s.br, s.bvs, s.t)
-    return s.rho0 * Int(gain - loss_rate() * s.pd(s.br, s.bv, s.t), s.sigma, s.hemi)
+    gain = gain_rate()[1] * volume_ratio() * _P_PRE
+    return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
 @derives("inelaslorentz")
 def _inelaslorentz() -> Derived:
-    left = sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) + dot(s.bv, s.nabla) * s.pd(s.br, s.bv, s.t)
+    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
     return result(
         eq(left, collision_term()),
         Step("gain: rate times Jacobian", gain_rate()[1] * volume_ratio()),
@@ -197,9 +181,7 @@ def _inelaslorentz() -> Derived:
 
 @derives("inelaslorentz2")
 def _inelaslorentz2() -> Derived:
-    uniform = collision_term().subs(
-        {s.pd(s.br, s.bvs, s.t): s.f(s.bvs, s.t), s.pd(s.br, s.bv, s.t): s.f(s.bv, s.t)}
-    )
+    uniform = collision_term().subs({_P_PRE: s.f(s.bvs, s.t), _P: s.f(s.bv, s.t)})
     return result(
         eq(sp.Derivative(s.f(s.bv, s.t), s.t), uniform),
         Step("integral over r: the streaming term is a surface term", uniform),
@@ -208,9 +190,9 @@ def _inelaslorentz2() -> Derived:
 
 @derives("diffuse1")
 def _diffuse1() -> Derived:
-    left = sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) + dot(s.bv, s.nabla) * s.pd(s.br, s.bv, s.t)
+    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
     return result(
-        eq(left, Lam(s.pd(s.br, s.bv, s.t))),
+        eq(left, Lam(_P)),
         Step("the inelastic Lorentz equation, its right-hand side named", collision_term()),
     )
 
@@ -218,7 +200,7 @@ def _diffuse1() -> Derived:
 @derives("diffuse1.5")
 def _diffuse1_5() -> Derived:
     return result(
-        eq(Lam(s.pd(s.br, s.bv, s.t)), collision_term()),
+        eq(Lam(_P), collision_term()),
         Step("right-hand side of the inelastic Lorentz equation", collision_term()),
     )
 

@@ -12,6 +12,8 @@ from .chapman_enskog import isotropy
 from .random_walk import collisions
 from .record import Derived, Number, Step, defines, derives, result
 
+_MSD = s.msd(s.t)
+
 _SPREAD = sp.Integral(s.De(s.V, s.t1), (s.t1, 0, s.t))
 
 
@@ -93,8 +95,8 @@ def _posivel() -> Derived:
     # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
     spread = sp.Symbol("spread", positive=True)
     printed = diffusive_density().subs(spread, 2 * spread)
-    inserted = printed.subs(spread, s.eta * s.V**2 * s.msd(s.t) / 4)
-    scaled = sp.simplify((sp.sqrt(s.msd(s.t)) * inserted).subs(s.r, s.R * sp.sqrt(s.msd(s.t))))
+    inserted = printed.subs(spread, s.eta * s.V**2 * _MSD / 4)
+    scaled = sp.simplify((sp.sqrt(_MSD) * inserted).subs(s.r, s.R * sp.sqrt(_MSD)))
     return result(
         eq(s.Gt(s.R, s.V), scaled),
         Step("the Gaussian of normg", printed),

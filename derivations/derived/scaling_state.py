@@ -13,10 +13,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, eq
 from ..premises import speed_ratio_squared
-from .closed_forms import (
-    loss_one,
-    mean_log_loss,
-)
+from .closed_forms import loss_one, mean_log_loss
 from .quadrature_values import a2_value, diffusion_slope_value
 from .record import Derived, Number, Step, derives, numbers_at, result
 

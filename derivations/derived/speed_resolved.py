@@ -20,9 +20,13 @@ from .chapman_enskog import (
 )
 from .record import Derived, Number, Step, defines, derives, numbers_at, result
 
+_T = s.T(s.t)
+_V0 = s.v0(s.t)
+_D_AT_V = s.De(s.v, s.t)
+
 _N = s.nd(s.br, s.v, s.t)
 _SHELL = s.delta(s.vh - 1)
-_COOLING = s.v0(s.t) / s.l * s.h
+_COOLING = _V0 / s.l * s.h
 
 
 @derives("ap1")
@@ -129,14 +133,14 @@ def _ap12() -> Derived:
 def _ap12_5() -> Derived:
     path = sp.Symbol("path", positive=True)
     (density,) = sp.solve(path - 1 / (2 * s.d * s.rho0), s.rho0)
-    rate = (-2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)).subs(s.rho0, density).subs(path, s.l)
-    return result(eq(sp.Derivative(s.T(s.t), s.t), rate), Step("l = 1/(2 d rho0) in tdiff", rate))
+    rate = (-2 * s.d * _V0 * s.rho0 * s.h * _T).subs(s.rho0, density).subs(path, s.l)
+    return result(eq(sp.Derivative(_T, s.t), rate), Step("l = 1/(2 d rho0) in tdiff", rate))
 
 
 @cache
 def _first_order() -> sp.Eq:
     slope = s.f(s.bv, s.t) / s.mn(s.v, s.t)
-    return first_order(_N, slope, -_COOLING * s.T(s.t))
+    return first_order(_N, slope, -_COOLING * _T)
 
 
 @derives("ap13")
@@ -176,7 +180,7 @@ def _ap15() -> Derived:
 def _ap16() -> Derived:
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
     flux = s.v * isotropy() * integral * s.nabla0 * _N
-    (value,) = sp.solve(s.De(s.v, s.t) + s.v / 2 * integral, integral)
+    (value,) = sp.solve(_D_AT_V + s.v / 2 * integral, integral)
     return result(
         eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)),
         Step("mean of the squared cosine over directions", isotropy()),
@@ -188,7 +192,7 @@ def _ap16() -> Derived:
 def _d_equation() -> sp.Eq:
     """ap18: the sum over directions of v.v f is v^2 m(v, t)."""
     source = s.v**2 * s.mn(s.v, s.t)
-    return coefficient_equation(_b_equation(), s.De(s.v, s.t), source)
+    return coefficient_equation(_b_equation(), _D_AT_V, source)
 
 
 @derives("ap18")
@@ -212,7 +216,7 @@ def elastic_coefficient() -> tuple[sp.Expr, sp.Expr]:
 def _ap20() -> Derived:
     decay, exact = elastic_coefficient()
     return result(
-        eq(Partial(s.De(s.v, s.t), s.T(s.t)), sp.diff(exact, s.T(s.t))),
+        eq(Partial(_D_AT_V, _T), sp.diff(exact, _T)),
         Step("dimensions allow D_e = v l g(v/v0) with any function g", None),
         Step("nu_D at e = 1: speeds do not mix", decay),
         Step("D_e(v) at e = 1, exactly", exact),
@@ -231,12 +235,12 @@ def _ap20() -> Derived:
 @derives("ap21")
 def _ap21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
-    known = {Partial(s.De(s.v, s.t), s.T(s.t)): -unknown / (2 * s.T(s.t)), s.De(s.v, s.t): unknown}
+    known = {Partial(_D_AT_V, _T): -unknown / (2 * _T), _D_AT_V: unknown}
     equation = (_d_equation().lhs - _d_equation().rhs).subs(known)
     (solution,) = sp.solve(equation, unknown)
-    number = sp.cancel(solution.subs(s.nuD, s.v0(s.t) / s.l) / (s.v**2 * s.l / s.v0(s.t)))
+    number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))
     return result(
-        chain(s.De(s.v, s.t), solution, s.v**2 * s.l / s.v0(s.t)),
+        chain(_D_AT_V, solution, s.v**2 * s.l / _V0),
         Step("the equation for D_e with ap20", equation),
         Step("solved for D_e", solution),
         Step("with nu_D = v0/l: number in front of v^2 l/v0", number),
@@ -249,8 +253,8 @@ def _ap21() -> Derived:
 
 @derives("ap21.5")
 def _ap21_5() -> Derived:
-    hopping = s.kappa_d * s.v**2 * s.l / s.v0(s.t)
-    derived = hopping.subs(s.v, s.V * s.v0(s.t)).subs(s.v0(s.t), 1 / (s.alpha + s.beta * s.t))
+    hopping = s.kappa_d * s.v**2 * s.l / _V0
+    derived = hopping.subs(s.v, s.V * _V0).subs(_V0, 1 / (s.alpha + s.beta * s.t))
     return result(
         eq(s.De(s.V, s.t), sp.simplify(derived)),
         Step("v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0", derived),

@@ -11,6 +11,8 @@ from .quadrature_values import a2_value
 from .record import Derived, Number, Step, defines, derives, numbers_at, result
 from .sonine import at_restitution, collision_moment, growth, quadratic, roots, sonine_average, tidy
 
+_V0 = s.v0(s.t)
+
 defines(
     {
         "ac1": "General: any f can be written so, with <c^2> = 1 at all times.",
@@ -22,8 +24,8 @@ defines(
 def _moment_balance(order: sp.Expr, moment: sp.Expr, rate: sp.Expr, loss: sp.Expr) -> sp.Expr:
     """d<v^p>/dt + loss, with <v^p> = v0^p <c^p>, over d rho0 v0^(p+1)."""
     slope = speed_equation_by_moment()
-    product = s.v0(s.t) ** order * rate + order * s.v0(s.t) ** (order - 1) * slope * moment
-    return sp.expand(sp.simplify(product / (s.d * s.rho0 * s.v0(s.t) ** (order + 1)))) + loss
+    product = _V0**order * rate + order * _V0 ** (order - 1) * slope * moment
+    return sp.expand(sp.simplify(product / (s.d * s.rho0 * _V0 ** (order + 1)))) + loss
 
 
 @derives("ac2")
@@ -54,12 +56,12 @@ def _ac3() -> Derived:
 
 @derives("ac5")
 def _ac5() -> Derived:
-    prefactor = s.d * s.rho0 * s.v0(s.t) / 2
+    prefactor = s.d * s.rho0 * _V0 / 2
     right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
     linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
-    scale = linear / (s.v0(s.t) * growth())
+    scale = linear / (_V0 * growth())
     return result(
-        eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * s.v0(s.t) * s.da2(s.t)),
+        eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * _V0 * s.da2(s.t)),
         Step("right-hand side of the equation for a_2 with M_2 and M_4 inserted", right),
         Step("its derivative at the stationary a_2", sp.factor(linear)),
         Step("H(e) collects the bracket", eq(s.H, growth())),
@@ -88,12 +90,10 @@ def _ac7() -> Derived:
 def _ac6() -> Derived:
     rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
     # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
-    grown = s.da2(0) * sp.exp(rate * sp.Integral(s.v0(s.t), (s.t, 0, s.t)))
+    grown = s.da2(0) * sp.exp(rate * sp.Integral(_V0, (s.t, 0, s.t)))
     path = sp.Function("path")
-    form = grown.subs(sp.Integral(s.v0(s.t), (s.t, 0, s.t)), path(s.t))
-    residual = (
-        sp.diff(form, s.t).subs(sp.Derivative(path(s.t), s.t), s.v0(s.t)) - rate * s.v0(s.t) * form
-    )
+    form = grown.subs(sp.Integral(_V0, (s.t, 0, s.t)), path(s.t))
+    residual = sp.diff(form, s.t).subs(sp.Derivative(path(s.t), s.t), _V0) - rate * _V0 * form
     if sp.simplify(residual) != 0:
         raise ArithmeticError("the exponential does not solve the linear equation")
     return result(

@@ -72,8 +72,7 @@ def _sonine_a2() -> Derived:
         holds=False,
         numbers=(
             *numbers_at(
-                (0.6, 0.7, 0.9),
-                {"Sonine a_2 at e = {e}": sonine, "exact a_2 at e = {e}": a2_value},
+                (0.6, 0.7, 0.9), {"Sonine a_2 at e = {e}": sonine, "exact a_2 at e = {e}": a2_value}
             ),
             Number("Sonine a_2 as e -> 1", sonine(1)),
         ),

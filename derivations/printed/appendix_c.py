@@ -7,6 +7,8 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Int, Lam, dot, eq
 
+_T = s.T(s.t)
+
 FORMULAS: dict[str, sp.Basic] = {
     "ad1": eq(
         Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv),
@@ -17,14 +19,14 @@ FORMULAS: dict[str, sp.Basic] = {
         ),
     ),
     "ad2": eq(s.bvp, s.bv - (1 + s.e) * dot(s.bv, s.sigma) * s.sigma),
-    "ad3": eq(s.Bv(s.bv, s.T(s.t)), s.bv * s.fa2(s.bv, s.t)),
+    "ad3": eq(s.Bv(s.bv, _T), s.bv * s.fa2(s.bv, s.t)),
     "ad4": eq(s.f(s.bv, s.t), s.fa2(s.bv, s.t)),
     "ad5": eq(
         s.fa2(s.bv, s.t),
         s.m
-        / (2 * sp.pi * s.T(s.t))
-        * sp.exp(-s.m / (2 * s.T(s.t)) * s.v**2)
-        * (1 + s.a2 * (1 - s.m / s.T(s.t) * s.v**2 + s.m**2 / (8 * s.T(s.t) ** 2) * s.v**4)),
+        / (2 * sp.pi * _T)
+        * sp.exp(-s.m / (2 * _T) * s.v**2)
+        * (1 + s.a2 * (1 - s.m / _T * s.v**2 + s.m**2 / (8 * _T**2) * s.v**4)),
     ),
     "ad6": eq(
         s.nuD,
@@ -32,12 +34,12 @@ FORMULAS: dict[str, sp.Basic] = {
         * s.rho0
         * (1 + s.e)
         / 2
-        * sp.sqrt(2 * sp.pi * s.T(s.t) / s.m)
+        * sp.sqrt(2 * sp.pi * _T / s.m)
         * (2 + sp.Rational(3, 4) * s.a2),
     ),
     "ad7": eq(
         s.De(s.t),
-        sp.sqrt(2 * s.T(s.t) / (sp.pi * s.m))
+        sp.sqrt(2 * _T / (sp.pi * s.m))
         / (s.d * s.rho0)
         / ((s.e + 1) ** 2 * (1 + sp.Rational(3, 8) * s.a2)),
     ),

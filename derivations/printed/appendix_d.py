@@ -7,12 +7,17 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Dt, Int, Lam, Partial, chain, dot, eq
 
+_T = s.T(s.t)
+_V0 = s.v0(s.t)
+_F = s.f(s.bv, s.t)
+_D_AT_V = s.De(s.v, s.t)
+
 _p0, _p1 = s.p0(s.br, s.bv, s.t), s.p1(s.br, s.bv, s.t)
 _n = s.nd(s.br, s.v, s.t)
-_B = s.Bv(s.bv, s.T(s.t))
-_Bh = s.Bv(s.v * s.bvh, s.T(s.t))
+_B = s.Bv(s.bv, _T)
+_Bh = s.Bv(s.v * s.bvh, _T)
 _shell = s.delta(s.vh - 1)
-_cooling = s.v0(s.t) / s.l * s.h * s.T(s.t)
+_cooling = _V0 / s.l * s.h * _T
 
 FORMULAS: dict[str, sp.Basic] = {
     "ap1": eq(
@@ -27,7 +32,7 @@ FORMULAS: dict[str, sp.Basic] = {
     "ap8": eq(
         s.Jj(s.br, s.v, s.t), Int(s.v * s.bvh * s.pj(s.br, s.v * s.bvh, s.t) * _shell, s.bvh)
     ),
-    "ap11": eq(_p0, _n / s.mn(s.v, s.t) * s.f(s.bv, s.t)),
+    "ap11": eq(_p0, _n / s.mn(s.v, s.t) * _F),
     "ap11.5": eq(s.mn(s.v, s.t), Int(s.f(s.v * s.bvh, s.t) * _shell, s.bvh)),
     "ap11.6": chain(
         s.J0(s.br, s.v, s.t),
@@ -36,32 +41,25 @@ FORMULAS: dict[str, sp.Basic] = {
     ),
     "ap12": eq(
         Dt(0, _n) * Partial(_p0, _n)
-        + sp.Derivative(s.T(s.t), s.t) * Partial(_p1, s.T(s.t))
+        + sp.Derivative(_T, s.t) * Partial(_p1, _T)
         + dot(s.bv, s.nabla0) * _n * Partial(_p0, _n),
         Lam(_p1),
     ),
-    "ap12.5": eq(sp.Derivative(s.T(s.t), s.t), -s.v0(s.t) / s.l * s.h * s.T(s.t)),
+    "ap12.5": eq(sp.Derivative(_T, s.t), -_V0 / s.l * s.h * _T),
     "ap13": eq(
-        _cooling * Partial(_p1, s.T(s.t)) + Lam(_p1),
-        dot(s.bv, s.nabla0) * _n * s.f(s.bv, s.t) / s.mn(s.v, s.t),
+        _cooling * Partial(_p1, _T) + Lam(_p1), dot(s.bv, s.nabla0) * _n * _F / s.mn(s.v, s.t)
     ),
     "ap14": eq(_p1, dot(_B, s.nabla0) * _n),
-    "ap15": eq(_cooling * Partial(_B, s.T(s.t)) + Lam(_B), s.bv * s.f(s.bv, s.t) / s.mn(s.v, s.t)),
-    "ap16": eq(s.J1(s.br, s.v, s.t), -s.De(s.v, s.t) * s.nabla0 * _n),
-    "ap17": eq(s.De(s.v, s.t), -s.v / 2 * Int(dot(s.bvh, _Bh) * _shell, s.bvh)),
-    "ap18": eq(
-        _cooling * Partial(s.De(s.v, s.t), s.T(s.t)) - s.nuD * s.De(s.v, s.t), -(s.v**2) / 2
-    ),
+    "ap15": eq(_cooling * Partial(_B, _T) + Lam(_B), s.bv * _F / s.mn(s.v, s.t)),
+    "ap16": eq(s.J1(s.br, s.v, s.t), -_D_AT_V * s.nabla0 * _n),
+    "ap17": eq(_D_AT_V, -s.v / 2 * Int(dot(s.bvh, _Bh) * _shell, s.bvh)),
+    "ap18": eq(_cooling * Partial(_D_AT_V, _T) - s.nuD * _D_AT_V, -(s.v**2) / 2),
     "ap19": eq(
         s.nuD,
         -Int(s.v * dot(Lam(_Bh), s.bvh) * _shell, s.bvh)
         / Int(s.v * dot(s.bvh, _Bh) * _shell, s.bvh),
     ),
-    "ap20": eq(Partial(s.De(s.v, s.t), s.T(s.t)), -s.De(s.v, s.t) / (2 * s.T(s.t))),
-    "ap21": chain(
-        s.De(s.v, s.t),
-        s.v**2 / 2 / (s.h * s.v0(s.t) / (2 * s.l) + s.nuD),
-        s.v**2 * s.l / s.v0(s.t),
-    ),
+    "ap20": eq(Partial(_D_AT_V, _T), -_D_AT_V / (2 * _T)),
+    "ap21": chain(_D_AT_V, s.v**2 / 2 / (s.h * _V0 / (2 * s.l) + s.nuD), s.v**2 * s.l / _V0),
     "ap21.5": eq(s.De(s.V, s.t), s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t)),
 }

@@ -48,8 +48,7 @@ _STATED: dict[str, tuple[str, sp.Basic]] = {
     "beyond:cosine": (
         "mean cosine of the deflection",
         eq(
-            s.cos_chi,
-            -s.e * sp.atanh(_b) / _b + (1 - s.e**2 * sp.atanh(_b) / _b) / (2 * (1 - s.e)),
+            s.cos_chi, -s.e * sp.atanh(_b) / _b + (1 - s.e**2 * sp.atanh(_b) / _b) / (2 * (1 - s.e))
         ),
     ),
     "beyond:collision-moment": (
