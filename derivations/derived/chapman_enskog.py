@@ -28,7 +28,7 @@ _B = s.Bv(s.bv, _T)
 def _diffuse2() -> Derived:
     return result(
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
-        Step("integral of the kinetic equation over v: density and flux", None),
+        Step("integral of the kinetic equation over v: density and flux"),
         Step("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
     )
 

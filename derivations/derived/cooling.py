@@ -56,7 +56,7 @@ def _tdiff() -> Derived:
     exact = -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T
     return result(
         eq(sp.Derivative(_T, s.t), exact),
-        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
+        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)"),
         Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
         note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
         "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
@@ -129,7 +129,7 @@ def _tdepend() -> Derived:
     return result(
         None,
         Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
-        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)", None),
+        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)"),
         note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
         "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
         holds=True,
@@ -176,7 +176,7 @@ def _rearramu2() -> Derived:
     return result(
         eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
         Step("dT/dt", _second_moment_rate()),
-        Step("T = m v0^2/2 inserted", None),
+        Step("T = m v0^2/2 inserted"),
     )
 
 

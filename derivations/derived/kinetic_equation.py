@@ -253,7 +253,7 @@ def _angular_average() -> Derived:
         eq(Partial(Avg(s.v**s.p), s.t), -s.d * s.rho0 * total * s.lam(s.p) * Avg(s.v**s.p * s.v)),
         Step("weak form with Y = |v|^p", weak_form(s.vs**s.p, s.v**s.p)),
         Step("weight of all angles: the integral of cos(theta)", total),
-        Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)", None),
+        Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)"),
         note="The deflection drops out for an isotropic VDF: only the speed ratio s is left.",
     )
 

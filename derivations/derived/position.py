@@ -178,7 +178,7 @@ def _bessel() -> Derived:
     return result(
         sp.Tuple(eq(s.G(s.R), closed_form()), eq(s.norm, _moment(0)), eq(Avg(s.R**2), _moment(2))),
         Step("integrand of gdefi", _weighted()),
-        Step("u = V^2: K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)), z^2/4 = R^2/(2 eta)", None),
+        Step("u = V^2: K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)), z^2/4 = R^2/(2 eta)"),
         Step("closed form", closed_form()),
         note="<R^2> = 1 leaves eta = 1/2: G(R) = 4 R K_0(2 R).",
     )

@@ -28,7 +28,7 @@ def _moments() -> Derived:
     start = 1 / s.klog if first == -sp.log(s.s) else sp.nan
     return result(
         sp.Tuple(eq(s.MY(1), start), eq(s.MY(s.p + 1), sp.simplify(following))),
-        Step("weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>", None),
+        Step("weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>"),
         Step("<v^p> = E[Y^p] t^(-p) inserted", sp.diff(scaled, s.t) - loss_term),
         Step("d(1 - s^p)/dp at p = 0, whose mean is kappa", first),
         note="Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < "

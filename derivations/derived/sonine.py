@@ -32,12 +32,11 @@ def polynomial(order: int) -> sp.Expr:
         terms = sp.Poly(sp.expand(one * other), s.x).terms()
         return sum((k * power_average().subs(s.p, i) for (i,), k in terms), sp.Integer(0))
 
-    result = s.x**order
+    monic = s.x**order
     for lower in range(order):
         basis = polynomial(lower)
-        result -= inner(s.x**order, basis) / inner(basis, basis) * basis
-    result = sp.expand(result)
-    return sp.expand(result / result.subs(s.x, 0))
+        monic -= inner(s.x**order, basis) / inner(basis, basis) * basis
+    return sp.expand(sp.expand(monic) / monic.subs(s.x, 0))
 
 
 @cache
@@ -154,7 +153,7 @@ def _sonine4_5() -> Derived:
     return result(
         chain(s.a1, first, first.subs(Avg(s.c**2), 1)),
         Step("<S_1>", first),
-        Step("<c^2> = 1 by the definition of v0", None),
+        Step("<c^2> = 1 by the definition of v0"),
     )
 
 
@@ -164,7 +163,7 @@ def _sonine5() -> Derived:
     return result(
         chain(s.a2, second, second.subs(Avg(s.c**2), 1)),
         Step("<S_2>", second),
-        Step("<c^2> = 1 by the definition of v0", None),
+        Step("<c^2> = 1 by the definition of v0"),
     )
 
 
@@ -225,7 +224,7 @@ def stationarity() -> sp.Expr:
 def _sonine7() -> Derived:
     return result(
         eq(stationarity(), sp.Integer(0)),
-        Step("M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation", None),
+        Step("M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation"),
         Step("<c^4> over the Gaussian times 1 + a_2 S_2", sonine_average(4)),
     )
 

@@ -77,7 +77,7 @@ def _ap4() -> Derived:
 def _ap6() -> Derived:
     return result(
         eq(sp.Derivative(_N, s.t), density_series(_N)),
-        Step("each order of the gradient carries at least one factor of epsilon", None),
+        Step("each order of the gradient carries at least one factor of epsilon"),
         note="Rests on ap4.",
     )
 
@@ -217,7 +217,7 @@ def _ap20() -> Derived:
     decay, exact = elastic_coefficient()
     return result(
         eq(Partial(_D_AT_V, _T), sp.diff(exact, _T)),
-        Step("dimensions allow D_e = v l g(v/v0) with any function g", None),
+        Step("dimensions allow D_e = v l g(v/v0) with any function g"),
         Step("nu_D at e = 1: speeds do not mix", decay),
         Step("D_e(v) at e = 1, exactly", exact),
         note="The dimensional argument does not determine the power: v is a second speed beside "
