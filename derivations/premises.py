@@ -72,8 +72,7 @@ def gaussian_moment() -> sp.Expr:
 
 def gaussian_average(polynomial: sp.Expr) -> sp.Expr:
     """The average of a polynomial in c over exp(-c^2)/pi in the plane, term by term."""
-    total = sp.Integer(0)
-    for (order,), coefficient in sp.Poly(polynomial, s.c).terms():
-        moment = gaussian_moment().subs(s.p, order) if order else sp.Integer(1)
-        total += coefficient * moment
-    return total
+    terms = sp.Poly(polynomial, s.c).terms()
+    return sp.Add(
+        *(k * (gaussian_moment().subs(s.p, order) if order else 1) for (order,), k in terms)
+    )

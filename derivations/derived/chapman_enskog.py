@@ -7,6 +7,7 @@ linear operator, the gradient as a symbol that commutes with functions of the ve
 from __future__ import annotations
 
 from functools import cache
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -171,19 +172,13 @@ def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
     return eq(sp.expand(source - residual), source)
 
 
-@cache
-def _first_order() -> sp.Eq:
-    """diffuse13: the first order with p^(0) = f times the density over n."""
-    return first_order(_N, _F / s.n, -s.xi(s.t) * _T)
-
-
 @derives("diffuse13")
 def _diffuse13() -> Derived:
     return result(
-        _first_order(),
+        _expansion().first_order,
         Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
         Step("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
-        Step("the first order", _first_order()),
+        Step("the first order", _expansion().first_order),
     )
 
 
@@ -214,15 +209,11 @@ def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
     return other if one == s.nabla0 else one
 
 
-@cache
-def _b_equation() -> sp.Eq:
-    return b_equation(_first_order(), _N)
-
-
 @derives("diffuse15")
 def _diffuse15() -> Derived:
     return result(
-        _b_equation(), Step("p^(1) = B.grad n inserted, the gradient divided out", _b_equation())
+        _expansion().of_b,
+        Step("p^(1) = B.grad n inserted, the gradient divided out", _expansion().of_b),
     )
 
 
@@ -252,9 +243,9 @@ def _diffuse16() -> Derived:
 @derives("diffuse18")
 def _diffuse18() -> Derived:
     return result(
-        _d_equation(),
-        Step("the equation for B", _b_equation()),
-        Step("its product with -v/2, integrated over v", _d_equation()),
+        _expansion().of_coefficient,
+        Step("the equation for B", _expansion().of_b),
+        Step("its product with -v/2, integrated over v", _expansion().of_coefficient),
         note="The paper cites diffuse17 where it means diffuse15.",
     )
 
@@ -274,10 +265,30 @@ def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Exp
     return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
 
 
+class Expansion(NamedTuple):
+    """The first order of the expansion, the equation for B and that for the diffusion coefficient.
+
+    ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt, ``source`` is the integral of v.v f.
+    """
+
+    first_order: sp.Eq
+    of_b: sp.Eq
+    of_coefficient: sp.Eq
+
+
+def expand(
+    density: sp.Expr, slope: sp.Expr, cooling: sp.Expr, coefficient: sp.Expr, source: sp.Expr
+) -> Expansion:
+    """The expansion for one density and its diffusion coefficient; see :class:`Expansion`."""
+    first = first_order(density, slope, cooling)
+    of_b = b_equation(first, density)
+    return Expansion(first, of_b, coefficient_equation(of_b, coefficient, source))
+
+
 @cache
-def _d_equation() -> sp.Eq:
-    """diffuse18, with n <v^2> = n v0^2 = 2 n T/m."""
-    return coefficient_equation(_b_equation(), _D, s.n * 2 * _T / s.m)
+def _expansion() -> Expansion:
+    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 
 @cache
@@ -310,7 +321,7 @@ def _diffuse20() -> Derived:
 def _diffuse21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
     inserted = {Partial(_D, _T): temperature_exponent() * unknown / _T, _D: unknown}
-    equation = (_d_equation().lhs - _d_equation().rhs).subs(inserted)
+    equation = (_expansion().of_coefficient.lhs - _expansion().of_coefficient.rhs).subs(inserted)
     (solution,) = sp.solve(equation, unknown)
     return result(
         eq(_D, sp.factor(solution)),

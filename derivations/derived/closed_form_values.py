@@ -46,8 +46,9 @@ def mean_cosine(restitution: mp.mpf) -> mp.mpf:
 
 
 def cooling_rate(restitution: mp.mpf) -> mp.mpf:
-    """h(e), 0 < e < 1."""
-    return _function("cooling_rate")(mp.mpf(restitution))
+    """h(e) = 2 sqrt(kappa lambda(1)), 0 < e < 1."""
+    first = _function("loss_one")(mp.mpf(restitution))
+    return 2 * mp.sqrt(mean_log_loss(restitution) * first)
 
 
 @cache
@@ -64,7 +65,7 @@ def largest_cooling_ratio() -> tuple[float, float]:
 
 def diffusion_slope(restitution: mp.mpf) -> mp.mpf:
     """d<r^2>/d ln t in units of l^2, 0 < e < 1."""
-    return _function("diffusion_slope")(mp.mpf(restitution))
+    return 2 / (mean_log_loss(restitution) * (1 - mean_cosine(restitution)))
 
 
 def a2(restitution: mp.mpf) -> mp.mpf:

@@ -41,15 +41,9 @@ def _finish(integral: sp.Expr) -> sp.Expr:
 
 
 @cache
-def mean_ratio() -> sp.Expr:
-    """E[s]."""
-    return _finish(sp.integrate(sp.sqrt(_square()), (s.y, 0, 1)))
-
-
-@cache
 def loss_one() -> sp.Expr:
     """lambda(1) = 1 - E[s]."""
-    return 1 - mean_ratio()
+    return 1 - _finish(sp.integrate(sp.sqrt(_square()), (s.y, 0, 1)))
 
 
 @cache
@@ -113,18 +107,6 @@ def mean_ratio_power() -> sp.Expr:
     return sp.hyper(sorted(upper, key=sp.default_sort_key), lower, 1 - s.e**2)
 
 
-@cache
-def cooling_rate() -> sp.Expr:
-    """h(e) = 2 sqrt(kappa lambda(1))."""
-    return 2 * sp.sqrt(mean_log_loss() * loss_one())
-
-
-@cache
-def diffusion_slope() -> sp.Expr:
-    """d<r^2>/d ln t in units of l^2."""
-    return 2 / (mean_log_loss() * (1 - mean_cosine()))
-
-
 @derives("beyond:loss-p")
 def _loss_p() -> Derived:
     return result(
@@ -150,7 +132,7 @@ def _loss_even() -> Derived:
     for order in range(1, 5):
         total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
         if sp.expand(1 - total - loss(2 * order)) != 0:
-            raise ArithmeticError(f"the sum misses lambda({2 * order})")
+            raise ArithmeticError(f"the sum is not lambda({2 * order})")
     return result(
         eq(s.lam(2 * s.q), 1 - sp.Sum(term, (s.k, 0, s.q))),
         Step("average of y^(2k) over the impact parameter", average),

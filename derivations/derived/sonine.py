@@ -10,7 +10,7 @@ from .. import symbols as s
 from ..formal import Avg, Int, chain, eq
 from ..premises import gaussian_average, gaussian_moment, loss, over_angle, speed_ratio_squared
 from .quadrature_values import a2_value
-from .record import Derived, Number, Step, derives, result
+from .record import Derived, Number, Step, derives, numbers_at, result
 
 
 @cache
@@ -30,7 +30,7 @@ def polynomial(order: int) -> sp.Expr:
 
     def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
         terms = sp.Poly(sp.expand(one * other), s.x).terms()
-        return sum((k * power_average().subs(s.p, i) for (i,), k in terms), sp.Integer(0))
+        return sp.Add(*(k * power_average().subs(s.p, i) for (i,), k in terms))
 
     monic = s.x**order
     for lower in range(order):
@@ -114,7 +114,7 @@ def _sonine3() -> Derived:
     series = sp.series(single, u, 0, 4).removeO()
     for order in range(4):
         if sp.expand(series.coeff(u, order) - polynomial(order)) != 0:
-            raise ArithmeticError(f"the generating function misses S_{order}")
+            raise ArithmeticError(f"the generating function does not give S_{order}")
     return result(
         eq(
             Int(s.phi(s.bc) * s.S(s.p, s.c**2) * s.S(s.pprime, s.c**2), s.bc),
@@ -142,9 +142,7 @@ def _sonine4() -> Derived:
 def _averaged(order: int) -> sp.Expr:
     """<S_order(c^2)> in the moments <c^2>, <c^4>."""
     terms = sp.Poly(polynomial(order), s.x).terms()
-    return sum(
-        (k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms), sp.Integer(0)
-    )
+    return sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
 
 
 @derives("sonine4.5")
@@ -244,7 +242,7 @@ def roots() -> tuple[sp.Expr, sp.Expr]:
     lower, upper = ((-8 * first + sign * square) / (16 * second) for sign in (-1, 1))
     for root in (lower, upper):
         if sp.expand(quadratic().subs(s.a2, root)) != 0:
-            raise ArithmeticError("the quadratic formula missed the root of the a_2 equation")
+            raise ArithmeticError("the quadratic formula does not solve the a_2 equation")
     return lower, upper
 
 
@@ -294,11 +292,12 @@ def _sonine12() -> Derived:
         Step("the root with H < 0 is the stable one", chosen),
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
-        numbers=(
-            Number("Sonine a_2 at e = 0.9", at_restitution(chosen, 0.9)),
-            Number("exact a_2 at e = 0.9", float(a2_value(0.9))),
-            Number("Sonine a_2 at e = 0.6", at_restitution(chosen, 0.6)),
-            Number("exact a_2 at e = 0.6", float(a2_value(0.6))),
+        numbers=numbers_at(
+            (0.9, 0.6),
+            {
+                "Sonine a_2 at e = {e}": lambda e: at_restitution(chosen, e),
+                "exact a_2 at e = {e}": a2_value,
+            },
         ),
     )
 
@@ -313,13 +312,8 @@ def sonine_cooling_rate() -> sp.Expr:
 def _collision_moment() -> Derived:
     z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
     weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
-    average = sum(
-        (
-            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
-            for (order,), factor in weight.terms()
-        ),
-        sp.Integer(0),
-    )
+    terms = ((factor, 2 * z - 2 + order) for (order,), factor in weight.terms())
+    average = sp.Add(*(factor * gaussian_moment().subs(s.p, order) for factor, order in terms))
     ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
     return result(
         eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
@@ -337,15 +331,9 @@ def _sonine_n() -> Derived:
         raise ArithmeticError("the binomial coefficient is not symmetric")
     term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
     for order in range(7):
-        total = sum(
-            (
-                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
-                for i in range(order + 1)
-            ),
-            sp.Integer(0),
-        )
+        total = sum(term.subs({s.N: order, s.k: i}) for i in range(order + 1))
         if sp.expand(total - polynomial(order)) != 0:
-            raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
+            raise ArithmeticError(f"the coefficients are not those of S_{order} by Gram-Schmidt")
     return result(
         eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
         Step("generating function of orthogonal polynomials", generating_function()[0]),

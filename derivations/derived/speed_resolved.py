@@ -9,15 +9,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import over_angle, parallel_component, speed_ratio_squared
-from .chapman_enskog import (
-    b_equation,
-    coefficient_equation,
-    continuity_order,
-    density_series,
-    first_order,
-    isotropy,
-    orders,
-)
+from .chapman_enskog import Expansion, continuity_order, density_series, expand, isotropy, orders
 from .record import Derived, Number, Step, defines, derives, numbers_at, result
 
 _T = s.T(s.t)
@@ -138,16 +130,17 @@ def _ap12_5() -> Derived:
 
 
 @cache
-def _first_order() -> sp.Eq:
-    slope = s.f(s.bv, s.t) / s.mn(s.v, s.t)
-    return first_order(_N, slope, -_COOLING * _T)
+def _expansion() -> Expansion:
+    """ap13, ap15 and ap18: the sum of v.v f over directions is v^2 m(v, t)."""
+    m = s.mn(s.v, s.t)
+    return expand(_N, s.f(s.bv, s.t) / m, -_COOLING * _T, _D_AT_V, s.v**2 * m)
 
 
 @derives("ap13")
 def _ap13() -> Derived:
     return result(
-        _first_order(),
-        Step("zeroth order and cooling inserted", _first_order()),
+        _expansion().first_order,
+        Step("zeroth order and cooling inserted", _expansion().first_order),
         note="Formally right, given ap4 and ap11.",
     )
 
@@ -162,16 +155,11 @@ def _ap14() -> Derived:
     )
 
 
-@cache
-def _b_equation() -> sp.Eq:
-    return b_equation(_first_order(), _N)
-
-
 @derives("ap15")
 def _ap15() -> Derived:
     return result(
-        _b_equation(),
-        Step("p^(1) = B.grad n inserted, the gradient divided out", _b_equation()),
+        _expansion().of_b,
+        Step("p^(1) = B.grad n inserted, the gradient divided out", _expansion().of_b),
         note="Formally right, given ap14.",
     )
 
@@ -188,19 +176,12 @@ def _ap16() -> Derived:
     )
 
 
-@cache
-def _d_equation() -> sp.Eq:
-    """ap18: the sum over directions of v.v f is v^2 m(v, t)."""
-    source = s.v**2 * s.mn(s.v, s.t)
-    return coefficient_equation(_b_equation(), _D_AT_V, source)
-
-
 @derives("ap18")
 def _ap18() -> Derived:
     return result(
-        _d_equation(),
-        Step("the equation for B", _b_equation()),
-        Step("times -v/2, summed over directions, nu_D and D_e named", _d_equation()),
+        _expansion().of_coefficient,
+        Step("the equation for B", _expansion().of_b),
+        Step("times -v/2, summed over directions, nu_D and D_e named", _expansion().of_coefficient),
         note="Here nu_D is a function of the speed.",
     )
 
@@ -236,7 +217,7 @@ def _ap20() -> Derived:
 def _ap21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
     known = {Partial(_D_AT_V, _T): -unknown / (2 * _T), _D_AT_V: unknown}
-    equation = (_d_equation().lhs - _d_equation().rhs).subs(known)
+    equation = (_expansion().of_coefficient.lhs - _expansion().of_coefficient.rhs).subs(known)
     (solution,) = sp.solve(equation, unknown)
     number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))
     return result(
