@@ -38,7 +38,7 @@ defines(
     {
         "diffuse3": "The zeroth moment in velocity.",
         "diffuse4": "The first moment in velocity.",
-        "diffuse9": "Counts gradients.",
+        "diffuse9": "The power of epsilon counts the gradients.",
         "diffuse17": "The diffusion coefficient as an integral of B.",
         "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
     }

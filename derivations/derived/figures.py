@@ -9,7 +9,7 @@ from .record import RESTITUTIONS, Derived, Number, Status, defines, derives, num
 defines(
     {
         "collision": "Sketch of vchange.",
-        "msdtheory": "The fitted l = 13.5 d stands in for the neglected persistence; see msd.",
+        "msdtheory": "The fitted l = 13.5 d makes up for the neglected persistence; see msd.",
         "inelasticposi": "Neither curve is normalised to <R^2> = 1; see gammatailg and peakg. "
         "The shapes at four values of e need not be one universal curve; see beyond:position.",
         "impact": "Sketch of the impact parameter b = d sin(pi - psi).",

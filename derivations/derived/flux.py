@@ -143,7 +143,7 @@ def _ad8() -> Derived:
             "second moment of the diffusion equation", eq(sp.Derivative(_MSD, s.t), laplacian * _D)
         ),
         note="Misprint: the integrand is printed at the upper limit t, not at the integration "
-        "variable t'. Taken at its word, 4 t D_e(t) levels off where the integral grows as ln t.",
+        "variable t'. Taken literally, 4 t D_e(t) levels off where the integral grows as ln t.",
         numbers=(Number("printed over derived at beta v0(0) t = 100", 100 / 101 / math.log(101)),),
     )
 

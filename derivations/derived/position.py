@@ -15,15 +15,16 @@ from .record import Derived, Number, Step, defines, derives, result
 _MSD = s.msd(s.t)
 
 _SPREAD = sp.Integral(s.De(s.V, s.t1), (s.t1, 0, s.t))
+_I = sp.Symbol("spread", positive=True)
+"""The integral of D over time, as a symbol."""
 
 
 @cache
 def diffusive_density() -> sp.Expr:
     """The radial density that solves dn/dt = D laplace(n) from a point, with I = int D dt."""
-    spread = sp.Symbol("spread", positive=True)
-    kernel = sp.exp(-(s.r**2) / (4 * spread)) / (4 * sp.pi * spread)
+    kernel = sp.exp(-(s.r**2) / (4 * _I)) / (4 * sp.pi * _I)
     laplacian = sp.diff(s.r * sp.diff(kernel, s.r), s.r) / s.r
-    if sp.simplify(sp.diff(kernel, spread) - laplacian) != 0:
+    if sp.simplify(sp.diff(kernel, _I) - laplacian) != 0:
         raise ArithmeticError("the Gaussian does not solve the diffusion equation")
     radial = sp.simplify(2 * sp.pi * s.r * kernel)
     if sp.integrate(radial, (s.r, 0, sp.oo)) != 1:
@@ -33,13 +34,12 @@ def diffusive_density() -> sp.Expr:
 
 @derives("normg")
 def _normg() -> Derived:
-    spread = sp.Symbol("spread", positive=True)
     density = diffusive_density()
     second = sp.integrate(s.r**2 * density, (s.r, 0, sp.oo))
-    printed = density.subs(spread, 2 * spread)
+    printed = density.subs(_I, 2 * _I)
     printed_second = sp.integrate(s.r**2 * printed, (s.r, 0, sp.oo))
     return result(
-        eq(s.gt(s.r, s.t), density.subs(spread, _SPREAD)),
+        eq(s.gt(s.r, s.t), density.subs(_I, _SPREAD)),
         Step("radial solution of the diffusion equation from a point, I = int D dt", density),
         Step("its <r^2>", second),
         Step("<r^2> of the printed form", printed_second),
@@ -93,9 +93,8 @@ def _etadif() -> Derived:
 @derives("posivel")
 def _posivel() -> Derived:
     # the Gaussian with <r^2> = 8 int D dt' that normg states, and 4 int D dt' = eta V^2 <r^2>
-    spread = sp.Symbol("spread", positive=True)
-    printed = diffusive_density().subs(spread, 2 * spread)
-    inserted = printed.subs(spread, s.eta * s.V**2 * _MSD / 4)
+    printed = diffusive_density().subs(_I, 2 * _I)
+    inserted = printed.subs(_I, s.eta * s.V**2 * _MSD / 4)
     scaled = sp.simplify((sp.sqrt(_MSD) * inserted).subs(s.r, s.R * sp.sqrt(_MSD)))
     return result(
         eq(s.Gt(s.R, s.V), scaled),
@@ -103,8 +102,8 @@ def _posivel() -> Derived:
         Step("eta inserted, times the root of <r^2>", scaled),
         Step("its integral", sp.integrate(scaled, (s.R, 0, sp.oo))),
         Step("its second moment", sp.integrate(s.R**2 * scaled, (s.R, 0, sp.oo))),
-        note="Follows from normg as printed. With the factor of normg put right, eta stands for "
-        "eta/2 here; being free, it hides the factor.",
+        note="Follows from normg as printed. With the factor of normg corrected, eta stands for "
+        "eta/2 here; since eta is a free parameter, the factor does not show.",
     )
 
 
@@ -199,9 +198,9 @@ def _position() -> Derived:
         eq(s.flatness, sp.limit(ratio, mean, sp.oo)),
         Step("<r^4>/<r^2>^2 for N free flights, N with mean and variance ~ ln t", ratio),
         Step("its value for the paper's K_0 form", bessel),
-        note="Free flights do not know the speed: r after N of them is a plain random flight, and "
-        "N grows as ln t/kappa with relative fluctuations that vanish as 1/sqrt(ln t). So G(R) "
-        "tends to the Gaussian 2 R exp(-R^2), as slowly as 1/ln t; persistence changes the "
-        "correction, not the limit. The K_0 form has 4: no universal G.",
+        note="The length of a free flight does not depend on the speed: r after N flights is a "
+        "plain random flight, and N grows as ln t/kappa with relative fluctuations that vanish as "
+        "1/sqrt(ln t). So G(R) tends to the Gaussian 2 R exp(-R^2), as slowly as 1/ln t; "
+        "persistence changes the correction, not the limit. The K_0 form has 4: no universal G.",
         numbers=(Number("flatness of the K_0 form", float(bessel)),),
     )

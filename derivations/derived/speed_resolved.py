@@ -1,4 +1,4 @@
-"""The diffusion coefficient at one speed (Appendix D), and where its argument breaks."""
+"""The diffusion coefficient at one speed (Appendix D), and where its argument fails."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def _ap4() -> Derived:
         Step("the kinetic equation at one speed, summed over directions", leak),
         Step("collisions change the speed: E[1 - s^2]", loss),
         note="That the integral over v vanishes does not make the integrand vanish. Collisions "
-        "move tracers from one speed to another; the right-hand side is zero only at e = 1. With "
-        "it the speed-resolved expansion of this appendix loses its ground for e < 1.",
+        "move tracers from one speed to another; the right-hand side is zero only at e = 1. So "
+        "the speed-resolved expansion of this appendix is not justified for e < 1.",
         numbers=numbers_at(
             (0.9, 0.4),
             {"energy exchanged per collision at e = {e}": lambda e: float(loss.subs(s.e, e))},
@@ -239,6 +239,6 @@ def _ap21_5() -> Derived:
     return result(
         eq(s.De(s.V, s.t), sp.simplify(derived)),
         Step("v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0", derived),
-        note="Follows from the last form of ap21, and falls with it: the exact elastic result is "
+        note="Follows from the last form of ap21, and fails with it: the exact elastic result is "
         "(3/8) V l/(alpha + beta t).",
     )

@@ -144,7 +144,7 @@ def _gammatailg() -> Derived:
     norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
     return result(
         eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
-        note="With the Gaussian integral put right, gamma is 2 for every eta and <R^2> = 1 fixes "
+        note="With the Gaussian integral corrected, gamma is 2 for every eta and <R^2> = 1 fixes "
         "eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
         status=Status.FIT,
         numbers=(
