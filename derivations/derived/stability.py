@@ -63,7 +63,7 @@ def _ac5() -> Derived:
     return result(
         eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * _V0 * s.da2(s.t)),
         Step("right-hand side of the equation for a_2 with M_2 and M_4 inserted", right),
-        Step("its derivative at the stationary a_2", sp.factor(linear)),
+        Step("derivative of that at the stationary a_2", sp.factor(linear)),
         Step("H(e) collects the bracket", eq(s.H, growth())),
     )
 
