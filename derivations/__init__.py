@@ -53,16 +53,24 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used; ``__version__`` is that of the distribution."""
+    """Import a public name when it is first used."""
     if name == "__version__":
-        from importlib.metadata import version
-
-        return version("inelastic-lorentz")
+        return _version()
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
     return getattr(import_module(f".{_HOME[name]}", __name__), name)
+
+
+def _version() -> str:
+    """The version of the installed distribution, ``0+unknown`` in a bare source tree."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("inelastic-lorentz")
+    except PackageNotFoundError:
+        return "0+unknown"
 
 
 def __dir__() -> list[str]:

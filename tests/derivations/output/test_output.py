@@ -7,12 +7,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-import sympy as sp
 
 from derivations import symbols as sy
 from derivations import to_json, to_latex_document, to_text, verify
 from derivations.output.text import counts
-from derivations.typesetting import latex
 
 CHECKS = verify()
 DOCUMENT = to_latex_document(CHECKS)
@@ -84,13 +82,6 @@ def test_text_shows_the_steps_and_the_verdict() -> None:
     assert "derived: msd_e(t) = 4*Integral(D_e(t'), (t', 0, t))" in text
     assert "  1. Laplacian of r^2 in the plane: 4" in text
     assert "holds in the exact theory: no" in to_text(verify(["ap20"])[0])
-
-
-def test_latex_of_names_that_sympy_would_not_typeset() -> None:
-    assert latex(sy.bv) == r"\mathbf{v}"
-    assert latex(sy.msd(sy.t)) == r"\langle r^{2}\rangle_{e}{\left(t \right)}"
-    assert latex(sp.Tuple(sy.a2, sy.h)) == r"a_{2},\quad h"
-    assert latex(None) == ""
 
 
 def test_every_symbol_has_a_meaning() -> None:
