@@ -9,6 +9,8 @@ is all that the paper's expansions ask of it.
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy as sp
 from sympy.core.function import UndefinedFunction
 
@@ -23,19 +25,13 @@ def _record(name: str, meaning: str, latex: str) -> None:
         LATEX[name] = latex
 
 
-def _real(name: str, meaning: str, latex: str = "") -> sp.Symbol:
+def _vector(name: str, meaning: str, latex: str = "", **assumptions: bool) -> sp.Symbol:
     _record(name, meaning, latex)
-    return sp.Symbol(name, real=True)
+    return sp.Symbol(name, **assumptions)
 
 
-def _positive(name: str, meaning: str, latex: str = "") -> sp.Symbol:
-    _record(name, meaning, latex)
-    return sp.Symbol(name, positive=True)
-
-
-def _vector(name: str, meaning: str, latex: str = "") -> sp.Symbol:
-    _record(name, meaning, latex)
-    return sp.Symbol(name)
+_real = partial(_vector, real=True)
+_positive = partial(_vector, positive=True)
 
 
 def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> UndefinedFunction:
@@ -100,10 +96,10 @@ phi = _function("phi", "Gaussian exp(-c^2)/pi")
 S = _function("S", "Sonine polynomial S(p, x)")
 I_ = _function("I", "dimensionless collision integral")
 pd = _function("p", "distribution of position and velocity; p(V, R): exponent of the integrand")
-p0 = _function("p_0", "its zeroth order", latex=r"p^{(0)}")
-p1 = _function("p_1", "its first order", latex=r"p^{(1)}")
-p2 = _function("p_2", "its second order", latex=r"p^{(2)}")
-pj = _function("p_j", "its order j", latex=r"p^{(j)}")
+p0 = _function("p_0", "distribution of position and velocity: zeroth order", latex=r"p^{(0)}")
+p1 = _function("p_1", "distribution of position and velocity: first order", latex=r"p^{(1)}")
+p2 = _function("p_2", "distribution of position and velocity: second order", latex=r"p^{(2)}")
+pj = _function("p_j", "distribution of position and velocity: order j", latex=r"p^{(j)}")
 X = _function("X", "any function of the velocity")
 Y = _function("Y", "any function of the velocity")
 
@@ -134,9 +130,9 @@ k = _positive("k", "summation index")
 eps = _positive("epsilon", "formal expansion parameter")
 nd = _function("n", "density of the tracer")
 J = _function("J_vec", "flux of the tracer", latex=r"\mathbf{J}")
-J0 = _function("J_vec_0", "its zeroth order", latex=r"\mathbf{J}^{(0)}")
-J1 = _function("J_vec_1", "its first order", latex=r"\mathbf{J}^{(1)}")
-Jj = _function("J_vec_j", "its order j", latex=r"\mathbf{J}^{(j)}")
+J0 = _function("J_vec_0", "flux of the tracer: zeroth order", latex=r"\mathbf{J}^{(0)}")
+J1 = _function("J_vec_1", "flux of the tracer: first order", latex=r"\mathbf{J}^{(1)}")
+Jj = _function("J_vec_j", "flux of the tracer: order j", latex=r"\mathbf{J}^{(j)}")
 Bv = _function("B_vec", "p^(1) per density gradient", latex=r"\mathbf{B}")
 De = _function("D_e", "diffusion coefficient", positive=True)
 nuD = _positive("nu_D", "relaxation rate of the flux")

@@ -1,41 +1,72 @@
-"""The paper's formulas as printed, keyed by their LaTeX label (``taun#2`` is the second ``taun``).
+"""The paper as transcribed, and the other statements that are judged; nothing is corrected here.
 
-H.-D. Kim and H. Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Each entry holds the
-LaTeX source of the equation and, apart from it, the transcription into sympy. Nothing here is
-corrected: what the paper gets wrong is wrong here.
+What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
+LaTeX of it; the files of the sections transcribe the same equations into sympy, and a test holds
+each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` states the results
+that the paper does not have.
+
+May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with
+``paper.tex``.
+
+A new row of derivations: state it here, in ``beyond_the_paper`` (its label starts with
+``beyond:``); or in ``paper.tex`` and in the file of its section, if the paper prints it. Then
+derive it by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 """
 
 from __future__ import annotations
+
+from importlib.resources import files
 
 from . import (
     appendix_a,
     appendix_b,
     appendix_c,
     appendix_d,
+    beyond_the_paper,
     cooling,
-    figures,
     position,
     random_walk,
     stability,
     transport,
 )
-from .entry import Printed
+from .equation import PrintedEquation, read_equations
 
-PRINTED: dict[str, Printed] = {
-    entry.label: entry
-    for part in (
-        cooling,
-        random_walk,
-        transport,
-        position,
-        appendix_a,
-        appendix_b,
-        stability,
-        appendix_c,
-        appendix_d,
-        figures,
-    )
-    for entry in part.SECTION.entries
+_FORMULAS = (
+    cooling.FORMULAS
+    | random_walk.FORMULAS
+    | transport.FORMULAS
+    | position.FORMULAS
+    | appendix_a.FORMULAS
+    | appendix_b.FORMULAS
+    | stability.FORMULAS
+    | appendix_c.FORMULAS
+    | appendix_d.FORMULAS
+)
+_PAPER = read_equations(
+    files(__name__).joinpath("paper.tex").read_text(encoding="utf-8"), _FORMULAS
+)
+_BY_LABEL = {equation.label: equation for equation in _PAPER}
+
+PRINTED = {
+    label: equation for label, equation in _BY_LABEL.items() if not label.startswith("statement:")
 }
+"""The paper's equations and figures, in its order."""
 
-__all__ = ["PRINTED", "Printed"]
+ROWS = PRINTED | beyond_the_paper.EQUATIONS | _BY_LABEL
+"""Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
+
+
+def printed_equation(label: str) -> PrintedEquation:
+    """The equation with this label, as it is stated; nothing is derived.
+
+    Raises ValueError for a label that does not exist.
+    """
+    if label not in ROWS:
+        raise ValueError(
+            f"label: got {label!r}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
+            "'taun#2' or 'beyond:a2' (verify() gives them all)"
+        )
+    return ROWS[label]
+
+
+__all__ = ["PRINTED", "ROWS", "PrintedEquation", "printed_equation"]

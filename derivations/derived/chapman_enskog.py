@@ -1,0 +1,343 @@
+"""Chapman-Enskog expansion in the density gradient, order by order (diffuse1 ... diffuse22).
+
+The expansion is made with the formal parameter epsilon; the collision operator enters only as a
+linear operator, the gradient as a symbol that commutes with functions of the velocity.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
+from .kinetic_equation import mass_change, weak_form
+from .record import Derived, Number, Step, defines, derives, result
+
+_T = s.T(s.t)
+_D = s.De(s.t)
+_F = s.f(s.bv, s.t)
+
+_N = s.nd(s.br, s.t)
+_P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
+_B = s.Bv(s.bv, _T)
+
+
+@derives("diffuse2")
+def _diffuse2() -> Derived:
+    return result(
+        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
+        Step("integral of the kinetic equation over v: density and flux"),
+        Step("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
+    )
+
+
+defines(
+    {
+        "diffuse3": "The zeroth moment in velocity.",
+        "diffuse4": "The first moment in velocity.",
+        "diffuse9": "The power of epsilon counts the gradients.",
+        "diffuse17": "The diffusion coefficient as an integral of B.",
+        "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
+    }
+)
+
+
+@derives("diffuse5")
+def _diffuse5() -> Derived:
+    return result(
+        None,
+        note="A formal series; that it orders the distribution holds for gradients that are small "
+        "over the distance which a tracer covers while its speed falls by a fixed factor.",
+        holds=True,
+    )
+
+
+@cache
+def _flux_orders() -> dict[int, sp.Expr]:
+    """Orders of -div J with both the gradient and the flux expanded."""
+    fluxes = [sp.Function(f"J_vec_{order}")(s.br, s.t) for order in range(3)]
+    total = sp.expand(
+        sum(
+            s.eps ** (order + 1 + step) * dot(gradient, flux)
+            for step, gradient in enumerate((s.nabla0, s.nabla1))
+            for order, flux in enumerate(fluxes)
+        )
+    )
+    return {order: -total.coeff(s.eps, order + 1) for order in range(3)}
+
+
+def density_series(density: sp.Expr) -> sp.Expr:
+    """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
+    lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
+    return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
+
+
+@derives("diffuse6")
+def _diffuse6() -> Derived:
+    return result(
+        eq(sp.Derivative(_N, s.t), density_series(_N)),
+        Step("order epsilon of -div J", _flux_orders()[0]),
+        Step("order epsilon^2 of -div J", _flux_orders()[1]),
+        note="Each order of the gradient carries at least one factor of epsilon.",
+    )
+
+
+@derives("diffuse7")
+def _diffuse7() -> Derived:
+    return continuity_order(s.Jj(s.br, s.t), _N)
+
+
+def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
+    """Order j of continuity: with the gradient expanded, lower fluxes meet its higher orders."""
+    index = sp.Symbol("i", integer=True, nonnegative=True)
+    gradient = sp.Function("nabla")(index)
+    lower = sp.Function("J_vec")(s.j - index, *flux.args)
+    general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
+    return result(
+        eq(Dt(s.j, density), general),
+        Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
+        Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
+        Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order "
+        "j - i under the gradient of order i. The printed form drops these. At the orders that the "
+        "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
+        numbers=(Number("change of the diffusion equation (order 1)", 0.0),),
+    )
+
+
+@derives("diffuse8")
+def _diffuse8() -> Derived:
+    series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
+    terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
+    factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
+    (weight,) = factor
+    return result(
+        eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
+        Step("order epsilon^j of v p, over p^(j)", weight),
+    )
+
+
+@cache
+def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
+    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
+    change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
+    cooling = sp.Derivative(_T, s.t)
+    left = sp.expand(
+        sum(
+            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
+            for order, part in enumerate((_P0, _P1))
+        )
+        # the gradient acts through the density, and on p^(0) alone at this order
+        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
+    )
+    right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
+    zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
+    return zeroth, first
+
+
+@derives("diffuse10")
+def _diffuse10() -> Derived:
+    return result(orders()[0], Step("order epsilon^0 of the kinetic equation", orders()[0]))
+
+
+@derives("diffuse11")
+def _diffuse11() -> Derived:
+    amplitude = sp.Symbol("A")
+    # the integral of A f over v is n(r, t), that of f is n
+    (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
+    return result(
+        eq(_P0, solution * _F),
+        Step("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
+        Step("normalisation to n(r, t)", solution),
+    )
+
+
+@derives("diffuse12")
+def _diffuse12() -> Derived:
+    return result(orders()[1], Step("order epsilon^1 of the kinetic equation", orders()[1]))
+
+
+def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
+    """Order 1 with the zeroth inserted: ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt."""
+    known = {
+        Dt(0, density): sp.Integer(0),  # the flux of order 0 vanishes: f is even
+        sp.Derivative(_T, s.t): cooling,
+        Partial(_P0, density): slope,
+    }
+    residual = (orders(density)[1].lhs - orders(density)[1].rhs).subs(known)
+    source = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
+    return eq(sp.expand(source - residual), source)
+
+
+@derives("diffuse13")
+def _diffuse13() -> Derived:
+    return result(
+        _expansion().first_order,
+        Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+        Step("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
+        Step("the first order", _expansion().first_order),
+    )
+
+
+@derives("diffuse14")
+def _diffuse14() -> Derived:
+    return result(
+        None,
+        note="Holds: the equation is linear with a source proportional to the gradient of n, and "
+        "the operator commutes with rotations.",
+        holds=True,
+    )
+
+
+def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
+    """Order 1 with p^(1) = B.grad n inserted and the gradient, which is arbitrary, divided out."""
+    inserted = {
+        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
+        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
+    }
+    left, right = (sp.expand(side.subs(inserted) / density) for side in order.args)
+    return eq(left.replace(Dot, _beside_gradient), right.replace(Dot, _beside_gradient))
+
+
+def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The vector X of the product X.grad."""
+    if s.nabla0 not in (one, other):
+        raise ValueError(f"{one}.{other} holds no gradient")
+    return other if one == s.nabla0 else one
+
+
+@derives("diffuse15")
+def _diffuse15() -> Derived:
+    return result(
+        _expansion().of_b,
+        Step("p^(1) = B.grad n inserted, the gradient divided out", _expansion().of_b),
+    )
+
+
+@cache
+def isotropy() -> sp.Expr:
+    """The factor in <v_i v_j b(v)> = factor <v^2 b(v)> delta_ij: an average over the direction."""
+    angle = sp.Symbol("angle", real=True)
+    cross = sp.integrate(sp.cos(angle) * sp.sin(angle), (angle, 0, 2 * sp.pi))
+    if cross != 0:
+        raise ArithmeticError("the off-diagonal element does not vanish")
+    return sp.integrate(sp.cos(angle) ** 2, (angle, 0, 2 * sp.pi)) / (2 * sp.pi)
+
+
+@derives("diffuse16")
+def _diffuse16() -> Derived:
+    integral = Int(dot(s.bv, _B), s.bv)
+    flux = isotropy() * integral * s.nabla0 * _N
+    coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
+    return result(
+        eq(s.J1(s.br, s.t), coefficient),
+        Step("mean of the squared cosine over directions", isotropy()),
+        Step("flux of order 1: v times B.grad n, integrated", flux),
+        Step("with D_e = -(1/2) int v.B dv", coefficient),
+    )
+
+
+@derives("diffuse18")
+def _diffuse18() -> Derived:
+    return result(
+        _expansion().of_coefficient,
+        Step("the equation for B", _expansion().of_b),
+        Step("its product with -v/2, integrated over v", _expansion().of_coefficient),
+        note="The paper cites diffuse17 where it means diffuse15.",
+    )
+
+
+def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
+    """-v/2 times the equation for B, integrated, with D_e and nu_D named.
+
+    ``source`` is the integral of v.v f: it stands for v f on the right.
+    """
+    half = -sp.Rational(1, 2)
+    named = {
+        Partial(_B, _T): Partial(coefficient, _T) / half,
+        Lam(_B): -s.nuD * coefficient / half,
+        s.bv * _F: source,
+    }
+    left, right = b_equation.args
+    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
+
+
+class Expansion(NamedTuple):
+    """The first order of the expansion, the equation for B and that for the diffusion coefficient.
+
+    ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt, ``source`` is the integral of v.v f.
+    """
+
+    first_order: sp.Eq
+    of_b: sp.Eq
+    of_coefficient: sp.Eq
+
+
+def expand(
+    density: sp.Expr, slope: sp.Expr, cooling: sp.Expr, coefficient: sp.Expr, source: sp.Expr
+) -> Expansion:
+    """The expansion for one density and its diffusion coefficient; see :class:`Expansion`."""
+    first = first_order(density, slope, cooling)
+    of_b = b_equation(first, density)
+    return Expansion(first, of_b, coefficient_equation(of_b, coefficient, source))
+
+
+@cache
+def _expansion() -> Expansion:
+    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
+
+
+@cache
+def thermal_speed() -> sp.Expr:
+    """v0 as a function of the temperature, from T = m v0^2/2."""
+    speed = sp.Symbol("speed", positive=True)
+    (root,) = sp.solve(sp.Eq(_T, s.m * speed**2 / 2), speed)
+    return root
+
+
+@cache
+def temperature_exponent() -> sp.Expr:
+    """q in D_e ~ T^q: D_e is a number times l v0, the only length and speed at hand."""
+    heat = sp.Symbol("heat", positive=True)
+    speed = thermal_speed().subs(_T, heat)
+    return sp.simplify(heat * sp.diff(speed, heat) / speed)
+
+
+@derives("diffuse20")
+def _diffuse20() -> Derived:
+    return result(
+        eq(Partial(_D, _T), temperature_exponent() * _D / _T),
+        Step("v0 as a function of the temperature", thermal_speed()),
+        Step("D_e = number l v0: exponent of T", temperature_exponent()),
+        note="Exact in the scaling state, where D_e/(l v0) is a number.",
+    )
+
+
+@derives("diffuse21")
+def _diffuse21() -> Derived:
+    unknown = sp.Symbol("D", positive=True)
+    inserted = {Partial(_D, _T): temperature_exponent() * unknown / _T, _D: unknown}
+    equation = (_expansion().of_coefficient.lhs - _expansion().of_coefficient.rhs).subs(inserted)
+    (solution,) = sp.solve(equation, unknown)
+    return result(
+        eq(_D, sp.factor(solution)),
+        Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
+        Step("solved for D_e", solution),
+        Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
+    )
+
+
+@derives("diffuse22")
+def _diffuse22() -> Derived:
+    flux = -_D * s.nabla0 * _N
+    # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
+    right = sp.expand(-s.nabla0 * flux)
+    return result(
+        eq(Dt(1, _N), right),
+        Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
+        Step("with J^(0) = 0 and the flux of order 1", right),
+    )
