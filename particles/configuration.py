@@ -77,7 +77,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """Sums over the tracers of one configuration (columns: particles.records).
+    """Sums over the tracers of one configuration (columns: particles.kernel.records).
 
     moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps (n, 4) tracer,
     time, x, y; histograms name -> (n_times, bins + 2); raw name -> arrays, time first.
@@ -107,8 +107,9 @@ def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
 
 def run_configuration(plan: Plan, configuration: int) -> Tally:
     """Place the scatterers of one configuration and follow its tracers."""
-    from particles import kernels, records
-    from particles.build import build
+    from particles.grid.build import build
+    from particles.kernel import follow as kernels
+    from particles.kernel import records
 
     d = plan.medium.diameter
     density = plan.medium.number_density * d * d

@@ -10,7 +10,7 @@ from particles.configuration import HISTOGRAMS, RAW, Plan, Tally, time_scales
 from particles.estimators import Estimate, Histogram, jackknife, share
 from particles.media import Medium
 
-# Columns of the moments, as in particles.records (not imported: numba is heavy).
+# Columns of the moments, as in particles.kernel.records (not imported: numba is heavy).
 _N, _V2, _V4, _R2, _R4, _COLLISIONS, _CORRELATION, _CAUGHT = range(8)
 
 
@@ -46,7 +46,7 @@ class Ensemble:
     caught (`trapped` says how many, at each time).
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
-    names that particles.storage gives them in a file.
+    names that particles.storage.file gives them in a file.
     """
 
     plan: Plan
@@ -84,7 +84,7 @@ class Ensemble:
 
     @property
     def moments(self) -> np.ndarray:
-        """Sums per configuration and time (columns: particles.records), (media, n_times, 8)."""
+        """Sums per configuration and time (columns: kernel.records), (media, n_times, 8)."""
         return self.arrays["moments"]
 
     @cached_property
@@ -199,11 +199,11 @@ class Ensemble:
         return self._get("finals", "raw/finals") * scale + shift
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file (layout: particles.storage), replacing it if it exists.
+        """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.
 
         Written beside its target and renamed. Raises ValueError if it cannot be written.
         """
-        from particles.storage import write
+        from particles.storage.file import write
 
         write(path, self.plan, self.arrays, self.media)
 
@@ -213,7 +213,7 @@ class Ensemble:
 
         Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
         """
-        from particles.storage import read
+        from particles.storage.file import read
 
         plan, arrays, done = read(path)
         if done < plan.media:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 LARGEST_RSA_DENSITY = 0.65  # in d^-2, an area fraction of 0.51
 # In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
-# Scatterers that a cell of the index lists on average, measured to be fastest (particles.cells).
+# Scatterers that a cell of the index lists on average, measured to be fastest (grid.cells).
 LISTED = 5.0
 # In longer flights the impact parameter, of the size of d, loses the digits that decide on it.
 LEAST_DENSITY = 1e-10  # in d^-2

@@ -5,7 +5,7 @@ from math import floor
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells, insert, is_free
+from particles.grid.cells import Cells, insert, is_free
 from particles.streams import PLACEMENT, open_stream, uniform
 
 # Attempts per disk after which random sequential addition is given up.

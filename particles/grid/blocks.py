@@ -6,9 +6,8 @@ import numpy as np
 from numba import int64, njit
 from numba.extending import overload
 
-from particles.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
-from particles.lanes import SLOTS, crowd
-from particles.plane import (
+from particles.grid.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
+from particles.grid.plane import (
     Counts,
     Law,
     begin,
@@ -20,6 +19,7 @@ from particles.plane import (
     spot,
     width,
 )
+from particles.grid.vectors import SLOTS, crowd
 
 _ACROSS = 2**BLOCK
 _CELLS = _ACROSS * _ACROSS

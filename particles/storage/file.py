@@ -18,7 +18,7 @@ unit the user's arguments were in.
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
     raw/<name>                      as the attributes of Ensemble, in d and U
 
-A run that is under way has a journal beside its file: particles.journal.
+A run that is under way has a journal beside its file: particles.storage.journal.
 """
 
 import hashlib

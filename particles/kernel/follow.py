@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.blocks import is_missing, is_plane, place, supply
-from particles.cells import Cells
 from particles.events import contact, is_collapsing, scatter, touch
-from particles.lanes import SLOTS, strike
-from particles.records import (
+from particles.grid.blocks import is_missing, is_plane, place, supply
+from particles.grid.cells import Cells
+from particles.grid.vectors import SLOTS, strike
+from particles.kernel.records import (
     Q_CAUGHT,
     Q_COLLISIONS,
     Q_OUTPUT,

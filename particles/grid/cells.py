@@ -5,7 +5,7 @@ looks at no other. Positions are kept relative to the centre of the cell, so not
 from the origin. A cell has SLOTS places in one block; the few that need more go on in a chain.
 
 A periodic box stores all its cells. The unbounded plane stores a window of those last visited, in
-square blocks, and makes a block anew when a tracer enters it (particles.blocks): its scatterers
+square blocks, and makes a block anew when a tracer enters it (grid.blocks): its scatterers
 are drawn from streams of (seed, configuration, place), so it always holds the same ones.
 """
 
@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.lanes import SLOTS
+from particles.grid.plane import Counts, Law, candidate_density, make_counts, make_law
+from particles.grid.vectors import SLOTS
 from particles.media import LISTED
-from particles.plane import Counts, Law, candidate_density, make_counts, make_law
 
 EMPTY = 1e150  # far away, and its square is still finite
 # The unbounded plane keeps 2**WINDOW by 2**WINDOW blocks of 2**BLOCK by 2**BLOCK cells.
