@@ -6,6 +6,7 @@ import numpy as np
 from numba import int64, njit
 from numba.extending import overload
 
+from particles.compiled.search import SLOTS, crowd
 from particles.grid.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
 from particles.grid.plane import (
     Counts,
@@ -19,7 +20,6 @@ from particles.grid.plane import (
     spot,
     width,
 )
-from particles.grid.vectors import SLOTS, crowd
 
 _ACROSS = 2**BLOCK
 _CELLS = _ACROSS * _ACROSS

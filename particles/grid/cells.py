@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from particles.compiled.slots import SLOTS
 from particles.grid.plane import Counts, Law, candidate_density, make_counts, make_law
-from particles.grid.vectors import SLOTS
 from particles.media import LISTED
 
 EMPTY = 1e150  # far away, and its square is still finite

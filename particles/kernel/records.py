@@ -1,33 +1,58 @@
-"""What a kernel writes: sums, histograms and raw states at the output times."""
+"""What a kernel writes down: sums, histograms and raw states at the output times."""
 
 from math import floor, log, log2
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
+from particles.compiled.decorators import inlined
 from particles.events import NEVER
+from particles.kernel.columns import (
+    ALL_COLLISIONS,
+    CAUGHT,
+    COLLISIONS,
+    COMPONENT,
+    CORRELATION,
+    DISTANCE,
+    FINAL_COLLISIONS,
+    FINAL_X,
+    FINAL_Y,
+    LN_SPEED,
+    LN_TIME,
+    PATH,
+    R2,
+    R4,
+    SAMPLES,
+    SPEED,
+    SPEED2,
+    SPEED4,
+    TRAVELLED,
+)
 
-# Columns of the moments, each a sum over tracers at one output time.
-SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT = range(8)
-MOMENTS = 8
+_LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
 
-# Rows of the histograms' grids.
-SPEED, COMPONENT, DISTANCE, PATH = range(4)
-
-# Inverse speed and time are kept times 2**-64k; k grows as the tracer slows, so neither overflows.
-SHIFT = 2.0**64
-_LN_SHIFT = log(SHIFT)
+# States at output times wait in a queue and are entered in the sums when it is full: the kernels'
+# loop then writes to one array instead of to all of them. Velocities are times Records.scales.
+OUTPUT = np.dtype(
+    (
+        np.record,
+        [(name, np.float64) for name in ("x", "y", "vx", "vy", "start_vx", "start_vy", "caught")]
+        + [(name, np.int64) for name in ("output", "tracer", "collisions")],
+    )
+)
+QUEUE = 1024
 
 
 class Records(NamedTuple):
-    """Arrays that a kernel adds to; those not asked for are empty.
+    """Arrays that a kernel adds to; those not asked for are empty. Columns: kernel.columns.
 
-    times, scales (n_times,): output times and the power of 2 that velocities are multiplied by in
-    the sums there. moments (n_times, MOMENTS). totals (2,): path and collisions. statuses (4,).
-    grids (4, 2): log2 of the lowest edge and bins per octave. speeds, components, distances
-    (n_times, bins + 2) and paths (1, bins + 2): counts, the first and last of what is outside.
-    positions, velocities (n_times, n, 2) and finals (n, 5) ln v, ln t, x, y, collisions: raw.
+    times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
+    by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
+    grids (4, 2): log2 of the lowest edge and bins per octave of each histogram. speeds, components,
+    distances (n_times, bins + 2) and paths (1, bins + 2): counts, the first and the last of what
+    lies outside. positions, velocities (n_times, n, 2) and finals (n, FINALS): raw, in d and U.
+    queue (QUEUE,) of OUTPUT and queued (1,): states that wait, and their number.
     """
 
     times: np.ndarray
@@ -43,26 +68,20 @@ class Records(NamedTuple):
     positions: np.ndarray
     velocities: np.ndarray
     finals: np.ndarray
+    queue: np.ndarray
+    queued: np.ndarray
 
 
-# A queue holds what is to be entered, one row each, and is entered when full: a kernel writes to
-# one array in its loop, instead of to all of them. Columns; velocities come times scales[k].
-Q_OUTPUT, Q_TRACER, Q_X, Q_Y, Q_VX, Q_VY, Q_OX, Q_OY, Q_COLLISIONS, Q_CAUGHT = range(10)
-QUEUE = 1024
-
-
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _log2(value: float) -> float:
     return log2(value) if value > 0.0 else -NEVER
 
 
-@njit(error_model="numpy", forceinline=True)
-def _count(
-    histogram: np.ndarray, row: int, log2_value: float, low: float, per_octave: float
-) -> None:
+@inlined
+def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray) -> None:
     """Add one to the bin of a value; the first and last bins hold what is below and above."""
     last = histogram.shape[1] - 1
-    place = floor((log2_value - low) * per_octave) + 1.0
+    place = floor((log2_value - grid[0]) * grid[1]) + 1.0
     if place < 1.0:
         histogram[row, 0] += 1
     elif place >= last:
@@ -71,21 +90,58 @@ def _count(
         histogram[row, int(place)] += 1
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
-    """Enter a completed flight in the free-path histogram."""
-    _count(paths, 0, _log2(path), grids[PATH, 0], grids[PATH, 1])
+    """Enter a completed flight in the histogram of free paths."""
+    _count(paths, 0, _log2(path), grids[PATH])
+
+
+@inlined
+def _next_row(lane: Any, records: Records) -> Any:
+    """Return a free row of the queue with what does not depend on the motion filled in."""
+    if records.queued[0] == QUEUE:
+        enter_queue(records)
+    row = records.queue[records.queued[0]]
+    records.queued[0] += 1
+    row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
+    row.start_vx, row.start_vy = lane.start_vx, lane.start_vy
+    return row
+
+
+@inlined
+def queue_output(lane: Any, records: Records) -> None:
+    """Queue the state of a lane at its next output time, within the flight that it is in."""
+    times, k = records.times, lane.output
+    row = _next_row(lane, records)
+    # Not negative but for outputs that `unit` has rounded to 0: passed within 1e-8 d.
+    done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
+    speed = records.scales[k] * lane.unit / lane.slowness
+    row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
+    row.vx, row.vy = speed * lane.ux, speed * lane.uy
+    row.caught = 0.0
+    lane.output = k + 1
+    lane.next_output = times[k + 1] * lane.unit if k + 1 < times.size else np.inf
+
+
+@inlined
+def queue_rest(lane: Any, records: Records) -> None:
+    """Queue a trapped tracer for all output times that are left: at rest where the flight began."""
+    while lane.output < records.times.size:
+        row = _next_row(lane, records)
+        row.x, row.y, row.vx, row.vy = lane.flight_x, lane.flight_y, 0.0, 0.0
+        row.caught = 1.0
+        lane.output += 1
 
 
 @njit(error_model="numpy")
-def enter(records: Records, queue: np.ndarray, n: int) -> None:
-    """Enter the first n rows of a queue in the sums, histograms and raw arrays."""
-    moments, scales, grids = records.moments, records.scales, records.grids
+def enter_queue(records: Records) -> None:
+    """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
+    moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
     speeds, components, distances = records.speeds, records.components, records.distances
     positions, velocities = records.positions, records.velocities
-    for m in range(n):
-        k, tracer = int(queue[m, Q_OUTPUT]), int(queue[m, Q_TRACER])
-        x, y, vx, vy = queue[m, Q_X], queue[m, Q_Y], queue[m, Q_VX], queue[m, Q_VY]
+    for m in range(records.queued[0]):
+        row = queue[m]
+        k, x, y, vx, vy = row.output, row.x, row.y, row.vx, row.vy
         r2 = x * x + y * y
         v2 = vx * vx + vy * vy
         moments[k, SAMPLES] += 1.0
@@ -93,37 +149,34 @@ def enter(records: Records, queue: np.ndarray, n: int) -> None:
         moments[k, SPEED4] += v2 * v2
         moments[k, R2] += r2
         moments[k, R4] += r2 * r2
-        moments[k, COLLISIONS] += queue[m, Q_COLLISIONS]
-        moments[k, CORRELATION] += vx * queue[m, Q_OX] + vy * queue[m, Q_OY]
-        moments[k, CAUGHT] += queue[m, Q_CAUGHT]
+        moments[k, COLLISIONS] += row.collisions
+        moments[k, CORRELATION] += vx * row.start_vx + vy * row.start_vy
+        moments[k, CAUGHT] += row.caught
         if speeds.size:
-            value = 0.5 * _log2(v2) - log2(scales[k])
-            _count(speeds, k, value, grids[SPEED, 0], grids[SPEED, 1])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[SPEED])
         if components.size:
-            value = _log2(abs(vx)) - log2(scales[k])
-            _count(components, k, value, grids[COMPONENT, 0], grids[COMPONENT, 1])
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[COMPONENT])
         if distances.size:
-            _count(distances, k, 0.5 * _log2(r2), grids[DISTANCE, 0], grids[DISTANCE, 1])
+            _count(distances, k, 0.5 * _log2(r2), grids[DISTANCE])
         if positions.size:
-            positions[k, tracer, 0] = x
-            positions[k, tracer, 1] = y
+            positions[k, row.tracer, 0] = x
+            positions[k, row.tracer, 1] = y
         if velocities.size:
-            velocities[k, tracer, 0] = vx / scales[k]
-            velocities[k, tracer, 1] = vy / scales[k]
+            velocities[k, row.tracer, 0] = vx / scales[k]
+            velocities[k, row.tracer, 1] = vy / scales[k]
+    records.queued[0] = 0
 
 
-@njit(error_model="numpy", forceinline=True)
-def finish(
-    records: Records, tracer: int, status: int, travelled: float, collisions: int,
-    x: float, y: float, slowness: float, time: float, shifts: int,
-) -> None:  # fmt: skip
-    """Enter the end of a tracer."""
-    records.totals[0] += travelled
-    records.totals[1] += collisions
+@inlined
+def finish(lane: Any, status: int, records: Records) -> None:
+    """Enter the end of a tracer, at the place where its flight began."""
+    records.totals[TRAVELLED] += lane.travelled
+    records.totals[ALL_COLLISIONS] += lane.collisions
     records.statuses[status] += 1
     if records.finals.size:
-        records.finals[tracer, 0] = -log(slowness) - shifts * _LN_SHIFT
-        records.finals[tracer, 1] = (log(time) if time > 0.0 else -NEVER) + shifts * _LN_SHIFT
-        records.finals[tracer, 2] = x
-        records.finals[tracer, 3] = y
-        records.finals[tracer, 4] = collisions
+        end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
+        end[LN_SPEED] = -log(lane.slowness) - shift
+        end[LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
+        end[FINAL_X] = lane.flight_x
+        end[FINAL_Y] = lane.flight_y
+        end[FINAL_COLLISIONS] = lane.collisions
