@@ -168,26 +168,37 @@ def _follow_block(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.max_collisions or 0,
     )  # fmt: skip
-    shapes = {
-        "positions": (times.size, n, 2),
-        "velocities": (times.size, n, 2),
-        "finals": (n, FINALS),
-    }
-    block = {
+    raw = {
         name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
-        for name, shape in shapes.items()
+        for name, shape in {
+            "positions": (times.size, n, 2),
+            "velocities": (times.size, n, 2),
+            "finals": (n, FINALS),
+        }.items()
     }
     nothing = np.zeros((0, 0), np.int64)
+    speeds, components, distances, paths = (
+        tally.histograms.get(name, nothing) for name in HISTOGRAMS
+    )
     record = records.Records(
-        times, time_scales(times), tally.moments, tally.totals, tally.statuses,
-        np.ascontiguousarray(plan.grids()[:, :2]),
-        *(tally.histograms.get(name, nothing) for name in HISTOGRAMS), *block.values(),
-        np.empty(records.QUEUE, records.OUTPUT), np.zeros(1, np.int64),
-    )  # fmt: skip
+        times=times,
+        scales=time_scales(times),
+        moments=tally.moments,
+        totals=tally.totals,
+        statuses=tally.statuses,
+        grids=np.ascontiguousarray(plan.grids()[:, :2]),
+        speeds=speeds,
+        components=components,
+        distances=distances,
+        paths=paths,
+        queue=np.empty(records.QUEUE, records.OUTPUT),
+        queued=np.zeros(1, np.int64),
+        **raw,
+    )
     caught = np.empty((n, TRAPS))
     n_caught = 0
     if cells is None:
         free_paths.follow_free_paths(start, mean_path, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
-    return {"traps": caught[:n_caught], **block}
+    return {"traps": caught[:n_caught], **raw}

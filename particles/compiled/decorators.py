@@ -12,7 +12,7 @@ from hashlib import sha256
 from importlib.resources import files
 from typing import Any
 
-from numba import config, njit
+from numba import njit
 from numba.core.caching import FunctionCache
 
 from particles.compiled.search import FORM
@@ -34,14 +34,14 @@ def sources() -> str:
     return total.hexdigest()
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]
+class _Cache(FunctionCache):
     def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
         return (*super()._index_key(signature, codegen), sources(), FORM)
 
 
 def kernel(function: Callable) -> Any:
     """Compile a function that Python calls: it runs without the GIL and is kept on disk."""
-    compiled = njit(nogil=True, error_model="numpy")(function)
-    if not config.DISABLE_JIT:
+    compiled: Any = njit(nogil=True, error_model="numpy")(function)
+    if compiled is not function:  # or nothing is compiled (NUMBA_DISABLE_JIT)
         compiled._cache = _Cache(function)
     return compiled

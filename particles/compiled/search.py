@@ -1,24 +1,25 @@
 """Which form of the search through a cell's slots the compiled kernels contain.
 
-FORM is "vectors" (`particles.compiled.vectors`) where that compiles and "loop" (`particles.compiled.slots`)
-elsewhere; NOTE then says why. Both give the same bits, so results do not depend on it.
+FORM is "vectors" (`particles.compiled.vectors`) where that compiles and "loop" elsewhere
+(`particles.compiled.slots`); NOTE then says why. Both give the same bits, so results do not depend
+on it.
 """
 
 import warnings
 from collections.abc import Callable
 
-from numba import config
-from numba.extending import overload
+from numba.extending import is_jitted, overload
 
 from particles.compiled import slots
 from particles.compiled.slots import SLOTS, crowd, strike
+from particles.events import contact
 
 __all__ = ["FORM", "NOTE", "SLOTS", "crowd", "strike"]
 
 
 def _choose() -> tuple[Callable, Callable, str, str]:
     """Return the two functions that kernels compile, the form that they have, and why."""
-    if config.DISABLE_JIT:
+    if not is_jitted(contact):
         return slots.strike, slots.crowd, "loop", "NUMBA_DISABLE_JIT is set: nothing is compiled"
     try:
         from particles.compiled import vectors

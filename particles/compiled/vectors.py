@@ -1,8 +1,8 @@
 """The search through a cell's eight slots as vectors of eight doubles, in LLVM's own instructions.
 
-What it gains: the loop of `particles.compiled.slots` holds a minimum and the place of it, which LLVM
-does not turn into vectors by itself. Hard disks at number density 0.04, 40,000 of them, one thread:
-1.17e7 collisions/s in this form and 5.1e6 with the loop, on a CPU without AVX-512.
+What it gains: the loop of `particles.compiled.slots` holds a minimum and the place of it, which
+LLVM does not turn into vectors by itself. With 40,000 hard disks at number density 0.04 and one
+thread: 1.17e7 collisions/s in this form and 5.1e6 with the loop, on a processor without AVX-512.
 `tests/particles/measurements/vector_form.py` measures both again.
 
 The arithmetic is that of the loop, line by line. Nothing is contracted or reordered, so every bit

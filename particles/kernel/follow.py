@@ -15,18 +15,20 @@ from particles.compiled.search import SLOTS, strike
 from particles.events import contact, is_collapsing, scatter, touch
 from particles.grid.blocks import is_missing, is_plane, place, supply
 from particles.grid.cells import Cells
-from particles.kernel.columns import (
-    COLLISION_CAP,
-    ESCAPED,
-    FINISHED,
-    TRAP_TIME,
-    TRAP_TRACER,
-    TRAP_X,
-    TRAP_Y,
-    TRAPPED,
+from particles.kernel import columns
+from particles.kernel.lane import (
+    LANE,
+    LANES,
+    RUNNING,
+    SHIFT,
+    Start,
+    fly,
+    is_due,
+    launch,
+    shift_clock,
 )
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, slow_down
 from particles.kernel.records import (
+    QUEUE,
     Records,
     count_path,
     enter_queue,
@@ -129,10 +131,10 @@ def _collide(lane: Any, path: float, side: float, restitution: float) -> tuple[f
 def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> None:
     """Write down where and when a tracer was caught; it rests there at all later outputs."""
     queue_rest(lane, records)
-    trap[TRAP_TRACER] = start.first + lane.tracer
-    trap[TRAP_TIME] = lane.time / lane.unit
-    trap[TRAP_X] = lane.flight_x
-    trap[TRAP_Y] = lane.flight_y
+    trap[columns.TRAP_TRACER] = start.first + lane.tracer
+    trap[columns.TRAP_TIME] = lane.time / lane.unit
+    trap[columns.TRAP_X] = lane.flight_x
+    trap[columns.TRAP_Y] = lane.flight_y
 
 
 @kernel
@@ -144,7 +146,9 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
     keys, slots, head, links, nodes = cells.keys, cells.slots, cells.head, cells.links, cells.nodes
-    times, paths, grids = records.times, records.paths, records.grids
+    times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
+    queue, queued = records.queue, records.queued
+    last_time = times[times.size - 1] if times.size else np.inf
     side, n, restitution = cells.side, cells.n, start.restitution
     lanes = np.empty(LANES, LANE)
     active = launched = min(LANES, start.n)
@@ -170,26 +174,30 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             # By rounding, a tracer in a corner may touch the next scatterer already.
             path = limit if escaped else max(lane.contact, 0.0)
             while is_due(lane, path, times.size):
-                queue_output(lane, records)
-            path, finished = fly(lane, path, times)
+                if queued[0] == QUEUE:
+                    enter_queue(records)
+                queue_output(lane, queue[queued[0]], times, scales)
+                queued[0] += 1
+            path, finished = fly(lane, path, times.size, last_time)
             status = RUNNING
             if finished or escaped:
-                status = FINISHED if finished else ESCAPED
+                status = columns.FINISHED if finished else columns.ESCAPED
                 lane.flight_x += path * lane.ux
                 lane.flight_y += path * lane.uy
             else:
                 if paths.size:
                     count_path(paths, grids, path)
                 ratio, trapped = _collide(lane, path, side, restitution)
+                lane.slowness /= ratio
                 if trapped:
-                    status = TRAPPED
-                    lane.slowness /= ratio
+                    status = columns.TRAPPED
                     _note_trap(lane, traps[caught], start, records)
                     caught += 1
                 else:
-                    slow_down(lane, ratio, times)
+                    if lane.slowness > SHIFT:
+                        shift_clock(lane, times)
                     if lane.collisions == start.most:
-                        status = COLLISION_CAP
+                        status = columns.COLLISION_CAP
             if status == RUNNING:
                 a += 1
                 continue

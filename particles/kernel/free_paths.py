@@ -7,9 +7,19 @@ import numpy as np
 
 from particles.compiled.decorators import inlined, kernel
 from particles.events import scatter
-from particles.kernel.columns import COLLISION_CAP, FINISHED
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, slow_down
-from particles.kernel.records import Records, count_path, enter_queue, finish, queue_output
+from particles.kernel import columns
+from particles.kernel.lane import (
+    LANE,
+    LANES,
+    RUNNING,
+    SHIFT,
+    Start,
+    fly,
+    is_due,
+    launch,
+    shift_clock,
+)
+from particles.kernel.records import QUEUE, Records, count_path, enter_queue, finish, queue_output
 from particles.streams import FLIGHTS, open_stream, uniform
 
 
@@ -29,7 +39,9 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
     mean_path: the mean free path in d.
     """
     # Taken out of their tuples once, as in `follow`.
-    times, paths, grids = records.times, records.paths, records.grids
+    times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
+    queue, queued = records.queue, records.queued
+    last_time = times[times.size - 1] if times.size else np.inf
     lanes = np.empty(LANES, LANE)
     active = launched = min(LANES, start.n)
     for a in range(active):
@@ -42,11 +54,14 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
         ux, uy, draw = lane.ux, lane.uy, 2 * lane.collisions
         path = -mean_path * log(uniform(lane.stream, lane.gamma, draw))
         while is_due(lane, path, times.size):
-            queue_output(lane, records)
-        path, finished = fly(lane, path, times)
+            if queued[0] == QUEUE:
+                enter_queue(records)
+            queue_output(lane, queue[queued[0]], times, scales)
+            queued[0] += 1
+        path, finished = fly(lane, path, times.size, last_time)
         lane.flight_x += path * ux
         lane.flight_y += path * uy
-        status = FINISHED if finished else RUNNING
+        status = columns.FINISHED if finished else RUNNING
         if not finished:
             if paths.size:
                 count_path(paths, grids, path)
@@ -54,9 +69,11 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             impact = 2.0 * uniform(lane.stream, lane.gamma, draw + 1) - 1.0
             lane.ux, lane.uy, ratio = scatter(ux, uy, impact, start.restitution)
             lane.collisions += 1
-            slow_down(lane, ratio, times)
+            lane.slowness /= ratio
+            if lane.slowness > SHIFT:
+                shift_clock(lane, times)
             if lane.collisions == start.most:
-                status = COLLISION_CAP
+                status = columns.COLLISION_CAP
         if status == RUNNING:
             a += 1
             continue

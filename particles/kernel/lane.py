@@ -22,34 +22,36 @@ LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
 
+# Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
+_FIELDS = {
+    np.float64: (
+        "x", "y",                       # place, from the centre of the lane's cell
+        "ux", "uy",                     # unit direction
+        "slowness", "time", "unit",     # each times 2**-64 shifts
+        "next_output",                  # time of the next output, as `time`; inf after the last
+        "travelled",                    # path since the start
+        "flight_x", "flight_y",         # where this flight began, from the start of the path
+        "start_vx", "start_vy",         # velocity at time 0, in U
+        "normal_x", "normal_y",         # of the scatterer struck last, towards the tracer
+        "wall_x", "wall_y",             # path to the next cell wall of each direction
+        "between_x", "between_y",       # path from one such wall to the next
+        "move_x", "move_y",             # from the centre of this cell to that of the next
+        "contact",                      # path to the next contact in this cell
+        "struck_x", "struck_y",         # the scatterer met there, from the cell's centre
+    ),
+    np.int64: (
+        "collisions", "output",         # how many there have been, of collisions and of outputs
+        "tracer", "shifts",
+        "i", "j",                       # the cell, counted without regard to periodicity
+        "stored_i", "stored_j",         # the cell of the box that stands for it
+        "cell",                         # where its scatterers are stored
+        "step_i", "step_j",             # +1 or -1: from this cell to the next
+    ),
+    np.uint64: ("stream", "gamma"),     # what random flights without scatterers are drawn from
+}  # fmt: skip
 LANE = np.dtype(
-    (
-        np.record,
-        [(name, np.float64) for name in (
-            "x", "y",                       # place, from the centre of the lane's cell
-            "ux", "uy",                     # unit direction
-            "slowness", "time", "unit",     # each times 2**-64 shifts
-            "next_output",                  # time of the next output, as `time`; inf after the last
-            "start_vx", "start_vy",         # velocity at time 0, in U
-            "travelled",                    # path since the start
-            "normal_x", "normal_y",         # of the scatterer struck last, towards the tracer
-            "flight_x", "flight_y",         # where this flight began, from the start of the path
-            "wall_x", "wall_y",             # path to the next cell wall of each direction
-            "between_x", "between_y",       # path from one such wall to the next
-            "move_x", "move_y",             # from the centre of this cell to that of the next
-            "contact",                      # path to the next contact in this cell
-            "struck_x", "struck_y",         # the scatterer met there, from the cell's centre
-        )]
-        + [(name, np.int64) for name in (
-            "tracer", "collisions", "output", "shifts",  # output: number of the next one
-            "i", "j",                       # the cell, counted without regard to periodicity
-            "stored_i", "stored_j",         # the cell of the box that stands for it
-            "cell",                         # where its scatterers are stored
-            "step_i", "step_j",             # +1 or -1: from this cell to the next
-        )]
-        + [("stream", np.uint64), ("gamma", np.uint64)],  # of the random flights without scatterers
-    )
-)  # fmt: skip
+    (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
+)
 
 
 class Start(NamedTuple):
@@ -97,25 +99,23 @@ def is_due(lane: Any, path: float, n_times: int) -> bool:
 
 
 @inlined
-def fly(lane: Any, path: float, times: np.ndarray) -> tuple[float, bool]:
+def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
     """Move the clock by a flight, whose outputs have been queued.
 
     Return the path flown and whether the last output has been reached: the flight then ends there.
     The place is left to the caller, whose coordinates may be those of a cell.
     """
-    finished = lane.output == times.size and times.size > 0
+    finished = lane.output == n_times and n_times > 0
     if finished:
-        last = times[times.size - 1] * lane.unit
-        path = max((last - lane.time) / lane.slowness, 0.0)
+        path = max((last_time * lane.unit - lane.time) / lane.slowness, 0.0)
     lane.travelled += path
     lane.time += path * lane.slowness
     return path, finished
 
 
 @inlined
-def slow_down(lane: Any, ratio: float, times: np.ndarray) -> None:
-    """Multiply the speed by this ratio; keep time and slowness from overflowing."""
-    lane.slowness = lane.slowness / ratio
+def shift_clock(lane: Any, times: np.ndarray) -> None:
+    """Keep the slowness and the time of a lane that has become slow from overflowing."""
     while lane.slowness > SHIFT:
         lane.slowness /= SHIFT
         lane.time /= SHIFT

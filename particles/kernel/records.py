@@ -8,38 +8,18 @@ from numba import njit
 
 from particles.compiled.decorators import inlined
 from particles.events import NEVER
-from particles.kernel.columns import (
-    ALL_COLLISIONS,
-    CAUGHT,
-    COLLISIONS,
-    COMPONENT,
-    CORRELATION,
-    DISTANCE,
-    FINAL_COLLISIONS,
-    FINAL_X,
-    FINAL_Y,
-    LN_SPEED,
-    LN_TIME,
-    PATH,
-    R2,
-    R4,
-    SAMPLES,
-    SPEED,
-    SPEED2,
-    SPEED4,
-    TRAVELLED,
-)
+from particles.kernel import columns
 
 _LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
 
 # States at output times wait in a queue and are entered in the sums when it is full: the kernels'
 # loop then writes to one array instead of to all of them. Velocities are times Records.scales.
+_FIELDS = {
+    np.float64: ("x", "y", "vx", "vy", "start_vx", "start_vy", "caught"),
+    np.int64: ("output", "tracer", "collisions"),
+}
 OUTPUT = np.dtype(
-    (
-        np.record,
-        [(name, np.float64) for name in ("x", "y", "vx", "vy", "start_vx", "start_vy", "caught")]
-        + [(name, np.int64) for name in ("output", "tracer", "collisions")],
-    )
+    (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
 )
 QUEUE = 1024
 
@@ -93,29 +73,24 @@ def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray)
 @inlined
 def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
     """Enter a completed flight in the histogram of free paths."""
-    _count(paths, 0, _log2(path), grids[PATH])
+    _count(paths, 0, _log2(path), grids[columns.PATH])
 
 
 @inlined
-def _next_row(lane: Any, records: Records) -> Any:
-    """Return a free row of the queue with what does not depend on the motion filled in."""
-    if records.queued[0] == QUEUE:
-        enter_queue(records)
-    row = records.queue[records.queued[0]]
-    records.queued[0] += 1
+def _fill_constants(lane: Any, row: Any) -> None:
+    """Fill in what of a lane's state does not change in a flight."""
     row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
     row.start_vx, row.start_vy = lane.start_vx, lane.start_vy
-    return row
 
 
 @inlined
-def queue_output(lane: Any, records: Records) -> None:
-    """Queue the state of a lane at its next output time, within the flight that it is in."""
-    times, k = records.times, lane.output
-    row = _next_row(lane, records)
+def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
+    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
+    k = lane.output
+    _fill_constants(lane, row)
     # Not negative but for outputs that `unit` has rounded to 0: passed within 1e-8 d.
     done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
-    speed = records.scales[k] * lane.unit / lane.slowness
+    speed = scales[k] * lane.unit / lane.slowness
     row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
     row.vx, row.vy = speed * lane.ux, speed * lane.uy
     row.caught = 0.0
@@ -127,7 +102,11 @@ def queue_output(lane: Any, records: Records) -> None:
 def queue_rest(lane: Any, records: Records) -> None:
     """Queue a trapped tracer for all output times that are left: at rest where the flight began."""
     while lane.output < records.times.size:
-        row = _next_row(lane, records)
+        if records.queued[0] == QUEUE:
+            enter_queue(records)
+        row = records.queue[records.queued[0]]
+        records.queued[0] += 1
+        _fill_constants(lane, row)
         row.x, row.y, row.vx, row.vy = lane.flight_x, lane.flight_y, 0.0, 0.0
         row.caught = 1.0
         lane.output += 1
@@ -144,20 +123,20 @@ def enter_queue(records: Records) -> None:
         k, x, y, vx, vy = row.output, row.x, row.y, row.vx, row.vy
         r2 = x * x + y * y
         v2 = vx * vx + vy * vy
-        moments[k, SAMPLES] += 1.0
-        moments[k, SPEED2] += v2
-        moments[k, SPEED4] += v2 * v2
-        moments[k, R2] += r2
-        moments[k, R4] += r2 * r2
-        moments[k, COLLISIONS] += row.collisions
-        moments[k, CORRELATION] += vx * row.start_vx + vy * row.start_vy
-        moments[k, CAUGHT] += row.caught
+        moments[k, columns.SAMPLES] += 1.0
+        moments[k, columns.SPEED2] += v2
+        moments[k, columns.SPEED4] += v2 * v2
+        moments[k, columns.R2] += r2
+        moments[k, columns.R4] += r2 * r2
+        moments[k, columns.COLLISIONS] += row.collisions
+        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy
+        moments[k, columns.CAUGHT] += row.caught
         if speeds.size:
-            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[SPEED])
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[columns.SPEED])
         if components.size:
-            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[COMPONENT])
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[columns.COMPONENT])
         if distances.size:
-            _count(distances, k, 0.5 * _log2(r2), grids[DISTANCE])
+            _count(distances, k, 0.5 * _log2(r2), grids[columns.DISTANCE])
         if positions.size:
             positions[k, row.tracer, 0] = x
             positions[k, row.tracer, 1] = y
@@ -170,13 +149,13 @@ def enter_queue(records: Records) -> None:
 @inlined
 def finish(lane: Any, status: int, records: Records) -> None:
     """Enter the end of a tracer, at the place where its flight began."""
-    records.totals[TRAVELLED] += lane.travelled
-    records.totals[ALL_COLLISIONS] += lane.collisions
+    records.totals[columns.TRAVELLED] += lane.travelled
+    records.totals[columns.ALL_COLLISIONS] += lane.collisions
     records.statuses[status] += 1
     if records.finals.size:
         end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
-        end[LN_SPEED] = -log(lane.slowness) - shift
-        end[LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
-        end[FINAL_X] = lane.flight_x
-        end[FINAL_Y] = lane.flight_y
-        end[FINAL_COLLISIONS] = lane.collisions
+        end[columns.LN_SPEED] = -log(lane.slowness) - shift
+        end[columns.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
+        end[columns.FINAL_X] = lane.flight_x
+        end[columns.FINAL_Y] = lane.flight_y
+        end[columns.FINAL_COLLISIONS] = lane.collisions

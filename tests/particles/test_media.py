@@ -24,10 +24,7 @@ def in_box(medium: HardDisks | Poisson, seed: int = 1, configuration: int = 0) -
 def listed(cells: Cells, i: int, j: int) -> np.ndarray:
     """Return the scatterers that cell (i, j) of the plane lists, from the origin, sorted."""
     cell = place(i, j)
-    make(
-        cells.slots, cells.fill, cells.head, cells.links, cells.nodes, cells.keys, cells.law,
-        cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
-    )  # fmt: skip
+    make(cells, cell, i, j)
     row = cells.slots[cell]
     found = [(row[k], row[SLOTS + k]) for k in range(SLOTS) if row[k] != EMPTY]
     node = cells.head[cell]
