@@ -9,6 +9,7 @@ import numpy as np
 
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
 from particles.media import Medium
+from particles.values import Value
 
 if TYPE_CHECKING:
     from particles.grid.cells import Cells
@@ -43,7 +44,7 @@ def forget() -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Value):
     """What is to be run, checked. velocities (media or none, tracers, 2), or None to draw them."""
 
     medium: Medium

@@ -10,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 
 from particles.configuration import OBSERVABLES, Plan, Tally, forget, run_configurations
-from particles.ensemble import Ensemble, Totals
+from particles.ensemble import Ensemble
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+from particles.totals import Totals
 
 LARGEST_TIME = 1e300
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number

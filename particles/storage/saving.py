@@ -5,9 +5,9 @@ import time
 from os import PathLike
 
 from particles.configuration import Plan, Tally
-from particles.ensemble import Totals
 from particles.storage.file import cannot_write, difference, plan_digest, read, write
 from particles.storage.journal import Journal
+from particles.totals import Totals
 
 # Writing the run's file may take this share of the time from one such writing to the next.
 SHARE = 0.02
