@@ -8,6 +8,7 @@ on it.
 import warnings
 from collections.abc import Callable
 
+import numpy as np
 from numba.extending import is_jitted, overload
 
 from particles.compiled import slots
@@ -40,11 +41,14 @@ def _choose() -> tuple[Callable, Callable, str, str]:
 _STRIKE, _CROWD, FORM, NOTE = _choose()
 
 
+# numba compares the names and the annotations of the arguments, so they are repeated here.
 @overload(strike, inline="always")
-def _compiled_strike(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
+def _compiled_strike(
+    slots: np.ndarray, cell: int, x: float, y: float, ux: float, uy: float
+) -> Callable:
     return _STRIKE
 
 
 @overload(crowd, inline="always")
-def _compiled_crowd(slots, cell, x, y):  # type: ignore[no-untyped-def]
+def _compiled_crowd(slots: np.ndarray, cell: int, x: float, y: float) -> Callable:
     return _CROWD

@@ -113,14 +113,16 @@ def _crowd(typingctx, slots, cell, x, y):  # type: ignore[no-untyped-def]
     return signature, generate
 
 
-def strike(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
+def strike(
+    slots: np.ndarray, cell: int, x: float, y: float, ux: float, uy: float
+) -> tuple[float, int]:
     """As `particles.compiled.slots.strike`; runs compiled only."""
-    return _strike(slots, cell, x, y, ux, uy)
+    return _strike(slots, cell, x, y, ux, uy)  # type: ignore[call-arg]
 
 
-def crowd(slots, cell, x, y):  # type: ignore[no-untyped-def]
+def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     """As `particles.compiled.slots.crowd`; runs compiled only."""
-    return _crowd(slots, cell, x, y)
+    return _crowd(slots, cell, x, y)  # type: ignore[call-arg]
 
 
 @njit(cache=True)

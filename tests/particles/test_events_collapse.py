@@ -1,4 +1,4 @@
-"""The rule that decides whether a tracer ever leaves a corner, against bounces one after another."""
+"""The rule that decides whether a tracer ever leaves a corner, against one bounce after another."""
 
 import numpy as np
 
