@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from particles.configuration import OBSERVABLES
-    from particles.ensemble import Ensemble, Statuses
+    from particles.ensemble import Ensemble, Statuses, load
     from particles.estimators import Estimate, Histogram
     from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
     from particles.simulate import simulate
@@ -21,6 +21,7 @@ _HOMES = {
     "Poisson": "media",
     "Positions": "media",
     "Statuses": "ensemble",
+    "load": "ensemble",
     "simulate": "simulate",
 }
 
@@ -35,14 +36,26 @@ __all__ = [
     "Poisson",
     "Positions",
     "Statuses",
+    "load",
     "simulate",
 ]
 
 
 def __getattr__(name: str) -> Any:
     # Loaded at first use: `import particles` costs neither numpy nor numba.
+    if name == "__version__":
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            return version("inelastic-lorentz")
+        except PackageNotFoundError:
+            return "unknown: the package is not installed"
     if name not in _HOMES:
         raise AttributeError(f"module 'particles' has no attribute {name!r}")
     value = getattr(import_module(f"particles.{_HOMES[name]}"), name)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

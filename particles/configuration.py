@@ -3,10 +3,16 @@
 import threading
 from dataclasses import dataclass, field, replace
 from math import ceil, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
 from particles.media import Medium
+from particles.values import Value
+
+if TYPE_CHECKING:
+    from particles.grid.cells import Cells
 
 SCALARS = (
     "thermal_speed",
@@ -16,12 +22,6 @@ SCALARS = (
     "collisions",
     "velocity_autocorrelation",
     "mean_free_path",
-)
-HISTOGRAMS = (
-    "speed_histogram",
-    "velocity_component_histogram",
-    "displacement_histogram",
-    "free_path_histogram",
 )
 RAW = ("positions", "velocities", "finals")
 OBSERVABLES = SCALARS + HISTOGRAMS + RAW
@@ -44,7 +44,7 @@ def forget() -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Value):
     """What is to be run, checked. velocities (media or none, tracers, 2), or None to draw them."""
 
     medium: Medium
@@ -77,7 +77,7 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """Sums over the tracers of one configuration (columns: particles.records).
+    """Sums over the tracers of one configuration (columns: particles.kernel.records).
 
     moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps (n, 4) tracer,
     time, x, y; histograms name -> (n_times, bins + 2); raw name -> arrays, time first.
@@ -107,72 +107,99 @@ def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
 
 def run_configuration(plan: Plan, configuration: int) -> Tally:
     """Place the scatterers of one configuration and follow its tracers."""
-    from particles import kernels, records
-    from particles.build import build
+    from particles.grid.build import build
 
-    d = plan.medium.diameter
-    density = plan.medium.number_density * d * d
-    times = plan.times / d
-    grids = plan.grids()
-    tally = Tally(
-        configuration,
-        np.zeros((times.size, records.MOMENTS)),
-        np.zeros(2),
-        np.zeros(4, np.int64),
-        np.empty((0, 4)),
-        {
-            name: np.zeros(
-                (1 if name == "free_path_histogram" else times.size, int(grids[row, 2]) + 2),
-                np.int64,
-            )
-            for row, name in enumerate(HISTOGRAMS)
-            if name in plan.observables
-        },
-    )
-    nothing = np.zeros((0, 0), np.int64)
-    histograms = [tally.histograms.get(name, nothing) for name in HISTOGRAMS]
-    grid = np.ascontiguousarray(grids[:, :2])
     old, _done_with.cells = getattr(_done_with, "cells", None), None
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
-    traps: list[np.ndarray] = []
+    tally = _empty_tally(plan, configuration)
+    traps: list[np.ndarray] = [tally.traps]
     raw: dict[str, list[np.ndarray]] = {name: [] for name in RAW if name in plan.observables}
     for first in range(0, plan.tracers, BLOCK):
-        n = min(BLOCK, plan.tracers - first)
-        given = np.empty((0, 2))
-        if plan.velocities is not None:
-            own = plan.velocities if plan.velocities.ndim == 2 else plan.velocities[configuration]
-            given = own[first : first + n]
-        start = kernels.Start(
-            first, n, given, plan.monoenergetic, np.uint64(plan.seed), configuration,
-            plan.restitution, plan.max_collisions or 0,
-        )  # fmt: skip
-        shapes = {
-            "positions": (times.size, n, 2),
-            "velocities": (times.size, n, 2),
-            "finals": (n, 5),
-        }
-        block = {
-            name: np.full(shape if name in raw else (0,) * len(shape), np.nan)
-            for name, shape in shapes.items()
-        }
-        record = records.Records(
-            times, time_scales(times), tally.moments, tally.totals, tally.statuses, grid,
-            *histograms, *block.values(),
-        )  # fmt: skip
-        if cells is None:
-            kernels.follow_free_paths(start, 0.5 / density, record)
-        else:
-            caught = np.empty((n, 4))
-            n_caught = kernels.follow(start, cells, ESCAPE_PATHS * 0.5 / density, caught, record)
-            traps.append(caught[:n_caught])
+        block = _follow_block(plan, tally, cells, first)
+        traps.append(block.pop("traps"))
         for name, pieces in raw.items():
             pieces.append(block[name])
     _done_with.cells = cells
     return replace(
         tally,
-        traps=np.concatenate(traps) if traps else tally.traps,
+        traps=np.concatenate(traps),
         raw={
             name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
             for name, pieces in raw.items()
         },
     )
+
+
+def _empty_tally(plan: Plan, configuration: int) -> Tally:
+    n_times, bins = plan.times.size, plan.grids()[:, 2].astype(int)
+    rows = {name: 1 if name == "free_path_histogram" else n_times for name in HISTOGRAMS}
+    return Tally(
+        configuration,
+        moments=np.zeros((n_times, MOMENTS)),
+        totals=np.zeros(TOTALS),
+        statuses=np.zeros(STATUSES, np.int64),
+        traps=np.empty((0, TRAPS)),
+        histograms={
+            name: np.zeros((rows[name], bins[k] + 2), np.int64)
+            for k, name in enumerate(HISTOGRAMS)
+            if name in plan.observables
+        },
+    )
+
+
+def _follow_block(
+    plan: Plan, tally: Tally, cells: "Cells | None", first: int
+) -> dict[str, np.ndarray]:
+    """Follow at most BLOCK tracers from number `first` on, adding to the sums of the tally.
+
+    Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
+    empty.
+    """
+    from particles.kernel import follow, free_paths, lane, records
+
+    d = plan.medium.diameter
+    mean_path = 0.5 / (plan.medium.number_density * d * d)
+    times = plan.times / d
+    n = min(BLOCK, plan.tracers - first)
+    given = np.empty((0, 2))
+    if plan.velocities is not None:
+        every = plan.velocities.ndim == 2
+        given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
+    start = lane.Start(
+        first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
+        plan.restitution, plan.max_collisions or 0,
+    )  # fmt: skip
+    raw = {
+        name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
+        for name, shape in {
+            "positions": (times.size, n, 2),
+            "velocities": (times.size, n, 2),
+            "finals": (n, FINALS),
+        }.items()
+    }
+    nothing = np.zeros((0, 0), np.int64)
+    speeds, components, distances, paths = (
+        tally.histograms.get(name, nothing) for name in HISTOGRAMS
+    )
+    record = records.Records(
+        times=times,
+        scales=time_scales(times),
+        moments=tally.moments,
+        totals=tally.totals,
+        statuses=tally.statuses,
+        grids=np.ascontiguousarray(plan.grids()[:, :2]),
+        speeds=speeds,
+        components=components,
+        distances=distances,
+        paths=paths,
+        queue=np.empty(records.QUEUE, records.OUTPUT),
+        queued=np.zeros(1, np.int64),
+        **raw,
+    )
+    caught = np.empty((n, TRAPS))
+    n_caught = 0
+    if cells is None:
+        free_paths.follow_free_paths(start, mean_path, record)
+    else:
+        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
+    return {"traps": caught[:n_caught], **raw}

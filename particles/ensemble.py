@@ -1,21 +1,34 @@
 """Ensemble: the frozen result of a simulation, and the sums it is made from."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from os import PathLike
 
 import numpy as np
 
-from particles.configuration import HISTOGRAMS, RAW, Plan, Tally, time_scales
+from particles.configuration import RAW, SCALARS, Plan, time_scales
 from particles.estimators import Estimate, Histogram, jackknife, share
+from particles.kernel.columns import (
+    ALL_COLLISIONS,
+    CAUGHT,
+    COLLISIONS,
+    CORRELATION,
+    HISTOGRAMS,
+    R2,
+    R4,
+    SAMPLES,
+    SPEED2,
+    SPEED4,
+    TRAVELLED,
+)
 from particles.media import Medium
-
-# Columns of the moments, as in particles.records (not imported: numba is heavy).
-_N, _V2, _V4, _R2, _R4, _COLLISIONS, _CORRELATION, _CAUGHT = range(8)
+from particles.values import Value, frozen
 
 
-@dataclass(frozen=True)
-class Statuses:
+@dataclass(frozen=True, eq=False)
+class Statuses(Value):
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
@@ -35,9 +48,25 @@ class Statuses:
     trap_places: np.ndarray = field(repr=False)
     trap_tracers: np.ndarray = field(repr=False)
 
+    @property
+    def note(self) -> str:
+        """What to change, if tracers are missing from the late estimates; else an empty string."""
+        notes = []
+        if self.collision_cap and self.finished:
+            notes.append(
+                f"{self.collision_cap} tracers made max_collisions collisions before the last "
+                f"time: raise max_collisions or end `times` earlier"
+            )
+        if self.escaped:
+            notes.append(
+                f"{self.escaped} tracers met nothing in 1e6 mean free paths: the scatterers leave "
+                f"straight corridors free; move them, or end `times` before the escape"
+            )
+        return "; ".join(notes)
+
 
 @dataclass(frozen=True, eq=False)
-class Ensemble:
+class Ensemble(Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -46,11 +75,48 @@ class Ensemble:
     caught (`trapped` says how many, at each time).
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
-    names that particles.storage gives them in a file.
+    names that particles.storage.file gives them in a file.
     """
 
     plan: Plan
-    arrays: dict[str, np.ndarray] = field(repr=False)
+    arrays: Mapping[str, np.ndarray]
+
+    def __repr__(self) -> str:
+        return "\n".join(
+            [
+                f"Ensemble: {self.media} configurations of {self.medium!r}",
+                f"  restitution {self.restitution:g}, {self.tracers} tracers in each configuration",
+                f"  {self._times_in_words()}",
+                f"  {self.statuses!r}{': ' * bool(self.statuses.note)}{self.statuses.note}",
+                f"  outputs: {', '.join(self.outputs)}",
+            ]
+        )
+
+    def _repr_html_(self) -> str:
+        lines = "<br>".join(escape(line) for line in repr(self).splitlines())
+        if not self.times.size:
+            return f"<p>{lines}</p>"
+        rows = "<tr><th>at the last time<th>value<th>error"
+        for name in SCALARS:
+            estimate = getattr(self, name)
+            if estimate.value.shape == self.times.shape:
+                value, error = estimate.value[-1], estimate.error[-1]
+                rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
+        return f"<p>{lines}</p><table>{rows}</table>"
+
+    def _times_in_words(self) -> str:
+        if not self.times.size:
+            return f"no output times, {self.plan.max_collisions} collisions at most"
+        return f"{self.times.size} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
+
+    def __dir__(self) -> list[str]:
+        absent = {*HISTOGRAMS, *RAW} - self.plan.observables
+        return sorted(set(super().__dir__()) - absent)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the estimates, histograms and raw data that this ensemble has."""
+        return (*SCALARS, *(n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables))
 
     @property
     def medium(self) -> Medium:
@@ -84,7 +150,7 @@ class Ensemble:
 
     @property
     def moments(self) -> np.ndarray:
-        """Sums per configuration and time (columns: particles.records), (media, n_times, 8)."""
+        """Sums per configuration and time (columns: kernel.columns), (media, n_times, 8)."""
         return self.arrays["moments"]
 
     @cached_property
@@ -105,61 +171,65 @@ class Ensemble:
     @property
     def collision_total(self) -> int:
         """Number of collisions of all tracers."""
-        return int(self.arrays["path_sums"][:, 1].sum())
+        return int(self.arrays["path_sums"][:, ALL_COLLISIONS].sum())
 
     @cached_property
     def samples(self) -> np.ndarray:
         """Tracers that enter the estimates at each time, (n_times,)."""
-        return self.moments[:, :, _N].sum(axis=0).astype(np.int64)
+        return frozen(self.moments[:, :, SAMPLES].sum(axis=0).astype(np.int64))
 
     @property
     def missing(self) -> np.ndarray:
         """Tracers that ended before each time, by the collision cap or escape, (n_times,)."""
-        return self.media * self.tracers - self.samples
+        return frozen(self.media * self.tracers - self.samples)
 
     @cached_property
     def trapped(self) -> np.ndarray:
         """Tracers among the samples at rest in a corner at each time, (n_times,)."""
-        return self.moments[:, :, _CAUGHT].sum(axis=0).astype(np.int64)
+        return frozen(self.moments[:, :, CAUGHT].sum(axis=0).astype(np.int64))
 
     @cached_property
     def thermal_speed(self) -> Estimate:
         """sqrt(<v^2>) in U, (n_times,): the paper's v0(t), eq. v0defi."""
-        sums = jackknife(self.moments, lambda m: np.sqrt(m[:, _V2] / m[:, _N]))
+        sums = jackknife(self.moments, lambda m: np.sqrt(m[:, SPEED2] / m[:, SAMPLES]))
         return sums.divided(self._scales)
 
     @cached_property
     def a2(self) -> Estimate:
         """<v^4> / (2 <v^2>^2) - 1, (n_times,): 0 for a Gaussian."""
         return jackknife(
-            self.moments, lambda m: m[:, _V4] * m[:, _N] / (2.0 * m[:, _V2] ** 2) - 1.0
+            self.moments,
+            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (2.0 * m[:, SPEED2] ** 2) - 1.0,
         )
 
     @cached_property
     def msd(self) -> Estimate:
         """Mean square displacement <r^2> in d^2, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, _R2] / m[:, _N]).divided(self._unit**-2)
+        return jackknife(self.moments, lambda m: m[:, R2] / m[:, SAMPLES]).divided(self._unit**-2)
 
     @cached_property
     def kurtosis(self) -> Estimate:
         """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian in the plane. NaN at time 0."""
-        return jackknife(self.moments, lambda m: m[:, _R4] * m[:, _N] / m[:, _R2] ** 2)
+        return jackknife(self.moments, lambda m: m[:, R4] * m[:, SAMPLES] / m[:, R2] ** 2)
 
     @cached_property
     def collisions(self) -> Estimate:
         """Mean number of collisions per tracer up to each time, (n_times,)."""
-        return jackknife(self.moments, lambda m: m[:, _COLLISIONS] / m[:, _N])
+        return jackknife(self.moments, lambda m: m[:, COLLISIONS] / m[:, SAMPLES])
 
     @cached_property
     def velocity_autocorrelation(self) -> Estimate:
         """<v(t).v(0)> in U^2, (n_times,)."""
-        sums = jackknife(self.moments, lambda m: m[:, _CORRELATION] / m[:, _N])
+        sums = jackknife(self.moments, lambda m: m[:, CORRELATION] / m[:, SAMPLES])
         return sums.divided(self._scales)
 
     @cached_property
     def mean_free_path(self) -> Estimate:
         """Path travelled per collision, all tracers from start to end, in d. A scalar."""
-        return jackknife(self.arrays["path_sums"], lambda s: s[0] / s[1] * self._unit)
+        return jackknife(
+            self.arrays["path_sums"],
+            lambda s: s[TRAVELLED] / s[ALL_COLLISIONS] * self._unit,
+        )
 
     @property
     def speed_histogram(self) -> Histogram:
@@ -184,7 +254,7 @@ class Ensemble:
     @property
     def positions(self) -> np.ndarray:
         """Displacement of each tracer in d, (n_times, media * tracers, 2); NaN where it ended."""
-        return self._get("positions", "raw/positions") * self._unit
+        return frozen(self._get("positions", "raw/positions") * self._unit)
 
     @property
     def velocities(self) -> np.ndarray:
@@ -196,14 +266,14 @@ class Ensemble:
         """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions."""
         d = self._unit
         scale, shift = np.array([1, 1, d, d, 1]), np.array([0, np.log(d), 0, 0, 0])
-        return self._get("finals", "raw/finals") * scale + shift
+        return frozen(self._get("finals", "raw/finals") * scale + shift)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file (layout: particles.storage), replacing it if it exists.
+        """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.
 
         Written beside its target and renamed. Raises ValueError if it cannot be written.
         """
-        from particles.storage import write
+        from particles.storage.file import write
 
         write(path, self.plan, self.arrays, self.media)
 
@@ -213,7 +283,7 @@ class Ensemble:
 
         Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
         """
-        from particles.storage import read
+        from particles.storage.file import read
 
         plan, arrays, done = read(path)
         if done < plan.media:
@@ -249,83 +319,6 @@ class Ensemble:
         return Histogram(edges, Estimate(p[:, 1:-1], error[:, 1:-1]), p[:, 0], p[:, -1])
 
 
-class Totals:
-    """Tallies of configurations 0, 1, ... added up in this order."""
-
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.configurations = 0
-        self._moments = np.zeros((plan.media, plan.times.size, 8))
-        self._path_sums = np.zeros((plan.media, 2))
-        self._statuses = np.zeros(4, np.int64)
-        self._traps: list[np.ndarray] = [np.empty((0, 5))]
-        self._histograms: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-        self._raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
-
-    def add(self, tally: Tally) -> None:
-        """Add the next configuration's tally."""
-        c = self.configurations
-        if tally.configuration != c:
-            raise RuntimeError(f"tally of configuration {tally.configuration} came before {c}")
-        self._moments[c] = tally.moments
-        self._path_sums[c] = tally.totals
-        self._statuses += tally.statuses
-        self._traps.append(np.insert(tally.traps, 0, c, axis=1))
-        for name, counts in tally.histograms.items():
-            if name not in self._histograms:
-                shape = counts.shape
-                self._histograms[name] = (
-                    np.zeros((3, *shape), np.int64),
-                    np.zeros((2, shape[0]), np.int64),
-                )
-            sums, samples = self._histograms[name]
-            m = counts.sum(axis=1)
-            sums += np.stack((counts, counts * counts, counts * m[:, None]))
-            samples += np.stack((m, m * m))
-        for name, pieces in self._raw.items():
-            pieces.append(tally.raw[name])
-        self.configurations += 1
-
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Return everything added so far, by name; not copies."""
-        done = self.configurations
-        arrays = {
-            "moments": self._moments[:done],
-            "path_sums": self._path_sums[:done],
-            "statuses": self._statuses,
-            "traps": np.concatenate(self._traps),
-        }
-        for name, (sums, samples) in self._histograms.items():
-            arrays[f"histograms/{name}/sums"] = sums
-            arrays[f"histograms/{name}/samples"] = samples
-        for name, pieces in self._raw.items():
-            if pieces:
-                arrays[f"raw/{name}"] = np.concatenate(pieces, axis=0 if name == "finals" else 1)
-        return arrays
-
-    @classmethod
-    def restore(cls, plan: Plan, arrays: dict[str, np.ndarray]) -> "Totals":
-        """Return totals as they were when `arrays` were taken of them."""
-        totals = cls(plan)
-        totals.configurations = done = len(arrays["moments"])
-        totals._moments[:done] = arrays["moments"]
-        totals._path_sums[:done] = arrays["path_sums"]
-        totals._statuses[:] = arrays["statuses"]
-        totals._traps = [arrays["traps"]]
-        for name in HISTOGRAMS:
-            if f"histograms/{name}/sums" in arrays:
-                totals._histograms[name] = (
-                    arrays[f"histograms/{name}/sums"],
-                    arrays[f"histograms/{name}/samples"],
-                )
-        for name in totals._raw:
-            if f"raw/{name}" in arrays:
-                totals._raw[name] = [arrays[f"raw/{name}"]]
-        return totals
-
-    def ensemble(self) -> Ensemble:
-        """Return the result once every configuration has been added."""
-        arrays = self.arrays()
-        for array in (*arrays.values(), self.plan.times):
-            array.setflags(write=False)
-        return Ensemble(self.plan, arrays)
+def load(path: str | PathLike[str]) -> Ensemble:
+    """Read a finished run from a file, as Ensemble.load does."""
+    return Ensemble.load(path)

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from particles.values import Value
+
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class Estimate(Value):
     """A value and its standard error, arrays of one shape; time is the first axis.
 
     The value is NaN where nothing was sampled, the error infinite where it is unknown.
@@ -22,13 +24,23 @@ class Estimate:
     value: np.ndarray
     error: np.ndarray
 
+    def __repr__(self) -> str:
+        """One line for each of the first and last values along the first axis, ten at most."""
+        values, errors = np.atleast_1d(self.value), np.atleast_1d(self.error)
+        if values.ndim > 1:
+            return f"Estimate of shape {values.shape}"
+        lines = [f"{v:.6g} +- {e:.2g}" for v, e in zip(values, errors, strict=True)]
+        if len(lines) > 9:
+            lines[4:-4] = [f"... {len(lines) - 8} more"]
+        return f"Estimate({lines[0]})" if len(lines) == 1 else "\n".join(["Estimate", *lines])
+
     def divided(self, by: np.ndarray | float) -> "Estimate":
         """Return the estimate in another unit."""
         return Estimate(self.value / by, self.error / by)
 
 
 @dataclass(frozen=True, eq=False)
-class Histogram:
+class Histogram(Value):
     """Share of the samples in each bin.
 
     edges (n_bins + 1,), the same at every time. probability: Estimate (n_times, n_bins) of the

@@ -4,16 +4,17 @@ import csv
 from dataclasses import dataclass, field
 from math import isfinite, pi, sqrt
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
+
+from particles.values import Value
 
 # Random sequential addition jams at an area fraction of 0.547; the last percents take for ever.
 LARGEST_RSA_DENSITY = 0.65  # in d^-2, an area fraction of 0.51
 # In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
-# Scatterers that a cell of the index lists on average, measured to be fastest (particles.cells).
+# Scatterers that a cell of the index lists on average, measured to be fastest (grid.cells).
 LISTED = 5.0
 # In longer flights the impact parameter, of the size of d, loses the digits that decide on it.
 LEAST_DENSITY = 1e-10  # in d^-2
@@ -147,8 +148,8 @@ class BoltzmannGrad:
             )
 
 
-@dataclass(frozen=True, eq=False)
-class Positions:
+@dataclass(frozen=True, eq=False, repr=False)
+class Positions(Value):
     """Scatterers where the user says, in a periodic square box; they may overlap.
 
     positions (count, 2), the same in every configuration, or (media, count, 2), one set for each.
@@ -161,15 +162,13 @@ class Positions:
     of the mean over tracers in this one medium.
     """
 
-    positions: "np.ndarray"
+    positions: np.ndarray
     box_side: float
     diameter: float = 1.0
     start: tuple[float, float] | None = None
     number_density: float = field(init=False)
 
     def __post_init__(self) -> None:
-        import numpy as np
-
         _positive("box_side", self.box_side)
         _positive("diameter", self.diameter)
         if self.box_side < SMALLEST_BOX * self.diameter:
@@ -207,7 +206,14 @@ class Positions:
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
         object.__setattr__(self, "number_density", density)
-        array.setflags(write=False)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        shape = " x ".join(str(n) for n in self.positions.shape)
+        return (
+            f"Positions(<{shape} numbers>, box_side={self.box_side!r}, "
+            f"diameter={self.diameter!r}, start={self.start!r})"
+        )
 
     @classmethod
     def from_csv(
@@ -232,7 +238,7 @@ class Positions:
                 rows.append((x, y))
         if not rows:
             raise ValueError(f"{path}: holds no positions")
-        return cls(rows, box_side, diameter, start)  # type: ignore[arg-type]
+        return cls(np.array(rows), box_side, diameter, start)
 
     @property
     def count(self) -> int:

@@ -10,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 
 from particles.configuration import OBSERVABLES, Plan, Tally, forget, run_configurations
-from particles.ensemble import Ensemble, Totals
+from particles.ensemble import Ensemble
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+from particles.totals import Totals
 
 LARGEST_TIME = 1e300
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
@@ -48,8 +49,8 @@ def simulate(
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
 
-    output: file that the run is saved to (layout: particles.storage). Each configuration is saved
-        when it is done, whole or not at all, in `<output>.journal` (particles.journal) until the
+    output: file that the run is saved to (layout: storage.file). Each configuration is saved
+        when it is done, whole or not at all, in `<output>.journal` (storage.journal) until the
         file itself is written again, beside it and renamed; the run may be killed at any moment.
         The file must not exist unless resume is True; then the run goes on from it, to the same
         bits as one that was never stopped.
@@ -64,7 +65,7 @@ def simulate(
     totals = Totals(plan)
     saver = None
     if output is not None:
-        from particles.saving import Saver
+        from particles.storage.saving import Saver
 
         saver = Saver(output, plan)
         totals = saver.begin(resume)

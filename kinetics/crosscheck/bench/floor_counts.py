@@ -41,7 +41,7 @@ def fly() -> Any:
 
 def flights(ensemble: Any) -> Counts:
     """Of a collision: the cells that a free path crosses are searched, and one scatterer is hit."""
-    from particles.cells import cell_side
+    from particles.grid.cells import cell_side
 
     # of a point among disks of radius d, the path before one is met is the free area over the
     # perimeter that it can hit: (1 - pi rho)/(2 rho) d at small densities

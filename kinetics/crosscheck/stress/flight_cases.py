@@ -119,7 +119,7 @@ def _lattice(cells: int) -> Outcome:
     Against flights that know of no index. The tracers start where one disk is left out.
     """
     from particles import Positions, simulate
-    from particles.cells import empty_box
+    from particles.grid.cells import empty_box
 
     spacing = 7.2  # d; at this density a cell is twice as wide
     side = 2 * cells * spacing

@@ -32,7 +32,7 @@ from kinetics.crosscheck.bench import (
 )
 from kinetics.crosscheck.bench.command import bench
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record, timed
-from particles.build import build
+from particles.grid.build import build
 
 E = 0.7
 ONCE = timing.Effort(quick=True, least=1, most=1, seconds=0.0)

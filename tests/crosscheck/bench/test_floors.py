@@ -59,7 +59,7 @@ def test_counts_of_densities_grow_with_the_times() -> None:
 def test_counts_of_flights_are_those_of_a_traced_flight() -> None:
     # cells that a straight path crosses: 1 + (|dx| + |dy|)/side on average, and the mean of
     # |cos| + |sin| over directions is 4/pi; free paths of points among disks of radius 1
-    from particles.cells import cell_side
+    from particles.grid.cells import cell_side
 
     run = SimpleNamespace(collision_total=1000)
     (_, cells, _), (_, bounces, _) = floor_counts.flights(run)

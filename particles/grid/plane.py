@@ -150,8 +150,11 @@ def is_clear(law: Law, p: int, q: int, x: float, y: float) -> bool:
 
 
 @njit(error_model="numpy")
-def is_kept(law: Law, counts: Counts, p: int, q: int, x: float, y: float, turn: float) -> bool:
+def is_kept(
+    law: Law, counts: Counts, region: tuple[int, int], x: float, y: float, turn: float
+) -> bool:
     """Tell whether a candidate at (x, y) of region (p, q) finds room when its turn comes."""
+    p, q = region
     for dp in range(-1, 2):
         if (dp < 0 and x > 1.0) or (dp > 0 and x < width(law, p) - 1.0):
             continue
@@ -168,6 +171,6 @@ def is_kept(law: Law, counts: Counts, p: int, q: int, x: float, y: float, turn: 
                 if dx * dx + dy * dy >= 1.0 or not is_clear(law, p + dp, q + dq, px, py):
                     continue
                 earlier = mark(state, gamma, k)
-                if earlier < turn and is_kept(law, counts, p + dp, q + dq, px, py, earlier):
+                if earlier < turn and is_kept(law, counts, (p + dp, q + dq), px, py, earlier):
                     return False
     return True

@@ -8,10 +8,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from particles import BoltzmannGrad, HardDisks, Poisson, Positions, simulate
-from particles.blocks import make, place
-from particles.build import build
-from particles.cells import BLOCK, EMPTY, SLOTS, WINDOW, Cells
-from particles.equilibrate import centres
+from particles.grid.blocks import make, place
+from particles.grid.build import build
+from particles.grid.cells import BLOCK, EMPTY, SLOTS, WINDOW, Cells
+from particles.grid.equilibrate import centres
 
 
 def in_box(medium: HardDisks | Poisson, seed: int = 1, configuration: int = 0) -> np.ndarray:
@@ -24,10 +24,7 @@ def in_box(medium: HardDisks | Poisson, seed: int = 1, configuration: int = 0) -
 def listed(cells: Cells, i: int, j: int) -> np.ndarray:
     """Return the scatterers that cell (i, j) of the plane lists, from the origin, sorted."""
     cell = place(i, j)
-    make(
-        cells.slots, cells.fill, cells.head, cells.links, cells.nodes, cells.keys, cells.law,
-        cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
-    )  # fmt: skip
+    make(cells, cell, i, j)
     row = cells.slots[cell]
     found = [(row[k], row[SLOTS + k]) for k in range(SLOTS) if row[k] != EMPTY]
     node = cells.head[cell]
@@ -142,7 +139,7 @@ def test_the_plane_has_the_density_asked_for() -> None:
 def test_hard_disks_of_the_plane_are_what_random_sequential_addition_keeps() -> None:
     # All candidates of 5 by 5 blocks, from their regions' streams, taken in the order of their
     # marks; what comes of it in the middle block does not depend on what lies beyond.
-    from particles import plane
+    from particles.grid import plane
 
     cells = build(HardDisks(0.3, box=None), np.uint64(3), 0)
     law, counts = cells.law, cells.counts

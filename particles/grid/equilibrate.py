@@ -5,8 +5,8 @@ from math import floor, sqrt
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells
-from particles.lanes import SLOTS
+from particles.compiled.slots import SLOTS
+from particles.grid.cells import Cells
 from particles.streams import EQUILIBRATION, open_stream, uniform
 
 

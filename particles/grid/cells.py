@@ -5,7 +5,7 @@ looks at no other. Positions are kept relative to the centre of the cell, so not
 from the origin. A cell has SLOTS places in one block; the few that need more go on in a chain.
 
 A periodic box stores all its cells. The unbounded plane stores a window of those last visited, in
-square blocks, and makes a block anew when a tracer enters it (particles.blocks): its scatterers
+square blocks, and makes a block anew when a tracer enters it (grid.blocks): its scatterers
 are drawn from streams of (seed, configuration, place), so it always holds the same ones.
 """
 
@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.lanes import SLOTS
+from particles.compiled.decorators import inlined
+from particles.compiled.slots import SLOTS
+from particles.grid.plane import Counts, Law, candidate_density, make_counts, make_law
 from particles.media import LISTED
-from particles.plane import Counts, Law, candidate_density, make_counts, make_law
 
 EMPTY = 1e150  # far away, and its square is still finite
 # The unbounded plane keeps 2**WINDOW by 2**WINDOW blocks of 2**BLOCK by 2**BLOCK cells.
@@ -142,22 +143,19 @@ def block_room(density: float, side: float) -> int:
     return ceil(mean + 24.0 * sqrt(mean) + 64.0)
 
 
-@njit(error_model="numpy", forceinline=True)
-def enlist(
-    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    cell: int, x: float, y: float, spare: int,
-) -> int:  # fmt: skip
+@inlined
+def enlist(cells: Cells, cell: int, x: float, y: float, spare: int) -> int:
     """Enter a scatterer in a cell, in node `spare` if its slots are full; return the next spare."""
-    k = fill[cell]
-    fill[cell] = k + 1
+    k = cells.fill[cell]
+    cells.fill[cell] = k + 1
     if k < SLOTS:
-        slots[cell, k] = x
-        slots[cell, SLOTS + k] = y
+        cells.slots[cell, k] = x
+        cells.slots[cell, SLOTS + k] = y
         return spare
-    nodes[spare, 0] = x
-    nodes[spare, 1] = y
-    links[spare] = head[cell]
-    head[cell] = spare
+    cells.nodes[spare, 0] = x
+    cells.nodes[spare, 1] = y
+    cells.links[spare] = cells.head[cell]
+    cells.head[cell] = spare
     return spare + 1
 
 
@@ -171,11 +169,12 @@ def _reaches(x: float, y: float, half: float) -> bool:
 
 
 @njit(error_model="numpy")
-def insert(
-    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    n: int, side: float, i: int, j: int, x: float, y: float, spare: int,
-) -> int:  # fmt: skip
-    """List a scatterer at (x, y) from the centre of cell (i, j) of a box wherever it reaches."""
+def insert(cells: Cells, i: int, j: int, x: float, y: float, spare: int) -> int:
+    """List a scatterer at (x, y) from the centre of cell (i, j) of a box wherever it reaches.
+
+    Return the next spare node.
+    """
+    n, side = cells.n, cells.side
     half = 0.5 * side
     for di in range(-1, 2):
         if di * x < abs(di) * (half - 1.0 - 1e-9):
@@ -186,24 +185,19 @@ def insert(
             rx, ry = x - di * side, y - dj * side
             if _reaches(rx, ry, half):
                 cell = (i + di) % n * n + (j + dj) % n
-                spare = enlist(slots, fill, head, links, nodes, cell, rx, ry, spare)
+                spare = enlist(cells, cell, rx, ry, spare)
     return spare
 
 
-@njit(error_model="numpy")
-def is_free(
-    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    cell: int, x: float, y: float,
-) -> bool:  # fmt: skip
-    """Tell whether no listed scatterer is nearer than 1 to (x, y) of this cell."""
-    for k in range(min(fill[cell], SLOTS)):
-        dx, dy = slots[cell, k] - x, slots[cell, SLOTS + k] - y
-        if dx * dx + dy * dy < 1.0:
-            return False
-    node = head[cell]
-    while node >= 0:
-        dx, dy = nodes[node, 0] - x, nodes[node, 1] - y
-        if dx * dx + dy * dy < 1.0:
-            return False
-        node = links[node]
-    return True
+@inlined
+def is_free(head: int, links: np.ndarray, nodes: np.ndarray, near: int, x: float, y: float) -> bool:
+    """Tell whether a cell lists no scatterer nearer than 1 to (x, y).
+
+    near: what `crowd` says of its slots. head: where the chain of the others begins.
+    """
+    free = near == 0
+    while free and head >= 0:
+        dx, dy = nodes[head, 0] - x, nodes[head, 1] - y
+        free = dx * dx + dy * dy >= 1.0
+        head = links[head]
+    return free

@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from particles import HardDisks, Poisson, Positions, simulate
-from particles.build import build
-from particles.equilibrate import centres
+from particles.grid.build import build
+from particles.grid.equilibrate import centres
 
 _SPEC = importlib.util.spec_from_file_location(
     "reference_simulator", Path(__file__).with_name("reference_simulator.py")

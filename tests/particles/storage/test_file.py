@@ -202,7 +202,7 @@ def test_where_a_file_cannot_be_written_nothing_is_left(tmp_path: Path) -> None:
 
 
 def test_the_layout_is_documented_and_has_units(half_a_run: Path) -> None:
-    import particles.storage
+    import particles.storage.file
 
     names = []
     with h5py.File(half_a_run) as file:
@@ -217,4 +217,4 @@ def test_the_layout_is_documented_and_has_units(half_a_run: Path) -> None:
             "histograms": f"histograms/<name>/{parts[-1]}",
             "raw": "raw/<name>",
         }.get(parts[0], name)
-        assert known in particles.storage.__doc__, name
+        assert known in particles.storage.file.__doc__, name

@@ -1,6 +1,6 @@
 """The journal of a run: each configuration as it is done, appended to a file beside the run's own.
 
-A run's file (particles.storage) is only ever written whole, which takes the longer the more it
+A run's file (particles.storage.file) is only ever written whole, which takes the longer the more it
 holds, so not every configuration can have it written again. In between, each configuration becomes
 one record of `<file>.journal`, handed to the system in one piece before the run goes on; when the
 file has been written, the journal is emptied, and when the run ends, removed.

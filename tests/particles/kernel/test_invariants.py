@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from particles import BoltzmannGrad, HardDisks, Poisson, Positions, simulate
-from particles.build import build
-from particles.equilibrate import centres
+from particles.grid.build import build
+from particles.grid.equilibrate import centres
 
 INSIDE = 1e-13  # no tracer is nearer to a scatterer than 1 - INSIDE; rounding of 100 d is 1e-14
 

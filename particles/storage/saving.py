@@ -5,16 +5,16 @@ import time
 from os import PathLike
 
 from particles.configuration import Plan, Tally
-from particles.ensemble import Totals
-from particles.journal import Journal
-from particles.storage import cannot_write, difference, plan_digest, read, write
+from particles.storage.file import cannot_write, difference, plan_digest, read, write
+from particles.storage.journal import Journal
+from particles.totals import Totals
 
 # Writing the run's file may take this share of the time from one such writing to the next.
 SHARE = 0.02
 
 
 class Saver:
-    """Saves a run to its file (particles.storage) and journal (particles.journal)."""
+    """Saves a run to its file (particles.storage.file) and journal (particles.storage.journal)."""
 
     def __init__(self, path: str | PathLike[str], plan: Plan) -> None:
         self.path = os.fspath(path)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from particles.cells import Cells, empty_box, plane
+from particles.grid.cells import Cells, empty_box, plane
+from particles.grid.placement import place_at_random, place_given
 from particles.media import BoltzmannGrad, HardDisks, Medium, Positions
-from particles.placement import place_at_random, place_given
 
 
 def build(
@@ -35,7 +35,7 @@ def build(
             f"{medium.number_density * placed / medium.count:.3g}"
         )
     if isinstance(medium, HardDisks) and medium.equilibrate:
-        from particles.equilibrate import equilibrate
+        from particles.grid.equilibrate import equilibrate
 
         positions = equilibrate(cells, medium.count, medium.equilibrate, seed, configuration)
         return _place(positions, np.zeros(2), side)

@@ -6,9 +6,9 @@ import numpy as np
 from numba import int64, njit
 from numba.extending import overload
 
-from particles.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
-from particles.lanes import SLOTS, crowd
-from particles.plane import (
+from particles.compiled.search import SLOTS, crowd
+from particles.grid.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
+from particles.grid.plane import (
     Counts,
     Law,
     begin,
@@ -66,30 +66,22 @@ def _compiled_is_missing(keys, cell, i, j):  # type: ignore[no-untyped-def]
 
 
 def supply(keys: np.ndarray, cells: Cells, cell: int, i: int, j: int) -> None:
-    """Make cell (i, j) of a plane; nothing is compiled for a box."""
-    make(
-        cells.slots, cells.fill, cells.head, cells.links, cells.nodes, keys, cells.law,
-        cells.counts, cells.draft, cells.pairs, cells.who, cell, i, j,
-    )  # fmt: skip
-
-
-_supply = njit(error_model="numpy")(supply)
+    """Make the block of cell (i, j) of a plane; nothing is compiled for a box."""
+    make(cells, cell, i, j)
 
 
 @overload(supply, inline="always")
 def _compiled_supply(keys, cells, cell, i, j):  # type: ignore[no-untyped-def]
     if keys.dtype == int64:
-        return lambda keys, cells, cell, i, j: _supply(keys, cells, cell, i, j)
+        return lambda keys, cells, cell, i, j: make(cells, cell, i, j)
     return lambda keys, cells, cell, i, j: None
 
 
 @njit(error_model="numpy")
-def make(
-    slots: np.ndarray, fill: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    keys: np.ndarray, law: Law, counts: Counts, draft: np.ndarray, pairs: np.ndarray,
-    who: np.ndarray, cell: int, i: int, j: int,
-) -> None:  # fmt: skip
-    """Make the block of cell (i, j) in its place of the window."""
+def make(cells: Cells, cell: int, i: int, j: int) -> None:
+    """Make the block of cell (i, j) where the window stores it; `cell` is where that cell goes."""
+    law, keys, slots, fill, head = cells.law, cells.keys, cells.slots, cells.fill, cells.head
+    draft, who = cells.draft, cells.who
     block = cell >> 2 * BLOCK
     first = block << 2 * BLOCK
     i, j = i >> BLOCK, j >> BLOCK
@@ -99,11 +91,11 @@ def make(
         head[c] = -1
         for k in range(2 * SLOTS):
             slots[c, k] = EMPTY
-    drawn, fringe = _draw(law, counts, draft, i, j)
+    drawn, fringe = _draw(law, cells.counts, draft, i, j)
     side = law.side / _ACROSS
     per_side = 1.0 / side
     last = _ACROSS - 1
-    spare = block * (links.size >> 2 * WINDOW)
+    spare = block * (cells.links.size >> 2 * WINDOW)
     for k in range(drawn):
         x, y = draft[k, _X], draft[k, _Y]
         a0, a1 = max(floor((x - _REACH) * per_side), 0), min(floor((x + _REACH) * per_side), last)
@@ -113,13 +105,11 @@ def make(
                 within = a * _ACROSS + b
                 if law.hard and fill[first + within] < SLOTS:
                     who[within, fill[first + within]] = k
-                spare = enlist(
-                    slots, fill, head, links, nodes, first + within,
-                    x - (a + 0.5) * side, y - (b + 0.5) * side, spare,
-                )  # fmt: skip
+                own_x, own_y = x - (a + 0.5) * side, y - (b + 0.5) * side
+                spare = enlist(cells, first + within, own_x, own_y, spare)
     if law.hard:
-        n_pairs = _pair_all(slots, head, links, nodes, draft, pairs, who, drawn, fringe, first, law)
-        _settle(slots, head, links, nodes, law, counts, draft, pairs, n_pairs, first, i, j)
+        n_pairs = _pair_all(cells, drawn, fringe, first)
+        _settle(cells, n_pairs, first, i, j)
 
 
 @njit(error_model="numpy")
@@ -165,16 +155,15 @@ def _draw(law: Law, counts: Counts, draft: np.ndarray, i: int, j: int) -> tuple[
 
 
 @njit(error_model="numpy")
-def _pair_all(
-    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    draft: np.ndarray, pairs: np.ndarray, who: np.ndarray, drawn: int, fringe: int,
-    first: int, law: Law,
-) -> int:  # fmt: skip
-    """Find the pairs of candidates that are too near to each other, some twice.
+def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
+    """Find the pairs of candidates that are nearer to each other than 1; return their number.
 
-    Return their number. Each is an earlier and a later one, in the order of the later one's turn.
-    The fringe only comes as the earlier one: what else befalls it is not this block's to decide.
+    Some pairs come twice. Each is an earlier and a later candidate, and the pairs are in the order
+    of the later one's turn. A candidate of the fringe comes only as the earlier one of a pair: no
+    cell of this block lists it, so whether it is kept matters only where it excludes another.
     """
+    law, slots, head, links, nodes = cells.law, cells.slots, cells.head, cells.links, cells.nodes
+    draft, pairs, who = cells.draft, cells.pairs, cells.who
     side = law.side / _ACROSS
     per_side = 1.0 / side
     last = _ACROSS - 1
@@ -225,12 +214,9 @@ def _pair(draft: np.ndarray, pairs: np.ndarray, n_pairs: int, one: int, other: i
 
 
 @njit(error_model="numpy")
-def _settle(
-    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    law: Law, counts: Counts, draft: np.ndarray, pairs: np.ndarray, n_pairs: int,
-    first: int, i: int, j: int,
-) -> None:  # fmt: skip
-    """Go through the pairs in order; refuse each later one whose earlier one is kept."""
+def _settle(cells: Cells, n_pairs: int, first: int, i: int, j: int) -> None:
+    """Go through the pairs in order; refuse each later candidate whose earlier one is kept."""
+    law, counts, draft, pairs = cells.law, cells.counts, cells.draft, cells.pairs
     side = law.side / _ACROSS
     for m in range(n_pairs):
         earlier, later = pairs[m, 0], pairs[m, 1]
@@ -242,7 +228,7 @@ def _settle(
             p, q = 2 * i + dp, 2 * j + dq
             x -= begin(law, p) - (law.side if dp < 0 else 0.0)
             y -= begin(law, q) - (law.side if dq < 0 else 0.0)
-            kept = is_kept(law, counts, p, q, x, y, draft[earlier, _TURN])
+            kept = is_kept(law, counts, (p, q), x, y, draft[earlier, _TURN])
         else:
             kept = draft[earlier, _KEPT] == 1.0
         if not kept:
@@ -253,22 +239,18 @@ def _settle(
         b0, b1 = max(floor((y - _REACH) / side), 0), min(floor((y + _REACH) / side), _ACROSS - 1)
         for a in range(a0, a1 + 1):
             for b in range(b0, b1 + 1):
-                _strike_out(
-                    slots, head, links, nodes, first + a * _ACROSS + b,
-                    x - (a + 0.5) * side, y - (b + 0.5) * side,
-                )  # fmt: skip
+                own_x, own_y = x - (a + 0.5) * side, y - (b + 0.5) * side
+                _remove(cells, first + a * _ACROSS + b, own_x, own_y)
 
 
 @njit(error_model="numpy")
-def _strike_out(
-    slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
-    cell: int, x: float, y: float,
-) -> None:  # fmt: skip
+def _remove(cells: Cells, cell: int, x: float, y: float) -> None:
     """Remove the scatterer at exactly (x, y) from a cell that may list it; its slot stays free."""
+    slots, links, nodes = cells.slots, cells.links, cells.nodes
     for k in range(SLOTS):
         if slots[cell, k] == x and slots[cell, SLOTS + k] == y:
             slots[cell, k] = slots[cell, SLOTS + k] = EMPTY
-    node = head[cell]
+    node = cells.head[cell]
     while node >= 0:
         if nodes[node, 0] == x and nodes[node, 1] == y:
             nodes[node, 0] = nodes[node, 1] = EMPTY

@@ -18,12 +18,13 @@ unit the user's arguments were in.
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
     raw/<name>                      as the attributes of Ensemble, in d and U
 
-A run that is under way has a journal beside its file: particles.journal.
+A run that is under way has a journal beside its file: particles.storage.journal.
 """
 
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import fields
 from os import PathLike
 from typing import Any
@@ -108,12 +109,14 @@ def plan_digest(plan: Plan) -> bytes:
     return bytes.fromhex(_digest(text, 0, arrays))
 
 
-def write(path: str | PathLike[str], plan: Plan, arrays: dict[str, np.ndarray], done: int) -> None:
+def write(
+    path: str | PathLike[str], plan: Plan, arrays: Mapping[str, np.ndarray], done: int
+) -> None:
     """Write a run beside `path` and rename it there. Raises ValueError if it cannot be written."""
     target = os.fspath(path)
     beside = f"{target}.part"
     text, described = _describe(plan)
-    everything = described | arrays
+    everything = {**described, **arrays}
     try:
         with h5py.File(beside, "w") as file:
             file.attrs["format"] = FORMAT

@@ -43,7 +43,7 @@ def killed(tmp_path: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def _write_the_file_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("particles.saving.SHARE", 1e-9)
+    monkeypatch.setattr("particles.storage.saving.SHARE", 1e-9)
 
 
 def resume(path: Path) -> tuple[Ensemble, int]:
@@ -105,7 +105,7 @@ def test_what_follows_a_torn_record_is_read_again(killed: Path, whole: Ensemble)
 
     # The file is written at the end only, as the first run's was.
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("particles.saving.time.monotonic", lambda: -1.0)
+        patch.setattr("particles.storage.saving.time.monotonic", lambda: -1.0)
         simulate(**ARGUMENTS, output=killed, resume=True, progress=progress)
     killed.write_bytes(file)
     journal.write_bytes(later[0])

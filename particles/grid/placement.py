@@ -3,16 +3,17 @@
 from math import floor
 
 import numpy as np
-from numba import njit
 
-from particles.cells import Cells, insert, is_free
+from particles.compiled.decorators import kernel
+from particles.compiled.search import crowd
+from particles.grid.cells import Cells, insert, is_free
 from particles.streams import PLACEMENT, open_stream, uniform
 
 # Attempts per disk after which random sequential addition is given up.
 ATTEMPTS = 20_000
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def place_at_random(
     cells: Cells, count: int, overlapping: bool, seed: np.uint64, configuration: int
 ) -> int:
@@ -22,8 +23,7 @@ def place_at_random(
     unless overlapping, of one placed before (random sequential addition).
     """
     n, side = cells.n, cells.side
-    slots, fill, head = cells.slots, cells.fill, cells.head
-    links, nodes = cells.links, cells.nodes
+    slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
     middle = n // 2
     state, gamma = open_stream(seed, PLACEMENT, configuration, 0)
     draws = 0
@@ -46,26 +46,23 @@ def place_at_random(
             dy = (j - middle) * side + y
             if dx * dx + dy * dy < 1.0:
                 continue
-            if overlapping or is_free(slots, fill, head, links, nodes, i * n + j, x, y):
+            cell = i * n + j
+            if overlapping or is_free(head[cell], links, nodes, crowd(slots, cell, x, y), x, y):
                 break
-        spare = insert(slots, fill, head, links, nodes, n, side, i, j, x, y, spare)
+        spare = insert(cells, i, j, x, y, spare)
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def place_given(cells: Cells, positions: np.ndarray, start: np.ndarray) -> None:
     """Fill an empty box with scatterers at given positions (count, 2), in d.
 
     `start` (2,) becomes the centre of the middle cell.
     """
     n, side = cells.n, cells.side
-    slots, fill, head = cells.slots, cells.fill, cells.head
-    links, nodes = cells.links, cells.nodes
     spare = 0
     for k in range(positions.shape[0]):
         x, y = positions[k, 0] - start[0], positions[k, 1] - start[1]
         i, j = floor(x / side + 0.5), floor(y / side + 0.5)
-        spare = insert(
-            slots, fill, head, links, nodes, n, side,
-            (i + n // 2) % n, (j + n // 2) % n, x - i * side, y - j * side, spare,
-        )  # fmt: skip
+        own_i, own_j = (i + n // 2) % n, (j + n // 2) % n
+        spare = insert(cells, own_i, own_j, x - i * side, y - j * side, spare)

@@ -1,0 +1,47 @@
+"""How functions are compiled: `inlined` into those that call them, or a `kernel` kept on disk.
+
+numba keeps compiled code in `__pycache__`, or where NUMBA_CACHE_DIR says, and compiles a function
+anew when its own file has changed. It does not see a change to a function of another file that has
+been inlined. Here the contents of every file that a kernel may be made of are part of the key that
+compiled code is found by, so no file ever has to be deleted by hand.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from typing import Any
+
+from numba import njit
+from numba.core.caching import FunctionCache
+
+from particles.compiled.search import FORM
+
+# forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
+inlined = njit(error_model="numpy", forceinline=True)
+
+
+@cache
+def sources() -> str:
+    """Return the SHA-256 of the files that kernels are compiled from, in hexadecimal."""
+    root = files("particles")
+    found = [root / "events.py", root / "streams.py"]
+    for folder in ("compiled", "grid", "kernel"):
+        found += [path for path in (root / folder).iterdir() if path.name.endswith(".py")]
+    total = sha256()
+    for path in sorted(found, key=str):
+        total.update(path.read_bytes())
+    return total.hexdigest()
+
+
+class _Cache(FunctionCache):
+    def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
+        return (*super()._index_key(signature, codegen), sources(), FORM)
+
+
+def kernel(function: Callable) -> Any:
+    """Compile a function that Python calls: it runs without the GIL and is kept on disk."""
+    compiled: Any = njit(nogil=True, error_model="numpy")(function)
+    if compiled is not function:  # or nothing is compiled (NUMBA_DISABLE_JIT)
+        compiled._cache = _Cache(function)
+    return compiled

@@ -1,0 +1,35 @@
+"""The eight slots of a cell, searched one after another: what is struck first, and what is near.
+
+These loops run as they stand in the interpreter. Compiled kernels have them from
+`particles.compiled.search`, which puts `particles.compiled.vectors` in their place where it can.
+"""
+
+import numpy as np
+
+from particles.events import NEVER, contact
+
+SLOTS = 8
+
+
+def strike(
+    slots: np.ndarray, cell: int, x: float, y: float, ux: float, uy: float
+) -> tuple[float, int]:
+    """Return (path to contact, slot) of the first scatterer met in a cell; NEVER if none.
+
+    slots (n_cells, 2 * SLOTS): x of each slot, then y, in d. Of equal paths the lowest slot counts.
+    """
+    path, found = NEVER, 0
+    for slot in range(SLOTS):
+        s, _ = contact(slots[cell, slot] - x, slots[cell, SLOTS + slot] - y, ux, uy)
+        if s < path:
+            path, found = s, slot
+    return path, found
+
+
+def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
+    """Return which slots of a cell are nearer than 1 to (x, y), one bit each."""
+    mask = 0
+    for slot in range(SLOTS):
+        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
+        mask |= int(dx * dx + dy * dy < 1.0) << slot
+    return mask

@@ -1,0 +1,35 @@
+"""The columns of every table that a run keeps: the one list of them. It costs no import of numba.
+
+They are the layout of saved files too (`particles.storage.file`): append, do not renumber.
+"""
+
+# How a tracer ended: indices into the counts of statuses.
+FINISHED, COLLISION_CAP, TRAPPED, ESCAPED = range(4)
+STATUSES = 4
+
+# Moments, (n_times, MOMENTS): sums over tracers at one output time of 1, v^2, v^4, r^2, r^4, the
+# collisions so far, v(t).v(0), and 1 for a tracer that is trapped. Velocities are multiplied by
+# `Records.scales` first.
+SAMPLES, SPEED2, SPEED4, R2, R4, COLLISIONS, CORRELATION, CAUGHT = range(8)
+MOMENTS = 8
+
+# Totals, (TOTALS,): sums over tracers of the path travelled and of the collisions, to their ends.
+TRAVELLED, ALL_COLLISIONS = range(2)
+TOTALS = 2
+
+# The end of one tracer, (FINALS,): ln of its speed, ln of its time, place, collisions.
+LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS = range(5)
+FINALS = 5
+
+# A trapped tracer, (TRAPS,): its number, and the time and the place at which it was caught.
+TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y = range(4)
+TRAPS = 4
+
+# Histograms: rows of the table of their grids.
+SPEED, COMPONENT, DISTANCE, PATH = range(4)
+HISTOGRAMS = (
+    "speed_histogram",
+    "velocity_component_histogram",
+    "displacement_histogram",
+    "free_path_histogram",
+)

@@ -1,0 +1,125 @@
+"""The state of one tracer under way, called its lane, and the steps that both kernels share.
+
+The path of a tracer does not depend on its speed (`particles.events`), so a lane holds a place, a
+unit direction and, apart from them, the slowness 1/speed. Lengths are in d, times in d/U.
+
+A tracer slows for ever. So that neither slowness nor time overflows, both are kept times 2**-64k;
+`shifts` is k and `unit` is 2**-64k.
+"""
+
+from math import cos, log, pi, sin, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from particles.compiled.decorators import inlined
+from particles.kernel.records import Records
+from particles.streams import START, open_stream, uniform
+
+# Tracers that one thread follows in turns. On a two-core cloud processor 16 was the best of 4, 8,
+# 16, 32 and 64 (tests/particles/measurements/lanes.py).
+LANES = 16
+RUNNING = -1  # the status of a tracer that has not ended
+SHIFT = 2.0**64
+
+# Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
+_FIELDS = {
+    np.float64: (
+        "x", "y",                       # place, from the centre of the lane's cell
+        "ux", "uy",                     # unit direction
+        "slowness", "time", "unit",     # each times 2**-64 shifts
+        "next_output",                  # time of the next output, as `time`; inf after the last
+        "travelled",                    # path since the start
+        "flight_x", "flight_y",         # where this flight began, from the start of the path
+        "start_vx", "start_vy",         # velocity at time 0, in U
+        "normal_x", "normal_y",         # of the scatterer struck last, towards the tracer
+        "wall_x", "wall_y",             # path to the next cell wall of each direction
+        "between_x", "between_y",       # path from one such wall to the next
+        "move_x", "move_y",             # from the centre of this cell to that of the next
+        "contact",                      # path to the next contact in this cell
+        "struck_x", "struck_y",         # the scatterer met there, from the cell's centre
+    ),
+    np.int64: (
+        "collisions", "output",         # how many there have been, of collisions and of outputs
+        "tracer", "shifts",
+        "i", "j",                       # the cell, counted without regard to periodicity
+        "stored_i", "stored_j",         # the cell of the box that stands for it
+        "cell",                         # where its scatterers are stored
+        "step_i", "step_j",             # +1 or -1: from this cell to the next
+    ),
+    np.uint64: ("stream", "gamma"),     # what random flights without scatterers are drawn from
+}  # fmt: skip
+LANE = np.dtype(
+    (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
+)
+
+
+class Start(NamedTuple):
+    """Which tracers to follow, and how.
+
+    first: number of the first one. given (n, 2): initial velocities in U, or (0, 2) to draw n of
+    them. most: the largest number of collisions, 0 for no limit.
+    """
+
+    first: int
+    n: int
+    given: np.ndarray
+    monoenergetic: bool
+    seed: Any
+    configuration: int
+    restitution: float
+    most: int
+
+
+@inlined
+def launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
+    """Set a lane to the beginning of the path of tracer number `start.first + tracer`."""
+    if start.given.shape[0]:
+        vx, vy = start.given[tracer, 0], start.given[tracer, 1]
+    else:
+        state, gamma = open_stream(start.seed, START, start.configuration, start.first + tracer)
+        angle = 2.0 * pi * uniform(state, gamma, 0)
+        speed = 1.0 if start.monoenergetic else sqrt(-2.0 * log(uniform(state, gamma, 1)))
+        vx, vy = speed * cos(angle), speed * sin(angle)
+    speed = sqrt(vx * vx + vy * vy)
+    lane.ux, lane.uy = vx / speed, vy / speed
+    lane.slowness, lane.unit = 1.0 / speed, 1.0
+    lane.next_output = records.times[0] if records.times.size else np.inf
+    lane.start_vx, lane.start_vy = vx, vy
+    lane.x = lane.y = lane.flight_x = lane.flight_y = 0.0
+    lane.time = lane.travelled = lane.normal_x = lane.normal_y = 0.0
+    lane.collisions = lane.output = lane.shifts = lane.i = lane.j = 0
+    lane.tracer = tracer
+
+
+@inlined
+def is_due(lane: Any, path: float, n_times: int) -> bool:
+    """Tell whether an output time comes within the next flight, of this length."""
+    return lane.time + path * lane.slowness >= lane.next_output and lane.output < n_times
+
+
+@inlined
+def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
+    """Move the clock by a flight, whose outputs have been queued.
+
+    Return the path flown and whether the last output has been reached: the flight then ends there.
+    The place is left to the caller, whose coordinates may be those of a cell.
+    """
+    finished = lane.output == n_times and n_times > 0
+    if finished:
+        path = max((last_time * lane.unit - lane.time) / lane.slowness, 0.0)
+    lane.travelled += path
+    lane.time += path * lane.slowness
+    return path, finished
+
+
+@inlined
+def shift_clock(lane: Any, times: np.ndarray) -> None:
+    """Keep the slowness and the time of a lane that has become slow from overflowing."""
+    while lane.slowness > SHIFT:
+        lane.slowness /= SHIFT
+        lane.time /= SHIFT
+        lane.unit /= SHIFT
+        lane.shifts += 1
+        if lane.output < times.size:
+            lane.next_output = times[lane.output] * lane.unit

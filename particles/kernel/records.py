@@ -1,0 +1,161 @@
+"""What a kernel writes down: sums, histograms and raw states at the output times."""
+
+from math import floor, log, log2
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from particles.compiled.decorators import inlined
+from particles.events import NEVER
+from particles.kernel import columns
+
+_LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
+
+# States at output times wait in a queue and are entered in the sums when it is full: the kernels'
+# loop then writes to one array instead of to all of them. Velocities are times Records.scales.
+_FIELDS = {
+    np.float64: ("x", "y", "vx", "vy", "start_vx", "start_vy", "caught"),
+    np.int64: ("output", "tracer", "collisions"),
+}
+OUTPUT = np.dtype(
+    (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
+)
+QUEUE = 1024
+
+
+class Records(NamedTuple):
+    """Arrays that a kernel adds to; those not asked for are empty. Columns: kernel.columns.
+
+    times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
+    by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
+    grids (4, 2): log2 of the lowest edge and bins per octave of each histogram. speeds, components,
+    distances (n_times, bins + 2) and paths (1, bins + 2): counts, the first and the last of what
+    lies outside. positions, velocities (n_times, n, 2) and finals (n, FINALS): raw, in d and U.
+    queue (QUEUE,) of OUTPUT and queued (1,): states that wait, and their number.
+    """
+
+    times: np.ndarray
+    scales: np.ndarray
+    moments: np.ndarray
+    totals: np.ndarray
+    statuses: np.ndarray
+    grids: np.ndarray
+    speeds: np.ndarray
+    components: np.ndarray
+    distances: np.ndarray
+    paths: np.ndarray
+    positions: np.ndarray
+    velocities: np.ndarray
+    finals: np.ndarray
+    queue: np.ndarray
+    queued: np.ndarray
+
+
+@inlined
+def _log2(value: float) -> float:
+    return log2(value) if value > 0.0 else -NEVER
+
+
+@inlined
+def _count(histogram: np.ndarray, row: int, log2_value: float, grid: np.ndarray) -> None:
+    """Add one to the bin of a value; the first and last bins hold what is below and above."""
+    last = histogram.shape[1] - 1
+    place = floor((log2_value - grid[0]) * grid[1]) + 1.0
+    if place < 1.0:
+        histogram[row, 0] += 1
+    elif place >= last:
+        histogram[row, last] += 1
+    else:
+        histogram[row, int(place)] += 1
+
+
+@inlined
+def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
+    """Enter a completed flight in the histogram of free paths."""
+    _count(paths, 0, _log2(path), grids[columns.PATH])
+
+
+@inlined
+def _fill_constants(lane: Any, row: Any) -> None:
+    """Fill in what of a lane's state does not change in a flight."""
+    row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
+    row.start_vx, row.start_vy = lane.start_vx, lane.start_vy
+
+
+@inlined
+def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
+    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
+    k = lane.output
+    _fill_constants(lane, row)
+    # Not negative but for outputs that `unit` has rounded to 0: passed within 1e-8 d.
+    done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
+    speed = scales[k] * lane.unit / lane.slowness
+    row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
+    row.vx, row.vy = speed * lane.ux, speed * lane.uy
+    row.caught = 0.0
+    lane.output = k + 1
+    lane.next_output = times[k + 1] * lane.unit if k + 1 < times.size else np.inf
+
+
+@inlined
+def queue_rest(lane: Any, records: Records) -> None:
+    """Queue a trapped tracer for all output times that are left: at rest where the flight began."""
+    while lane.output < records.times.size:
+        if records.queued[0] == QUEUE:
+            enter_queue(records)
+        row = records.queue[records.queued[0]]
+        records.queued[0] += 1
+        _fill_constants(lane, row)
+        row.x, row.y, row.vx, row.vy = lane.flight_x, lane.flight_y, 0.0, 0.0
+        row.caught = 1.0
+        lane.output += 1
+
+
+@njit(error_model="numpy")
+def enter_queue(records: Records) -> None:
+    """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
+    moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
+    speeds, components, distances = records.speeds, records.components, records.distances
+    positions, velocities = records.positions, records.velocities
+    for m in range(records.queued[0]):
+        row = queue[m]
+        k, x, y, vx, vy = row.output, row.x, row.y, row.vx, row.vy
+        r2 = x * x + y * y
+        v2 = vx * vx + vy * vy
+        moments[k, columns.SAMPLES] += 1.0
+        moments[k, columns.SPEED2] += v2
+        moments[k, columns.SPEED4] += v2 * v2
+        moments[k, columns.R2] += r2
+        moments[k, columns.R4] += r2 * r2
+        moments[k, columns.COLLISIONS] += row.collisions
+        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy
+        moments[k, columns.CAUGHT] += row.caught
+        if speeds.size:
+            _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[columns.SPEED])
+        if components.size:
+            _count(components, k, _log2(abs(vx)) - log2(scales[k]), grids[columns.COMPONENT])
+        if distances.size:
+            _count(distances, k, 0.5 * _log2(r2), grids[columns.DISTANCE])
+        if positions.size:
+            positions[k, row.tracer, 0] = x
+            positions[k, row.tracer, 1] = y
+        if velocities.size:
+            velocities[k, row.tracer, 0] = vx / scales[k]
+            velocities[k, row.tracer, 1] = vy / scales[k]
+    records.queued[0] = 0
+
+
+@inlined
+def finish(lane: Any, status: int, records: Records) -> None:
+    """Enter the end of a tracer, at the place where its flight began."""
+    records.totals[columns.TRAVELLED] += lane.travelled
+    records.totals[columns.ALL_COLLISIONS] += lane.collisions
+    records.statuses[status] += 1
+    if records.finals.size:
+        end, shift = records.finals[lane.tracer], lane.shifts * _LN_SHIFT
+        end[columns.LN_SPEED] = -log(lane.slowness) - shift
+        end[columns.LN_TIME] = (log(lane.time) if lane.time > 0.0 else -NEVER) + shift
+        end[columns.FINAL_X] = lane.flight_x
+        end[columns.FINAL_Y] = lane.flight_y
+        end[columns.FINAL_COLLISIONS] = lane.collisions
