@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import PanelRule, PanelShifts
 
 FloatArray = NDArray[np.float64]
 
@@ -177,7 +177,12 @@ def _sweep(
 ) -> Waves:
     """Panel after panel upwards, with as many harmonics as count there, ``top`` at most (even)."""
     n, size = rule.nodes, wave_numbers.size
-    loss, gain = rule.kernel(law, list(range(top + 1)), rate=2.0 * n / rule.width)
+    q = law.quadrature_for(2.0 * n / rule.width, top)
+    loss, gain = PanelShifts(rule, q.log_loss).kernel(
+        q.weight,
+        np.stack([q.harmonic(m) for m in range(top + 1)]),
+        np.stack([q.harmonic_loss(m) for m in range(top + 1)]),
+    )
     recent = _shares(law, rule.width, gain.shape[2] // n)
     # next to nothing comes from farther down, where e is about 0
     far = np.count_nonzero(np.cumsum(recent) < _FAR * tolerance)
