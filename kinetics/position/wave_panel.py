@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import gauss_legendre
 
 FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WavePanel:
-    """F of the collided on an interval of K = k l, at Chebyshev points.
+    """F of the collided on an interval of K = k l, at Chebyshev points of the first kind.
 
     Attributes
     ----------
     low, high : its ends
-    which : indices of the times at which it is not negligible, shape (n_which,)
+    which : indices of the times at which it is not negligible, rising, shape (n_which,)
     values : shape (n_which, nodes)
     """
 
@@ -35,8 +34,7 @@ class WavePanel:
     @property
     def nodes(self) -> FloatArray:
         """K at the points, shape (nodes,)."""
-        local, _ = chebyshev_points(self.values.shape[1])
-        return self.low + (self.high - self.low) * local
+        return points_between(self.low, self.high, self.values.shape[1])
 
     def of(self, time: int) -> FloatArray | None:
         """F at the nodes at one of the times; None where it is negligible."""
@@ -44,25 +42,22 @@ class WavePanel:
         return None if place.size == 0 else np.asarray(self.values[place[0]])
 
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gauss nodes and weights in K, and F there."""
+        """Gauss nodes and weights in K, shape (points,) each, and the polynomial f there."""
         node, weight = gauss_legendre(points)
-        local, barycentric = chebyshev_points(f.size)
-        rows = interpolation_rows(node[:, None] - local, barycentric)
         width = self.high - self.low
-        return self.low + width * node, width * weight, rows @ f
+        return self.low + width * node, width * weight, _rows_to_gauss(f.size, points) @ f
+
+    def at_zero(self, f: FloatArray) -> float:
+        """The polynomial f at K = 0, for a panel that begins there."""
+        return float((FirstKind(f.size).rows(np.zeros(1)) @ f)[0])
 
 
-def chebyshev_points(nodes: int) -> tuple[FloatArray, FloatArray]:
-    """Chebyshev points of the first kind on [0, 1], rising, and their barycentric weights."""
-    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
-    weights = np.asarray((-1.0) ** np.arange(nodes) * np.sin(angle), dtype=float)
-    return np.asarray(0.5 * (1.0 + np.cos(angle))), weights
+def points_between(low: float, high: float, nodes: int) -> FloatArray:
+    """The Chebyshev points of the first kind in an interval, shape (nodes,)."""
+    return low + (high - low) * FirstKind(nodes).local
 
 
-def last_coefficients(values: NDArray[Any]) -> float:
-    """Size of the last two Chebyshev coefficients of values at those points, (n, nodes)."""
-    nodes = values.shape[1]
-    angle = (np.arange(nodes)[::-1] + 0.5) * math.pi / nodes
-    order = np.array([nodes - 2, nodes - 1])
-    coefficients = values @ np.cos(np.outer(angle, order)) * (2.0 / nodes)
-    return float(np.abs(coefficients).max())
+@lru_cache(maxsize=64)  # panels and times have few different sizes
+def _rows_to_gauss(nodes: int, points: int) -> FloatArray:
+    """Interpolation from the Chebyshev to the Gauss points, shape (points, nodes)."""
+    return FirstKind(nodes).rows(gauss_legendre(points)[0])
