@@ -19,23 +19,17 @@ from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
 FloatArray = NDArray[np.float64]
 
 # The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
-# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just above 0: it
-# serves the moments 0 to 4 alone, because noise grows in moments below the tilt, not above it.
-_FIRST_TILT = 0.1
+# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at
+# small e the norm needs the long tail to low speeds, and the moments 0 to 4 need no other tilt.
+_FIRST_TILT = -0.05
 _LOWEST_LOG = -690.0  # F below e^-690 = 1e-300 is 0
 _PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0  # trapezoid rule over two half periods
-# The constants below are measured again by tests/kinetics/measurements/scaling.py.
-# Below the restitution _LONG_TAIL, the norm needs the long tail to low speeds: another first tilt.
-_FIRST_TILT_LOW, _LONG_TAIL = -0.05, 0.35
-# ln g this far below its peak, above and below the bulk, is so steep that the error of the unit of
-# speed counts too much, and the bulk is solved again.
-_FAR_ABOVE, _FAR_BELOW = 75.0, 150.0
-_FAR = 15.0  # g below e^-_FAR rtol does not matter to the recursion for low speeds
-_NEGLIGIBLE = 4.0  # what lies beyond the lowest speeds may weigh e^-_NEGLIGIBLE rtol
-# The noise of a tilt at the ends of its window, in units of its error, and what of rtol it may take
-# from a moment.
-_NOISE_LEFT, _NOISE_RIGHT, _MOMENT_SHARE = 1.0, 0.05, 0.15
-_SPACING = 1.4  # of the points of a moment, in units of that of the tilts: below 2, see _samples
+_NEGLIGIBLE = 4.0  # e^-4 = 2 % of rtol: what lies beyond the speeds that are solved may weigh that
+# The two constants below are measured again by tests/kinetics/measurements/scaling.py.
+_NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of its peak
+# ln g this far below its peak is so steep that the error of the unit of speed counts too much, and
+# the bulk is solved again.
+_FAR = 75.0
 
 
 class SpeedAxis:
@@ -59,8 +53,7 @@ class SpeedAxis:
         self.law = law
         self.rtol = rtol
         self.requested_nodes = nodes
-        first = _FIRST_TILT_LOW if law.restitution < _LONG_TAIL else _FIRST_TILT
-        self.tilts = [solve_tilt(law, first, rtol, nodes, bulk=True)]
+        self.tilts = [solve_tilt(law, _FIRST_TILT, rtol, nodes, bulk=True)]
         self.scales = [0.0]
         self._bulk = 0  # index of the first one solved
         self._seams: list[float] = []  # x where neighbours meet
@@ -82,7 +75,7 @@ class SpeedAxis:
 
     def log_sum(self, p: float, share: float = 1.0) -> float:
         """ln of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
-        self._extend_for_moment(p, _MOMENT_SHARE * share * self.rtol)
+        self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
         if self.law.restitution == 0.0:
             # there g ~ e^x: the grid goes on below what is solved until e^((1+p) x) is negligible
@@ -102,7 +95,7 @@ class SpeedAxis:
         """Solve further up and down until the noise of the last tilts is negligible."""
         while True:
             high = self.tilts[-1]
-            lost = self._lost_by(high, self.scales[-1], p, high.grid.end, _NOISE_RIGHT)
+            lost = self._lost_by(high, self.scales[-1], p, high.grid.end)
             if p <= high.theta or lost < accepted:
                 break
             if not self._add_above():
@@ -118,7 +111,7 @@ class SpeedAxis:
             low = self.tilts[0]
             if p >= low.theta or self.law.restitution == 0.0:
                 break
-            lost = self._lost_by(low, self.scales[0], p, low.grid.start, _NOISE_LEFT)
+            lost = self._lost_by(low, self.scales[0], p, low.grid.start)
             if lost < accepted or not self._add_below():
                 break
 
@@ -132,18 +125,14 @@ class SpeedAxis:
             for t, scale in zip(self.tilts, self.scales, strict=True)
         )
 
-    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float, level: float) -> float:
+    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float) -> float:
         """What the noise of a tilt at x adds to moment p, relative to it."""
         peak = tilt.landmarks[1] + tilt.theta * tilt.centre + scale
         log_lost = peak + (p - tilt.theta) * x - self._peak(p)
-        return level * tilt.noise * math.exp(min(log_lost, 600.0))
+        return _NOISE * tilt.noise * math.exp(min(log_lost, 600.0))
 
     def _samples(self) -> tuple[FloatArray, FloatArray, float]:
-        """Equidistant x over all that is solved, ln g there, and the spacing.
-
-        A spacing h resolves wave numbers up to pi/h, but the trapezoid rule sees only those from
-        2 pi/h on: less than twice the spacing of the tilts is enough.
-        """
+        """Equidistant x over all that is solved, ln g there, and the spacing."""
         if self._sampled is None:
             if len(self.tilts) == 1 and self._low is None and self.law.restitution > 0.0:
                 only = self.tilts[0]
@@ -156,7 +145,7 @@ class SpeedAxis:
             if not top > bottom:  # too few nodes
                 self.unresolved = True
                 top = bottom + 1.0
-            spacing = _SPACING * min(t.grid.spacing for t in self.tilts)
+            spacing = min(t.grid.spacing for t in self.tilts)
             x = np.linspace(bottom, top, math.ceil((top - bottom) / spacing) + 1)
             self._sampled = (x, self._joined(x), float(x[1] - x[0]))
         return self._sampled
@@ -244,7 +233,7 @@ class SpeedAxis:
 
     def _log_density_above(self, x: FloatArray) -> FloatArray:
         """ln g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
-        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _FAR)
+        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _NEGLIGIBLE)
         top = self.tilts[-1].top
         out = self._joined(np.minimum(x, top))
         above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
@@ -267,7 +256,7 @@ class SpeedAxis:
         if not self.refined and self.requested_nodes is None:
             bulk = self.tilts[self._bulk]
             drop = np.where(np.isfinite(out), bulk.landmarks[1] - out, 0.0)
-            if np.any(drop > np.where(x > bulk.centre, _FAR_ABOVE, _FAR_BELOW)):
+            if np.any(drop > _FAR):
                 self._refine()
                 return self._joined(x)
         return out

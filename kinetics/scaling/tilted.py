@@ -42,14 +42,14 @@ SMALLEST_NODES = 8
 _BULK_MARGIN, _MARGIN = 4.3, 7.0
 _MORE_MODES = 1.0
 # The highest modes left out move a wide density as a whole, which high moments notice: more modes
-# for each unit of its deviation, up to _WIDE.
-_MORE_WHERE_WIDE, _WIDE = 2.3, 1.2
+# for each unit of its deviation.
+_MORE_WHERE_WIDE = 2.3
 _MISSED = 20.0  # a tilt whose estimate is this far above its error is solved again
 # Rounding of a tilt relative to its peak; over its deviation for nearly elastic tracers.
 _ROUNDING, _NARROW_ROUNDING = 1e-14, 2e-15
 _NARROWEST = 2.2  # deviations that a tilt serves on either side, at least
-# Error over estimate: of the bordering unknown, some and more where the density is narrow, and of
-# the highest modes.
+# Error over estimate: of the unknown that makes the equation regular, some and more for narrow
+# densities, and of the highest modes.
 _DEFECT, _NARROW_DEFECT, _SPECTRUM = 30.0, 1.3, 0.3
 # Below _FEW_BOUNCES, few bounces carry a tracer from the bulk (x near 0) to low speeds, and a tilt
 # there loses as much of its accuracy as the bulk is below its peak: e^-_BULK_DROP at most.
@@ -285,7 +285,7 @@ def solve_tilt(
 
 def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
     left, right, deviation = window_of(law, theta, depth - 1.0)
-    more = _MORE_MODES + _MORE_WHERE_WIDE * min(deviation, _WIDE)
+    more = _MORE_MODES + _MORE_WHERE_WIDE * deviation
     band = band_of(law, theta, depth + more, deviation)
     # an odd number: at an even one the highest mode is half missing, and its error ten times that
     nodes = min(MAX_NODES, max(SMALLEST_NODES, math.ceil((right - left) * band / math.pi))) | 1
