@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
+from kinetics.position.wave_panel import make_read_only
 from kinetics.states.isotropic import State
 
 FloatArray = NDArray[np.float64]
 
 _NODES = 16  # of a polynomial for a piece of the initial density
 _LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum
-_HALVINGS = 45  # at a jump nobody knows of, 2^-45 of the axis is left for a wrong polynomial
+_HALVINGS = 100  # of the axis towards speed 0, where a density may be a root of v
+_JUMP = 2.0**-45  # width of a piece, relative to its speed, that is left for a jump
 _MOST_PIECES = 4000  # where a density is rough everywhere: half a million numbers
 _NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
 
@@ -36,6 +38,9 @@ class UncollidedDensity:
     times: FloatArray
     edges: FloatArray
     values: FloatArray
+
+    def __post_init__(self) -> None:
+        make_read_only(self.times, self.edges, self.values)
 
     @property
     def is_zero(self) -> bool:
@@ -82,7 +87,8 @@ def uncollided_density(state: State, mean_free_path: float, times: FloatArray) -
     if profile is None:
         return UncollidedDensity(mean_free_path, times, np.zeros(0), np.zeros((0, _NODES)))
     kinks = np.asarray(state.kinks, dtype=float)
-    top = float(kinks[-1]) if kinks.size else _fastest(state, 1e-12)
+    # the points of a function stop short of where it ends
+    top = float(kinks[-1]) if kinks.size else 1.25 * _fastest(state, 1e-12)
     edges = np.union1d([0.0, top], kinks[(kinks >= 0.0) & (kinks <= top)])
     rule = FirstKind(_NODES)
     starts, kept = [], []
@@ -92,6 +98,7 @@ def uncollided_density(state: State, mean_free_path: float, times: FloatArray) -
         f = np.asarray(profile(v.ravel()).real).reshape(v.shape)
         left_out = np.maximum(*rule.last_coefficients(f))
         done = left_out <= _LEFT_OUT * np.abs(f).max(axis=1)
+        done |= ends[:, 1] - ends[:, 0] <= _JUMP * ends[:, 1]
         done |= (halving == _HALVINGS) | (ends.shape[0] > _MOST_PIECES)
         starts.append(ends[done, 0])
         kept.append(f[done])

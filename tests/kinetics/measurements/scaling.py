@@ -38,9 +38,7 @@ CONSTANTS = [
     Constant(log_density, "_FAR", (0.4, 2.0)),
     Constant(log_density, "_NOISE", (0.1, 10.0)),
     Constant(log_density, "_NEGLIGIBLE", (-3.0, 3.0), add=True),
-    Constant(low_speeds, "_MORE_NODES", (-1, 1), add=True),
-    Constant(low_speeds, "_MOST_NODES", (-4, 4), add=True),
-    Constant(low_speeds, "_LEAST_NODES", (-2, 2), add=True),
+    Constant(low_speeds, "_MORE_NODES", (-3, 3), add=True),
 ]
 
 
