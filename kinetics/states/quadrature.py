@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
 
 FloatArray = NDArray[np.float64]
