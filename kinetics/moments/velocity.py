@@ -25,8 +25,8 @@ from kinetics.moments.backward import (
     speed_power,
 )
 from kinetics.numerics.panels import PanelRule
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

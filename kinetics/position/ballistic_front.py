@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ from kinetics.numerics.wave_panel import Indices, WavePanel, chebyshev_points, l
 from kinetics.position.ballistic_front import fronts, reach, uncollided_density
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

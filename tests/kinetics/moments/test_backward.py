@@ -28,7 +28,7 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 OBSERVABLES = (
     speed_power(-0.25),
