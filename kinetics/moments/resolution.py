@@ -47,7 +47,7 @@ class _EarlyPanels:
     Attributes
     ----------
     x : X at the nodes, shape (n_panels, _DEGREE + 1)
-    powers : T^k, shape (n_panels, _DEGREE + 1, TERMS + 1)
+    powers : T^k, shape (n_panels * (_DEGREE + 1), TERMS + 1)
     transform : values at the nodes of a panel to coefficients, (_DEGREE + 1, _DEGREE + 1)
     """
 
@@ -60,52 +60,64 @@ class _EarlyPanels:
 def _early_panels(width: float) -> _EarlyPanels:
     k = np.arange(_DEGREE + 1)
     local = 0.5 * (1.0 - np.cos(math.pi * k / _DEGREE))
-    panels = np.arange(math.ceil(_LONGEST / width))
-    x = START + width * (panels[:, None] + local)
+    x = START + width * (np.arange(math.ceil(_LONGEST / width))[:, None] + local)
     halves = np.where((k == 0) | (k == _DEGREE), 0.5, 1.0)
     cosines = np.cos(math.pi / _DEGREE * np.outer(k, k))
-    powers = np.exp(x[:, :, None] * np.arange(TERMS + 1))
+    powers = np.exp(np.multiply.outer(x.ravel(), np.arange(TERMS + 1)))
     return _EarlyPanels(x, powers, 2.0 / _DEGREE * halves[:, None] * cosines)
 
 
-def nodes_for(
+@dataclass(frozen=True)
+class Decay:
+    """What Chebyshev series leave out of an observable on all panels, relative to it.
+
+    Attributes
+    ----------
+    error : of series of 2, 3, ... nodes, shape (_DEGREE,)
+    noise : rounding of the error
+    """
+
+    error: FloatArray
+    noise: float
+
+    def nodes_for(self, rtol: float) -> int:
+        """The fewest nodes for which the error is about rtol."""
+        enough = np.nonzero(self.error <= rtol)[0]
+        clear = np.nonzero(self.error <= _ABOVE_NOISE * self.noise)[0]
+        last = int(clear[0]) - 1 if clear.size else self.error.size - 1
+        if enough.size and enough[0] <= last + 1:
+            index = int(enough[0])
+        else:
+            # beyond the noise the error goes on falling as it did, by e a node at least
+            middle = last // 2
+            rate = math.log(self.error[middle] / self.error[last]) / max(last - middle, 1)
+            index = last + math.ceil(math.log(self.error[last] / rtol) / max(rate, 1.0))
+        return min(MOST, max(FEWEST, 2 + index))
+
+
+def decay_of(
     law: CollisionLaw,
     y: Observable,
-    rtol: float,
     width: float = 1.0,
     known: dict[Observable, FloatArray] | None = None,
-) -> int:
-    """Nodes of a panel at which the error estimate of the backward equation is about rtol; e < 1.
+) -> Decay:
+    """How fast the Chebyshev coefficients of y fall; e < 1.
 
     ``known`` keeps power series from one call to the next.
     """
     panels = _early_panels(width)
-    series = moment_series(law, y, known)
-    power = np.exp(y.degree * panels.x)
-    values = scale = power * (panels.powers @ series)
+    x, series = panels.x, moment_series(law, y, known)
+    power = np.exp(y.degree * x)
+    values = scale = power * (panels.powers @ series).reshape(x.shape)
     if scale_of(y) != y:
-        scale = power * (panels.powers @ moment_series(law, scale_of(y), known))
-    elif not (y.sources or y.constant) and law.mean_log_loss * math.exp(panels.x[-1, -1]) < 1.0:
+        scale = power * (panels.powers @ moment_series(law, scale_of(y), known)).reshape(x.shape)
+    elif not (y.sources or y.constant) and law.mean_log_loss * math.exp(x[-1, -1]) < 1.0:
         # the change at T = 1/kappa comes later: (T/(1 + T))^p on as many panels about T = 1
-        values = scale = np.concatenate([values, (1.0 + np.exp(-panels.x)) ** -y.degree])
+        values = scale = np.concatenate([values, (1.0 + np.exp(-x)) ** -y.degree])
     ends = smaller_ends(scale)
     size = np.abs(values @ panels.transform)
-    # by degree from 1 on: what a series that ends there leaves out, on all panels
-    error = _WITH_LATER_PANELS * np.sum(left_out(size[:, 1:], size[:, :-1]) / ends[:, None], axis=0)
-    # rounding of the terms and the first term that is missing
-    terms = np.abs(series) * panels.powers[:, -1]
-    noise = power[:, -1] * (np.finfo(float).eps * terms.max(axis=1) + terms[:, -1])
-    found = _first_below(error, rtol, float(np.sum(noise / ends[: noise.size])))
-    return min(MOST, max(FEWEST, 2 + found))
-
-
-def _first_below(error: FloatArray, rtol: float, noise: float) -> int:
-    """The first index at which error, (n,), is below rtol; beyond the noise at its mean rate."""
-    enough = np.nonzero(error <= rtol)[0]
-    clear = np.nonzero(error <= _ABOVE_NOISE * noise)[0]
-    last = int(clear[0]) - 1 if clear.size else error.size - 1
-    if enough.size and enough[0] <= last + 1:
-        return int(enough[0])
-    middle = last // 2
-    rate = math.log(error[middle] / error[last]) / max(last - middle, 1)
-    return last + math.ceil(math.log(error[last] / rtol) / max(rate, 1.0))
+    error = _WITH_LATER_PANELS * (left_out(size[:, 1:], size[:, :-1]) / ends[:, None]).sum(axis=0)
+    # where T is largest: rounding of the largest term, and the first term that is missing
+    terms = np.abs(series) * panels.powers[-1]
+    noise = power[-1, -1] * (np.finfo(float).eps * terms.max() + terms[-1])
+    return Decay(error, float(len(x) * noise / ends[len(x) - 1]))

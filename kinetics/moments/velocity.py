@@ -24,7 +24,7 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
-from kinetics.moments.resolution import nodes_for
+from kinetics.moments.resolution import Decay, decay_of
 from kinetics.numerics.panels import PanelRule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
@@ -67,6 +67,9 @@ class Averages:
     _series: dict[Observable, FloatArray] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _decays: dict[Observable, Decay] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
     _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
@@ -78,7 +81,9 @@ class Averages:
 
     def nodes_for(self, y: Observable, rtol: float) -> int:
         """Nodes of a panel at which the error of y, relative to itself, is about rtol; e < 1."""
-        return nodes_for(self.law, y, rtol, self.width, self._series)
+        if y not in self._decays:
+            self._decays[y] = decay_of(self.law, y, self.width, self._series)
+        return self._decays[y].nodes_for(rtol)
 
     @property
     def elastic(self) -> bool:

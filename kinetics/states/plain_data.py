@@ -22,7 +22,7 @@ class PlainData:
     """
 
     def __post_init__(self) -> None:
-        self.store(**self._held())
+        self.store(**vars(self))
 
     def store(self, **values: Any) -> None:
         """Set fields. Arrays become read-only as they are (no copy), mappings read-only views."""
