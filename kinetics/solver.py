@@ -15,8 +15,9 @@ from kinetics.errors import InputError, check_rtol, short, warn_missed
 from kinetics.moments import displacement as position
 from kinetics.moments.backward import MEAN_COLLISIONS, Observable, speed_power
 from kinetics.moments.velocity import Averages
-from kinetics.position.density import Displacement, solve_displacement
+from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import scattering_function
+from kinetics.position.solve_density import solve_displacement
 from kinetics.scaling.scaled_vdf import SolverStatus
 from kinetics.scene import Scene
 from kinetics.solution import PlanStep, Solution

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import PanelRule, PanelShifts
 
 FloatArray = NDArray[np.float64]
 
@@ -203,6 +203,7 @@ class BackwardEquation:
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+    _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         limit = _SATURATION - math.log(self.law.mean_log_loss)
@@ -224,7 +225,12 @@ class BackwardEquation:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
         if m not in self._kernels:
             rate = max(float(self.nodes), _STEEPEST / self.width)
-            loss, gain = self.rule.kernel(self.law, [m], rate)
+            q = self.law.quadrature_for(rate, m)
+            points = q.weight.size
+            if points not in self._shifts:  # most harmonics share one quadrature
+                self._shifts[points] = PanelShifts(self.rule, q.log_loss)
+            factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
+            loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
             self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.numerics.wave_panel import Indices, chebyshev_points, last_coefficients
 from kinetics.position.scattering import Waves, solve_waves
+from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
@@ -248,11 +248,10 @@ def _through_points(
         fastest = float(np.max(system.state.peaks[0]))
         nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
     if wave_numbers.size > 1.5 * nodes:
-        local, weights = chebyshev_points(math.ceil(nodes))
-        trial, error = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
-        left_out = last_coefficients(trial)
+        rule = FirstKind(math.ceil(nodes))
+        trial, error = system.whole(low + (high - low) * rule.local, direction, 0.5 * tolerance)
+        left_out = float(np.max(rule.last_coefficients(trial)))
         if left_out < 0.5 * tolerance:
-            places = (wave_numbers - low) / (high - low)
-            rows = interpolation_rows(places[:, None] - local, weights)
-            return np.asarray(trial @ rows.T), error + float(left_out)
+            rows = rule.rows((wave_numbers - low) / (high - low))
+            return np.asarray(trial @ rows.T), error + left_out
     return system.whole(wave_numbers, direction, tolerance)

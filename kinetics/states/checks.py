@@ -17,7 +17,7 @@ _NORM = 1e-6  # how far the integral of a given density may be from 1; it is res
 def finite_array(
     name: str, values: ArrayLike, shape: str = "1-dimensional", dimensions: int = 1
 ) -> FloatArray:
-    """A copy of the values as finite real numbers in an array of so many dimensions.
+    """A read-only copy of the values as finite real numbers in an array of so many dimensions.
 
     ``shape`` says in the message what is allowed. Complex and masked values are refused.
     """
@@ -30,6 +30,7 @@ def finite_array(
         raise InputError(f"{name}: got {short(values)}; it must be an array of numbers") from None
     if array.ndim != dimensions or not np.all(np.isfinite(array)):
         raise InputError(f"{name}: got {short(values)}; it must be finite, {shape}")
+    array.flags.writeable = False
     return array
 
 

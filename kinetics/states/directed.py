@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class VelocitySamples(State):
     """Velocities of particles, each of the same weight; directions are kept.
 
@@ -63,7 +63,7 @@ class VelocitySamples(State):
         return np.hypot(v[:, 0], v[:, 1]), np.full(v.shape[0], 1.0 / v.shape[0])
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class Beam(State):
     """All velocities in one direction.
 
@@ -124,7 +124,7 @@ class Beam(State):
         return lambda v: np.asarray(turn * profile(v))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class AngularHarmonics(State):
     """f(v, phi) given by its angular harmonics.
 
@@ -177,7 +177,7 @@ class AngularHarmonics(State):
         return lambda v: quadrature.evaluate_density(term, v)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class PolarGrid(State):
     """f(v, phi), a density in the velocity plane, on a polar grid.
 

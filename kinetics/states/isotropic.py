@@ -27,7 +27,7 @@ _FAR_BESSEL = 3e4
 _NORM_RTOL = 1e-7  # a tenth of what the norm of a density may be off: the quadrature is not seen
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class Gaussian(State):
     """Independent Gaussian components of the velocity, in general of different deviations.
 
@@ -118,7 +118,7 @@ class Gaussian(State):
         return value
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class Monoenergetic(State):
     """All speeds equal, all directions."""
 
@@ -139,7 +139,7 @@ class Monoenergetic(State):
         return np.array([self.speed]), np.ones(1)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class SpeedTable(State):
     """A tabulated speed density: linear between the points, zero outside them; isotropic.
 
@@ -197,7 +197,7 @@ class SpeedTable(State):
         return np.asarray(self.speed)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class SpeedSamples(State):
     """Speeds of particles, each of the same weight; isotropic.
 
@@ -234,7 +234,7 @@ class SpeedSamples(State):
         return speed, np.full(speed.size, 1.0 / speed.size)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True)
 class SpeedDensity(State):
     """A speed density given as a function of v/U that maps arrays to arrays; isotropic.
 

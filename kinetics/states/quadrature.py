@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
-from kinetics.states.plain_data import PlainData
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 
@@ -46,8 +46,8 @@ NO_INTEGRAL = (
 )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class LogMeasure(PlainData):
+@dataclass(frozen=True)
+class LogMeasure(Value):
     """A distribution of speeds: weight w_k at ln v = x_k.
 
     Attributes

@@ -3,11 +3,11 @@
 To add an initial state, write a class as follows, in this folder or in your own script:
 ``Scene(initial=...)`` takes any object of a subclass of :class:`State`.
 
-1. Declare it ``@dataclass(frozen=True, eq=False, repr=False) class MyState(State)``. Its fields are
-   what the user gives. State provides ``==``, ``hash``, ``pickle`` and ``repr``.
+1. Declare it ``@dataclass(frozen=True) class MyState(State)``. Its fields are what the user gives.
+   State provides ``==``, ``hash``, ``pickle`` and ``repr``, also where fields are arrays.
 2. In ``__post_init__`` check the arguments (`kinetics.states.checks`; raise InputError, one line
-   that names the argument) and store your own copies of arrays with ``self.store(name=array)``,
-   which makes them read-only. Speeds are in units of U, densities in 1/U.
+   that names the argument) and store arrays with ``self.store(name=array)``, which keeps read-only
+   copies of them. Speeds are in units of U, densities in 1/U.
 3. Write ``harmonic(m, rtol, lowest, highest)``. It returns the angular harmonic
 
        f_m(v) = integral of exp(-i m phi) v f(v, phi) over phi
@@ -31,20 +31,21 @@ The shortest example is :class:`kinetics.states.isotropic.Monoenergetic`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.states.plain_data import PlainData
 from kinetics.states.quadrature import LogMeasure
+from kinetics.values import Value, frozen
 
 FloatArray = NDArray[np.float64]
 SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
 
 
-class State(PlainData):
+class State(Value):
     """An initial state; see the module's docstring for what a subclass must provide.
 
     Attributes
@@ -58,6 +59,19 @@ class State(PlainData):
     highest_harmonic: int | None = 0
     smooth: bool = False
     lowest_moment: float = -math.inf
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        cls.__repr__ = State.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        shown = (f"{f.name}={_summary(getattr(self, f.name))}" for f in fields(cast(Any, self)))
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def store(self, **values: Any) -> None:
+        """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
+        for name, value in values.items():
+            object.__setattr__(self, name, frozen(value))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray] | None:
@@ -81,3 +95,16 @@ class State(PlainData):
     def profile(self, m: int) -> SpeedFunction | None:
         """f_m in 1/U as a function of v/U; None where it is no function (delta peaks, samples)."""
         return None
+
+
+def _summary(value: Any) -> str:
+    """A field in a few words: arrays by their sizes and ranges, functions by their names."""
+    if isinstance(value, np.ndarray):
+        return (
+            f"<{' x '.join(map(str, value.shape))} numbers, {value.min():.6g} to {value.max():.6g}>"
+        )
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key!r}: {_summary(item)}" for key, item in value.items()) + "}"
+    if callable(value):
+        return str(getattr(value, "__qualname__", type(value).__name__))
+    return repr(value)

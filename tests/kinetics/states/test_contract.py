@@ -106,7 +106,7 @@ def test_the_text_of_a_state_is_short(name: str) -> None:
 
 def test_the_text_of_large_states_says_how_large_they_are() -> None:
     assert repr(SpeedSamples(np.arange(1.0, 1001.0))) == (
-        "SpeedSamples(speed=<1000 numbers from 1 to 1000>)"
+        "SpeedSamples(speed=<1000 numbers, 1 to 1000>)"
     )
     assert repr(SpeedDensity(gamma_speeds)) == "SpeedDensity(function=gamma_speeds)"
 
@@ -252,12 +252,12 @@ def test_a_state_written_by_the_docstring() -> None:
 
     from kinetics.states.quadrature import LogMeasure
 
-    @dataclass(frozen=True, eq=False, repr=False)
+    @dataclass(frozen=True)
     class TwoSpeeds(State):
         speed: Any
 
         def __post_init__(self) -> None:
-            self.store(speed=np.array(self.speed, dtype=float))
+            self.store(speed=np.asarray(self.speed, dtype=float))
 
         def harmonic(
             self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
