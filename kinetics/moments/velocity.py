@@ -64,13 +64,13 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
     _series: dict[Observable, FloatArray] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
     _decays: dict[Observable, Decay] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
