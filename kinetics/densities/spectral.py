@@ -91,9 +91,8 @@ class _Problem:
     def too_much(self, wanted: float) -> InputError:
         """The error that says how many nodes this would need."""
         return InputError(
-            f"times: got up to {self.latest:g} at restitution {self.law.restitution!r}; the "
-            f"density would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages "
-            "only"
+            f"times: got up to {self.latest:g} at restitution {self.law.restitution!r}; the density"
+            f" would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
         )
 
 
