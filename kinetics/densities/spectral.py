@@ -40,7 +40,7 @@ _SHARE, _LARGE_SHARE = 0.005, 0.3
 _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
 # Of f relative to its maximum, where nothing but rounding is left; and what steps reach. Both:
 # tests/kinetics/measurements/densities.py
-_BEST, _BEST_STEPPED = 4e-13, 1e-10
+_BEST, _BEST_STEPPED = 8e-13, 1e-10
 # At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
 # g = v f holds f with the rounding of g over v only.
 _FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
