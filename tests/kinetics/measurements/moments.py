@@ -98,15 +98,15 @@ def measure_estimates() -> None:
                 error = true_error(equation, exact, y)
                 if 1e-12 < error < 1e-2:
                     ratios.append(error / sums.sum())
-                    later.append(sums.sum() / sums[:early].sum())
+                    later.append(sums[early:].sum() / sums[early - 1])
         for (name, rtol), nodes in needed.items():
             off[resolution.decay_of(law, OBSERVABLES[name]).nodes_for(rtol) - nodes] += 1
     print("backward._LAST, ten times backward._BEFORE: error over the larger of the last")
     print("Chebyshev coefficient and a tenth of the one before, and a quarter more:")
     print(f"  used {backward._LAST}, measured {1.25 * max(ratios):.2f} in {len(ratios)} solves")
-    print("resolution._WITH_LATER_PANELS: all panels over the early ones")
+    print("resolution._LATER: all later panels over the last early one")
     print(
-        f"  used {resolution._WITH_LATER_PANELS}, measured: median {np.median(later):.2f}, "
+        f"  used {resolution._LATER}, measured: median {np.median(later):.2f}, "
         f"9 of 10 below {np.quantile(later, 0.9):.2f}, largest {max(later):.1f}"
     )
     print("nodes predicted less nodes needed: how often", dict(sorted(off.items())))
