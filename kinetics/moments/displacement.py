@@ -132,23 +132,20 @@ def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
 
 def mean_displacement(averages: Averages) -> FloatArray:
     """<r>(t) of a directed start in d, shape (n_times, 2)."""
-    path, found = averages.mean_free_path, averages.measure(1)
-    if not averages.elastic:
-        along: NDArray[Any] = averages.average(DISPLACEMENT_ALONG_START)
-    else:
+    found = averages.measure(1)
+    if found is None:
+        return np.zeros((averages.times.size, 2))
+    if averages.elastic:
         nu = averages.law.harmonic_decay_rate(0.0, 1)
         with np.errstate(over="ignore", under="ignore"):
-            done = (
-                0.0
-                if found is None
-                else -np.expm1(-nu * np.exp(found.x + averages.log_stretch[:, None])) @ found.weight
-            )
-        along = np.zeros(averages.times.shape) + done / nu
-    along = path * along
-    if found is not None:
-        free, flight = _free(averages)
-        first = 0.5 * averages.speeds.log_second_moment()
-        along = np.where(free, flight * (np.exp(found.x - first) @ found.weight), along)
+            paths = np.exp(found.x + averages.log_stretch[:, None])
+            along: NDArray[Any] = -np.expm1(-nu * paths) @ found.weight / nu
+    else:
+        along = averages.average(DISPLACEMENT_ALONG_START)
+    free, flight = _free(averages)
+    first = 0.5 * averages.speeds.log_second_moment()
+    freely = flight * (np.exp(found.x - first) @ found.weight)
+    along = np.where(free, freely, averages.mean_free_path * along)
     return np.stack([along.real, -along.imag], axis=-1)
 
 
