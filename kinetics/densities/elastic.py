@@ -50,7 +50,7 @@ def elastic_profile(
     law: CollisionLaw, mean_free_path: float, state: State, m: int, times: FloatArray
 ) -> Profile:
     """Harmonic m at the times, exactly; InputError for samples, which have no density."""
-    rate = law.harmonic_decay_rate(0.0, m) / mean_free_path
+    rate = float(law.harmonic_decay_rate(0.0, m)) / mean_free_path
     density = ElasticDensity(state, m, rate, times)
     speed, weight = None, None
     if state.profile(m) is None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
+from kinetics.states.state import brief
 from kinetics.values import Value, frozen
 
 FloatArray = NDArray[np.float64]
@@ -36,7 +37,11 @@ class Density(Protocol):
 
 
 class Frozen(Value):
-    """A value whose arrays become read-only when it is made."""
+    """A value whose arrays become read-only when it is made, and whose text is one line."""
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        cls.__repr__ = brief  # type: ignore[method-assign]
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():

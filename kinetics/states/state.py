@@ -33,7 +33,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +65,7 @@ class State(Value):
         cls.__repr__ = State.__repr__  # type: ignore[method-assign]
 
     def __repr__(self) -> str:
-        shown = (f"{f.name}={_summary(getattr(self, f.name))}" for f in fields(cast(Any, self)))
-        return f"{type(self).__name__}({', '.join(shown)})"
+        return brief(self)
 
     def store(self, **values: Any) -> None:
         """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
@@ -97,12 +96,16 @@ class State(Value):
         return None
 
 
+def brief(value: Any) -> str:
+    """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
+    shown = (f"{f.name}={_summary(getattr(value, f.name))}" for f in fields(value))
+    return f"{type(value).__name__}({', '.join(shown)})"
+
+
 def _summary(value: Any) -> str:
-    """A field in a few words: arrays by their sizes and ranges, functions by their names."""
     if isinstance(value, np.ndarray):
-        return (
-            f"<{' x '.join(map(str, value.shape))} numbers, {value.min():.6g} to {value.max():.6g}>"
-        )
+        ends = f", {value.min():.6g} to {value.max():.6g}" if value.size else ""
+        return f"<{' x '.join(map(str, value.shape))} numbers{ends}>"
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key!r}: {_summary(item)}" for key, item in value.items()) + "}"
     if callable(value):

@@ -69,6 +69,8 @@ def test_profiles_are_plain_data(name: str) -> None:
     again = pickle.loads(pickle.dumps(found))
     assert again == found
     assert hash(again) == hash(found)
+    assert len(repr(found)) < 600
+    assert len(repr(found).splitlines()) == 1
     v = np.geomspace(0.01, 3.0, 30)
     assert np.array_equal(again.continuous(v), found.continuous(v))
     assert found.continuous(v).shape == (found.count, 30)
