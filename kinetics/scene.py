@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, check_positive, check_restitution, short
-from kinetics.states.isotropic import State, as_state
+from kinetics.states.isotropic import as_state
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

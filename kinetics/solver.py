@@ -13,7 +13,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError, check_rtol, short, warn_missed
 from kinetics.moments import displacement as position
-from kinetics.moments.backward import MEAN_COLLISIONS, Observable, nodes_for, speed_power
+from kinetics.moments.backward import MEAN_COLLISIONS, Observable, speed_power
 from kinetics.moments.velocity import Averages
 from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import scattering_function
@@ -175,10 +175,8 @@ def _accurate(averages: Averages, parts: Sequence[Parts]) -> Averages:
     """The averages with as many nodes as the outputs need, by their estimates."""
     if averages.elastic:
         return averages
-    e, width = averages.law.restitution, averages.width
-    guesses = [
-        nodes_for(averages.rtol / factor, y, e, width) for part in parts for factor, y in part
-    ]
+    rtol = averages.rtol
+    guesses = [averages.nodes_for(y, rtol / factor) for part in parts for factor, y in part]
     if not guesses:
         return averages
     nodes = max(guesses)

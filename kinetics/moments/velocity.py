@@ -17,24 +17,26 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import (
+    START,
     BackwardEquation,
     Observable,
     Places,
-    nodes_for,
     panel_width,
     speed_power,
 )
+from kinetics.moments.resolution import Decay, decay_of
 from kinetics.numerics.panels import PanelRule
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
-_MANY = 2  # times for each node of the panels in ln t that hold them
-_FEW_POINTS = 4  # of the initial state, below which each time is as quick
-_MORE_NODES = 2  # of a panel in ln t
+# Many times are interpolated in ln t: where there are more than this for each node of the panels in
+# ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).
+_MANY, _FEW_POINTS = 2, 4
+_MORE_NODES = 2  # of those panels: each node is about one digit, and two more leave nothing to see
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
-_KEPT = 16  # such pieces
+_KEPT = 16  # such pieces are kept for the next observable
 
 
 @dataclass(frozen=True)
@@ -64,12 +66,25 @@ class Averages:
         default_factory=dict, init=False, repr=False, compare=False
     )
     _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _series: dict[Observable, FloatArray] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    _decays: dict[Observable, Decay] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
         other = replace(self, nodes=nodes)
         other._measures.update(self._measures)
+        other._series.update(self._series)
         return other
+
+    def nodes_for(self, y: Observable, rtol: float) -> int:
+        """Nodes of a panel at which the error of y, relative to itself, is about rtol; e < 1."""
+        if y not in self._decays:
+            self._decays[y] = decay_of(self.law, y, self.width, self._series)
+        return self._decays[y].nodes_for(rtol)
 
     @property
     def elastic(self) -> bool:
@@ -99,7 +114,7 @@ class Averages:
 
     @cached_property
     def log_reference(self) -> FloatArray:
-        """ln of a speed of the order of the thermal one, (n_times,): its powers keep in range."""
+        """ln of a speed of the order of the thermal one, (n_times,), as the unit of its powers."""
         if self.elastic:
             return np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
         return self._reference(self.log_stretch)
@@ -110,17 +125,15 @@ class Averages:
 
     @property
     def width(self) -> float:
-        """Of the panels of the backward equation."""
+        """Width in X of the panels of the backward equation."""
         return panel_width(max(abs(self.degree), abs(self.lowest)))
 
     @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        nodes = self.nodes or nodes_for(
-            self.rtol, speed_power(self.degree), self.law.restitution, self.width
-        )
-        return BackwardEquation(self.law, max(highest, -2.0), nodes, self.width)
+        nodes = self.nodes or self.nodes_for(speed_power(self.degree), self.rtol)
+        return BackwardEquation(self.law, max(highest, START), nodes, self.width, self._series)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
@@ -142,8 +155,9 @@ class Averages:
     ) -> NDArray[Any]:
         """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading; e < 1.
 
-        Lengths in l, v_first the root mean square of the initial speeds, shape (n_times,). m is
-        the harmonic of y by default; ``leading`` takes the T^leading out with which y begins.
+        Lengths in l; v_first is the root mean square of the initial speeds. m is the harmonic of y
+        by default. ``leading`` divides y by the power T^leading with which it begins. Shape
+        (n_times,).
         """
         found = self.measure(y.harmonic if m is None else m)
         if found is None:
@@ -184,7 +198,7 @@ class Averages:
         return out
 
     def _places(self, x: FloatArray) -> Places:
-        """Of these X; the observables of a scene ask for the same ones again and again."""
+        """Where these X lie; kept, because all observables of a scene ask for the same X."""
         key = x.tobytes()
         if key not in self._known:
             if len(self._known) >= _KEPT:

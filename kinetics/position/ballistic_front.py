@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.wave_panel import make_read_only
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

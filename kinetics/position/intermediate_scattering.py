@@ -17,8 +17,8 @@ from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
-from kinetics.states.isotropic import Profile, State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasur
 
 
 def _panels_of(
-    state: State, profile: Profile, spacing: float, rtol: float
+    state: State, profile: SpeedFunction, spacing: float, rtol: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
     found = state.harmonic(0, rtol)
@@ -136,7 +136,7 @@ class Scattering:
         return out, waves.error_estimate
 
     def _on_panels(
-        self, waves: Waves, profile: Profile, stretch: FloatArray, tolerance: float
+        self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
     ) -> FloatArray | None:
         """The means over a smooth density, from the same points X for all times, (n_which, n_k).
 

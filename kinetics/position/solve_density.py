@@ -18,7 +18,7 @@ from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_between
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
