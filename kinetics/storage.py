@@ -24,7 +24,8 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, BinaryIO
+from io import BufferedRandom, BufferedReader
+from typing import TYPE_CHECKING, Any
 
 from kinetics.errors import InputError, short
 
@@ -130,7 +131,7 @@ def _damaged(path: str, why: str) -> InputError:
     return InputError(f"path: got {path!r}; it is damaged, or from another program ({why})")
 
 
-def _header(file: BinaryIO) -> bytes:
+def _header(file: BufferedReader | BufferedRandom) -> bytes:
     """The first bytes of a file: its format, its version and the digest of all the rest."""
     file.seek(_HEADER)
     digest = hashlib.file_digest(file, "sha256").hexdigest()
