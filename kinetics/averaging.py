@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError, warn_missed
-from kinetics.moments.backward import nodes_for, speed_power
+from kinetics.moments.backward import speed_power
 from kinetics.moments.velocity import Averages
 from kinetics.outputs import OUTPUTS, Part, parts
 from kinetics.scene import Scene
@@ -47,9 +47,8 @@ def with_enough_nodes(averages: Averages, asked: Asked) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
     if averages.elastic:
         return averages
-    e, width = averages.law.restitution, averages.width
     guesses = [
-        nodes_for(averages.rtol / part.factor, part.observable, e, width)
+        averages.nodes_for(part.observable, averages.rtol / part.factor)
         for needed in asked
         for part in needed
     ]

@@ -17,7 +17,8 @@ from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
 from kinetics.plan import make_plan, make_stats, powers_of
-from kinetics.position.density import Displacement, solve_displacement
+from kinetics.position.density import Displacement
+from kinetics.position.solve_density import solve_displacement
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import explain, status_of

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError
-from kinetics.states.isotropic import State
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
