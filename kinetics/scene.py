@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import html
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -89,12 +90,25 @@ class Scene(Value):
         """The collision law of this restitution."""
         return CollisionLaw(self.restitution)
 
-    def __repr__(self) -> str:
+    def _system(self) -> str:
+        """The arguments without the outputs, for texts."""
         initial = self.initial if isinstance(self.initial, str) else self.state
         return (
-            f"Scene(restitution={self.restitution!r}, number_density={self.number_density!r}, "
-            f"diameter={self.diameter!r}, initial={short(initial)}, times={span(self.times)}, "
-            f"outputs={self.outputs!r}, harmonics={self.harmonics})"
+            f"restitution={self.restitution!r}, number_density={self.number_density!r}, "
+            f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
+        )
+
+    def __repr__(self) -> str:
+        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
+            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+        )
+        return (
+            f"<p>Scene: {html.escape(self._system())}</p>"
+            f"<table><tr><th>output</th><th>unit</th><th>what it is</th></tr>{rows}</table>"
         )
 
     @classmethod
@@ -102,7 +116,7 @@ class Scene(Value):
         return cls(**parts)
 
 
-def span(times: ArrayLike) -> str:
+def _span(times: ArrayLike) -> str:
     """How many times there are, and the first and the last."""
     array = np.asarray(times)
     if array.size == 1:

@@ -106,8 +106,8 @@ class Solution(Value):
             f"{name} {shape}" + ("" if unit == "1" else f" in {unit}")
             for name, shape, unit in self._shown()
         )
-        lines = [f"Solution of {self.scene!r}"]
-        lines += [f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"]
+        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
+        lines = [f"Solution of {self.scene._system()}", about]
         lines += [f"error estimate {self.error_estimate:.1e}"]
         lines += textwrap.wrap(shown, 96)
         return "\n  ".join(lines)
@@ -119,7 +119,7 @@ class Solution(Value):
         )
         about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
         return (
-            f"<p>{html.escape(repr(self.scene))}<br>{html.escape(about)}</p>"
+            f"<p>Solution of {html.escape(self.scene._system())}<br>{html.escape(about)}</p>"
             f"<table><tr><th>output</th><th>shape</th><th>unit</th></tr>{rows}</table>"
         )
 

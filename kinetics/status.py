@@ -37,8 +37,8 @@ def explain(
     if not missed:
         return SolverStatus.CONVERGED.value
     found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
-    needed = max(errors[part] / allowed[part] for part in missed)
-    advice = f"raise rtol by a factor of {1.1 * needed:.2g}"
+    needed = 1.1 * max(errors[part] for part in missed)
+    advice = f"raise rtol to {needed:.1e}" if needed <= 0.1 else "ask for other times or outputs"
     if nodes is not None:
         advice += f", or give more nodes than {nodes}, or leave nodes out"
     return f"the error estimate exceeds what was asked for ({found}): {advice}"
