@@ -8,7 +8,6 @@ Reading the table costs no NumPy: the modules that its functions need are import
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -59,8 +58,7 @@ def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[P
     return tuple(Part(f, y, y.harmonic if start is None else start) for f, y in pairs)
 
 
-@dataclass(frozen=True)
-class Output:
+class Output(NamedTuple):
     """One row of the table.
 
     Attributes

@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 
+_LARGEST_RTOL = 0.1  # that can be asked for
+
 
 class SolverStatus(enum.Enum):
     """How a solve ended; the text of each says which argument to change, and in which direction."""
@@ -38,7 +40,8 @@ def explain(
         return SolverStatus.CONVERGED.value
     found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
     needed = 1.1 * max(errors[part] for part in missed)
-    advice = f"raise rtol to {needed:.1e}" if needed <= 0.1 else "ask for other times or outputs"
+    advice = [f"raise rtol to {needed:.1e}"] if needed <= _LARGEST_RTOL else []
     if nodes is not None:
-        advice += f", or give more nodes than {nodes}, or leave nodes out"
-    return f"the error estimate exceeds what was asked for ({found}): {advice}"
+        advice.append(f"give more nodes than {nodes}, or leave nodes out")
+    what_to_do = ", or ".join(advice) or "ask for other times or outputs"
+    return f"the error estimate exceeds what was asked for ({found}): {what_to_do}"
