@@ -46,10 +46,10 @@ def test_what_the_message_says_helps() -> None:
     assert "averages:" not in missed.message
     assert "more nodes than 16" in missed.message
     assert "raise rtol" not in missed.message  # the estimate is above the largest rtol
-    nearly = solve(scene, rtol=1e-6, nodes=40)
+    nearly = solve(scene, rtol=1e-6, nodes=200)
     assert "raise rtol" in nearly.message
     raised = float(nearly.message.split("raise rtol to ")[1].split(",")[0])
-    assert solve(scene, rtol=raised, nodes=40).status is SolverStatus.CONVERGED
+    assert solve(scene, rtol=raised, nodes=200).status is SolverStatus.CONVERGED
     assert solve(scene, rtol=1e-6, nodes=400).status is SolverStatus.CONVERGED
     met = solve(scene, rtol=1e-6)
     assert met.status is SolverStatus.CONVERGED
