@@ -89,6 +89,17 @@ def test_scaled_distributions_come_back(tmp_path: Path) -> None:
         assert found.vdf(1.0) == value.vdf(1.0)
 
 
+def test_a_loaded_h_is_the_one_that_was_saved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Read from the file, not solved again by whatever version reads it."""
+    vdf = solve_scaled(0.7, 1e-8)
+    vdf.save(tmp_path / "a.h5")
+    monkeypatch.setattr("kinetics.scaling.scaled_vdf.SpeedAxis", None)
+    assert load(tmp_path / "a.h5").cooling_rate == vdf.cooling_rate
+    assert load(tmp_path / "a.h5").a2 == vdf.a2
+
+
 def test_files_say_their_units(tmp_path: Path) -> None:
     solved("gaussian").save(tmp_path / "a.h5")
     with h5py.File(tmp_path / "a.h5") as file:
@@ -282,6 +293,7 @@ def test_missing_and_surplus_parts(tmp_path: Path) -> None:
                 del file["value/rtol"]
             elif change == "add":
                 file["value/more"] = 1.0
+                file["value/more"].attrs["kind"] = "float"
             elif change == "kind":
                 file["value/rtol"].attrs["kind"] = "other"
             else:

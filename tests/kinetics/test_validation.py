@@ -48,6 +48,7 @@ BAD: list[tuple[Check, list[Any], str]] = [
     (lambda x: check.real_number("t", x, 0.0, 2.0), [-1, 3, math.inf], "t: .*from 0 to 2"),
     (lambda x: check.exponent("p", x, 40.0), [41, -41, math.nan], "p: .*size up to 40"),
     (lambda x: check.whole_number("n", x, 8, 9), [7, 10, 8.0, True, "8"], "n: .*from 8 to 9"),
+    (lambda x: check.whole_number("m", x, 0, 2), [True, 1.0, None, 3], "m: .*from 0 to 2"),
     (lambda x: check.one_of("m", x, ("a", "b")), ["c", 1, None, ["a"]], "m: .*one of a, b"),
     (check.restitutions, [[0, 1.1], math.nan, "x", True], "restitution: .*from 0 to 1"),
     (lambda x: check.not_negative("t", x), [-1, math.inf, [math.nan]], "t: .*not negative"),
