@@ -56,12 +56,12 @@ HOMES = {
     "SpeedTable": "kinetics.states.isotropic",
     "VelocitySamples": "kinetics.states.directed",
     # densities of the velocity
+    "ElasticDensity": "kinetics.densities.elastic",
+    "GridDensity": "kinetics.densities.grid_density",
     "LogGrid": "kinetics.numerics.log_grid",
+    "NodeMasses": "kinetics.densities.conservative",
     "Profile": "kinetics.densities.harmonic",
-    "RelaxingHarmonic": "kinetics.densities.elastic",
     "ThenScaling": "kinetics.densities.harmonic",
-    "_Collocated": "kinetics.densities.spectral",
-    "_Masses": "kinetics.densities.conservative",
     # density of the displacement
     "Displacement": "kinetics.position.density",
     "PowerTail": "kinetics.position.tail",

@@ -1,5 +1,7 @@
 """Densities of the velocity in time: f(v, t) and its angular harmonics.
 
-May import `kinetics.scaling`, `kinetics.moments`, `kinetics.states`, `kinetics.collision` and
-`kinetics.numerics`. Begin with `harmonic.py`, what a solved density is, then `spectral.py`.
+May import `kinetics.scaling`, `kinetics.moments`, `kinetics.states`, `kinetics.collision`,
+`kinetics.numerics` and `kinetics.values`. Begin with `harmonic.py`, what every solver here gives.
+`spectral.py` solves smooth states, with `gain.py`, `intertwining.py` and `stepping.py`;
+`conservative.py` rough ones; `elastic.py` e = 1. `marginal.py` integrates one component out.
 """

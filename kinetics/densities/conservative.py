@@ -11,45 +11,62 @@ energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second ord
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw, impact_cells
-from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import Frozen, Profile, count_before_scaling, then_scaling
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.quadrature import LogMeasure
+from kinetics.states.quadrature import LogMeasure, interpolate
 from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
-_DEPTH = 12.0  # e-folds below the slowest relevant speed l/t that the axis reaches
+# The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
+_DEPTH = 12.0
+_LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
+# Error over the square of the spacing: 1.6, and near e = 1, where the shares of a bounce spread the
+# ring of speeds, of variance (1-e^2)/5, by spacing^2 each, 0.2/(1-e)^2. These three and the sweeps
+# for each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
+_ERROR, _ERROR_NEAR_ONE = 1.6, 0.2
+_SWEEPS = 80.0
+_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
+_COARSEST, _FINEST = 0.1, 2e-3  # spacings that the solver chooses by itself
+_BEST_START = 1e-6  # the start need not be better known than that
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
+# Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
+# so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
+_STEP = 64.0
+_DEEPEST = 40.0  # -ln s of the deepest bounce in the estimate of the work
 _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
-_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms (measured)
-_FINEST = 2e-3  # default spacing: the method is of second order
 
 
 @dataclass(frozen=True)
-class _Masses:
-    """Masses at nodes, for output; piecewise linear in ln v between them."""
+class NodeMasses(Frozen):
+    """Masses at nodes in ln v: the density of ln v is linear between them.
+
+    Attributes
+    ----------
+    x : ln v at the nodes, equidistant, shape (n_nodes,)
+    spacing : of the nodes
+    mass : shape (n_times, n_nodes)
+    """
 
     x: FloatArray
     spacing: float
-    mass: NDArray[Any]  # (n_times, nodes)
+    mass: NDArray[Any]
 
-    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
         out = np.zeros(v.shape, dtype=self.mass.dtype)
         positive = v > 0.0
-        log_v, mass = np.log(v[positive]), self.mass[i]
-        value: NDArray[Any] = np.interp(log_v, self.x, mass.real, left=0.0, right=0.0)
-        if np.iscomplexobj(mass):
-            value = value + 1j * np.interp(log_v, self.x, mass.imag, left=0.0, right=0.0)
-        out[positive] = value * np.exp(-log_v) / self.spacing
+        log_v = np.log(v[positive])
+        out[positive] = interpolate(log_v, self.x, self.mass[i]) * np.exp(-log_v) / self.spacing
         return out
 
 
@@ -78,24 +95,21 @@ def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray
     return mass
 
 
-def _start_masses(
-    state: State, start: LogMeasure, m: int, x0: float, spacing: float, nodes: int
-) -> NDArray[Any]:
+def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDArray[Any]:
     """The state on the nodes: from its density cell by cell, or point by point without one."""
     profile = state.profile(m)
     if profile is None:
-        return deposit(start, x0, spacing, nodes)
-    x, w = panels_between(x0 + spacing * np.arange(nodes, dtype=float), 4)
+        return deposit(start, nodes.first, nodes.spacing, nodes.count)
+    x, w = panels_between(nodes.x, 4)
     v = np.exp(x)
     weight = w * v * profile(v)
-    found = deposit(LogMeasure(x, weight), x0, spacing, nodes)
-    # what lies beyond the axis, or between the points of a rough density, is not missed
-    total, expected = found.sum(), start.weight.sum()
-    return found * (expected / total) if m == 0 else found
+    found = deposit(LogMeasure(x, weight), nodes.first, nodes.spacing, nodes.count)
+    # mass beyond the axis, or between the points of a rough density, is made up for
+    return found * (start.weight.sum() / found.sum()) if m == 0 else found
 
 
 class _Axis:
-    """The masses on their way: nodes from the top downwards in index, so that bounces go right.
+    """The masses as they move: node 0 is the fastest, so that bounces raise the index.
 
     With ``peak``, node 0 holds the tracers of one speed that have not collided, and node 2 has the
     same speed: bounces from node 0 start at node 2, and nothing returns.
@@ -123,7 +137,7 @@ class _Axis:
             self.first = first
             fastest = float(self.speed[self.first])
             # short enough for the top to empty on the way, long enough for few steps
-            step = min(left, 64.0 / fastest)
+            step = min(left, _STEP / fastest)
             self._uniformised(step, fastest)
             left -= step
 
@@ -136,6 +150,7 @@ class _Axis:
         weight = math.exp(-mean)
         out = weight * current
         summed, n = weight, 0
+        # beyond 12 standard deviations of the Poisson distribution the weights are e^-72
         while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
             moving = speed * current
             current = current - moving
@@ -175,6 +190,44 @@ class _Axis:
         return np.clip(found, 0.0 if self.positive else -most, most)
 
 
+@dataclass(frozen=True)
+class _Nodes:
+    """The nodes of an axis: x = ln v = first + spacing * (0 ... count - 1), and the error there."""
+
+    first: float
+    spacing: float
+    count: int
+    error: float
+
+    @property
+    def x(self) -> FloatArray:
+        return self.first + self.spacing * np.arange(self.count, dtype=float)
+
+
+def _choose_nodes(
+    law: CollisionLaw, start: LogMeasure, path: float, rtol: float, nodes: int | None
+) -> tuple[_Nodes, float]:
+    """An axis from above the fastest tracers down to those that hardly move, and its work.
+
+    path : of a tracer of speed U until the last time, in l
+
+    The work is in products of masses with shares of bounces.
+    """
+    e, top = law.restitution, float(start.x.max())
+    lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
+    span = min(top - lowest, _LOWEST)
+    coefficient = _ERROR + _ERROR_NEAR_ONE / (1.0 - e) ** 2
+    wanted = max(_FINEST, math.sqrt(rtol / coefficient))
+    spacing = span / nodes if nodes else min(_COARSEST, wanted)
+    count = math.ceil(span / spacing) + 3
+    cooling = _SWEEPS * (1.0 + math.log1p(path * math.exp(top))) / law.mean_log_loss
+    sweeps = min(cooling, path * math.exp(min(top, 700.0 - math.log(max(path, 1.0)))))
+    reach = min(float(law.quadrature.log_loss.max()), _DEEPEST) / spacing + 2.0
+    work = sweeps * min(count, _DEEPEST / spacing) * min(reach, count)
+    # one empty node above the fastest tracers
+    return _Nodes(top - spacing * (count - 2), spacing, count, coefficient * spacing**2), work
+
+
 def solve_conservative(
     law: CollisionLaw,
     mean_free_path: float,
@@ -184,82 +237,91 @@ def solve_conservative(
     rtol: float,
     nodes: int | None = None,
 ) -> Profile:
-    """Harmonic m at the times, e < 1; InputError where a state is too nearly elastic for it."""
-    start = state.harmonic(m, min(rtol, 1e-6))
-    state_speeds = state.harmonic(0, min(rtol, 1e-6))
-    if start is None or state_speeds is None:
+    """Harmonic m at the times, e < 1.
+
+    law, mean_free_path : the collision law, and l in d
+    state : the start, of any kind
+    times : in d/U, rising, shape (n_times,)
+    nodes : of the axis of ln v; chosen from rtol by default
+
+    Raises InputError where following the state would take too long, or its harmonic m is zero.
+    """
+    start_rtol = min(rtol, _BEST_START)
+    start, speeds = state.harmonic(m, start_rtol), state.harmonic(0, start_rtol)
+    if start is None or speeds is None:
         raise InputError(f"initial: harmonic {m} of this state is zero")
-    monoenergetic = start.x.size == 1
-    top = float(start.x.max())
-    log_unit = 0.5 * state_speeds.log_second_moment()
+    log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
-    latest = float(times[early - 1]) / mean_free_path if early else 0.0
-    slowest = min(float(start.x.min()), top, -math.log(max(latest, 1e-300))) - _DEPTH
-    slowest = max(slowest, top - 700.0)
-    span = top - slowest
-    # measured: the error is this times spacing^2. Near e = 1 the shares of a bounce spread the ring
-    # of speeds, of variance (1-e^2)/5, by spacing^2 each
-    coefficient = 1.6 + 0.2 / (1.0 - law.restitution) ** 2
-    spacing = span / nodes if nodes else min(0.1, max(_FINEST, math.sqrt(rtol / coefficient)))
-    count = math.ceil(span / spacing) + 3
-    x0 = top - spacing * (count - 2)  # one empty node above the fastest tracers
-    x = x0 + spacing * np.arange(count, dtype=float)
-    speed = np.exp(x)[::-1]
-    # the fastest tracers collide 80 times for each e-fold of time once they cool
-    cooling = 80.0 * (1.0 + math.log1p(latest * math.exp(top))) / law.mean_log_loss
-    sweeps = min(cooling, latest * math.exp(min(top, 700.0 - math.log(max(latest, 1.0)))))
-    reach = min(float(law.quadrature.log_loss.max()), _DEPTH + 28.0) / spacing + 2.0
-    if sweeps * min(count, 40.0 / spacing) * min(reach, count) > _MOST_WORK:
+    paths = times[:early] / mean_free_path
+    axis, work = _choose_nodes(law, start, float(paths[-1]) if early else 0.0, rtol, nodes)
+    if work > _MOST_WORK:
         raise InputError(
             f"times: got up to {times[early - 1]:g} at restitution {law.restitution!r}; the "
-            f"conservative method would need {sweeps:.1e} sweeps of {count} nodes, ask for "
+            f"conservative method would need {work:.1e} products on {axis.count} nodes, ask for "
             "earlier times, a larger rtol, or averages only"
         )
-    kernel = bounce_kernel(law, spacing, m)
-    mass = _start_masses(state, start, m, x0, spacing, count)[::-1].copy()
-    peak = None
-    if monoenergetic:
-        # the tracers that have not collided stay apart, in one more node
-        mass = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
-        speed = np.concatenate([speed[1:2], speed])
+    kernel, mass = bounce_kernel(law, axis.spacing, m), _start_masses(state, start, m, axis)
+    uncollided = start.weight if start.x.size == 1 else None
+    found = NodeMasses(axis.x, axis.spacing, _follow(axis, mass, kernel, paths, uncollided))
+    peak_speed, peak_weight = None, None
+    if uncollided is not None:
+        peak_speed = math.exp(float(start.x[0]))
         with np.errstate(over="ignore", under="ignore"):
-            peak = start.weight[0] * np.exp(-math.exp(top) * times / mean_free_path)
-    axis = _Axis(speed, kernel, mass, monoenergetic)
-    out = np.empty((early, count), dtype=mass.dtype)
-    now = 0.0
-    for i, t in enumerate(times[:early]):
-        axis.advance((t - now) / mean_free_path)
-        now = t
-        out[i] = axis.mass[-count:][::-1]
-    averages = Averages(law, mean_free_path, state, times[:early], min(rtol, 1e-6), 2.0)
-    return Profile(
-        at=then_scaling(law, _Masses(x, spacing, out), early, shift[early:], rtol),
+            peak_weight = uncollided[0] * np.exp(-peak_speed * times / mean_free_path)
+    averages = Averages(law, mean_free_path, state, times[:early], start_rtol, 2.0)
+    profile = Profile(found, early, "conservative", axis.count, 0.0, peak_speed, peak_weight)
+    return replace(
+        profile,
+        density=then_scaling(law, found, early, shift[early:], rtol),
         count=times.size,
-        method="conservative",
-        nodes=count,
-        error_estimate=max(coefficient * spacing**2, _moment_error(averages, x, out, peak, top)),
-        peak_speed=math.exp(top) if monoenergetic else None,
-        peak_weight=peak,
+        # harmonics m > 0 have no moments of one sign to compare; they share the nodes of m = 0
+        error_estimate=axis.error if m else max(axis.error, _moment_error(averages, profile)),
     )
 
 
-def _moment_error(
-    averages: Averages, x: FloatArray, mass: NDArray[Any], peak: NDArray[Any] | None, top: float
-) -> float:
-    """Largest relative error of <v> and <v^2> of the masses, against the backward equation.
+def _follow(
+    nodes: _Nodes,
+    mass: NDArray[Any],
+    kernel: FloatArray,
+    paths: FloatArray,
+    uncollided: NDArray[Any] | None,
+) -> NDArray[Any]:
+    """The masses at times in l/U, (n_times,): shape (n_times, n_nodes).
 
-    Only for the isotropic part; 0 for the harmonics, which share its spacing.
+    mass : at the start, shape (n_nodes,)
+    uncollided : weight of the start, shape (1,), where all its tracers have one speed
     """
-    if np.iscomplexobj(mass) or mass.shape[0] == 0:
+    speed, moving = np.exp(nodes.x)[::-1], mass[::-1].copy()
+    if uncollided is not None:
+        # the tracers that have not collided stay apart, in one more node of their speed
+        moving = np.concatenate([uncollided, np.zeros(nodes.count, dtype=mass.dtype)])
+        speed = np.concatenate([speed[1:2], speed])
+    axis = _Axis(speed, kernel, moving, uncollided is not None)
+    out = np.empty((paths.size, nodes.count), dtype=mass.dtype)
+    now = 0.0
+    for i, path in enumerate(map(float, paths)):
+        axis.advance(path - now)
+        now = path
+        out[i] = axis.mass[-nodes.count :][::-1]
+    out.flags.writeable = False
+    return out
+
+
+def _moment_error(averages: Averages, profile: Profile) -> float:
+    """Largest relative error of <v> and <v^2> of the masses of m = 0, by the backward equation."""
+    found, worst = profile.density, 0.0
+    assert isinstance(found, NodeMasses)
+    if found.mass.shape[0] == 0:
         return 0.0
-    worst = 0.0
     for p in (1.0, 2.0):
         reference = averages.power(p)
         for i, log_v in enumerate(averages.log_reference):
             with np.errstate(under="ignore"):
-                found = float(mass[i] @ np.exp(p * np.minimum(x - log_v, 170.0)))
-                if peak is not None:
-                    found += float(peak[i].real) * math.exp(p * min(top - float(log_v), 170.0))
-            worst = max(worst, abs(found / float(reference[i].real) - 1.0))
+                # speeds so far above the typical one that their powers overflow hold no mass
+                moment = float(found.mass[i] @ np.exp(p * np.minimum(found.x - log_v, 170.0)))
+                if profile.peak_speed is not None and profile.peak_weight is not None:
+                    off = min(math.log(profile.peak_speed) - float(log_v), 170.0)
+                    moment += float(profile.peak_weight[i].real) * math.exp(p * off)
+            worst = max(worst, abs(moment / float(reference[i].real) - 1.0))
     return worst

@@ -1,38 +1,65 @@
-"""A harmonic of the speed density at the output times, whatever solver made it."""
+"""What a density solver gives: one harmonic of the velocity density at the output times.
+
+A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
+``density`` is one of these, each with a method ``at(i, v)`` for the i-th time and speeds v in U:
+`grid_density.GridDensity` (from `spectral.py`), `conservative.NodeMasses`,
+`elastic.ElasticDensity`, and :class:`ThenScaling`, which follows one of the first two with the
+scaling state.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
+from kinetics.values import Value, frozen
 
 FloatArray = NDArray[np.float64]
 
+_BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
+_FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
+_SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
+
+
+class Density(Protocol):
+    """A density at several times."""
+
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        ...
+
+
+class Frozen(Value):
+    """A value whose arrays become read-only when it is made."""
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, frozen(value))
+
 
 @dataclass(frozen=True)
-class Profile:
+class Profile(Frozen):
     """Harmonic m of the velocity distribution: exp(-i m phi) v f(v, phi) integrated over phi.
 
     Attributes
     ----------
-    at : (i, v) -> density at the i-th time and speeds v (n_v,) in U, without delta peaks; in 1/U
+    density : the harmonic without delta peaks
     count : n_times
-    peak_speed, peak_weight : tracers of the monoenergetic start that have not collided, speed in U
-        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
-        delta peaks
     method : "spectral", "conservative" or "exact"
     nodes : of the speed axis
     error_estimate : relative to the maximum
+    peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
+        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
+        delta peaks
     """
 
-    at: Callable[[int, FloatArray], NDArray[Any]]
+    density: Density
     count: int
     method: str
     nodes: int
@@ -40,8 +67,12 @@ class Profile:
     peak_speed: float | None = None
     peak_weight: NDArray[Any] | None = None
 
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """Without delta peaks, in 1/U, at the i-th time and speeds v in U, shape (n_v,)."""
+        return self.density.at(i, v)
+
     def continuous(self, v: FloatArray) -> NDArray[Any]:
-        """All times: shape (n_times, n_v)."""
+        """The same at all times, shape (n_times, n_v)."""
         return np.array([self.at(i, v) for i in range(self.count)])
 
 
@@ -50,52 +81,50 @@ def count_before_scaling(law: CollisionLaw, tau: FloatArray, rtol: float) -> int
 
     The slowest transient of an isotropic state falls as e^-tau.
     """
-    saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + 4.0
+    saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + _SURE
     return int(np.searchsorted(tau, saturated))
 
 
 @dataclass(frozen=True)
-class ThenScaling:
-    """Densities of a solver at the early times, and of the scaling state at the later ones.
+class ThenScaling(Frozen):
+    """A density at the early times, and the scaling state at the later ones.
 
     Attributes
     ----------
-    early : (i, v) -> density, for the first ``count`` times
+    early : the density at the first ``count`` times
     count : how many those are
-    late_shift : ln((t + t0)/l) of the later times
-    scaled : the stationary solution that serves them
+    late_shift : ln((t + t0)/l) of the later times, shape (n_late,)
+    scaled : the scaling state; None where there are no later times
     """
 
-    early: Callable[[int, FloatArray], NDArray[Any]]
+    early: Density
     count: int
     late_shift: FloatArray
     scaled: ScaledVDF | None
 
-    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """Density at the i-th time and speeds v, shape (n_v,)."""
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
         if i < self.count:
-            return self.early(i, v)
+            return self.early.at(i, v)
         assert self.scaled is not None
         out = np.zeros(v.shape)
         # v0 (t + t0)/l = 2/h in the scaling state
-        log_thermal = math.log(2.0 / self.scaled.cooling_rate) - float(
-            self.late_shift[i - self.count]
-        )
+        late = float(self.late_shift[i - self.count])
+        log_thermal = math.log(2.0 / self.scaled.cooling_rate) - late
         with np.errstate(divide="ignore"):
             log_c = np.log(v) - log_thermal
-        near = np.abs(log_c) < 300.0  # further off nothing is left, or c overflows
+        near = np.abs(log_c) < _FARTHEST
         c = np.exp(log_c[near])
         out[near] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
         return out
 
 
 def then_scaling(
-    law: CollisionLaw,
-    early: Callable[[int, FloatArray], NDArray[Any]],
-    count: int,
-    late_shift: FloatArray,
-    rtol: float,
-) -> ThenScaling:
-    """The early densities, with the scaling state solved if there are later times."""
-    scaled = solve_scaled(law.restitution, max(rtol, 1e-13)) if late_shift.size else None
-    return ThenScaling(early, count, late_shift, scaled)
+    law: CollisionLaw, early: Density, count: int, late_shift: FloatArray, rtol: float
+) -> Density:
+    """The early density, with the scaling state solved if there are later times."""
+    if late_shift.size == 0:
+        return early
+    return ThenScaling(
+        early, count, late_shift, solve_scaled(law.restitution, max(rtol, _BEST_SCALED))
+    )

@@ -28,11 +28,15 @@ from kinetics.numerics.log_grid import LogGrid
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-_ROUNDING = 2e-16
-_LOSS = 25.0  # times the rounding, of f relative to its maximum: measured
-_NOISE = 20.0  # times the rounding: modes of a state that are not kept
+_ROUNDING = 2e-16  # of doubles, relative
+# Times the rounding: what a turned axis leaves of it in f, relative to the maximum
+# (tests/kinetics/measurements/densities.py), and modes of a state that are not kept.
+_LOSS, _NOISE = 25.0, 20.0
+# Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer.
 _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
-_TOGETHER = 20_000  # numbers of a piece of the time axis: what the caches hold
+_ENOUGH = 0.005  # of rtol: with less rounding than that no larger angle is tried
+_FOLDED = 1e-2  # of rtol that modes folded onto those in use may leave
+_TOGETHER = 20_000  # numbers of a piece of the time axis that stay in the cache
 
 
 @dataclass(frozen=True)
@@ -64,9 +68,11 @@ def choose_turn(
     rtol: float,
     nyquist: float | None = None,
 ) -> Turn:
-    """The least angle that does for a state with modes up to wave number kept, of modes up to
-    highest; the best one where none does. nyquist: highest wave number of the grid, if it is
-    another one.
+    """The smallest angle that leaves little rounding, or the best one where none does.
+
+    kept : wave number up to which the state has modes
+    highest : wave number up to which modes are used
+    nyquist : highest wave number of the grid, if it is another one
     """
     k = np.linspace(0.0, highest, max(32, math.ceil(0.5 * highest)) + 1)
     gain = log_gain(law, k, m).real
@@ -76,13 +82,13 @@ def choose_turn(
         height = gain + angle * k
         raised = -float(height.min())
         # modes from there on would fold onto those that are used
-        if angle and (math.pi - 2.0 * angle) * folding < math.log(1e2 / rtol) + raised:
+        if angle and (math.pi - 2.0 * angle) * folding < -math.log(_FOLDED * rtol) + raised:
             break
         lost = float(height[k <= kept].max()) + raised
-        error = _LOSS * _ROUNDING * math.exp(min(lost, 600.0))
+        error = _LOSS * _ROUNDING * math.exp(min(lost, 600.0))  # no overflow
         if error < best.error:
             best = Turn(angle, error, raised, highest)
-        if error < 0.005 * rtol:
+        if error < _ENOUGH * rtol:
             break
     return best
 

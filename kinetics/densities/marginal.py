@@ -13,17 +13,22 @@ from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
 
-# Panels in ln of the other component, in units of a typical speed: below e^-18 it adds 1e-8 of
-# the sum relative to the density there, quadratically less where the density is flat.
+# Gauss panels in ln of the other component, in units of a typical speed. Below e^-20 of it, where
+# the density is constant, the other component is taken in one piece; above e^4.5 = 90 of it nothing
+# is left of an exponential tail. tests/kinetics/measurements/densities.py measures the error.
 _LOWEST, _HIGHEST, _PANEL, _POINTS = -20.0, 4.5, 0.5, 10
 
 
 def component_density(
     plane_density: Callable[[FloatArray], NDArray[Any]], component: FloatArray, typical: float
 ) -> NDArray[Any]:
-    """Integral over v_y of a density f(|v|) in the plane, at v_x = component (n,).
+    """Integral over v_y of a density f(|v|) in the plane, at v_x = component.
 
-    plane_density : |v| (k,) -> (..., k); the answer has shape (..., n).
+    plane_density : takes speeds |v|, shape (k,), to the density there, shape (..., k)
+    component : v_x, not negative, shape (n,), in the unit of the speeds
+    typical : a speed of the order of the thermal one, in the same unit
+
+    Shape (..., n).
     """
     edges = np.arange(_LOWEST, _HIGHEST + 0.5 * _PANEL, _PANEL)
     y, w = panels_between(edges, _POINTS)
@@ -31,6 +36,6 @@ def component_density(
     speed = np.hypot(component[:, None], other)
     values = plane_density(speed.ravel())
     values = values.reshape(*values.shape[:-1], component.size, other.size)
-    # twice: both signs of v_y; the part below the first panel has constant density
+    # twice, for both signs of v_y; below the first panel the density is that of its first point
     inner = math.exp(_LOWEST) * typical * values[..., 0]
     return np.asarray(2.0 * (values @ (w * other) + inner))

@@ -10,8 +10,7 @@ rounding, the stationary solution takes over and later times cost nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
+from kinetics.densities.grid_density import GridDensity
 from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
 from kinetics.densities.intertwining import choose_turn, intertwine, resolved
 from kinetics.densities.stepping import stepped
@@ -27,96 +27,84 @@ from kinetics.errors import InputError
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.tilted import band_of, window_of
 from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import State
+from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
 
-_MAX_NODES = 8192
-_MOST_NODES = 32768  # where there are no steps
-_MOST_VALUES = 3e7  # at nodes and times: a quarter of a gigabyte
-_STEEP = 1e4
-_MOST_WORK = 1e8  # turns of the highest mode times nodes: half a minute of steps
-_MOST_TERMS = 2_000_000  # of a Fourier sum: nodes times points
-_SHARE = 0.005  # of rtol that each part of the error may have
-_FILLED = 1e-3  # of the thermal speed, about: below, the density at e = 0 is a polynomial
-_BEST = 4e-13  # of f relative to its maximum, where g is right to rounding (measured)
-_READ = 5e-15  # rounding of g, relative to its maximum, where it is divided by a low speed
-_BEST_STEPPED = 1e-10  # what steps reach
-_SEEN = 1e-6  # share of the maximum of g down to which two solutions are compared,
-_SAMPLES = 200  # at so many speeds or a few more
-_LEAST_MAXIMUM = 0.3  # of the isotropic density of ln v, at any time: its width is of order 1
+# Limits of the work: nodes at once and in steps, values at nodes and times (a quarter of a
+# gigabyte), and turns of the highest mode times nodes (half a minute of steps).
+_MOST_NODES, _MOST_NODES_STEPPED = 32768, 8192
+_MOST_VALUES, _MOST_WORK = 3e7, 1e8
+# Shares of rtol: for each of many small parts of the error, and for what rounding or steps leave.
+_SHARE, _LARGE_SHARE = 0.005, 0.3
+_BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
+# Of f relative to its maximum, where nothing but rounding is left; and what steps reach. Both:
+# tests/kinetics/measurements/densities.py
+_BEST, _BEST_STEPPED = 8e-13, 1e-10
+# At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
+# g = v f holds f with the rounding of g over v only.
+_FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
+# Two solutions are compared at about so many speeds, where g is above this share of its maximum.
+_SAMPLES, _COMPARED = 200, 1e-6
+# Harmonics m > 0 die away; errors of theirs are relative to a density of ln v of order 1 at least.
+_LEAST_MAXIMUM = 0.3
 
 
 @dataclass(frozen=True)
-class _Collocated:
-    """g at the nodes, read off at any speed."""
+class _Problem:
+    """One harmonic of a start, and what is asked of it.
+
+    Attributes
+    ----------
+    law : the collision law, e < 1
+    m : the angular harmonic
+    start : f_m as a function of v in U
+    speeds : the initial speeds as weighted points
+    tau : ln(1 + v_rms t/l) of the times before the scaling state, shape (n_times,)
+    rtol : the accuracy asked for
+    nodes : of the grid, or None
+    latest : the last time in d/U, for messages
+    """
+
+    law: CollisionLaw
+    m: int
+    start: SpeedFunction
+    speeds: LogMeasure
+    tau: FloatArray
+    rtol: float
+    nodes: int | None
+    latest: float
+
+    @property
+    def log_unit(self) -> float:
+        """ln of the unit of speed, the root mean square of the initial speeds."""
+        return 0.5 * self.speeds.log_second_moment()
+
+    def on(self, grid: LogGrid) -> FloatArray:
+        """Real and imaginary part of g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
+        v = np.exp(grid.x + self.log_unit)
+        g = np.asarray(self.start(v) * v)
+        if self.m == 0:
+            g = g / (float(g.sum()) * grid.spacing)  # mass beyond the window is made up for
+        return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
+
+    def too_much(self, wanted: float) -> InputError:
+        """The error that says how many nodes this would need."""
+        return InputError(
+            f"times: got up to {self.latest:g} at restitution {self.law.restitution!r}; the density"
+            f" would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
+        )
+
+
+@dataclass(frozen=True)
+class _Found:
+    """g at the times, however it was found."""
 
     grid: LogGrid
-    values: NDArray[Any]  # (n_times, nodes)
-    shift: FloatArray  # x - ln v, (n_times,)
-    end: float  # highest x where something is left
-    resolved: float  # share of its maximum down to which g is right
-    filled: float = 0.0  # share of the thermal speed below which f is a parabola (e = 0)
-
-    def __call__(self, i: int, v: FloatArray) -> NDArray[Any]:
-        out = np.zeros(v.shape, dtype=self.values.dtype)
-        shift = self.shift[i]
-        with np.errstate(divide="ignore"):
-            x = np.log(v) + shift
-        floor, slope = self._low_end(i)
-        inside = (x <= self.end) & (v > 0.0)
-        # g is right to a share of its maximum: below that, and f = g/v with it, the slope of ln f
-        # that it has there goes on
-        at = np.clip(x[inside], floor, self.end)
-        with np.errstate(under="ignore"):
-            fall = np.exp(slope * (x[inside] - at) - (at - shift))
-            out[inside] = self._interpolate(i, at) * fall
-            if self.filled:
-                # where the error of g, over v, is small still
-                edge = math.log(self.filled * self._width(i))
-                low = (x < edge) & (v > 0.0)
-                out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
-        return out
-
-    def _width(self, i: int) -> float:
-        """Maximum of g over that of g/v, in units of exp(x)."""
-        size = np.abs(self.values[i])
-        return float(size.max() / (size * np.exp(-self.grid.x)).max())
-
-    def _from_above(self, i: int, edge: float, u: FloatArray) -> NDArray[Any]:
-        """g/v at exp(x - edge) = u < 1: the polynomial in v through those at u = 1, 2, 4, 8, 16."""
-        node = 2.0 ** np.arange(5)
-        at = edge + np.log(node)
-        out = np.zeros(u.shape, dtype=self.values.dtype)
-        for k, value in enumerate(self._interpolate(i, at) * np.exp(self.shift[i] - at)):
-            others = np.delete(node, k)
-            out += value * np.prod((u[:, None] - others) / (node[k] - others), axis=1)
-        return out
-
-    def _low_end(self, i: int) -> tuple[float, float]:
-        """Lowest x at which g(t_i) is resolved, and the slope of ln(g/v) there, not below 0."""
-        size = np.abs(self.values[i])
-        top = int(size.argmax())
-        weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
-        first = int(weak[-1]) + 1 if weak.size else 0
-        if weak.size and size[first] > 1e3 * self.resolved * size[top]:
-            return float(self.grid.x[first]), _STEEP  # a step: nothing below it
-        # one e-fold further up, for the slope
-        step = max(1, round(1.0 / self.grid.spacing))
-        second = min(first + step, size.size - 1)
-        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
-        slope = rise / ((second - first) * self.grid.spacing) - 1.0
-        return float(self.grid.x[first]), max(0.0, slope)
-
-    def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
-        """In pieces of x, so that memory stays flat."""
-        values = self.values[i]
-        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // _MOST_TERMS)
-        real = np.concatenate([self.grid.interpolate(values.real, piece) for piece in pieces])
-        if not np.iscomplexobj(values):
-            return real
-        imag = [self.grid.interpolate(values.imag, piece) for piece in pieces]
-        return np.asarray(real + 1j * np.concatenate(imag))
+    values: FloatArray  # (n_times, rows, nodes)
+    moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
+    highest: FloatArray  # size of the highest modes, (n_times,)
+    rounding: float  # what it may have left, relative to the maximum
 
 
 def _window(
@@ -169,136 +157,118 @@ def solve_spectral(
     times: FloatArray,
     rtol: float,
     nodes: int | None = None,
-    checked: bool = True,
 ) -> Profile | None:
     """Harmonic m at the times, e < 1; None where the state is too rough for this method.
 
-    Nodes that are given may be too few: unless told not to, what twice as many give is the check.
+    law, mean_free_path : the collision law, and l in d
+    times : in d/U, rising, shape (n_times,)
+    nodes : of the grid. They may be too few: what twice as many give is the check
+
+    Raises InputError where it would take too many nodes.
     """
-    start = state.harmonic(0, 1e-3 * rtol)
-    profile = state.profile(m)
-    if start is None or profile is None:
+    speeds, start = state.harmonic(0, 1e-3 * rtol), state.profile(m)
+    if speeds is None or start is None:
         return None
-    depth = math.log(1.0 / rtol) + 8.0
-    log_unit = 0.5 * start.log_second_moment()
+    log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     tau = shift + log_unit
     early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
-    duration = float(tau[early - 1]) if early else 0.0
-    left, right, band = _window(law, start, depth, duration)
-    wanted = nodes or (right - left) * band / math.pi
-    if wanted > _MOST_NODES:
-        raise _too_much(law, times, wanted)
-
-    def at_nodes(grid: LogGrid) -> FloatArray:
-        """Real and imaginary part of g on a grid of ln v, in units of the thermal speed."""
-        v = np.exp(grid.x + log_unit)
-        g = np.asarray(profile(v) * v)
-        if m == 0:
-            g = g / (float(g.sum()) * grid.spacing)  # what lies beyond the window is not missed
-        return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
-
-    grid, rows, rough = _resolve(at_nodes, left, right, band, rtol, nodes)
-    if rough > rtol and nodes is None:
+    problem = _Problem(law, m, start, speeds, tau[:early], rtol, nodes, float(times[-1]))
+    found = _solve(problem)
+    if found is None:
         return None
-    found = _at_once(law, at_nodes, grid, rows, m, tau[:early], rtol, nodes)
+    density, error = found
+    if nodes is not None and early:
+        error = max(error, _apart(density, _otherwise(problem, nodes)))
+    return Profile(
+        density=then_scaling(law, density, early, shift[early:], rtol),
+        count=times.size,
+        method="spectral",
+        nodes=density.grid.nodes,
+        error_estimate=error,
+    )
+
+
+def _otherwise(problem: _Problem, nodes: int) -> GridDensity:
+    """The same with twice as many nodes, or with half as many where that is too much work."""
+    try:
+        found = _solve(
+            replace(problem, nodes=2 * nodes if 2 * nodes <= _MOST_NODES else nodes // 2)
+        )
+    except InputError:
+        found = _solve(replace(problem, nodes=nodes // 2))
+    assert found is not None
+    return found[0]
+
+
+def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
+    """The density and its error relative to the maximum; None where the start is too rough."""
+    law, m, rtol, tau = problem.law, problem.m, problem.rtol, problem.tau
+    depth = math.log(1.0 / rtol) + _BELOW_RTOL
+    duration = float(tau[-1]) if tau.size else 0.0
+    left, right, band = _window(law, problem.speeds, depth, duration)
+    wanted = problem.nodes or (right - left) * band / math.pi
+    if wanted > _MOST_NODES:
+        raise problem.too_much(wanted)
+    grid, rows, rough = _resolve(problem, left, right, band)
+    if rough > rtol and problem.nodes is None:
+        return None
+    found = _at_once(problem, grid, rows)
     if found is None:
         # the drift and the losses turn the highest mode this often
         turns = math.pi / grid.spacing * (1.0 + law.mean_log_loss * math.exp(right))
-        if wanted > _MAX_NODES or turns * duration * grid.nodes > _MOST_WORK:
-            raise _too_much(law, times, wanted)
-        values, highest = stepped(law, grid, rows, m, tau[:early], rtol)
-        found = _Found(grid, values, tau[:early], highest, max(0.3 * rtol, _BEST_STEPPED))
-    joined = found.values[:, 0]
+        if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
+            raise problem.too_much(wanted)
+        values, highest = stepped(law, grid, rows, m, tau, rtol)
+        found = _Found(grid, values, tau, highest, max(_LARGE_SHARE * rtol, _BEST_STEPPED))
+    values = found.values[:, 0]
     if rows.shape[0] == 2:
-        joined = joined + 1j * found.values[:, 1]
-    # what a parabola leaves goes as the cube
+        values = values + 1j * found.values[:, 1]
+    # the polynomial leaves the cube of the share
     filled = (
         min(_FILLED, (0.05 * rtol) ** (1.0 / 3.0)) if m == 0 and law.restitution == 0.0 else 0.0
     )
-    collocated = _Collocated(
-        found.grid,
-        joined,
-        found.moved - log_unit,
-        right + found.grid.spacing,
-        max(_SHARE * rtol, 3.0 * found.rounding),
-        filled,
+    density = GridDensity(
+        grid=found.grid,
+        values=values,
+        shift=found.moved - problem.log_unit,
+        end=right + found.grid.spacing,
+        resolved=max(_SHARE * rtol, 3.0 * found.rounding),
+        filled=filled,
     )
-    # a harmonic that dies away matters beside the isotropic part
-    least = 0.0 if m == 0 else _LEAST_MAXIMUM
-    missed = float(np.max(found.highest * found.grid.spacing, initial=_ends(joined, least)))
+    ends = _ends(values, 0.0 if m == 0 else _LEAST_MAXIMUM)
+    missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
     if filled:
-        missed = max(missed, _READ / filled)
-    if nodes is not None and checked and early:
-        others = 2 * nodes if 2 * nodes <= _MOST_NODES else nodes // 2
-        again = (law, mean_free_path, state, m, times[:early], rtol)
-        try:
-            other = solve_spectral(*again, others, checked=False)
-        except InputError:  # too much work
-            other = solve_spectral(*again, nodes // 2, checked=False)
-        assert other is not None
-        missed = max(missed, _apart(collocated, other))
-    return Profile(
-        at=then_scaling(law, collocated, early, shift[early:], rtol),
-        count=times.size,
-        method="spectral",
-        nodes=found.grid.nodes,
-        error_estimate=max(0.1 * rtol, _BEST, found.rounding, rough, missed),
-    )
+        missed = max(missed, _ROUNDING_OF_G / filled)
+    return density, max(0.1 * rtol, _BEST, found.rounding, rough, missed)
 
 
-def _apart(found: _Collocated, other: Profile) -> float:
+def _apart(found: GridDensity, other: GridDensity) -> float:
     """The largest difference of two solutions where there is anything, relative to the maximum."""
     worst = 0.0
     for i, values in enumerate(found.values):
         size = np.abs(values)
-        there = np.nonzero(size > _SEEN * size.max())[0]
+        there = np.nonzero(size > _COMPARED * size.max())[0]
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
-        first, second = found(i, v), other.at(i, v)
+        first, second = found.at(i, v), other.at(i, v)
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
         worst = max(worst, float(np.abs(first - second).max(initial=0.0)) / top)
     return worst
 
 
-@dataclass(frozen=True)
-class _Found:
-    """g at the times, however it was found."""
-
-    grid: LogGrid
-    values: FloatArray  # (n_times, rows, nodes)
-    moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
-    highest: FloatArray  # size of the highest modes, (n_times,)
-    rounding: float  # what it may have left, relative to the maximum
-
-
-def _too_much(law: CollisionLaw, times: FloatArray, wanted: float) -> InputError:
-    return InputError(
-        f"times: got up to {times[-1]:g} at restitution {law.restitution!r}; the density "
-        f"would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
-    )
-
-
-def _at_once(
-    law: CollisionLaw,
-    at_nodes: Callable[[LogGrid], FloatArray],
-    grid: LogGrid,
-    rows: FloatArray,
-    m: int,
-    tau: FloatArray,
-    rtol: float,
-    nodes: int | None,
-) -> _Found | None:
+def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | None:
     """Every time from the start, without its collisions; None where rounding is too large.
 
     The window is that of g and more: u reaches further down, as v, and further up, as
     exp(-v t/l).
     """
+    law, m, rtol, nodes = problem.law, problem.m, problem.rtol, problem.nodes
     modes = np.fft.rfft(rows)
     kept = resolved(modes) / grid.nodes * 2.0 * math.pi / grid.spacing
     spacing = grid.spacing
     turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
-    while turn.error > 0.3 * rtol and nodes is None:
+    while turn.error > _LARGE_SHARE * rtol and nodes is None:
         # more modes allow a larger angle
         other = choose_turn(law, kept, math.pi / (0.6 * spacing), m, rtol)
         if other.error > 0.3 * turn.error:
@@ -308,25 +278,25 @@ def _at_once(
     highest = math.pi / spacing
     size = np.abs(modes).max(axis=0)
     least = float(grid.wave_numbers[np.nonzero(size > _SHARE * rtol * size.max())[0][-1]])
-    while turn.error > 0.3 * rtol and nodes is not None and 0.8 * highest > least:
+    while turn.error > _LARGE_SHARE * rtol and nodes is not None and 0.8 * highest > least:
         highest *= 0.8
         other = choose_turn(law, min(kept, highest), highest, m, rtol, math.pi / spacing)
         turn = min(turn, other, key=lambda t: t.error)
-    if turn.error > max(0.3 * rtol, _BEST_STEPPED):
+    if turn.error > max(_LARGE_SHARE * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
     left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
     if nodes is None:
         count = _good_count(math.ceil((right - left) / spacing))
-        if count > _MOST_NODES or count * tau.size > _MOST_VALUES:
+        if count > _MOST_NODES or count * problem.tau.size > _MOST_VALUES:
             return None
         wide = LogGrid(right - spacing * count, spacing, count)
     else:
         wide = LogGrid(left, (right - left) / grid.nodes, grid.nodes)
     gain = log_gain(law, wide.wave_numbers, m)
-    hidden = intertwine(wide, at_nodes(wide), gain, turn, m)
-    moved, values, last = hidden.at(tau)
+    hidden = intertwine(wide, problem.on(wide), gain, turn, m)
+    moved, values, last = hidden.at(problem.tau)
     return _Found(wide, values, moved * wide.spacing, last, turn.error)
 
 
@@ -338,22 +308,18 @@ def _good_count(least: int) -> int:
 
 
 def _resolve(
-    at_nodes: Callable[[LogGrid], FloatArray],
-    left: float,
-    right: float,
-    band: float,
-    rtol: float,
-    nodes: int | None,
+    problem: _Problem, left: float, right: float, band: float
 ) -> tuple[LogGrid, FloatArray, float]:
     """A grid that resolves the start and the scaling state, g on it, and its highest modes."""
-    count = nodes or int((right - left) * band / math.pi) + 2
+    count = problem.nodes or int((right - left) * band / math.pi) + 2
     while True:
         count += count % 2
         grid = LogGrid(left, (right - left) / count, count)
-        rows = at_nodes(grid)
+        rows = problem.on(grid)
         spectrum = np.abs(np.fft.rfft(rows)).max(axis=0)
         rough = float(spectrum[-3:].max() / max(float(spectrum.max()), 1e-300))
-        if nodes is not None or rough <= _SHARE * rtol or 2 * count > _MAX_NODES:
+        enough = rough <= _SHARE * problem.rtol or 2 * count > _MOST_NODES_STEPPED
+        if problem.nodes is not None or enough:
             return grid, rows, rough
         count = int(1.4 * count)
 

@@ -19,12 +19,19 @@ from kinetics.scaling.symbols import decay_symbol, harmonic_symbol
 
 FloatArray = NDArray[np.float64]
 
+_SHARE = 0.01  # of rtol that the error of one step may have, because the errors of steps add up
+_FINEST, _FINEST_ABSOLUTE = 3e-14, 1e-15  # what rounding allows the integrator to reach
+
 
 def stepped(
     law: CollisionLaw, grid: LogGrid, rows: FloatArray, m: int, tau: FloatArray, rtol: float
 ) -> tuple[FloatArray, FloatArray]:
-    """g at the nodes of x at the times tau, (n_times, rows, nodes), and the size of its highest
-    modes, (n_times,); rows (n, nodes) are real and imaginary part of it at tau = 0.
+    """g at the nodes of x at the times tau, and the size of its highest modes.
+
+    rows : real and imaginary part of g at tau = 0, shape (n, nodes)
+    tau : rising, shape (n_times,)
+
+    Shapes (n_times, n, nodes) and (n_times,).
     """
     from scipy.integrate import solve_ivp
 
@@ -32,7 +39,6 @@ def stepped(
     loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
     # the highest mode of a real transform has no partner: its odd part is left out
     z[-1] = 0.0
-    loss[-1] = loss[-1].real
     rate = np.exp(grid.x)
 
     def derivative(_: float, flat: FloatArray) -> FloatArray:
@@ -52,8 +58,8 @@ def stepped(
                 g,
                 method="DOP853",
                 t_eval=[time],
-                rtol=max(0.01 * rtol, 3e-14),
-                atol=max(0.01 * rtol, 1e-15) * scale,
+                rtol=max(_SHARE * rtol, _FINEST),
+                atol=max(_SHARE * rtol, _FINEST_ABSOLUTE) * scale,
                 first_step=min(time - now, 1.0 / float(rate[-1])),
             )
             if not result.success:

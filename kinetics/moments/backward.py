@@ -41,9 +41,8 @@ _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 _SATURATION = 38.0
 # Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
 _STEEPEST = 4.0
-# Errors over the last Chebyshev coefficient of a panel, or over the one before, are at most 1.4 and
-# 0.14, of which this allows a quarter more for the quadrature of the initial state:
-# tests/kinetics/measurements/moments.py
+# Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
+# the one before (tests/kinetics/measurements/moments.py); the rest is for the initial state.
 _LAST, _BEFORE = 1.75, 0.175
 _LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 

@@ -1,4 +1,4 @@
-"""Where the tracers are: moments of the displacement from chains of scalar equations.
+"""Moments of the displacement, and other outputs made of it, from chains of scalar equations.
 
 In units of the mean free path l, with T = v t/l for a tracer of initial speed v (paper, label
 ``inelaslorentz`` for the equation with its free-streaming term):
@@ -34,8 +34,8 @@ from kinetics.moments.velocity import Averages
 
 FloatArray = NDArray[np.float64]
 
-_FREE = math.log(1e-50)  # of v_rms t/l: below, all fly freely
-_EARLY = 1.0  # T below which elastic moments are summed as power series
+_FREE = math.log(1e-50)  # of v_rms t/l: below, nobody collides, and its fourth power is in range
+_EARLY = 1.0  # T below which elastic moments are summed as power series, of 40 terms
 
 
 def _free(averages: Averages) -> tuple[NDArray[np.bool_], FloatArray]:
@@ -153,7 +153,7 @@ def _elastic_paths(averages: Averages) -> FloatArray:
 
 
 def _ballistic_to_diffusive(x: FloatArray) -> FloatArray:
-    """x - 1 + exp(-x), by its series where that cancels."""
+    """x - 1 + exp(-x), by its series where that cancels: 14 terms leave 0.3^14/14! = 5e-19."""
     small = x < 0.3
     near = np.where(small, x, 0.0)
     # x^2/2 (1 - x/3 (1 - x/4 (1 - ...)))

@@ -34,9 +34,9 @@ FloatArray = NDArray[np.float64]
 FEWEST, MOST = 5, 48  # fewer have no decay to look at; more only add rounding
 _LONGEST = 3.5  # of the panels in X: they end at T = e^2 or less, as far as the series reaches
 _DEGREE = 32  # of the Chebyshev series: more than the nodes of 15 digits
-# The panels above these hold about as much again as these do, at every e:
-# tests/kinetics/measurements/moments.py
-_WITH_LATER_PANELS = 2.0
+# What all panels hold over what these hold: 3 or less in nine of ten cases
+# (tests/kinetics/measurements/moments.py). Too small a guess costs a second solve.
+_WITH_LATER_PANELS = 3.0
 _ABOVE_NOISE = 10.0  # coefficients below so many times the rounding of the series say nothing
 
 

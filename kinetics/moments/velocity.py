@@ -31,11 +31,12 @@ from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
-_MANY = 2  # times for each node of the panels in ln t that hold them
-_FEW_POINTS = 4  # of the initial state, below which each time is as quick
-_MORE_NODES = 2  # of a panel in ln t
+# Many times are interpolated in ln t: where there are more than this for each node of the panels in
+# ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).
+_MANY, _FEW_POINTS = 2, 4
+_MORE_NODES = 2  # of those panels: each node is about one digit, and two more leave nothing to see
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
-_KEPT = 16  # such pieces
+_KEPT = 16  # such pieces are kept for the next observable
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
     _series: dict[Observable, FloatArray] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -73,7 +75,6 @@ class Averages:
     _powers: dict[tuple[float, int], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
@@ -116,7 +117,7 @@ class Averages:
 
     @cached_property
     def log_reference(self) -> FloatArray:
-        """ln of a speed of the order of the thermal one, (n_times,): its powers keep in range."""
+        """ln of a speed of the order of the thermal one, (n_times,), as the unit of its powers."""
         if self.elastic:
             return np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
         return self._reference(self.log_stretch)
@@ -127,7 +128,7 @@ class Averages:
 
     @property
     def width(self) -> float:
-        """Of the panels of the backward equation."""
+        """Width in X of the panels of the backward equation."""
         return panel_width(max(abs(self.degree), abs(self.lowest)))
 
     @cached_property
@@ -162,8 +163,9 @@ class Averages:
     ) -> NDArray[Any]:
         """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading; e < 1.
 
-        Lengths in l, v_first the root mean square of the initial speeds, shape (n_times,). m is
-        the harmonic of y by default; ``leading`` takes the T^leading out with which y begins.
+        Lengths in l; v_first is the root mean square of the initial speeds. m is the harmonic of y
+        by default. ``leading`` divides y by the power T^leading with which it begins. Shape
+        (n_times,).
         """
         found = self.measure(y.harmonic if m is None else m)
         if found is None:
@@ -204,7 +206,7 @@ class Averages:
         return out
 
     def _places(self, x: FloatArray) -> Places:
-        """Of these X; the observables of a scene ask for the same ones again and again."""
+        """Where these X lie; kept, because all observables of a scene ask for the same X."""
         key = x.tobytes()
         if key not in self._known:
             if len(self._known) >= _KEPT:

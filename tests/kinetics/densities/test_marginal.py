@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from kinetics import Beam, InputError, Monoenergetic, Scene, SpeedTable, solve
+from kinetics.densities.marginal import component_density
 
 
 def scene(e: float, times: Any, initial: Any = "gaussian") -> Scene:
@@ -110,3 +111,18 @@ def test_not_asked_for() -> None:
     solution = solve(Scene(restitution=0.5, times=[0.0]))
     with pytest.raises(InputError, match=r"^outputs: 'speed_density' was not asked for"):
         solution.velocity_component_density([0.0])
+
+
+@pytest.mark.parametrize("typical", [1.0, 1e-200])
+def test_a_peak_far_below_the_typical_speed(typical: float) -> None:
+    """A Gaussian 1e-7 of the typical speed wide: what is below the first panel is 2 % of it."""
+    width = 1e-7 * typical
+
+    def plane(v: Any) -> Any:
+        with np.errstate(under="ignore"):
+            return np.exp(-0.5 * (v / width) ** 2)
+
+    x = width * np.array([0.0, 0.5, 1.0])
+    exact = np.sqrt(2.0 * np.pi) * width * np.exp(-0.5 * (x / width) ** 2)
+    found = component_density(plane, x, typical)
+    assert np.max(np.abs(found / exact - 1.0)) < 1e-5

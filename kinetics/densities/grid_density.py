@@ -1,0 +1,101 @@
+"""A density known at equidistant nodes of ln v, read off at any speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.densities.harmonic import Frozen
+from kinetics.numerics.log_grid import LogGrid
+
+FloatArray = NDArray[np.float64]
+
+_MOST_TERMS = 2_000_000  # of a Fourier sum at once, nodes times points: 32 megabytes
+_STEEP = 1e4  # slope of ln f below a step of f, where f is zero
+_STEP = 1e3  # the density of ln v falls by more than this at a node: it has a step there
+_POLYNOMIAL = 2.0 ** np.arange(5)  # speeds from which f is continued to lower ones at e = 0
+
+
+@dataclass(frozen=True)
+class GridDensity(Frozen):
+    """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
+
+    Attributes
+    ----------
+    grid : the nodes of x
+    values : g at the nodes, shape (n_times, n_nodes)
+    shift : x - ln v, shape (n_times,)
+    end : highest x where something is left
+    resolved : share of its maximum down to which g is right
+    filled : share of the thermal speed below which f is a polynomial (e = 0); 0 elsewhere
+    """
+
+    grid: LogGrid
+    values: NDArray[Any]
+    shift: FloatArray
+    end: float
+    resolved: float
+    filled: float = 0.0
+
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """f in 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        out = np.zeros(v.shape, dtype=self.values.dtype)
+        shift = self.shift[i]
+        with np.errstate(divide="ignore"):
+            x = np.log(v) + shift
+        floor, slope = self._low_end(i)
+        inside = (x <= self.end) & (v > 0.0)
+        # below what is resolved, the slope of ln f that f = g/v has there goes on
+        at = np.clip(x[inside], floor, self.end)
+        with np.errstate(under="ignore"):
+            fall = np.exp(slope * (x[inside] - at) - (at - shift))
+            out[inside] = self._interpolate(i, at) * fall
+            if self.filled:
+                # from speeds where the error of g, divided by v, is still small
+                edge = math.log(self.filled * self._width(i))
+                low = (x < edge) & (v > 0.0)
+                out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
+        return out
+
+    def _width(self, i: int) -> float:
+        """Maximum of g over that of g/v, in units of exp(x)."""
+        size = np.abs(self.values[i])
+        return float(size.max() / (size * np.exp(-self.grid.x)).max())
+
+    def _from_above(self, i: int, edge: float, u: FloatArray) -> NDArray[Any]:
+        """g/v at exp(x - edge) = u < 1: the polynomial in v through five values at u >= 1."""
+        at = edge + np.log(_POLYNOMIAL)
+        out = np.zeros(u.shape, dtype=self.values.dtype)
+        for k, value in enumerate(self._interpolate(i, at) * np.exp(self.shift[i] - at)):
+            others = np.delete(_POLYNOMIAL, k)
+            out += value * np.prod((u[:, None] - others) / (_POLYNOMIAL[k] - others), axis=1)
+        return out
+
+    def _low_end(self, i: int) -> tuple[float, float]:
+        """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
+        size = np.abs(self.values[i])
+        top = int(size.argmax())
+        weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
+        first = int(weak[-1]) + 1 if weak.size else 0
+        if weak.size and size[first] > _STEP * self.resolved * size[top]:
+            return float(self.grid.x[first]), _STEEP
+        # one e-fold further up, for the slope
+        step = max(1, round(1.0 / self.grid.spacing))
+        second = min(first + step, size.size - 1)
+        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
+        slope = rise / ((second - first) * self.grid.spacing) - 1.0
+        return float(self.grid.x[first]), max(0.0, slope)
+
+    def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
+        """In pieces of x, so that memory stays flat."""
+        values = self.values[i]
+        pieces = np.array_split(x, 1 + x.size * self.grid.nodes // _MOST_TERMS)
+        real = np.concatenate([self.grid.interpolate(values.real, piece) for piece in pieces])
+        if not np.iscomplexobj(values):
+            return real
+        imag = [self.grid.interpolate(values.imag, piece) for piece in pieces]
+        return np.asarray(real + 1j * np.concatenate(imag))
