@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, check_restitution, short
 from kinetics.scaling import mellin
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ _LARGEST_LOG = 709.0  # of a double
 
 
 @dataclass(frozen=True)
-class ScalingSolution:
+class ScalingSolution(Value):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
     Parameters
