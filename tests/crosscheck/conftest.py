@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.report.evidence import (
+from kinetics.crosscheck.report.case import (
     Case,
     DensityScan,
     Measured,
@@ -19,8 +19,8 @@ from kinetics.crosscheck.report.evidence import (
     Scans,
     TrapScan,
 )
-from kinetics.crosscheck.report.positions import bands_of, bin_density
-from kinetics.crosscheck.report.rows import (
+from kinetics.crosscheck.report.observables import bands_of, bin_density
+from kinetics.crosscheck.report.row import (
     bin_average,
     cooling_rate_between,
     last_vdf,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Measured
+from kinetics.crosscheck.report.case import Array, Measured
 
 BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
 """Bands of R = r/sqrt(<r^2>) between which the fall of G(R) is measured; the first is p(0)."""

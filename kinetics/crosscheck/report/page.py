@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.equations import report_equations
-from kinetics.crosscheck.report.figure_data import PAPER_FIGURES
 from kinetics.crosscheck.report.figures import svg
-from kinetics.crosscheck.report.rows import TITLES, scale_of
+from kinetics.crosscheck.report.row import TITLES, scale_of
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -14,15 +14,14 @@ from typing import Any
 from kinetics.crosscheck.files import write_together
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.algebra import AlgebraProcess
-from kinetics.crosscheck.report.answers import all_answers
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case, Measured, ParticleEvidence, Scans
-from kinetics.crosscheck.report.figure_data import all_figures
+from kinetics.crosscheck.report.all_figures import all_figures
+from kinetics.crosscheck.report.case import Case, Measured, ParticleEvidence, Scans
+from kinetics.crosscheck.report.case_rows import compare_case
+from kinetics.crosscheck.report.displacement_figures import RATIO_NAMES
 from kinetics.crosscheck.report.figures import figure_file
-from kinetics.crosscheck.report.further_figures import RATIO_NAMES
-from kinetics.crosscheck.report.methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.page import number, render
-from kinetics.crosscheck.report.rows import (
+from kinetics.crosscheck.report.questions import all_answers
+from kinetics.crosscheck.report.row import (
     RESCALED,
     Row,
     contact_value,
@@ -30,6 +29,7 @@ from kinetics.crosscheck.report.rows import (
     judged,
     scale_of,
 )
+from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.scans import gather_scans
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Case, DensityScan, Measured, Scans, TrapScan
+from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
 from kinetics.crosscheck.report.histograms import jackknife_error
 from kinetics.crosscheck.report.settings import ReportSettings
 

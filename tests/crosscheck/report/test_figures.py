@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics.crosscheck.report.evidence import Case, Scans
-from kinetics.crosscheck.report.figure_data import PAPER_FIGURES, all_figures
+from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
+from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.figures import draw, legend_entries, svg
 from kinetics.crosscheck.report.settings import ReportSettings
 

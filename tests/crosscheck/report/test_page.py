@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from kinetics.crosscheck.plain import dumps, plain
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case, Scans
-from kinetics.crosscheck.report.figure_data import PAPER_FIGURES
+from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
+from kinetics.crosscheck.report.case import Case, Scans
+from kinetics.crosscheck.report.case_rows import compare_case
 from kinetics.crosscheck.report.page import deviation, number, render
 from kinetics.crosscheck.report.report import build_document, write_report
-from kinetics.crosscheck.report.rows import judged
+from kinetics.crosscheck.report.row import judged
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.text import columns, verdict_table
 

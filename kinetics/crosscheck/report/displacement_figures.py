@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.compared import PAPER_KURTOSIS, sonine_slopes
-from kinetics.crosscheck.report.evidence import Case, DensityScan, Measured, TrapScan
-from kinetics.crosscheck.report.figure_parts import (
+from kinetics.crosscheck.report.case import Case, DensityScan, Measured, TrapScan
+from kinetics.crosscheck.report.case_rows import PAPER_KURTOSIS, sonine_slopes
+from kinetics.crosscheck.report.figure_lines import (
     Data,
     all_restitutions,
     axis,
@@ -18,9 +18,9 @@ from kinetics.crosscheck.report.figure_parts import (
     series,
 )
 from kinetics.crosscheck.report.histograms import band_middles
-from kinetics.crosscheck.report.paper_figures import vdf_lines
-from kinetics.crosscheck.report.positions import bands_of, sure_density
+from kinetics.crosscheck.report.observables import bands_of, sure_density
 from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.report.velocity_figures import vdf_lines
 
 LARGEST_SLOPE_ERROR = 0.2
 """Standard error of (1/v0 - 1/v0(0))/((1-e) d rho0 t) above which a point says nothing."""

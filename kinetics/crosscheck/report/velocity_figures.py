@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.evidence import Array, Case
-from kinetics.crosscheck.report.figure_parts import (
+from kinetics.crosscheck.report.case import Array, Case
+from kinetics.crosscheck.report.figure_lines import (
     LARGEST_RELATIVE_ERROR,
     Data,
     all_restitutions,
@@ -19,7 +19,7 @@ from kinetics.crosscheck.report.figure_parts import (
     points,
     series,
 )
-from kinetics.crosscheck.report.rows import last_vdf
+from kinetics.crosscheck.report.row import last_vdf
 from kinetics.crosscheck.report.settings import ReportSettings
 
 BEYOND_LAST = 10.0

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from kinetics.crosscheck.plain import dumps
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case
-from kinetics.crosscheck.report.rows import (
+from kinetics.crosscheck.report.case import Case
+from kinetics.crosscheck.report.case_rows import compare_case
+from kinetics.crosscheck.report.row import (
     LEAST_EXPECTED,
     PAPER_FIT,
     RESCALED,

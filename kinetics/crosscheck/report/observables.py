@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Case
+from kinetics.crosscheck.report.case import Array, Case
 from kinetics.crosscheck.report.histograms import BANDS, band_exponent
 
 SURE = 20.0

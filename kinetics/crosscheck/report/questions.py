@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.compared import sonine_slopes
-from kinetics.crosscheck.report.evidence import Case, Measured, ParticleEvidence
-from kinetics.crosscheck.report.figure_parts import all_restitutions
+from kinetics.crosscheck.report.case import Case, Measured, ParticleEvidence
+from kinetics.crosscheck.report.case_rows import sonine_slopes
+from kinetics.crosscheck.report.figure_lines import all_restitutions
 from kinetics.crosscheck.report.histograms import band_middles
+from kinetics.crosscheck.report.observables import bands_of, sure_density
 from kinetics.crosscheck.report.page import SHORT
-from kinetics.crosscheck.report.positions import bands_of, sure_density
-from kinetics.crosscheck.report.rows import Row, bin_average, msd_slope_between
+from kinetics.crosscheck.report.row import Row, bin_average, msd_slope_between
 from kinetics.crosscheck.verdicts import corrected_sigmas, worst
 
 Answer = dict[str, Any]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import sonine
-from kinetics.crosscheck.report.evidence import Array, Case, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, ParticleEvidence
 
 Data = dict[str, Any]
 

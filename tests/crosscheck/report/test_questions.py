@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.report.answers import all_answers
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case
+from kinetics.crosscheck.report.case import Case
+from kinetics.crosscheck.report.case_rows import compare_case
+from kinetics.crosscheck.report.questions import all_answers
 from kinetics.crosscheck.report.settings import ReportSettings
 
 MakeCase = Callable[..., Case]

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from kinetics.crosscheck.report import further_figures as further
-from kinetics.crosscheck.report import paper_figures as paper
-from kinetics.crosscheck.report.evidence import Case, Scans
-from kinetics.crosscheck.report.figure_parts import Data
+from kinetics.crosscheck.report import displacement_figures as further
+from kinetics.crosscheck.report import velocity_figures as paper
+from kinetics.crosscheck.report.case import Case, Scans
+from kinetics.crosscheck.report.figure_lines import Data
 from kinetics.crosscheck.report.settings import ReportSettings
 
 PAPER_FIGURES = (

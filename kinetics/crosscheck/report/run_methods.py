@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleEvidence
 from kinetics.crosscheck.report.histograms import jackknife_error, measured_exponent, scaled_density
-from kinetics.crosscheck.report.rows import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.row import cooling_rate_between, msd_slope_between
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.errors import InputError
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.evidence import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleEvidence
 from kinetics.crosscheck.verdicts import (
     Verdict,
     corrected_sigmas,

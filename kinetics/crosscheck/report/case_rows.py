@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import sonine
-from kinetics.crosscheck.report.evidence import Array, Case, Measured
+from kinetics.crosscheck.report.case import Array, Case, Measured
 from kinetics.crosscheck.report.histograms import band_middles
-from kinetics.crosscheck.report.positions import bands_of, bin_density, sure_density
-from kinetics.crosscheck.report.rows import (
+from kinetics.crosscheck.report.observables import bands_of, bin_density, sure_density
+from kinetics.crosscheck.report.row import (
     EXACT,
     KINETIC,
     LEAST_EXPECTED,
