@@ -1,101 +1,105 @@
-"""What the data of every figure are made of: axes, series, and which points a figure can show."""
+"""Lines that several figures have, and the results that all of them draw."""
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Array, Case, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, Mask, Measured, ParticleRun, Scans
+from kinetics.crosscheck.report.figures import Data, series
+from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.report.templates import paragraphs
 
-Data = dict[str, Any]
+if TYPE_CHECKING:
+    from kinetics import ScaledVDF, ScalingSolution
 
 LARGEST_RELATIVE_ERROR = 0.5
-"""Standard error over value above which a point on a logarithmic axis says nothing."""
+"""Standard error over value above which a point on a logarithmic axis is left out."""
 
 
-def axis(
-    label: str, unit: str = "", scale: str = "linear", limits: tuple[float, float] | None = None
-) -> Data:
-    """One axis; limits None leaves them to what is drawn."""
-    return {
-        "label": label,
-        "unit": unit,
-        "scale": scale,
-        "limits": None if limits is None else list(limits),
-    }
+@dataclass(frozen=True)
+class Results:
+    """Everything that the figures of one report draw."""
+
+    cases: Sequence[Case]
+    scans: Scans | None
+    settings: ReportSettings
+
+    @property
+    def cooling(self) -> list[Case]:
+        """The cases that cool, e < 1."""
+        return [case for case in self.cases if case.exact is not None]
+
+    @property
+    def printed(self) -> list[Case]:
+        """The cooling cases at which the printed a2 is real."""
+        return [case for case in self.cooling if np.isfinite(sonine.a2(case.restitution))]
 
 
-def series(
-    source: str,
-    x: ArrayLike,
-    y: ArrayLike,
-    error: ArrayLike | None = None,
-    restitution: float | None = None,
-    group: str | None = None,
-) -> Data:
-    """One line, or points with their standard errors."""
-    return {
-        "source": source,
-        "restitution": restitution,
-        "group": group,
-        "x": _plain(x),
-        "y": _plain(y),
-        "error": None if error is None else _plain(error),
-    }
-
-
-def _plain(values: ArrayLike) -> list[float | None]:
-    """Floats, and None for what has no finite value: JSON has no NaN."""
-    return [
-        float(v) if np.isfinite(v) else None for v in np.atleast_1d(np.asarray(values, dtype=float))
-    ]
-
-
-def figure(title: str, description: str, x: Data, y: Data, lines: Iterable[Data]) -> Data:
-    """The data of one figure."""
+def figure(name: str, x: Data, y: Data, lines: Sequence[Data], **values: Any) -> Data:
+    """The data of one figure; `values` fill its title and description, which the template has."""
+    title, description = paragraphs("figures.txt.j2", name.replace("-", "_"), **values)
     return {"title": title, "description": description, "x": x, "y": y, "series": list(lines)}
 
 
-def both_runs(case: Case) -> tuple[ParticleEvidence, ParticleEvidence]:
-    """The particles of a case."""
-    return case.free, case.disks
-
-
-def by_run(cases: Sequence[Case]) -> list[tuple[str, list[ParticleEvidence]]]:
-    """The runs of every case, Boltzmann-Grad first, under the name that they share."""
-    runs = zip(*(both_runs(case) for case in cases), strict=True)
-    return [(same[0].name, list(same)) for same in runs]
-
-
-def points(name: str, x: Array, value: Array, error: Array, restitution: float) -> Data:
-    """Points of a logarithmic axis: positive, and with an error that leaves something to see."""
-    keep = (value > 0) & (error > 0) & (error < LARGEST_RELATIVE_ERROR * value)
-    return series(name, x[keep], value[keep], error[keep], restitution)
-
-
-def middles(edges: Array) -> Array:
-    """Where a bin's point stands."""
-    return np.asarray((edges[1:] + edges[:-1]) / 2)
-
-
-def all_restitutions() -> Array:
+def restitutions() -> Array:
     """0 <= e < 1, with the threshold from which on the printed a2 is real."""
     return np.sort([*np.linspace(0.0, 0.99, 100), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
 
 
+@cache
+def exact_states() -> "tuple[ScalingSolution, ...]":
+    """The exact scaling state at each of the `restitutions`."""
+    from kinetics import ScalingSolution
+
+    return tuple(ScalingSolution(float(e)) for e in restitutions())
+
+
+def level(
+    source: str, x: ArrayLike, y: float, restitution: float | None = None, group: str | None = None
+) -> Data:
+    """A horizontal line from the first x to the last."""
+    ends = np.asarray(x)[[0, -1]]
+    return series(source, ends, [y] * 2, None, restitution, group)
+
+
+def particles(
+    case: Case,
+    x: Array,
+    points: Sequence[Measured],
+    shown: Callable[[Measured], Mask] | None = None,
+) -> list[Data]:
+    """The points at x of `case.runs`, one `Measured` for each; only those that are `shown`."""
+    lines = []
+    for run, measured in zip(case.runs, points, strict=True):
+        keep: Any = ... if shown is None else shown(measured)
+        seen = measured[keep]
+        lines.append(series(run.name, x[keep], seen.value, seen.error, case.restitution))
+    return lines
+
+
+def readable(measured: Measured) -> Mask:
+    """Points of a logarithmic axis: positive, and with an error that leaves something to see."""
+    value, error = measured.value, measured.error
+    return (value > 0) & (error > 0) & (error < LARGEST_RELATIVE_ERROR * value)
+
+
 def over_restitution(
     cases: Sequence[Case],
-    exact: Callable[[Array], ArrayLike],
-    of_run: Callable[[Case, ParticleEvidence], tuple[float, float]],
-    solver: Callable[[Case], float],
+    of_state: "Callable[[float, ScalingSolution | ScaledVDF], float]",
+    of_run: Callable[[float, ParticleRun], Measured],
 ) -> list[Data]:
-    """A quantity over e: exact, solved, and both runs' values with errors (`of_run` gives both)."""
+    """A quantity over e: of the exact scaling state, of the solver's, and of both simulations."""
     at = [case.restitution for case in cases]
-    e = all_restitutions()
-    lines = [series("exact", e, exact(e)), series("solver", at, [solver(case) for case in cases])]
-    for name, runs in by_run(cases):
-        pairs = np.array([of_run(case, run) for case, run in zip(cases, runs, strict=True)])
-        lines.append(series(name, at, pairs[:, 0], pairs[:, 1]))
+    exact = [of_state(float(e), s) for e, s in zip(restitutions(), exact_states(), strict=True)]
+    solver = [of_state(case.restitution, case.scaling_state[1]) for case in cases]
+    lines = [series("exact", restitutions(), exact), series("solver", at, solver)]
+    for runs in zip(*(case.runs for case in cases), strict=True):
+        points = [of_run(e, run) for e, run in zip(at, runs, strict=True)]
+        value, error = ([float(getattr(p, k)) for p in points] for k in ("value", "error"))
+        lines.append(series(runs[0].name, at, value, error))
     return lines

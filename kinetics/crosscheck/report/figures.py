@@ -1,9 +1,9 @@
-"""Figures: the data of one, as it stands in the JSON file, drawn on an axis, and nothing else.
+"""Figures: the data of one, as it stands in the JSON file, and the function that draws it.
 
-A figure's data are plain lists and strings (`figure_data` builds them):
+A figure's data are plain lists and strings:
 
     {"title", "description", "x": {"label", "unit", "scale", "limits"}, "y": {...},
-     "series": [{"source", "restitution", "x", "y", "error"}]}
+     "series": [{"source", "restitution", "group", "x", "y", "error"}]}
 
 `source` is who says so and decides the stroke; `restitution` decides the colour, None is ink. A
 series may have a "group" (a text, or None) instead, which then decides the colour.
@@ -16,9 +16,13 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Data = dict[str, Any]
 FigureData = Mapping[str, Any]
 
 # Matplotlib draws these stand-ins; the page maps them to CSS variables, so that one SVG serves
@@ -90,6 +94,40 @@ STYLE: dict[Any, Any] = {
     "axes.facecolor": "none",
     "savefig.facecolor": "none",
 }
+
+
+def axis(
+    label: str, unit: str = "", scale: str = "linear", limits: tuple[float, float] | None = None
+) -> Data:
+    """One axis; limits None leaves them to what is drawn."""
+    ends = None if limits is None else list(limits)
+    return {"label": label, "unit": unit, "scale": scale, "limits": ends}
+
+
+def series(
+    source: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    error: ArrayLike | None = None,
+    restitution: float | None = None,
+    group: str | None = None,
+) -> Data:
+    """One line, or points with their standard errors; x, y and error of one length."""
+    return {
+        "source": source,
+        "restitution": restitution,
+        "group": group,
+        "x": _plain(x),
+        "y": _plain(y),
+        "error": None if error is None else _plain(error),
+    }
+
+
+def _plain(values: ArrayLike) -> list[float | None]:
+    """Floats, and None for what has no finite value: JSON has no NaN."""
+    return [
+        float(v) if np.isfinite(v) else None for v in np.atleast_1d(np.asarray(values, dtype=float))
+    ]
 
 
 def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = None) -> None:

@@ -1,4 +1,7 @@
-"""The paper's claims as questions, each answered in numbers with their errors."""
+"""The paper's claims as questions, each answered in numbers with their errors.
+
+The sentences stand in `../templates/report.txt.j2`, one block for each question.
+"""
 
 import math
 from collections.abc import Sequence
@@ -7,13 +10,18 @@ from typing import Any
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Case, Measured, ParticleEvidence
-from kinetics.crosscheck.report.case_rows import sonine_slopes
-from kinetics.crosscheck.report.figure_lines import all_restitutions
+from kinetics.crosscheck.report.case import Case, Measured
+from kinetics.crosscheck.report.figure_lines import exact_states, restitutions
 from kinetics.crosscheck.report.histograms import band_middles
-from kinetics.crosscheck.report.observables import bands_of, sure_density
-from kinetics.crosscheck.report.page import SHORT
-from kinetics.crosscheck.report.row import Row, bin_average, msd_slope_between
+from kinetics.crosscheck.report.observables import (
+    bands_of,
+    bin_average,
+    msd_slope_between,
+    printed_msd_slopes,
+    sure_density,
+)
+from kinetics.crosscheck.report.row import OBSERVABLES, Row
+from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.verdicts import corrected_sigmas, worst
 
 Answer = dict[str, Any]
@@ -25,6 +33,8 @@ LEAST_POINTS = 10
 """Points of the tail region that a fit needs."""
 CLEARLY_ABOVE = 1.1
 """Local exponent above which a tail is not called exponential."""
+LARGEST_EXPONENT_ERROR = 0.5
+"""Standard error of a measured exponent above which it is left out."""
 SHOWN_DISTANCES = (1.0, 2.0, 3.0, 4.0)
 
 
@@ -46,177 +56,104 @@ def all_answers(cases: Sequence[Case], rows: Sequence[Row]) -> list[Answer]:
     ]
 
 
+def _answer(block: str, numbers: list[dict[str, Any]], **values: Any) -> Answer:
+    question, answer = paragraphs("report.txt.j2", block, **values)
+    return {"question": question, "answer": answer, "numbers": numbers}
+
+
 def _number(
-    name: str,
-    restitution: float | None,
-    value: float,
-    error: float | None = None,
-    unit: str = "",
+    name: str, restitution: float | None, value: float | Measured, unit: str = ""
 ) -> dict[str, Any]:
     return {
         "name": name,
         "unit": unit,
         "restitution": restitution,
-        "value": value,
-        "error": error,
+        "value": float(value.value) if isinstance(value, Measured) else value,
+        "error": float(value.error) if isinstance(value, Measured) else None,
     }
-
-
-def _measured(
-    name: str, restitution: float, run: ParticleEvidence, m: Measured, unit: str = ""
-) -> dict[str, Any]:
-    return _number(f"{name}, {run.name}", restitution, float(m.value), float(m.error), unit)
-
-
-def _range(values: Sequence[float], form: str) -> str:
-    """Smallest to largest of some numbers, as a sentence says it."""
-    known = [v for v in values if math.isfinite(v)]
-    if not known:
-        return "–"
-    low, high = (format(f(known), form) for f in (min, max))
-    return low if low == high else f"{low} to {high}"
-
-
-def _scaled(measured: Measured, scale: float) -> Measured:
-    return Measured(measured.value / scale, measured.error / scale)
 
 
 def _proportional(cases: Sequence[Case]) -> Answer:
-    from kinetics.scaling.closed_form import ScalingSolution
-
-    e = all_restitutions()
-    ratio = np.array([ScalingSolution(float(x)).cooling_rate for x in e]) / (1 - e)
-    high = int(np.argmax(ratio))
-    free = [_scaled(case.free.cooling_rate, 1 - case.restitution) for case in cases]
-    disks = [_scaled(case.disks.cooling_rate, 1 - case.restitution) for case in cases]
-    exact = [case.exact.cooling_rate / (1 - case.restitution) for case in cases if case.exact]
+    e = restitutions()
+    ratio = np.array([state.cooling_rate for state in exact_states()]) / (1 - e)
     numbers = []
-    for case, h, free_h, disk_h in zip(cases, exact, free, disks, strict=True):
-        at = case.restitution
+    for case in cases:
+        scale, at = 1 - case.restitution, case.restitution
+        numbers.append(_number("h/(1 - e), exact", at, case.scaling_state[0].cooling_rate / scale))
         numbers += [
-            _number("h/(1 - e), exact", at, h),
-            _measured("h/(1 - e)", at, case.free, free_h),
-            _measured("h/(1 - e)", at, case.disks, disk_h),
+            _number(f"h/(1 - e), {run.name}", at, run.cooling_rate / scale) for run in case.runs
         ]
-    spread = ratio[high] / (4 / 3) - 1
-    fit = sonine.FITTED_COOLING_FACTOR
-    above = fit / ratio[high] - 1, fit / (4 / 3) - 1
-    return {
-        "question": "Is h(e) proportional to 1 − e?",
-        "answer": (
-            f"Not exactly. h/(1 − e) is {math.sqrt(2):.4f} at e = 0, rises to {ratio[high]:.4f} at "
-            f"e = {e[high]:.2f} and falls to 4/3 as e → 1, a spread of {100 * spread:.1f} %. "
-            f"The paper's {fit} lies "
-            f"{100 * above[0]:.1f} to {100 * above[1]:.1f} % above it everywhere. Particle values "
-            "are the slope of 1/v₀ over the last decade of time, hard disks read with l = 1/(2dρ₀) "
-            "as the paper reads them: that is what lifts them towards 1.45."
-        ),
-        "numbers": numbers,
-    }
+    high, fit = int(np.argmax(ratio)), sonine.FITTED_COOLING_FACTOR
+    limits = {"elastic": 4 / 3, "high": ratio[high], "inelastic": math.sqrt(2)}
+    return _answer("proportional", numbers, at=e[high], fit=fit, **limits)
 
 
 def _gaussian(cases: Sequence[Case]) -> Answer:
     from scipy.optimize import brentq
 
-    from kinetics.scaling.closed_form import ScalingSolution
+    from kinetics import ScalingSolution
 
     root = float(brentq(lambda e: ScalingSolution(e).a2, 0.1, 0.99))
     numbers, away = [_number("e at which the exact a2 is 0", None, root)], []
     for case in cases:
-        assert case.exact is not None
         e, run = case.restitution, case.free
-        last = Measured(run.a2.value[-1], run.a2.error[-1])
-        numbers += [_number("a2, exact", e, case.exact.a2), _measured("a2", e, run, last)]
-        disks = Measured(case.disks.a2.value[-1], case.disks.a2.error[-1])
-        numbers.append(_measured("a2", e, case.disks, disks))
+        numbers.append(_number("a2, exact", e, case.scaling_state[0].a2))
+        numbers += [_number(f"a2, {either.name}", e, either.a2[-1]) for either in case.runs]
         gaussian = bin_average(lambda c: sonine.vdf(c, 0.0), case.speed_edges)
         look = worst(run.vdf.value, run.vdf.error, gaussian)
         if look is None:
             continue
         sigmas = corrected_sigmas(look.sigmas, run.groups, look.looks)
-        off = run.vdf.value[look.index] / gaussian[look.index] - 1
-        error = 100 * float(run.vdf.error[look.index] / gaussian[look.index])
-        name = "F/Gaussian - 1 in its worst bin"
+        ratio = run.vdf[look.index] / gaussian[look.index]
+        off = Measured(100 * (ratio.value - 1), 100 * ratio.error)
         numbers += [
-            _measured(name, e, run, Measured(np.asarray(100 * off), np.asarray(error)), "%"),
+            _number(f"F/Gaussian - 1 in its worst bin, {run.name}", e, off, "%"),
             _number("its sigmas, corrected for the bins looked at", e, sigmas),
         ]
         away.append(sigmas)
-    return {
-        "question": "Is the velocity distribution Gaussian?",
-        "answer": (
-            "No. A Gaussian has a₂ = 0, which the exact a₂ of the scaling state only crosses, at "
-            f"e = {root:.4f}. Even there F(0) = 0, as for every e above 0, where the Gaussian has "
-            "1/π, and the tail is exponential."
-            + (f" Boltzmann-Grad particles exclude it by {_range(away, '.0f')}σ." if away else "")
-        ),
-        "numbers": numbers,
-    }
+    return _answer("gaussian", numbers, root=root, away=away)
 
 
 def _logarithmic(cases: Sequence[Case]) -> Answer:
     numbers: list[dict[str, Any]] = []
     errors, times = [], []
     for case in cases:
-        assert case.exact is not None
-        e, late = case.restitution, case.late
-        density = 1 / (2 * late.scene.mean_free_path)
-        limit = case.exact.diffusion_slope * late.scene.mean_free_path**2
+        e, late, limit = case.restitution, case.late, case.late_msd_slope
         decade = msd_slope_between(case.times, case.kinetic.msd, case.early)
         share = np.maximum.accumulate(late.msd_slope / limit)
         close = float(np.exp(np.interp(CLOSE_TO_LIMIT, share, np.log(late.times))))
-        walk, printed = sonine_slopes(e, density)
+        walk, printed = printed_msd_slopes(e, 1 / (2 * late.scene.mean_free_path))
+        mean = "mean slope over the last decade"
+        slopes: dict[str, float | Measured] = {
+            "late slope, exact": limit,
+            "late slope, random walk as printed": walk,
+            "late slope, Sonine as printed": printed,
+            f"time from which it has {CLOSE_TO_LIMIT:.0%} of the limit": close,
+            f"{mean}, kinetic equation": decade,
+            **{f"{mean}, {run.name}": run.msd_slope for run in case.runs},
+        }
         numbers += [
-            _number("late slope, exact", e, limit, unit="d²"),
-            _number("late slope, random walk as printed", e, walk, unit="d²"),
-            _number("late slope, Sonine as printed", e, printed, unit="d²"),
-            _number(f"time from which it has {CLOSE_TO_LIMIT:.0%} of the limit", e, close,
-                    unit="d/U"),
-            _number("mean slope over the last decade, kinetic equation", e, decade, unit="d²"),
-            *(_measured("mean slope over the last decade", e, run, run.msd_slope, "d²")
-              for run in (case.free, case.disks)),
-        ]  # fmt: skip
+            _number(name, e, value, "d/U" if name.startswith("time") else "d²")
+            for name, value in slopes.items()
+        ]
         errors.append(100 * (walk / limit - 1))
         times.append(close)
-    return {
-        "question": "Does the mean square displacement grow as ln t, and with which slope?",
-        "answer": (
-            "In the end, yes: the slope d⟨r²⟩/d ln t tends to 2l²/(κ(1 − ⟨cos χ⟩)), of which the "
-            f"kinetic equation has {CLOSE_TO_LIMIT:.0%} from t = {_range(times, '.2g')} d/U on, "
-            "later than most of the paper's data. The random walk as printed is off by "
-            f"{_range(errors, '+.0f')} % in the limit."
-        ),
-        "numbers": numbers,
-    }
+    return _answer("logarithmic", numbers, share=CLOSE_TO_LIMIT, times=times, errors=errors)
 
 
 def _exponential(cases: Sequence[Case]) -> Answer:
     numbers: list[dict[str, Any]] = []
     growth, near, fits, ends = [], [], [], []
-    at = band_middles()
-    r = np.linspace(*TAIL_REGION, 41)
     for case in cases:
-        e = case.restitution
+        e, last = case.restitution, f"{case.late.times[-1]:.0e}"
         exponents, slopes = case.position.position_tail(SHOWN_DISTANCES)
         n, rate = exponents[-1], slopes[-1]
-        for x, exponent in zip(SHOWN_DISTANCES, n, strict=True):
-            numbers.append(_number(f"n at R = {x:g}, kinetic equation", e, float(exponent)))
-        for k in (1, 3):
-            name = f"−d ln p/dR at R = {SHOWN_DISTANCES[k]:g}, kinetic equation"
-            numbers.append(_number(name, e, float(rate[k])))
-        growth.append(100 * float(rate[3] / rate[1] - 1))
-        near.append(float(n[3]))
-        theory = bands_of(case)
-        measured = case.free.tail_exponent
-        seen = np.flatnonzero((measured.error > 0) & (measured.error < 0.5))
-        for band in seen:
-            name = f"n over bands around R = {at[band]:.2f}"
-            local = Measured(measured.value[band], measured.error[band])
-            numbers += [
-                _number(f"{name}, kinetic equation", e, float(theory[band])),
-                _measured(name, e, case.free, local),
-            ]
-        known, density = sure_density(case, r)
+        known, density = sure_density(case, np.linspace(*TAIL_REGION, 41))
+        found = {
+            f"n at R = {x:g}": float(n_x) for x, n_x in zip(SHOWN_DISTANCES, n, strict=True)
+        } | {f"−d ln p/dR at R = {SHOWN_DISTANCES[k]:g}": float(rate[k]) for k in (1, 3)}
+        numbers += [_number(f"{name}, kinetic equation", e, x) for name, x in found.items()]
+        numbers += _bands(case)
         if known.size >= LEAST_POINTS:
             fit = sonine.fit_position(known, density, "tail")
             fits.append(fit)
@@ -224,56 +161,48 @@ def _exponential(cases: Sequence[Case]) -> Answer:
                 _number("η of eq. gammatailg fitted to the kinetic equation", e, fit.eta),
                 _number("γ of the same fit", e, fit.gamma),
             ]
-        last, late = float(case.kinetic.kurtosis[-1]), float(case.late.kurtosis[-1])
+        at_last, late = (float(s.kurtosis[-1]) for s in (case.kinetic, case.late))
         numbers += [
-            _number("kurtosis at the last time, kinetic equation", e, last),
-            _number(f"kurtosis at t = {case.late.times[-1]:.0e} d/U, kinetic equation", e, late),
+            _number("kurtosis at the last time, kinetic equation", e, at_last),
+            _number(f"kurtosis at t = {last} d/U, kinetic equation", e, late),
         ]
+        growth.append(100 * float(rate[3] / rate[1] - 1))
+        near.append(float(n[3]))
         ends.append(late)
     lowest = min([v for v in near if math.isfinite(v)], default=math.nan)
-    first = (
-        "Nearly so at some e, far out."
-        if lowest < CLEARLY_ABOVE
-        else "Not where it can be seen; it lies between a Gaussian and an exponential."
-    )
-    return {
-        "question": "Is the tail of G(R) exponential, and where?",
-        "answer": (
-            f"{first} At the last "
-            "times the rate −d ln p/dR of p = G(R)/(2πR), which an exponential keeps and a "
-            f"Gaussian doubles, grows by {_range(growth, '.0f')} % from R = 2 to 4, and the local "
-            "exponent n in p ~ exp(−(R/b)ⁿ), 1 for an exponential and 2 for a Gaussian, falls to "
-            f"{_range(near, '.2f')} at R = 4. The paper's tail form fitted to the equation between "
-            f"R = {TAIL_REGION[0]:g} and {TAIL_REGION[1]:g} has "
-            f"η = {_range([fit.eta for fit in fits], '.2f')} and "
-            f"γ = {_range([fit.gamma for fit in fits], '.3g')} where the paper has "
-            f"{sonine.TAIL_ETA} and {sonine.TAIL_GAMMA}. Nor is G(R) the same at all times: its "
-            f"kurtosis is {_range(ends, '.2f')} at t = {cases[0].late.times[-1]:.0e} d/U, on its "
-            "way to the 2 of a Gaussian."
-        ),
-        "numbers": numbers,
-    }
+    return _answer(
+        "exponential", numbers, nearly=lowest < CLEARLY_ABOVE, growth=growth, near=near, fits=fits,
+        region=TAIL_REGION, eta=sonine.TAIL_ETA, gamma=sonine.TAIL_GAMMA, ends=ends,
+        last=f"{cases[0].late.times[-1]:.0e}",
+    )  # fmt: skip
+
+
+def _bands(case: Case) -> list[dict[str, Any]]:
+    """The local exponent between bands of R: equation and Boltzmann-Grad particles."""
+    theory, measured, numbers = bands_of(case), case.free.tail_exponent, []
+    seen = (measured.error > 0) & (measured.error < LARGEST_EXPONENT_ERROR)
+    for k in np.flatnonzero(seen):
+        name = f"n over bands around R = {band_middles()[k]:.2f}"
+        numbers += [
+            _number(f"{name}, kinetic equation", case.restitution, float(theory[k])),
+            _number(f"{name}, {case.free.name}", case.restitution, measured[k]),
+        ]
+    return numbers
 
 
 def _approximations(rows: Sequence[Row]) -> Answer:
-    groups: dict[tuple[str, str, str], list[Row]] = {}
+    groups: dict[str, list[Row]] = {}
     for row in rows:
         if row.kind == "approximation":
-            groups.setdefault((row.observable, row.source, row.against), []).append(row)
-    numbers, texts = [], []
-    for (observable, source, against), same in groups.items():
-        name = f"{source} for {SHORT[observable]}"
-        numbers += [
-            _number(f"{name}, against {against}", row.restitution, 100 * row.deviation, unit="%")
-            for row in same
-        ]
-        known = [100 * row.deviation for row in same if math.isfinite(row.deviation)]
-        texts.append(f"{name} {_range(known, '+.0f')} %" if known else f"{name} has no value")
-    return {
-        "question": "How far is each approximation of the paper off?",
-        "answer": (
-            "; ".join(texts) + ". Against the exact value, or else the kinetic equation at the "
-            "last time; for G(R) at the worst R of its region, for a₂ relative to 1 + a₂."
-        ),
-        "numbers": numbers,
+            name = f"{row.source} for {OBSERVABLES[row.observable].short}"
+            groups.setdefault(f"{name}, against {row.against}", []).append(row)
+    numbers = [
+        _number(name, row.restitution, 100 * row.deviation, "%")
+        for name, same in groups.items()
+        for row in same
+    ]
+    deviations = {
+        name.rsplit(",", 1)[0]: [100 * row.deviation for row in same]
+        for name, same in groups.items()
     }
+    return _answer("approximations", numbers, deviations=deviations)

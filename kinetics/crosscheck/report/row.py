@@ -1,14 +1,15 @@
-"""The comparisons of one report: who says what against whom, and the verdict on each."""
+"""One comparison: who says what against whom, how far apart they are, and the verdict on it."""
 
-import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, ParticleRun
+from kinetics.crosscheck.report.histograms import band_middles
+from kinetics.crosscheck.report.observables import middles
 from kinetics.crosscheck.verdicts import (
     Verdict,
     corrected_sigmas,
@@ -18,30 +19,34 @@ from kinetics.crosscheck.verdicts import (
     worst,
 )
 
-if TYPE_CHECKING:
-    from kinetics import Solution
-
 KINETIC = "kinetic equation"
 RESCALED = "kinetic equation, measured l"
 EXACT = "exact"
 PAPER_FIT = "paper's fit"
 
-LEAST_EXPECTED = 50
-"""Samples that a bin must be expected to hold before its jackknife error is trusted."""
 
-TITLES = {
-    "free_path": "Mean free path l / d",
-    "cooling_rate": "Cooling rate h(e)",
-    "a2": "Second Sonine coefficient a₂ (deviations relative to 1 + a₂)",
-    "thermal_speed": "Thermal speed v₀(t) / U",
-    "scaled_vdf": "Scaled velocity distribution F(c)",
-    "msd": "Mean square displacement ⟨r²(t)⟩ / d²",
-    "msd_slope": "Slope d⟨r²⟩/d ln t / d²",
-    "kurtosis": "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²",
-    "position": "Scaled displacement distribution G(R)",
-    "tail_exponent": "Local exponent n(R) of G(R)/R ~ exp(−(R/b)ⁿ)",
+class Names(NamedTuple):
+    """How an observable is called: over a table, and where space is short."""
+
+    title: str
+    short: str
+
+
+OBSERVABLES = {
+    "free_path": Names("Mean free path l / d", "mean free path"),
+    "cooling_rate": Names("Cooling rate h(e)", "h(e)"),
+    "a2": Names("Second Sonine coefficient a₂ (deviations relative to 1 + a₂)", "a₂"),
+    "thermal_speed": Names("Thermal speed v₀(t) / U", "v₀(t)"),
+    "scaled_vdf": Names("Scaled velocity distribution F(c)", "F(c)"),
+    "msd": Names("Mean square displacement ⟨r²(t)⟩ / d²", "⟨r²(t)⟩"),
+    "msd_slope": Names("Slope d⟨r²⟩/d ln t / d²", "d⟨r²⟩/d ln t"),
+    "kurtosis": Names("Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "⟨r⁴⟩/⟨r²⟩²"),
+    "position": Names("Scaled displacement distribution G(R)", "G(R)"),
+    "tail_exponent": Names("Local exponent n(R) of G(R)/R ~ exp(−(R/b)ⁿ)", "n(R)"),
 }
 """Every observable that a row can have, in the order of the report."""
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
+"""Those that have a value at each time."""
 
 
 @dataclass(frozen=True)
@@ -87,23 +92,13 @@ def _judge(row: Row) -> Row:
     return replace(row, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
 
 
-def numerical(
-    case: Case, observable: str, value: float, theory: float, tolerance: float, note: str = ""
-) -> Row:
+def numerical(case: Case, observable: str, value: float, theory: float, tolerance: float) -> Row:
     """The solver's value against the closed form."""
     deviation = relative(observable, value, theory)
     return Row(
-        observable,
-        case.restitution,
-        "numerical",
-        "solver",
-        EXACT,
-        value,
-        theory,
-        deviation,
-        verdict=judge_numerical(deviation, tolerance),
-        note=note or f"asked for {tolerance:g}",
-    )
+        observable, case.restitution, "numerical", "solver", EXACT, value, theory, deviation,
+        verdict=judge_numerical(deviation, tolerance), note=f"asked for {tolerance:g}",
+    )  # fmt: skip
 
 
 def approximation(
@@ -113,68 +108,61 @@ def approximation(
     value: float,
     theory: float,
     against: str = EXACT,
-    time: float | None = None,
-    note: str = "",
-    distance: float | None = None,
+    **where: Any,
 ) -> Row:
-    """A printed formula's value against the theory."""
+    """A printed formula's value against the theory; `where` are `time`, `distance` and `note`."""
     deviation = relative(observable, value, theory)
     return Row(
-        observable,
-        case.restitution,
-        "approximation",
-        source,
-        against,
-        value,
-        theory,
-        deviation,
-        time=time,
-        distance=distance,
-        verdict=judge_approximation(deviation),
-        note=note,
-    )
+        observable, case.restitution, "approximation", source, against, value, theory, deviation,
+        verdict=judge_approximation(deviation), **where,
+    )  # fmt: skip
 
 
 def statistical(
     case: Case,
     observable: str,
-    source: ParticleEvidence,
-    measured: Measured,
+    run: ParticleRun,
     theory: ArrayLike,
-    against: str,
-    times: Array | None = None,
-    speeds: Array | None = None,
-    distances: Array | None = None,
+    against: str = KINETIC,
     note: str = "",
 ) -> list[Row]:
-    """One row at the worst of its times or bins; none where nothing has an error to compare."""
+    """What particles measured against the theory, at the worst time or bin; NaN is left out.
+
+    The list is empty where nothing has an error to compare with. Against `RESCALED` the error is
+    that of the difference, since the theory then changes with the run.
+    """
+    measured = run.vdf if observable == "scaled_vdf" else getattr(run, observable)
+    error = measured.error
+    if against == RESCALED:
+        error = case.rescaled_errors.get(observable, error)
     value, error, expected = np.broadcast_arrays(
-        *(np.atleast_1d(a) for a in (measured.value, measured.error, theory))
+        *(np.atleast_1d(a) for a in (measured.value, error, theory))
     )
     at = worst(value, error, expected)
     if at is None:
         return []
     k = at.index
-    return [
-        Row(
-            observable,
-            case.restitution,
-            "statistical",
-            source.name,
-            against,
-            float(value[k]),
-            float(expected[k]),
-            relative(observable, float(value[k]), float(expected[k])),
-            error=float(error[k]),
-            time=None if times is None else float(times[k]),
-            c=None if speeds is None else float(speeds[k]),
-            distance=None if distances is None else float(distances[k]),
-            sigmas=at.sigmas,
-            looks=at.looks,
-            groups=source.groups,
-            note=note,
-        )
-    ]
+    row = Row(
+        observable, case.restitution, "statistical", run.name, against,
+        float(value[k]), float(expected[k]),
+        relative(observable, float(value[k]), float(expected[k])),
+        error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=run.groups, note=note,
+    )  # fmt: skip
+    where: dict[str, Any] = {
+        name: float(values[k]) for name, values in _abscissa(case, observable).items()
+    }
+    return [replace(row, **where)]
+
+
+def _abscissa(case: Case, observable: str) -> dict[str, Array]:
+    """Where the values of an observable stand: a field of `Row`, and its value for each."""
+    if observable in OVER_TIME:
+        return {"time": case.times}
+    if observable == "scaled_vdf":
+        return {"c": middles(case.speed_edges)}
+    if observable == "position":
+        return {"distance": middles(case.position_edges)}
+    return {"distance": band_middles()} if observable == "tail_exponent" else {}
 
 
 def scale_of(observable: str, theory: float) -> float:
@@ -187,49 +175,9 @@ def relative(observable: str, value: float, theory: float) -> float:
     return (value - theory) / scale_of(observable, theory)
 
 
-def contact_value(number_density: float, diameter: float = 1.0) -> float:
-    """Henderson's pair correlation of hard disks at contact, g(d), by which l = 1/(2 d rho0 g)."""
-    fraction = math.pi * number_density * diameter**2 / 4
-    return (1 - 7 * fraction / 16) / (1 - fraction) ** 2
-
-
-def cooling_rate_between(
-    times: Array, thermal_speed: Array, early: int, number_density: float
-) -> float:
-    """Estimate h from 1/v0 at `early` and at the last time: the slope of eq. veq over d rho0."""
-    slope = (1 / thermal_speed[-1] - 1 / thermal_speed[early]) / (times[-1] - times[early])
-    return float(slope / number_density)
-
-
-def msd_slope_between(times: Array, msd: Array, early: int) -> float:
-    """d<r^2>/d ln t, in d^2, between `early` and the last time."""
-    return float((msd[-1] - msd[early]) / np.log(times[-1] / times[early]))
-
-
-def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
-    """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
-    v0 = float(solution.thermal_speed[-1])
-
-    def vdf(c: Array) -> Array:
-        return np.asarray(v0 * solution.speed_density(c * v0)[-1] / (2 * math.pi * c))
-
-    return vdf
-
-
-def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
-    """F(c) averaged over the area of each bin of c: Gauss-Legendre, 8 points in each."""
-    x, w = np.polynomial.legendre.leggauss(8)
-    half = np.diff(edges)[:, None] / 2
-    c = edges[:-1, None] + half * (x + 1)
-    values = np.asarray(vdf(c.ravel())).reshape(c.shape)
-    return np.asarray(np.sum(2 * c * values * w * half, axis=1) / np.diff(edges**2))
-
-
-def largest_change(case: Case, kinetic: Array) -> float:
-    """How far the VDF at the last time still is from the scaling state, relative to its peak."""
-    assert case.scaled is not None
-    final = bin_average(case.scaled.vdf, case.speed_edges)
-    return float(np.max(np.abs(kinetic - final)) / np.max(final))
+def relative_error(row: Mapping[str, Any]) -> float:
+    """The standard error of a row of the document, relative as its deviation is; in percent."""
+    return 100 * float(row["error"] or 0) / scale_of(row["observable"], row["theory"])
 
 
 def counts(rows: Sequence[Row]) -> dict[str, int]:
