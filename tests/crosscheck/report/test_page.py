@@ -12,12 +12,13 @@ import pytest
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.case import Case, Scans
-from kinetics.crosscheck.report.case_rows import compare_case
-from kinetics.crosscheck.report.page import deviation, number, render
+from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.equations import FORMULAS
+from kinetics.crosscheck.report.page import deviation, number, render, verdict_table
 from kinetics.crosscheck.report.report import build_document, write_report
 from kinetics.crosscheck.report.row import judged
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.text import columns, verdict_table
+from kinetics.crosscheck.text import columns
 
 MakeCase = Callable[..., Case]
 CHECKS = [
@@ -39,7 +40,7 @@ CHECKS = [
 @pytest.fixture
 def document(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
     cases = [make_case()]
-    rows = judged(row for case in cases for row in compare_case(case, settings))
+    rows = judged(row for case in cases for row in rows_of_case(case, settings))
     return build_document(settings, cases, scans, rows, CHECKS)
 
 
@@ -97,7 +98,7 @@ def test_every_figure_of_the_document_is_in_the_page(document: dict[str, Any]) -
     for name, data in document["figures"].items():
         assert f"figure-{name}" in page.ids
         assert data["title"] in page.text
-    assert page.tags.count("math") == 5 + 2
+    assert page.tags.count("math") == sum(map(len, FORMULAS.values())) + 2
 
 
 def test_every_row_is_in_the_page_with_its_verdict_and_numbers(document: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Runs reduced to evidence: the errors are the spread that repeated runs have."""
+"""Runs reduced to a case: the errors are the spread that repeated runs have."""
 
 import math
 
