@@ -1,5 +1,8 @@
 """Figures of the velocity: thermal speed, cooling rate, a2 and F(c), beside the exact theory."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from kinetics import sonine
@@ -76,63 +79,62 @@ def inverse_speed(results: Results) -> Data:
 
 def hetomu2(results: Results) -> Data:
     """h(e) and M2/2 over e (Fig. 3)."""
-    e = restitutions()
-    lines = over_restitution(
-        results.cooling, lambda _, state: state.cooling_rate, lambda _, run: run.cooling_rate
-    )
-    lines += [
-        series("Sonine", e, sonine.cooling_rate(e)),
-        series("paper's fit", e, sonine.cooling_rate_fitted(e)),
-    ]
-    return figure("hetomu2", RESTITUTION, axis("$h(e)$"), lines)
+    return _cooling_rates(results, "hetomu2", "$h(e)$", np.ones_like)
 
 
 def cooling_rate(results: Results) -> Data:
     """h(e)/(1-e) from e = 0 to 1: every method, and both printed formulas (hetomu2, hsimu)."""
+    return _cooling_rates(results, "cooling-rate", "$h(e)/(1-e)$", lambda e: 1 - e)
+
+
+def _cooling_rates(results: Results, name: str, label: str, scale: Callable[[Any], Any]) -> Data:
     e = restitutions()
-    lines = over_restitution(
-        results.cooling,
-        lambda e, state: state.cooling_rate / (1 - e),
-        lambda e, run: run.cooling_rate / (1 - e),
-    )
-    lines += [
-        series("Sonine", e, sonine.cooling_rate(e) / (1 - e)),
-        series("paper's fit", e, sonine.cooling_rate_fitted(e) / (1 - e)),
+    lines = [
+        *over_restitution(
+            results.cooling,
+            lambda e, state: state.cooling_rate / scale(e),
+            lambda e, run: run.cooling_rate / scale(e),
+        ),
+        series("Sonine", e, sonine.cooling_rate(e) / scale(e)),
+        series("paper's fit", e, sonine.cooling_rate_fitted(e) / scale(e)),
     ]
-    return figure("cooling-rate", RESTITUTION, axis("$h(e)/(1-e)$"), lines)
+    return figure(name, RESTITUTION, axis(label), lines)
 
 
 def sign(results: Results) -> Data:
     """H(e) (Fig. 8): both printed roots, and the true a2 put in."""
-    e = restitutions()
 
-    def of_run(e: float, run: ParticleRun) -> Measured:
-        a2 = run.a2[-1]
-        return Measured(sonine.stability(e, coefficient=a2.value), 3 * a2.error)
+    def growth(e: Any, a2: Any) -> Any:
+        return sonine.stability(e, coefficient=a2)
 
-    lines = [
-        level("zero", [0.0, 1.0], 0.0),
-        *over_restitution(
-            results.cooling,
-            lambda e, state: float(sonine.stability(e, coefficient=state.a2)),
-            of_run,
-        ),
-        series("Sonine", e, sonine.stability(e)),
-        series("Sonine, unstable root", e, sonine.stability(e, "unstable")),
-    ]
-    return figure("sign", RESTITUTION, axis("$H(e)$"), lines)
+    return _sonine_roots(results, "sign", "$H(e)$", growth, 3.0)
 
 
 def a2(results: Results) -> Data:
     """Second Sonine coefficient: exact, solver, printed roots (sonine11), particles at the end."""
+    return _sonine_roots(results, "a2", "$a_2$", lambda _, a2: a2, 1.0)
+
+
+def _sonine_roots(
+    results: Results,
+    name: str,
+    label: str,
+    of: Callable[[Any, Any], Any],
+    slope: float,
+) -> Data:
+    """A quantity linear in a2 (`slope`), for every a2: exact, solved, measured, printed."""
     e = restitutions()
     lines = [
         level("zero", [0.0, 1.0], 0.0),
-        *over_restitution(results.cooling, lambda _, state: state.a2, lambda _, run: run.a2[-1]),
-        series("Sonine", e, sonine.a2(e)),
-        series("Sonine, unstable root", e, sonine.a2(e, "unstable")),
+        *over_restitution(
+            results.cooling,
+            lambda e, state: float(of(e, state.a2)),
+            lambda e, run: Measured(of(e, run.a2.value[-1]), slope * run.a2.error[-1]),
+        ),
+        series("Sonine", e, of(e, sonine.a2(e))),
+        series("Sonine, unstable root", e, of(e, sonine.a2(e, "unstable"))),
     ]
-    return figure("a2", RESTITUTION, axis("$a_2$"), lines)
+    return figure(name, RESTITUTION, axis(label), lines)
 
 
 def approach(results: Results) -> Data:
