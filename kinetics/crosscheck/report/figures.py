@@ -39,32 +39,29 @@ PAPER = {INK: "#16191d", FAINT: "#dde1e6"} | dict(
 )
 """The page's light colours, for figures that stand alone."""
 
-_LINE = {"linewidth": 1.5}
-_DOTS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
+_SOLID = {"linestyle": "-", "linewidth": 1.5}
+_DASHED = {"linestyle": (0, (4, 2)), "linewidth": 1.5}
+_DOTTED = {"linestyle": (0, (1, 1.5)), "linewidth": 1.5}
+_DASH_DOTTED = {"linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 1.5}
+_THIN = {"linestyle": "--", "linewidth": 0.9}
+_CROSS = {"linestyle": "none", "marker": "x", "markersize": 5.5}
+_BARS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
+_DOT = {"marker": "o", "markersize": 3.6, **_BARS}
 STROKES: dict[str, dict[str, Any]] = {
-    "kinetic equation": {"linestyle": "-", **_LINE},
-    "exact": {"linestyle": "-", **_LINE},
-    "solver": {"linestyle": "none", "marker": "x", "markersize": 5.5},
-    "Boltzmann-Grad": {"marker": "o", "markersize": 3.6, **_DOTS},
-    "data": {"marker": "o", "markersize": 3.6, **_DOTS},
-    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_DOTS},
-    "Sonine": {"linestyle": (0, (4, 2)), **_LINE},
-    "Sonine, unstable root": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "paper's fit": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
-    "paper, tail": {"linestyle": (0, (4, 2)), **_LINE},
-    "paper, peak": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
-    "paper's integral": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "scaling state": {"linestyle": "--", "linewidth": 0.9},
-    "exact tail": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "exact slope": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "exact limit": {"linestyle": (0, (1, 1.5)), "linewidth": 1.1},
-    "exponential": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "same bands": {"linestyle": "none", "marker": "x", "markersize": 5.5},
-    "extrapolation": {"linestyle": "--", "linewidth": 0.9},
-    "limit": {"marker": "D", "markersize": 4.2, **_DOTS},
-    "Gaussian": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
+    **dict.fromkeys(("kinetic equation", "exact"), _SOLID),
+    **dict.fromkeys(("Sonine", "paper, tail"), _DASHED),
+    **dict.fromkeys(("Sonine, unstable root", "paper's integral"), _DOTTED),
+    **dict.fromkeys(("exact tail", "exact slope", "exponential"), _DOTTED),
+    **dict.fromkeys(("paper's fit", "paper, peak", "Gaussian"), _DASH_DOTTED),
+    **dict.fromkeys(("scaling state", "extrapolation"), _THIN),
+    **dict.fromkeys(("solver", "same bands"), _CROSS),
+    **dict.fromkeys(("Boltzmann-Grad", "data"), _DOT),
+    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_BARS},
+    "limit": {"marker": "D", "markersize": 4.2, **_BARS},
+    "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }
+"""How the lines and points of each source are drawn."""
 
 # In inches: the page scales a figure to its column, a phone's is about this wide.
 _WIDTH, _AXIS_HEIGHT, _BELOW_AXIS = 5.0, 3.4, 0.5
@@ -78,21 +75,14 @@ STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.size": 10.5,
     "mathtext.default": "it",
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
     "axes.grid": True,
     "grid.color": FAINT,
     "grid.linewidth": 0.5,
-    "legend.frameon": False,
     "legend.fontsize": 9.5,
-    "figure.facecolor": "none",
-    "axes.facecolor": "none",
-    "savefig.facecolor": "none",
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color"), INK),
+    **dict.fromkeys(("xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), "none"),
 }
 
 
@@ -210,15 +200,19 @@ def svg(name: str, data: FigureData) -> str:
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
     """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
+    drawn = _drawn(data, kind, PAPER)
     if kind != "svg":
-        return _drawn(data, kind, PAPER)
-    text = _drawn(data, kind, PAPER).decode()
-    head, body = text.split("<svg", 1)
+        return drawn
+    head, body = drawn.decode().split("<svg", 1)
     attributes, rest = body.split(">", 1)
-    alternative = (
-        f"<title>{escape(data['title'])}</title><desc>{escape(data['description'])}</desc>"
-    )
+    alternative = _alternative(data["title"], data["description"])
     return f'{head}<svg{attributes} role="img">{alternative}{rest}'.encode()
+
+
+def _alternative(title: str, description: str, prefix: str | None = None) -> str:
+    """What a reader hears who cannot see the figure, with ids if there is a prefix for them."""
+    ids = ("", "") if prefix is None else (f' id="{prefix}title"', f' id="{prefix}desc"')
+    return f"<title{ids[0]}>{escape(title)}</title><desc{ids[1]}>{escape(description)}</desc>"
 
 
 def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None) -> bytes:
@@ -230,8 +224,7 @@ def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None
 
     buffer = io.BytesIO()
     colours = palette or {}
-    style = {key: _in_palette(value, colours) for key, value in STYLE.items()}
-    with mpl.rc_context(style):
+    with mpl.rc_context(_recoloured(STYLE, colours)):
         entries = legend_entries(data)
         legend_height = 0.12 + 0.19 * math.ceil(len(entries) / _LEGEND_COLUMNS)
         height = _AXIS_HEIGHT + _BELOW_AXIS + legend_height
@@ -254,12 +247,8 @@ def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None
     return buffer.getvalue()
 
 
-def _in_palette(value: Any, palette: Mapping[str, str]) -> Any:
-    return palette.get(value, value) if isinstance(value, str) else value
-
-
-def _recoloured(stroke: Mapping[str, Any], palette: Mapping[str, str]) -> dict[str, Any]:
-    return {key: _in_palette(value, palette) for key, value in stroke.items()}
+def _recoloured(style: Mapping[Any, Any], palette: Mapping[str, str]) -> dict[Any, Any]:
+    return {k: palette.get(v, v) if isinstance(v, str) else v for k, v in style.items()}
 
 
 def _power_of_ten(value: float, position: int | None = None) -> str:
@@ -283,6 +272,5 @@ def _embeddable(text: str, name: str, title: str, description: str) -> str:
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
     return (
         f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
-        f'<title id="{prefix}title">{escape(title)}</title>'
-        f'<desc id="{prefix}desc">{escape(description)}</desc>{body.strip()}'
+        f"{_alternative(title, description, prefix)}{body.strip()}"
     )
