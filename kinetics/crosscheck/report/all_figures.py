@@ -10,28 +10,17 @@ from kinetics.crosscheck.report.figure_lines import Results
 from kinetics.crosscheck.report.figures import Data
 from kinetics.crosscheck.report.settings import ReportSettings
 
-_PAPER: dict[str, Callable[[Results], Data]] = {
-    "v0re": velocity.v0re,
-    "hetomu2": velocity.hetomu2,
-    "msdtheory": displacement.msdtheory,
-    "inelasticposi": displacement.inelasticposi,
-    "scalev": velocity.scalev,
-    "sign": velocity.sign,
-    "soninediffuse": displacement.soninediffuse,
-}
-_OTHERS: dict[str, Callable[[Results], Data]] = {
-    "cooling-rate": velocity.cooling_rate,
-    "inverse-speed": velocity.inverse_speed,
-    "a2": velocity.a2,
-    "approach": velocity.approach,
-    "vdf-tail": velocity.vdf_tail,
-    "msd-slope": displacement.msd_slope,
-    "kurtosis": displacement.kurtosis,
-    "tail-exponent": displacement.tail_exponent,
-}
-PAPER_FIGURES = tuple(_PAPER)
+_PAPER: tuple[Callable[[Results], Data], ...] = (
+    velocity.v0re, velocity.hetomu2, displacement.msdtheory, displacement.inelasticposi,
+    velocity.scalev, velocity.sign, displacement.soninediffuse,
+)  # fmt: skip
+_OTHERS: tuple[Callable[[Results], Data], ...] = (
+    velocity.cooling_rate, velocity.inverse_speed, velocity.a2, velocity.approach,
+    velocity.vdf_tail, displacement.msd_slope, displacement.kurtosis, displacement.tail_exponent,
+)  # fmt: skip
+_ANY_RESTITUTION = {displacement.inelasticposi, displacement.kurtosis, displacement.tail_exponent}
+PAPER_FIGURES = tuple(make.__name__ for make in _PAPER)
 """Names of the figures that are the paper's, by its labels."""
-_ANY_RESTITUTION = {"inelasticposi", "kurtosis", "tail-exponent"}
 
 
 def all_figures(
@@ -39,15 +28,14 @@ def all_figures(
 ) -> dict[str, Data]:
     """The data of every figure that these cases allow, by figure name; the paper's come first.
 
-    Without a case that cools only those that the elastic gas has; Fig. 9 only where the printed
-    a2 is real.
+    If no case cools, only those that the elastic gas has; Fig. 9 only where the printed a2 is real.
     """
-    results = Results(cases, scans, settings)
+    results = Results(cases, settings)
     figures = {
-        name: draw(results)
-        for name, draw in (_PAPER | _OTHERS).items()
-        if name in _ANY_RESTITUTION
-        or (results.printed if name == "soninediffuse" else results.cooling)
+        make.__name__.replace("_", "-"): make(results)
+        for make in _PAPER + _OTHERS
+        if make in _ANY_RESTITUTION
+        or (results.printed if make is displacement.soninediffuse else results.cooling)
     }
     if scans is not None:
         figures["density"] = scan_figures.density(scans.density)

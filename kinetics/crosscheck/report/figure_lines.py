@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Array, Case, Mask, Measured, ParticleRun, Scans
+from kinetics.crosscheck.report.case import Array, Case, Mask, Measured, ParticleRun
 from kinetics.crosscheck.report.figures import Data, series
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
@@ -23,10 +23,9 @@ LARGEST_RELATIVE_ERROR = 0.5
 
 @dataclass(frozen=True)
 class Results:
-    """Everything that the figures of one report draw."""
+    """What the figures of one report draw."""
 
     cases: Sequence[Case]
-    scans: Scans | None
     settings: ReportSettings
 
     @property

@@ -66,7 +66,7 @@ STROKES: dict[str, dict[str, Any]] = {
 # In inches: the page scales a figure to its column, a phone's is about this wide.
 _WIDTH, _AXIS_HEIGHT, _BELOW_AXIS = 5.0, 3.4, 0.5
 _LEGEND_COLUMNS = 3
-# Over more decades, minor ticks are a smear, and half the time of drawing.
+# Over more decades minor ticks overlap, and take half the time of drawing.
 _MOST_WITH_MINOR_TICKS = 1e3
 
 STYLE: dict[Any, Any] = {
@@ -185,7 +185,7 @@ def _colours(data: FigureData) -> list[str]:
 
 
 def _with_gaps(values: Sequence[float | None]) -> list[float]:
-    """JSON has no NaN: None marks where a formula has no value, and the line is broken there."""
+    """NaN for None, which marks where a formula has no value: the line is interrupted there."""
     return [float("nan") if v is None else float(v) for v in values]
 
 

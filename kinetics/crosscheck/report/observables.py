@@ -1,4 +1,4 @@
-"""The numbers that particles, solutions and printed formulas are reduced to before they compare."""
+"""The numbers to which particles, solutions and printed formulas are reduced for a comparison."""
 
 import math
 from collections.abc import Callable
@@ -31,13 +31,19 @@ def contact_value(number_density: float, diameter: float = 1.0) -> float:
 def cooling_rate_between(
     times: Array, thermal_speed: Array, early: int, number_density: float
 ) -> float:
-    """Estimate h from 1/v0 at `early` and at the last time: the slope of eq. veq over d rho0."""
+    """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. veq over d rho0.
+
+    times and thermal_speed (n_times,) in d/U and U; number_density in d^-2.
+    """
     slope = (1 / thermal_speed[-1] - 1 / thermal_speed[early]) / (times[-1] - times[early])
     return float(slope / number_density)
 
 
 def msd_slope_between(times: Array, msd: Array, early: int) -> float:
-    """d<r^2>/d ln t, in d^2, between `early` and the last time."""
+    """Mean d<r^2>/d ln t between index `early` and the last time, in d^2.
+
+    times and msd (n_times,) in d/U and d^2.
+    """
     return float((msd[-1] - msd[early]) / np.log(times[-1] / times[early]))
 
 
@@ -69,7 +75,10 @@ def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
 
 
 def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
-    """F(c) averaged over the area of each bin of c: Gauss-Legendre, 8 points in each."""
+    """F(c) averaged over the area of each bin of c, by 8 Gauss points in each.
+
+    edges (n_bins + 1,); returns (n_bins,), a density in the plane.
+    """
     x, w = np.polynomial.legendre.leggauss(8)
     half = np.diff(edges)[:, None] / 2
     c = edges[:-1, None] + half * (x + 1)
@@ -78,13 +87,13 @@ def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
 
 
 def largest_change(case: Case, kinetic: Array) -> float:
-    """How far the VDF at the last time still is from the scaling state, relative to its peak."""
+    """Largest difference of the binned VDF `kinetic` from the scaling state, over its peak."""
     final = bin_average(case.scaling_state[1].vdf, case.speed_edges)
     return float(np.max(np.abs(kinetic - final)) / np.max(final))
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
-    """Those of the R at which the last G(R) is well above its error, and G(R) there."""
+    """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
     density = case.position.scaled_position_density(r)[-1]
     known = density > SURE * case.position.rtol
     return r[known], density[known]

@@ -183,7 +183,10 @@ def _measured(estimate: "Estimate") -> Measured:
 
 
 def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
-    """The ensemble without one of its configurations, for each: their sums just add up."""
+    """The ensemble without one of its configurations, for each of them.
+
+    Its averages are made of sums over configurations.
+    """
     sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
     totals = {name: array.sum(axis=0) for name, array in sums.items()}
     for left_out in range(run.media):
@@ -194,10 +197,10 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
 def _rescaled_errors(
     run: "Ensemble", rescaled: "Solution", early: int, number_density: float
 ) -> dict[str, Array]:
-    """Errors of data minus theory where the theory has the run's own mean free path l put in.
+    """Standard errors of data minus theory, the theory having the run's own mean free path l.
 
-    Both move when a configuration is left out. The theory moves by its derivative in ln l, which
-    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> on l^2 times such a function.
+    Both change when a configuration is left out: the theory by its derivative in ln l, which
+    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
     """
     log_path = np.log(float(run.mean_free_path.value))
     times = run.times

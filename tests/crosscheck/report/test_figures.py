@@ -119,3 +119,23 @@ def test_a_gap_breaks_the_line(figures: dict[str, Any]) -> None:
     axis = Figure().add_subplot()
     draw(figures["cooling-rate"] | {"series": [sonine]}, axis)
     assert np.isnan(np.asarray(axis.lines[0].get_ydata())[0])
+
+
+def test_the_description_names_where_no_trap_was_found(figures: dict[str, Any]) -> None:
+    # the made-up scan of 1000 tracers has none at e = 0.6 and the lower density
+    assert (
+        "None was caught at ρ₀d² = 0.04: e = 0.6 (95 % limit 0.003)."
+        in (figures["traps"]["description"])
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_title_is_one_line_and_a_description_ends(figures: dict[str, Any], name: str) -> None:
+    data = figures[name]
+    assert data["title"]
+    assert not data["title"].endswith(".")
+    assert data["description"].endswith(".")
+    for text in (data["title"], data["description"]):
+        assert "  " not in text
+        assert "{" not in text
+        assert "nan" not in text

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -171,6 +172,38 @@ def test_the_printed_table_has_a_verdict_per_comparison(document: dict[str, Any]
     assert len(lines) == 1 + len(document["rows"])  # one restitution
     assert all(any(w in line for w in document["verdicts"]) for line in lines[1:])
     assert max(len(line) for line in lines) <= 120
+
+
+def test_findings_are_paragraphs_with_their_numbers(document: dict[str, Any]) -> None:
+    path, density, cap, rate = document["findings"]
+    # 12.5 d with half an error of 0.02 d; six quantities remain, each off by half its error
+    assert path.startswith(
+        "e = 0.7: hard disks have the mean free path 12.510 ± 0.020 d, +0.1 ± 0.2 %"
+    )
+    assert path.count("(agrees)") == 6
+    assert path.endswith("kurtosis +0.5 ± 1.0 % (agrees).")
+    assert "free path 1.000 ± 0.010, thermal speed 1.000 ± 0.010, ⟨r²⟩ 1.000 ± 0.010; 1" in density
+    assert cap.endswith("The most that any had is 40; the cap would have cut none.")
+    assert "1.340 ± 0.013; Boltzmann-Grad particles, at the same times, 1.340 ± 0.013;" in rate
+    assert rate.endswith("the exact scaling state has 1.3333.")
+
+
+def test_the_summary_counts_what_agrees(document: dict[str, Any]) -> None:
+    assert "agree with its solution in 10 of 10 comparisons" in document["summary"]
+    assert "the solver meets the closed forms in 3 of 3. 1 printed" in document["summary"]
+    assert document["summary"].endswith("re-derived; all hold.")
+
+
+def test_trapped_tracers_and_the_cap_are_among_the_findings(
+    make_case: MakeCase, settings: ReportSettings
+) -> None:
+    case = make_case()
+    statuses = {"finished": 9_990, "trapped": 10, "escaped": 0}
+    disks = replace(case.disks, statuses=statuses, most_collisions=200, above_cap=0.01)
+    rows = judged(rows_of_case(case, settings))
+    found = build_document(settings, [replace(case, disks=disks)], None, rows, CHECKS)["findings"]
+    assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
+    assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
 
 
 def test_numbers_show_their_error() -> None:
