@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
@@ -139,3 +140,25 @@ def test_a_title_is_one_line_and_a_description_ends(figures: dict[str, Any], nam
         assert "  " not in text
         assert "{" not in text
         assert "nan" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "observable"),
+    [("v0re", "thermal_speed"), ("inverse-speed", "thermal_speed"), ("kurtosis", "kurtosis"),
+     ("inelasticposi", "position"), ("scalev", "vdf"), ("tail-exponent", "tail_exponent")],
+)  # fmt: skip
+def test_points_without_a_usable_error_are_left_out(
+    make_case: MakeCase, settings: ReportSettings, name: str, observable: str
+) -> None:
+    def shown(case: Case) -> list[float]:
+        lines = all_figures([case], None, settings)[name]["series"]
+        return next(s["x"] for s in lines if s["source"] == case.free.name)
+
+    case = make_case()
+    measured = getattr(case.free, observable)
+    error = measured.error.copy()
+    error[3] = 0.0 if observable == "kurtosis" else 1e3
+    bad = replace(case.free, **{observable: replace(measured, error=error)})
+    every, rest = shown(case), shown(replace(case, free=bad))
+    assert len(rest) == len(every) - 1
+    assert set(rest) < set(every)
