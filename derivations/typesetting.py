@@ -56,12 +56,15 @@ def latex(formula: sp.Basic | None) -> str:
     return sp.latex(formula, symbol_names=names).replace(r"+ \pm", r"\pm")
 
 
-def mathml(formula: sp.Basic | None) -> str:
-    """MathML of a formula: one ``<math>`` element, several for a ``Tuple``; empty for None."""
+def mathml(formula: sp.Basic | None, order: str | None = None) -> str:
+    """MathML of a formula: one ``<math>`` element, several for a ``Tuple``; empty for None.
+
+    ``order`` of the terms of a sum is sympy's: "rev-lex" writes 1 - e^2 for -e^2 + 1.
+    """
     if formula is None:
         return ""
     parts = formula if isinstance(formula, sp.Tuple) else (formula,)
-    printer = _Printer({"ln_notation": True})
+    printer = _Printer({"ln_notation": True, "order": order})
     return "".join(f"<math>{printer.doprint(part)}</math>" for part in parts)
 
 
@@ -70,7 +73,7 @@ class _Printer(MathMLPresentationPrinter):
 
     def doprint(self, expr: sp.Basic) -> str:
         # sympy writes the d of a derivative as an entity that only HTML knows
-        return super().doprint(expr).replace("&dd;", "d")
+        return super().doprint(expr).replace("&dd;", "d").replace("<mo>-<", "<mo>−<")
 
     def _element(self, tag: str, *parts: Any) -> Any:
         """An element around signs (given as strings), formulas and other elements."""

@@ -15,7 +15,7 @@ from kinetics.crosscheck.compare.fit import Fit, choose_components, fit
 from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, hotelling
 from kinetics.crosscheck.compare.theory import SampledStart, sampled_start
-from kinetics.crosscheck.report.rows import contact_value
+from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, chance
 
 if TYPE_CHECKING:

@@ -93,7 +93,7 @@ def report(
     require_writable_folder(output)
 
     from kinetics.crosscheck.report import report as work
-    from kinetics.crosscheck.text import verdict_table
+    from kinetics.crosscheck.report.page import verdict_table
 
     with _Bar(work.stages(settings)) as tell:
         document = work.make_report(settings, tell)

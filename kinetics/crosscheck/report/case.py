@@ -1,7 +1,7 @@
-"""What the witnesses say about one restitution, as plain arrays: no judgement yet."""
+"""What the methods give for one restitution, as plain arrays, before anything is compared."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from kinetics import ScaledVDF, ScalingSolution, Solution
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -19,10 +20,19 @@ class Measured:
     value: Array
     error: Array
 
+    def __truediv__(self, scale: float) -> "Measured":
+        return Measured(self.value / scale, self.error / scale)
+
+    def __mul__(self, factor: float) -> "Measured":
+        return Measured(factor * self.value, factor * self.error)
+
+    def __getitem__(self, where: Any) -> "Measured":
+        return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
+
 
 @dataclass(frozen=True)
-class ParticleEvidence:
-    """What one particle run says, times first; lengths in d, speeds in U, times in d/U.
+class ParticleRun:
+    """What one simulation gives, times first; lengths in d, speeds in U, times in d/U.
 
     Attributes
     ----------
@@ -64,14 +74,21 @@ class ParticleEvidence:
 
 @dataclass(frozen=True)
 class Case:
-    """Every witness on one restitution.
+    """What every method gives for one restitution.
 
-    `kinetic` is the time-dependent solution with l = 1/(2 d rho0); `rescaled` the same with the
-    free path that the hard-disk run measured. Of that comparison, `rescaled_errors` holds the
-    standard errors of data minus theory, both of which move with the run: by observable, of the
-    shape of `disks`'. `late` goes on to times that no simulation reaches, without densities;
-    `position` has the displacement density at the last time, to the accuracy that a figure needs.
-    `exact` and `scaled` are None at e = 1, where there is no scaling state.
+    Attributes
+    ----------
+    times : output times of particles and equation, in d/U; early : index of the time from which on
+        slopes are measured, a tenth of the last
+    speed_edges, position_edges : bins of c and of R, see `ParticleRun`
+    exact, scaled : closed form and solver's scaling state; None at e = 1, where there is none
+    kinetic : the kinetic equation with l = 1/(2 d rho0)
+    rescaled : the same with the mean free path that the hard-disk run measured
+    late : the same as `kinetic`, to times that no simulation reaches, without densities
+    position : the displacement density at the last time, as accurate as a figure needs
+    free, disks : the Boltzmann-Grad particles, and hard disks
+    rescaled_errors : standard errors of hard disks minus `rescaled`, both of which change with the
+        run: by observable, of the shape of the observable in `disks`
     """
 
     restitution: float
@@ -85,18 +102,35 @@ class Case:
     rescaled: "Solution"
     late: "Solution"
     position: "Solution"
-    free: ParticleEvidence
-    disks: ParticleEvidence
+    free: ParticleRun
+    disks: ParticleRun
     rescaled_errors: dict[str, Array]
+
+    @property
+    def runs(self) -> tuple[ParticleRun, ParticleRun]:
+        """Both simulations, Boltzmann-Grad first."""
+        return self.free, self.disks
+
+    @property
+    def scaling_state(self) -> "tuple[ScalingSolution, ScaledVDF]":
+        """The scaling state in closed form and as solved; e must be below 1."""
+        assert self.exact is not None
+        assert self.scaled is not None
+        return self.exact, self.scaled
+
+    @property
+    def late_msd_slope(self) -> float:
+        """The exact limit of d<r^2>/d ln t, in d^2; e must be below 1."""
+        return self.scaling_state[0].diffusion_slope * self.late.scene.mean_free_path**2
 
 
 @dataclass(frozen=True)
 class DensityScan:
-    """Hard disks of one restitution at several densities, at the same d rho0 t, over the equation.
+    """Hard disks of one restitution at several densities, at the same d rho0 t.
 
-    `ratios` holds, by observable, data over the dilute theory, shape (n_densities,), and `limits`
-    the value at rho0 d^2 = 0 of the weighted polynomials `fits` (coefficients, lowest first), shape
-    (): 1 if the theory is the dilute limit.
+    By observable: `ratios` of the particles to the kinetic equation, shape (n_densities,); `fits`,
+    weighted polynomials in the density (coefficients, lowest power first); and `limits`, their
+    values at density 0, shape (): 1 if the kinetic equation is the dilute limit.
     """
 
     restitution: float
@@ -124,7 +158,7 @@ class TrapScan:
 
 @dataclass(frozen=True)
 class Scans:
-    """What particles say where a parameter of the system is varied."""
+    """Simulations in which one parameter of the system is varied."""
 
     density: DensityScan
     traps: TrapScan

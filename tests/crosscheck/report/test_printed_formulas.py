@@ -1,6 +1,6 @@
 """The printed formulas against each other and against their other transcription in sympy.
 
-A slip in transcription breaks an identity; one that both witnesses made would have to be the same.
+A slip in one of the two transcriptions breaks an identity or differs from the other.
 """
 
 import math

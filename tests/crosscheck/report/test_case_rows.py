@@ -1,4 +1,4 @@
-"""Comparisons of made-up witnesses whose truth is known."""
+"""Comparisons of a made-up case whose truth is known."""
 
 import json
 import math
@@ -8,20 +8,17 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
+from kinetics import sonine
 from kinetics.crosscheck.plain import dumps
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case
-from kinetics.crosscheck.report.rows import (
-    LEAST_EXPECTED,
-    PAPER_FIT,
-    RESCALED,
-    TITLES,
-    Row,
+from kinetics.crosscheck.report.case import Case
+from kinetics.crosscheck.report.case_rows import LEAST_EXPECTED, rows_of_case
+from kinetics.crosscheck.report.observables import (
     bin_average,
     contact_value,
     cooling_rate_between,
-    judged,
+    printed_msd_slopes,
 )
+from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED, Row, judged
 from kinetics.crosscheck.report.settings import ReportSettings
 
 NOT_THE_TRUTH = ("1/(2dρ₀g)", PAPER_FIT)
@@ -29,7 +26,7 @@ MakeCase = Callable[..., Case]
 
 
 def rows_of(case: Case, settings: ReportSettings) -> list[Row]:
-    return judged(compare_case(case, settings))
+    return judged(rows_of_case(case, settings))
 
 
 def test_runs_that_follow_the_theory_agree(make_case: MakeCase, settings: ReportSettings) -> None:
@@ -38,7 +35,7 @@ def test_runs_that_follow_the_theory_agree(make_case: MakeCase, settings: Report
     other = [row for row in rows if row.against in NOT_THE_TRUTH]
     assert {row.verdict for row in other} == {"differs"}
     assert {row.verdict for row in rows if row not in other} == {"agrees"}
-    assert {row.observable for row in rows} == set(TITLES)
+    assert {row.observable for row in rows} == set(OBSERVABLES)
 
 
 @pytest.mark.parametrize("source", ["Boltzmann-Grad", "hard disks"])
@@ -110,7 +107,7 @@ def test_the_elastic_case_has_no_scaling_rows(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
     rows = rows_of(make_case(restitution=1.0), settings)
-    assert {row.observable for row in rows} == set(TITLES) - {
+    assert {row.observable for row in rows} == set(OBSERVABLES) - {
         "cooling_rate",
         "scaled_vdf",
         "msd_slope",
@@ -154,6 +151,16 @@ def test_the_slope_of_the_printed_cooling_law_is_its_rate() -> None:
     t = np.array([1.0, 10.0, 200.0])
     v = 1 / (0.7 + 0.04 * 0.435 * t)
     assert cooling_rate_between(t, v, 1, 0.04) == pytest.approx(0.435, rel=1e-12)
+
+
+def test_the_late_slopes_of_the_printed_formulas_are_their_limits() -> None:
+    # l^2/ln(1 + l beta) of the random walk, and the factor of the logarithm of eq. ad8
+    e, density = 0.7, 0.04
+    walk, printed = printed_msd_slopes(e, density)
+    assert walk == pytest.approx(13.5**2 / math.log(1 + 13.5 * 1.45 * 0.3 * density), rel=1e-13)
+    late = [float(sonine.msd_sonine(t, e, density)) for t in (1e100, math.e * 1e100)]
+    assert printed == pytest.approx(late[1] - late[0], rel=1e-11)
+    assert math.isnan(printed_msd_slopes(0.4, density)[1])
 
 
 def test_hard_disks_are_met_five_percent_sooner_at_the_papers_density() -> None:

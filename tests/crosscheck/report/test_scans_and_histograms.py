@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.report.evidence import Measured
+from kinetics.crosscheck.report.case import Measured
 from kinetics.crosscheck.report.histograms import (
     BANDS,
     band_exponent,

@@ -1,4 +1,4 @@
-"""Answers say what the made-up witnesses' numbers say."""
+"""The answers to the paper's questions follow from the numbers of a made-up case."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.report.answers import all_answers
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case
+from kinetics.crosscheck.report.case import Case
+from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.questions import all_answers
 from kinetics.crosscheck.report.settings import ReportSettings
 
 MakeCase = Callable[..., Case]
@@ -22,7 +22,7 @@ def numbers_of(answer: dict[str, Any]) -> dict[tuple[str, float | None], tuple[f
 @pytest.fixture
 def answers(make_case: MakeCase, settings: ReportSettings) -> list[dict[str, Any]]:
     cases = [make_case(restitution=0.4), make_case(2.0, restitution=0.7)]
-    rows = [row for case in cases for row in compare_case(case, settings)]
+    rows = [row for case in cases for row in rows_of_case(case, settings)]
     return all_answers(cases, rows)
 
 
@@ -87,7 +87,7 @@ def test_deviations_are_those_of_the_rows(
     answers: list[dict[str, Any]], make_case: MakeCase, settings: ReportSettings
 ) -> None:
     found = numbers_of(answers[4])
-    rows = [r for r in compare_case(make_case(), settings) if r.kind == "approximation"]
+    rows = [r for r in rows_of_case(make_case(), settings) if r.kind == "approximation"]
     assert {r.observable for r in rows} == {
         "cooling_rate", "a2", "msd", "msd_slope", "kurtosis", "position"
     }  # fmt: skip
@@ -100,4 +100,4 @@ def test_nothing_is_answered_where_nothing_cools(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
     case = make_case(restitution=1.0)
-    assert all_answers([case], compare_case(case, settings)) == []
+    assert all_answers([case], rows_of_case(case, settings)) == []

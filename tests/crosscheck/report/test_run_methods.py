@@ -1,4 +1,4 @@
-"""Runs reduced to evidence: the errors are the spread that repeated runs have."""
+"""Runs reduced to a case: the errors are the spread that repeated runs have."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 
 from kinetics import Scene, solve
 from kinetics.crosscheck.report.algebra import AlgebraProcess
-from kinetics.crosscheck.report.methods import (
+from kinetics.crosscheck.report.run_methods import (
     OUTPUTS,
     _rescaled_errors,
     _without_each,

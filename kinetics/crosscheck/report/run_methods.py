@@ -1,14 +1,14 @@
-"""Asks the witnesses: solves and simulates one restitution, and reduces the runs to evidence."""
+"""Runs the solver and the particles on one restitution, and reduces the runs to a `Case`."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Case, Measured, ParticleEvidence
+from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
 from kinetics.crosscheck.report.histograms import jackknife_error, measured_exponent, scaled_density
-from kinetics.crosscheck.report.rows import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.errors import InputError
 
@@ -48,103 +48,95 @@ def media(settings: ReportSettings) -> "tuple[BoltzmannGrad, HardDisks]":
 def gather_case(
     restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
 ) -> Case:
-    """Every witness on one restitution, until the last time (in d/U). Calls `tell` three times.
+    """What every method gives for one restitution, until the last time (in d/U).
 
-    ValueError, before anything is solved, for a system that cannot be simulated.
+    Calls `tell` three times. ValueError, before anything is solved, for a system that cannot be
+    simulated.
     """
-    from kinetics import ScalingSolution, Scene, solve, solve_scaled
-    from particles import simulate
-
-    e = restitution
+    e, density = restitution, settings.number_density
     times = output_times(last, settings.n_times)
+    early = int(np.searchsorted(times, last / 10))
+    seed = settings.seed + 2 * settings.restitutions.index(e)
     free_medium, disk_medium = media(settings)
 
-    def equation(
-        number_density: float,
-        times: Array = times,
-        outputs: tuple[str, ...] = OUTPUTS,
-        rtol: float = settings.rtol,
-    ) -> "Solution":
-        scene = Scene(
-            restitution=e,
-            number_density=number_density,
-            initial="gaussian",
-            times=times,
-            outputs=outputs,
-        )
-        return solve(scene, rtol=rtol)
-
     tell(f"e = {e:g}: kinetic equation")
-    kinetic = equation(settings.number_density)
-    late = equation(
-        settings.number_density,
-        np.geomspace(times[0], max(LATEST, 10 * last), LATE_TIMES),
-        LATE_OUTPUTS,
-    )
-    position = equation(
-        settings.number_density,
-        times[-1:],
-        ("msd", "position_density"),
-        settings.position_rtol,
-    )
-    exact = ScalingSolution(e) if e < 1 else None
-    scaled = solve_scaled(restitution=e, rtol=settings.rtol) if e < 1 else None
-
-    early = int(np.searchsorted(times, last / 10))
-    index = settings.restitutions.index(e)
+    solved = _solutions(e, times, settings)
     tell(f"e = {e:g}: Boltzmann-Grad particles")
     groups = min(GROUPS, settings.free_tracers // 2)
-    free = simulate(
-        free_medium,
-        restitution=e,
-        times=times,
-        media=groups,
-        tracers=settings.free_tracers // groups,
-        seed=settings.seed + 2 * index,
-        workers=settings.workers,
-        observables=("finals",),
+    free = _simulated(
+        free_medium, e, times, (groups, settings.free_tracers // groups), seed, settings.workers
     )
     tell(f"e = {e:g}: hard disks")
-    disks = simulate(
-        disk_medium,
-        restitution=e,
-        times=times,
-        media=settings.media,
-        tracers=settings.tracers,
-        seed=settings.seed + 2 * index + 1,
-        workers=settings.workers,
-        observables=("finals",),
+    disks = _simulated(
+        disk_medium, e, times, (settings.media, settings.tracers), seed + 1, settings.workers
     )
     path = float(disks.mean_free_path.value)
     if not np.isfinite(path):
         raise InputError(
             f"final_times: got {last:g}; no hard-disk tracer has collided by then, some must"
         )
-    rescaled = equation(1 / (2 * path))
+    rescaled = _solution(e, 1 / (2 * path), times, OUTPUTS, settings.rtol)
     return Case(
         restitution=e,
         times=times,
         early=early,
         speed_edges=SPEED_EDGES,
         position_edges=POSITION_EDGES,
-        exact=exact,
-        scaled=scaled,
-        kinetic=kinetic,
         rescaled=rescaled,
-        late=late,
-        position=position,
-        free=_evidence("Boltzmann-Grad", free, early, settings.number_density),
-        disks=_evidence("hard disks", disks, early, settings.number_density),
-        rescaled_errors=_rescaled_errors(disks, rescaled, early, settings.number_density),
+        free=_reduced("Boltzmann-Grad", free, early, density),
+        disks=_reduced("hard disks", disks, early, density),
+        rescaled_errors=_rescaled_errors(disks, rescaled, early, density),
+        **solved,
     )
 
 
-def _evidence(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleEvidence:
+def _solutions(e: float, times: Array, settings: ReportSettings) -> dict[str, Any]:
+    """The kinetic equation and its scaling state, as fields of `Case`."""
+    from kinetics import ScalingSolution, solve_scaled
+
+    density, rtol = settings.number_density, settings.rtol
+    late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), LATE_TIMES)
+    place = ("msd", "position_density")
+    return {
+        "kinetic": _solution(e, density, times, OUTPUTS, rtol),
+        "late": _solution(e, density, late, LATE_OUTPUTS, rtol),
+        "position": _solution(e, density, times[-1:], place, settings.position_rtol),
+        "exact": ScalingSolution(e) if e < 1 else None,
+        "scaled": solve_scaled(restitution=e, rtol=rtol) if e < 1 else None,
+    }
+
+
+def _solution(
+    e: float, density: float, times: Array, outputs: tuple[str, ...], rtol: float
+) -> "Solution":
+    from kinetics import Scene, solve
+
+    return solve(Scene(e, density, initial="gaussian", times=times, outputs=outputs), rtol=rtol)
+
+
+def _simulated(
+    medium: "BoltzmannGrad | HardDisks",
+    e: float,
+    times: Array,
+    size: tuple[int, int],
+    seed: int,
+    workers: int | None,
+) -> "Ensemble":
+    """One run of `size` = configurations, tracers in each; it keeps how every tracer ended."""
+    from particles import simulate
+
+    return simulate(
+        medium, restitution=e, times=times, media=size[0], tracers=size[1], seed=seed,
+        workers=workers, observables=("finals",),
+    )  # fmt: skip
+
+
+def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleRun:
     """The run reduced to arrays; every error is a jackknife over its configurations."""
     by_group = run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, x, y, collisions = np.moveaxis(by_group, -1, 0)
     speeds = np.exp(log_speed)
-    # What was caught in a corner is at rest there.
+    # A tracer that was trapped in a corner is at rest there.
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0
 
@@ -161,7 +153,7 @@ def _evidence(name: str, run: "Ensemble", early: int, number_density: float) -> 
         )
     )
     distances = np.hypot(x, y)
-    return ParticleEvidence(
+    return ParticleRun(
         name=name,
         samples=run.media * run.tracers,
         groups=run.media,
@@ -191,7 +183,10 @@ def _measured(estimate: "Estimate") -> Measured:
 
 
 def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
-    """The ensemble without one of its configurations, for each: their sums just add up."""
+    """The ensemble without one of its configurations, for each of them.
+
+    Its averages are made of sums over configurations.
+    """
     sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
     totals = {name: array.sum(axis=0) for name, array in sums.items()}
     for left_out in range(run.media):
@@ -202,10 +197,10 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
 def _rescaled_errors(
     run: "Ensemble", rescaled: "Solution", early: int, number_density: float
 ) -> dict[str, Array]:
-    """Errors of data minus theory where the theory has the run's own mean free path l put in.
+    """Standard errors of data minus theory, the theory having the run's own mean free path l.
 
-    Both move when a configuration is left out. The theory moves by its derivative in ln l, which
-    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> on l^2 times such a function.
+    Both change when a configuration is left out: the theory by its derivative in ln l, which
+    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
     """
     log_path = np.log(float(run.mean_free_path.value))
     times = run.times
@@ -213,9 +208,8 @@ def _rescaled_errors(
     def per_log_path(values: Array, power: int) -> Array:
         return np.asarray(power * values - np.gradient(values, np.log(times)))
 
-    speed_slope = per_log_path(rescaled.thermal_speed, 0)
     shifts = {
-        "thermal_speed": speed_slope,
+        "thermal_speed": per_log_path(rescaled.thermal_speed, 0),
         "a2": per_log_path(rescaled.a2, 0),
         "msd": per_log_path(rescaled.msd, 2),
         "kurtosis": per_log_path(rescaled.kurtosis, 0),
@@ -225,19 +219,14 @@ def _rescaled_errors(
     }
     for part in _without_each(run):
         moved = np.log(float(part.mean_free_path.value)) - log_path
+        speed, msd = (
+            (getattr(part, name).value, getattr(rescaled, name) + moved * shifts[name])
+            for name in ("thermal_speed", "msd")
+        )
         for name, shift in shifts.items():
             replicates[name].append(getattr(part, name).value - moved * shift)
-        data, theory = (
-            cooling_rate_between(times, speed, early, number_density)
-            for speed in (
-                part.thermal_speed.value,
-                rescaled.thermal_speed + moved * speed_slope,
-            )
-        )
+        data, theory = (cooling_rate_between(times, v, early, number_density) for v in speed)
         replicates["cooling_rate"].append(np.asarray(data - theory))
-        data, theory = (
-            msd_slope_between(times, msd, early)
-            for msd in (part.msd.value, rescaled.msd + moved * shifts["msd"])
-        )
+        data, theory = (msd_slope_between(times, m, early) for m in msd)
         replicates["msd_slope"].append(np.asarray(data - theory))
     return {name: jackknife_error(np.array(values)) for name, values in replicates.items()}
