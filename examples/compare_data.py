@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck.compare.data import read_sample
-from kinetics.crosscheck.compare.find import compare_sample
+from kinetics.crosscheck.comparison.data.read import read_sample
+from kinetics.crosscheck.comparison.question import compare_sample
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.geomspace(1, 300, 6)  # d/U

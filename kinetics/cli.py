@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from kinetics.crosscheck.bench.command import bench
-from kinetics.crosscheck.compare.command import compare
+from kinetics.crosscheck.comparison.command import compare
 from kinetics.crosscheck.stress.command import stress
 
 UNITS = (

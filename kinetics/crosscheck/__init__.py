@@ -4,10 +4,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.judge import compare
-    from kinetics.crosscheck.compare.result import Comparison
+    from kinetics.crosscheck.comparison.judging import compare
+    from kinetics.crosscheck.comparison.result import Comparison
 
-_HOMES = {"Comparison": "compare.result", "compare": "compare.judge"}
+_HOMES = {"Comparison": "comparison.result", "compare": "comparison.judging"}
 
 __all__ = ["Comparison", "compare"]
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from kinetics.crosscheck.compare.columns import (
+from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
     Progress,

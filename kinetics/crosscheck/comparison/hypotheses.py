@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.fit import Fit, choose_components, fit
-from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import ChiSquare, hotelling
-from kinetics.crosscheck.compare.theory import SampledStart, sampled_start
+from kinetics.crosscheck.comparison.fit import Fit, choose_components, fit
+from kinetics.crosscheck.comparison.result import Explanation
+from kinetics.crosscheck.comparison.statistics import ChiSquare, hotelling
+from kinetics.crosscheck.comparison.theory import SampledStart, sampled_start
 from kinetics.crosscheck.report.rows import contact_value
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, chance
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.judged import Judged
+    from kinetics.crosscheck.comparison.differences import Judged
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from kinetics.crosscheck.compare.columns import Rows
+from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.errors import InputError
 
 _FIRST_SIZE, _LARGEST_SIZE = 1 << 16, 1 << 23

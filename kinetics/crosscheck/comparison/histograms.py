@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.sample import Binned, Sample
-from kinetics.crosscheck.compare.statistics import (
+from kinetics.crosscheck.comparison.sample import Binned, Sample
+from kinetics.crosscheck.comparison.statistics import (
     ChiSquare,
     hotelling,
     most_freedom,
     pearson,
 )
-from kinetics.crosscheck.compare.theory import SPEED, bin_shares
+from kinetics.crosscheck.comparison.theory import SPEED, bin_shares
 from kinetics.states.isotropic import Monoenergetic
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from kinetics.crosscheck.compare.columns import Rows
-from kinetics.crosscheck.compare.sample import (
+from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.crosscheck.comparison.data.labels import Seen
+from kinetics.crosscheck.comparison.sample import (
     BINS,
     LOWEST,
     PER_OCTAVE,
@@ -16,7 +17,6 @@ from kinetics.crosscheck.compare.sample import (
     StartBins,
     bin_edges,
 )
-from kinetics.crosscheck.compare.seen import Seen
 from kinetics.errors import InputError
 
 MOST_GROUPS = 251

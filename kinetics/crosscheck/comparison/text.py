@@ -1,6 +1,6 @@
 """A comparison as tables of plain text for the terminal."""
 
-from kinetics.crosscheck.compare.result import OUTCOMES, Comparison, Parameter
+from kinetics.crosscheck.comparison.result import OUTCOMES, Comparison, Parameter
 from kinetics.crosscheck.report.page import number
 from kinetics.crosscheck.text import aligned
 

@@ -14,8 +14,8 @@ import pytest
 from kinetics import Scene, solve
 from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
-from kinetics.crosscheck.compare.pages import files_of, render
-from kinetics.crosscheck.compare.result import OUTCOMES, TITLES
+from kinetics.crosscheck.comparison.page import files_of, render
+from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES
 from kinetics.crosscheck.report.figures import PAPER, figure_file
 from particles import BoltzmannGrad, simulate
 

@@ -208,8 +208,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
 
 
 def _from_raw(ensemble: "Ensemble", name: str, free: bool) -> Sample:
-    from kinetics.crosscheck.compare.columns import Rows
-    from kinetics.crosscheck.compare.reduction import Reduction
+    from kinetics.crosscheck.comparison.data.columns import Rows
+    from kinetics.crosscheck.comparison.reduction import Reduction
 
     media, tracers = ensemble.media, ensemble.tracers
     label = np.arange(media * tracers)

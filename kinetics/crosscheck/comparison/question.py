@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.fit import Fit, choose_components, fit
-from kinetics.crosscheck.compare.result import Comparison, Parameter
-from kinetics.crosscheck.compare.sample import Sample
-from kinetics.crosscheck.compare.statistics import errors, hotelling
-from kinetics.crosscheck.compare.theory import (
+from kinetics.crosscheck.comparison.fit import Fit, choose_components, fit
+from kinetics.crosscheck.comparison.result import Comparison, Parameter
+from kinetics.crosscheck.comparison.sample import Sample
+from kinetics.crosscheck.comparison.statistics import errors, hotelling
+from kinetics.crosscheck.comparison.theory import (
     DENSITY_RTOL,
     DISPLACEMENT,
     DISPLACEMENT_RTOL,
@@ -95,8 +95,8 @@ def compare_sample(
         these that the speeds at time 0 allow; a Gaussian, where there are none. InputError for
         numbers out of range, and where the data cannot tell what was not told.
     """
-    from kinetics.crosscheck.compare.judge import compare
-    from kinetics.crosscheck.compare.judged import histogram_times
+    from kinetics.crosscheck.comparison.differences import histogram_times
+    from kinetics.crosscheck.comparison.judging import compare
 
     if restitution is None:
         restitution = sample.told.get("restitution")

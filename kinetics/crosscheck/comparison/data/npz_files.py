@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.columns import (
+from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
     PIECE,

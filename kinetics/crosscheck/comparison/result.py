@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from kinetics.crosscheck.compare.statistics import gaussian_sigmas
+from kinetics.crosscheck.comparison.statistics import gaussian_sigmas
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
 

@@ -3,17 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.judged import Judged, judge
-from kinetics.crosscheck.compare.result import (
+from kinetics.crosscheck.comparison.differences import Judged, judge
+from kinetics.crosscheck.comparison.fit import Fit
+from kinetics.crosscheck.comparison.result import (
     OUTCOMES,
     Comparison,
     ComparisonTest,
     Parameter,
 )
-from kinetics.crosscheck.compare.rows import overall, rows_of, tests_of
-from kinetics.crosscheck.compare.sample import Sample, from_ensemble
-from kinetics.crosscheck.compare.theory import SampledStart
+from kinetics.crosscheck.comparison.rows import overall, rows_of, tests_of
+from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
+from kinetics.crosscheck.comparison.theory import SampledStart
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.errors import short
 
@@ -57,8 +57,8 @@ def compare(
     explanations: list[Any] = []
     figures: dict[str, Any] = {}
     if explain:
-        from kinetics.crosscheck.compare.draw import figures_of
-        from kinetics.crosscheck.compare.explain import explanations_of
+        from kinetics.crosscheck.comparison.figures import figures_of
+        from kinetics.crosscheck.comparison.notes import explanations_of
 
         order = list(OUTCOMES)
         explanations = sorted(

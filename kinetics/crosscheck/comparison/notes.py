@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import choose_components
-from kinetics.crosscheck.compare.histograms import LEAST_EXPECTED
-from kinetics.crosscheck.compare.hypotheses import AGREES_ABOVE, tested_hypotheses
-from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import hotelling
-from kinetics.crosscheck.compare.theory import SPEED, SampledStart, bin_shares
+from kinetics.crosscheck.comparison.fit import choose_components
+from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
+from kinetics.crosscheck.comparison.hypotheses import AGREES_ABOVE, tested_hypotheses
+from kinetics.crosscheck.comparison.result import Explanation
+from kinetics.crosscheck.comparison.statistics import hotelling
+from kinetics.crosscheck.comparison.theory import SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.verdicts import DIFFERS_ABOVE, Verdict
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.judged import Judged
+    from kinetics.crosscheck.comparison.differences import Judged
 
 _FAR_SLOWER = 8.0
 _FEWEST_TRAPPED = 5

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.sample import Sample
+    from kinetics.crosscheck.comparison.sample import Sample
 
 COLUMNS = (
     "DATA is .npz, .csv or .h5 with columns time, x, y, vx, vy and, where known, tracer and medium "
@@ -79,7 +79,7 @@ def compare(
     errors and a verdict; a chi-square with its p-value for each observable; and what explains a
     difference.
     """
-    from kinetics.crosscheck.compare.pages import files_of, prepare
+    from kinetics.crosscheck.comparison.page import files_of, prepare
     from kinetics.crosscheck.files import write_together
     from kinetics.errors import InputError
 
@@ -89,8 +89,8 @@ def compare(
         prepare(output, data)
     sample = _read(data, positions, _speed_unit(speed_unit), diameter)
 
-    from kinetics.crosscheck.compare.find import compare_sample
-    from kinetics.crosscheck.compare.text import tables
+    from kinetics.crosscheck.comparison.question import compare_sample
+    from kinetics.crosscheck.comparison.text import tables
 
     if number_density is not None:
         number_density *= diameter**2
@@ -121,7 +121,7 @@ def _read(
     """The sample; a progress bar on a terminal."""
     from tqdm import tqdm
 
-    from kinetics.crosscheck.compare.data import read_sample
+    from kinetics.crosscheck.comparison.data.read import read_sample
 
     with tqdm(total=100, file=sys.stderr, disable=None, leave=False, unit="%") as bar:
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.columns import Rows, plain_name, read_rows, shown
-from kinetics.crosscheck.compare.reduction import Reduction
-from kinetics.crosscheck.compare.sample import Sample, from_ensemble
-from kinetics.crosscheck.compare.seen import tracer_keys
+from kinetics.crosscheck.comparison.data.columns import Rows, plain_name, read_rows, shown
+from kinetics.crosscheck.comparison.data.labels import tracer_keys
+from kinetics.crosscheck.comparison.reduction import Reduction
+from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
 from kinetics.errors import InputError, check_positive
 
 POSITIONS = ("auto", "displacement", "absolute")

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.compare.theory import DISPLACEMENT, RTOL, SPEED, scene
+from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, scene
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.judged import Judged
+    from kinetics.crosscheck.comparison.differences import Judged
 
 Data = dict[str, Any]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from kinetics.crosscheck.compare.result import OUTCOMES, TITLES, Comparison
+from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES, Comparison
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_file, svg

@@ -8,11 +8,11 @@ import pytest
 
 from kinetics import Scene, solve
 from kinetics.crosscheck import Comparison, compare
-from kinetics.crosscheck.compare.columns import Rows
-from kinetics.crosscheck.compare.find import compare_sample
-from kinetics.crosscheck.compare.reduction import Reduction
-from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.sample import Sample
+from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.crosscheck.comparison.question import compare_sample
+from kinetics.crosscheck.comparison.reduction import Reduction
+from kinetics.crosscheck.comparison.result import Explanation
+from kinetics.crosscheck.comparison.sample import Sample
 from particles import BoltzmannGrad, HardDisks, simulate
 
 TIMES = np.geomspace(1.0, 500.0, 8)

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.statistics import (
+from kinetics.crosscheck.comparison.statistics import (
     ChiSquare,
     covariance,
     hotelling,

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinetics.crosscheck.compare.histograms import HistogramResult
-from kinetics.crosscheck.compare.judged import Judged
-from kinetics.crosscheck.compare.result import (
+from kinetics.crosscheck.comparison.differences import Judged
+from kinetics.crosscheck.comparison.histograms import HistogramResult
+from kinetics.crosscheck.comparison.result import (
     ComparisonRow,
     ComparisonTest,
     judge_p_value,
 )
-from kinetics.crosscheck.compare.statistics import (
+from kinetics.crosscheck.comparison.statistics import (
     ChiSquare,
     effective_groups,
     hotelling,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.sample import R2, R4, V2, V4, N, Sample, StartBins
+from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample, StartBins
 from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
 

@@ -5,14 +5,14 @@ import pytest
 
 from kinetics import Scene, solve
 from kinetics.crosscheck import compare
-from kinetics.crosscheck.compare.columns import Rows
-from kinetics.crosscheck.compare.fit import choose_components, fit
-from kinetics.crosscheck.compare.histograms import LEAST_EXPECTED, compare_histogram
-from kinetics.crosscheck.compare.judged import judge
-from kinetics.crosscheck.compare.reduction import Reduction
-from kinetics.crosscheck.compare.result import judge_p_value
-from kinetics.crosscheck.compare.sample import Sample, from_ensemble
-from kinetics.crosscheck.compare.statistics import (
+from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.crosscheck.comparison.differences import judge
+from kinetics.crosscheck.comparison.fit import choose_components, fit
+from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED, compare_histogram
+from kinetics.crosscheck.comparison.reduction import Reduction
+from kinetics.crosscheck.comparison.result import judge_p_value
+from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
+from kinetics.crosscheck.comparison.statistics import (
     covariance,
     effective_groups,
     errors,
@@ -22,7 +22,7 @@ from kinetics.crosscheck.compare.statistics import (
     spread_out,
     whitening,
 )
-from kinetics.crosscheck.compare.theory import (
+from kinetics.crosscheck.comparison.theory import (
     DISPLACEMENT,
     SPEED,
     Expectation,

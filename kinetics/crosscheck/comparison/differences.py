@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.histograms import HistogramResult, compare_histogram
-from kinetics.crosscheck.compare.reduction import SAME_TIME
-from kinetics.crosscheck.compare.sample import Sample
-from kinetics.crosscheck.compare.statistics import errors, spread_out
-from kinetics.crosscheck.compare.theory import (
+from kinetics.crosscheck.comparison.fit import Fit
+from kinetics.crosscheck.comparison.histograms import HistogramResult, compare_histogram
+from kinetics.crosscheck.comparison.reduction import SAME_TIME
+from kinetics.crosscheck.comparison.sample import Sample
+from kinetics.crosscheck.comparison.statistics import errors, spread_out
+from kinetics.crosscheck.comparison.theory import (
     DISPLACEMENT,
     MOMENTS,
     SPEED,
@@ -155,7 +155,7 @@ def _meaningful(names: Sequence[str], sample: Sample, solution: "Solution") -> N
 
 def _slopes(solution: "Solution", expectation: Expectation, found: Fit) -> Array:
     """d(theory)/d(parameters) of every component, (k, n_names, n_times)."""
-    from kinetics.crosscheck.compare.find import theory_of
+    from kinetics.crosscheck.comparison.question import theory_of
 
     scene = solution.scene
     e, path, start = scene.restitution, scene.mean_free_path, scene.initial

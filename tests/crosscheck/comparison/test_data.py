@@ -9,12 +9,12 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-
 from kinetics.crosscheck.compare import columns, reduction, seen
-from kinetics.crosscheck.compare.columns import Rows, read_rows
-from kinetics.crosscheck.compare.data import read_sample
-from kinetics.crosscheck.compare.reduction import MOST_GROUPS, Reduction
-from kinetics.crosscheck.compare.sample import R2, R4, V2, V4, N, Sample
+
+from kinetics.crosscheck.comparison.data.columns import Rows, read_rows
+from kinetics.crosscheck.comparison.data.read import read_sample
+from kinetics.crosscheck.comparison.reduction import MOST_GROUPS, Reduction
+from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample
 from kinetics.errors import InputError
 
 NAMES = ("time", "x", "y", "vx", "vy", "tracer", "medium")
@@ -494,8 +494,8 @@ def tracers_at(times: Any, count: int, speed: Any = None, scale: float = 1.0) ->
 def test_odd_data_have_an_answer(
     data: dict[str, Any], told: dict[str, float], tmp_path: Path
 ) -> None:
-    from kinetics.crosscheck.compare.find import compare_sample
-    from kinetics.crosscheck.compare.pages import files_of
+    from kinetics.crosscheck.comparison.page import files_of
+    from kinetics.crosscheck.comparison.question import compare_sample
 
     result = compare_sample(
         read_sample([write(tmp_path, "npz", data)]), number_density=0.04, **told
@@ -521,7 +521,7 @@ def test_odd_data_have_an_answer(
 def test_what_cannot_be_compared_is_said(
     data: dict[str, Any], told: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
-    from kinetics.crosscheck.compare.find import compare_sample
+    from kinetics.crosscheck.comparison.question import compare_sample
 
     density = None if told == {} else 0.04
     path = write(tmp_path, "npz", data)
@@ -531,8 +531,8 @@ def test_what_cannot_be_compared_is_said(
 
 def test_a_file_may_have_any_name(tmp_path: Path) -> None:
     """Also bytes that are no text."""
-    from kinetics.crosscheck.compare.find import compare_sample
-    from kinetics.crosscheck.compare.pages import files_of
+    from kinetics.crosscheck.comparison.page import files_of
+    from kinetics.crosscheck.comparison.question import compare_sample
 
     path = write(tmp_path, "csv", made_up()).rename(tmp_path / os.fsdecode(b"a\xff<b>.csv"))
     result = compare_sample(read_sample([path]), 0.7, 0.04)

@@ -1,0 +1,1 @@
+"""Files of particle data, read in pieces and reduced to one sample."""
