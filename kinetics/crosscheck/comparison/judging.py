@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 from kinetics.crosscheck.comparison.differences import Judged, judge
 from kinetics.crosscheck.comparison.fit import Fit
 from kinetics.crosscheck.comparison.result import (
@@ -12,7 +13,7 @@ from kinetics.crosscheck.comparison.result import (
     Parameter,
 )
 from kinetics.crosscheck.comparison.rows import overall, rows_of, tests_of
-from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
+from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.theory import SampledStart
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.errors import short
@@ -36,7 +37,7 @@ def compare(
     ----------
     solution : of the scene that the particles claim to be; what it was asked for of thermal_speed,
         a2, msd, kurtosis, speed_density, position_density is compared, at the times that both have
-    ensemble : a particle run, or a Sample (comparison.data.read_sample), in the scene's units
+    ensemble : a particle run, or a Sample (comparison.data.read.read_sample), in the scene's units
     explain : test what may explain a difference, and prepare figures; False is quicker
     densities : solutions of the same scene for "speed_density" and "position_density", at some of
         the times; without them `solution` is asked

@@ -4,10 +4,9 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from kinetics.crosscheck.comparison.data.columns import Rows
-from kinetics.crosscheck.comparison.data.labels import Seen
+from kinetics.crosscheck.comparison.data.labels import Repeats
 from kinetics.crosscheck.comparison.sample import (
     BINS,
     LOWEST,
@@ -21,85 +20,34 @@ from kinetics.errors import InputError
 
 MOST_GROUPS = 251
 """Groups that tracers or configurations are gathered in, at most: a prime, so that labels with a
-regular pattern spread over all of them. More would not make a standard error better known."""
+regular pattern spread over all of them. The relative error of a standard error from G groups is
+1/sqrt(2 G), here 4.5 %: more groups would hardly make it better known."""
 HISTOGRAM_GROUPS = 83
-"""The same for the counts in bins, which take most of the memory."""
+"""The same for the counts in bins, which take most of the memory: 8 %, and still four groups for
+each of 20 bins (statistics.GROUPS_PER_FREEDOM)."""
 MOST_TIMES = 400
-"""Different times that data may have: bounds the memory."""
+"""Different times that data may have: bounds the memory, by 50 MB for the counts in bins."""
 SAME_TIME = 1e-9
-"""Relative difference below which two times are one."""
+"""Relative difference below which two times are one: far above the rounding of times that are
+written with 12 digits or more."""
 
 _ROUNDING = 1e-9
 _START_PER_OCTAVE, _START_LOWEST, _START_BINS = 64, -30, 64 * 40
 
 
-@njit(cache=True, nogil=True)
-def _locate(times: Any, known: Any, order: Any, tolerance: float, out: Any) -> int:
-    """The index of each time among the known ones (sorted; order: their indices), -1 if new."""
-    last, new = 0, 0
-    for i in range(times.size):
-        t = times[i]
-        if last < known.size and abs(known[last] - t) <= tolerance * t:
-            out[i] = order[last]
-            continue
-        k = np.searchsorted(known, t)
-        if k > 0 and (k == known.size or t - known[k - 1] < known[k] - t):
-            k -= 1
-        if k < known.size and abs(known[k] - t) <= tolerance * t:
-            out[i], last = order[k], k
-        else:
-            out[i] = -1
-            new += 1
-    return new
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _bin(value: float, lowest: float, per_octave: float, bins: int) -> int:
-    """0 for what is below the bins (or zero), bins + 1 for what is above."""
-    if not value > 0.0:
-        return 0
-    return int(min(max(np.floor((np.log2(value) - lowest) * per_octave), -1.0), bins)) + 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _accumulate(
-    at: Any, group: Any, x: Any, y: Any, vx: Any, vy: Any, speed_scale: Any, length_scale: Any,
-    sums: Any, speeds: Any, displacements: Any, at_rest: Any,
-) -> None:  # fmt: skip
-    for i in range(at.size):
-        k, g = at[i], group[i]
-        v = np.hypot(vx[i], vy[i]) / speed_scale[k]
-        r = np.hypot(x[i], y[i]) / length_scale[k]
-        v2, r2 = v * v, r * r
-        sums[k, g, 0] += 1.0
-        sums[k, g, 1] += v2
-        sums[k, g, 2] += v2 * v2
-        sums[k, g, 3] += r2
-        sums[k, g, 4] += r2 * r2
-        at_rest[k] += v == 0.0
-        h = g % speeds.shape[1]
-        speeds[k, h, _bin(v, LOWEST, PER_OCTAVE, BINS)] += 1
-        displacements[k, h, _bin(r, LOWEST, PER_OCTAVE, BINS)] += 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _start(
-    at: Any, zero: int, scale: float, group: Any, vx: Any, vy: Any, counts: Any, powers: Any
-) -> None:
-    for i in range(at.size):
-        if at[i] == zero:
-            v = np.hypot(vx[i], vy[i]) / scale
-            k = _bin(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-            counts[group[i], k] += 1
-            powers[0, k] += v * v
-            powers[1, k] += v * v * v * v
+def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
+    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
+    with np.errstate(divide="ignore"):
+        place = np.floor((np.log2(values) - lowest) * per_octave)
+    return np.clip(place, -1, bins).astype(np.int64) + 1
 
 
 class Reduction:
     """Sums that rows are added to, piece by piece; memory depends on the number of times alone.
 
-    `grouping` says what a group is made of: "medium", "tracer", or "row": then the k-th row of
-    each time is taken for the same tracer. Rows may come in any order.
+    (Besides the labels of tracers, see `data.labels.Repeats`.) `grouping` says what a group is made
+    of: "medium", "tracer", or "row": then the k-th row of each time is taken for the same tracer.
+    Rows may come in any order.
     """
 
     def __init__(self, grouping: str) -> None:
@@ -114,30 +62,45 @@ class Reduction:
         self._rows_at = np.zeros(0, np.int64)
         self._start_counts = np.zeros((MOST_GROUPS, _START_BINS + 2), np.int64)
         self._start_powers = np.zeros((2, _START_BINS + 2))
-        self._seen = Seen()
+        self._repeats = Repeats()
 
     def add(self, rows: Rows, file: int = 0) -> None:
         """Add a piece; labels of different files are different tracers and configurations.
 
-        InputError for a negative time, too many times, or two rows of a tracer at one time.
+        InputError for a negative time or too many times.
         """
         if rows.time.size == 0:
             return
         if rows.time.min() < 0:
             raise InputError(f"time: got {rows.time.min():g}; times must not be negative")
-        at = self._indices(rows)
+        at = self._time_indices(rows)
         if rows.tracer is not None:
-            self._seen.add(rows, at, self._known, file)
+            self._repeats.add(rows, at, file)
         group = self._groups(rows, at, file)
-        x, y, vx, vy = (np.ascontiguousarray(c) for c in (rows.x, rows.y, rows.vx, rows.vy))
-        _accumulate(
-            at, group, x, y, vx, vy, self._speed_scale, self._length_scale,
-            self._sums, self._speeds, self._displacements, self._at_rest,
-        )  # fmt: skip
+        with np.errstate(over="ignore", under="ignore"):
+            v = np.hypot(rows.vx, rows.vy) / self._speed_scale[at]
+            r = np.hypot(rows.x, rows.y) / self._length_scale[at]
+            v2, r2 = v * v, r * r
+            powers = (None, v2, v2 * v2, r2, r2 * r2)
+        place, cells = at * MOST_GROUPS + group, self._known.size * MOST_GROUPS
+        for k, power in enumerate(powers):
+            self._sums[:, :, k] += np.bincount(place, power, cells).reshape(-1, MOST_GROUPS)
+        self._at_rest += np.bincount(at[v == 0], minlength=self._known.size)
+        row = (at * HISTOGRAM_GROUPS + group % HISTOGRAM_GROUPS) * (BINS + 2)
+        for counts, values in ((self._speeds, v), (self._displacements, r)):
+            np.add.at(
+                counts.reshape(-1), row + _bins(values, LOWEST, PER_OCTAVE, BINS), np.int32(1)
+            )
         if self._known.min() == 0:
-            zero = int(np.argmin(self._known))
-            scale = float(self._speed_scale[zero])
-            _start(at, zero, scale, group, vx, vy, self._start_counts, self._start_powers)
+            self._add_start(v[at == np.argmin(self._known)], group[at == np.argmin(self._known)])
+
+    def _add_start(self, v: Any, group: Any) -> None:
+        """Speeds at time 0 in units of their scale, and their groups, (n,)."""
+        place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
+        np.add.at(self._start_counts, (group, place), 1)
+        for k, power in enumerate((2, 4)):
+            with np.errstate(over="ignore", under="ignore"):
+                self._start_powers[k] += np.bincount(place, v**power, _START_BINS + 2)
 
     @property
     def moved_at_zero(self) -> bool:
@@ -146,15 +109,22 @@ class Reduction:
         size = np.sqrt(squares / np.maximum(rows, 1)) * self._length_scale
         return bool(np.any(size[self._known == 0] > _ROUNDING * size.max()))
 
-    def _indices(self, rows: Rows) -> Any:
-        at = np.empty(rows.time.size, np.int64)
-        time = np.ascontiguousarray(rows.time)
-        order = np.argsort(self._known)
-        if _locate(time, self._known[order], order, SAME_TIME, at):
-            self._enlarge(_distinct(np.unique(time[at < 0])), rows)
-            order = np.argsort(self._known)
-            _locate(time, self._known[order], order, SAME_TIME, at)
+    def _time_indices(self, rows: Rows) -> Any:
+        """The index of the time of each row among the known times, (n,); new times are entered."""
+        at = self._located(rows.time)
+        if np.any(at < 0):
+            self._enlarge(_distinct(np.unique(rows.time[at < 0])), rows)
+            at = self._located(rows.time)
         return at
+
+    def _located(self, time: Any) -> Any:
+        """The index of the known time that is nearest to each, -1 where none is the same."""
+        if not self._known.size:
+            return np.full(time.size, -1)
+        order = np.argsort(self._known)
+        known = self._known[order]
+        k = np.searchsorted(known[:-1] / 2 + known[1:] / 2, time)
+        return np.where(np.abs(known[k] - time) <= SAME_TIME * time, order[k], -1)
 
     def _enlarge(self, new: Any, rows: Rows) -> None:
         """Make room for new times; the first rows of a time give the scale of its bins."""
@@ -185,9 +155,13 @@ class Reduction:
         return (label % MOST_GROUPS + 97 * file) % MOST_GROUPS
 
     def sample(self, names: tuple[str, ...], warnings: Iterable[str] = ()) -> Sample:
-        """What was added, in the units of the data. InputError if nothing was."""
+        """What was added, in the units of the data.
+
+        InputError if nothing was, or if a tracer has two rows at one time.
+        """
         if self._known.size == 0:
             raise InputError(f"{', '.join(names)}: has no rows; at least two tracers are needed")
+        self._repeats.check(self._known)
         order = np.argsort(self._known)
         used = self._sums[:, :, 0].sum(axis=0) > 0
 
@@ -220,18 +194,19 @@ class Reduction:
         )
 
 
-@njit(cache=True, nogil=True)
 def _ranks(at: Any, rows_at: Any) -> Any:
     """The number of each row among those of its time; rows_at counts on from piece to piece."""
+    order = np.argsort(at, kind="stable")
+    counts = np.bincount(at, minlength=rows_at.size)
+    first = np.cumsum(counts) - counts
     out = np.empty(at.size, np.int64)
-    for i in range(at.size):
-        out[i] = rows_at[at[i]]
-        rows_at[at[i]] += 1
+    out[order] = np.arange(at.size) - first[at[order]] + rows_at[at[order]]
+    rows_at += counts
     return out
 
 
 def _distinct(times: Any) -> Any:
-    """Sorted times without those that are one with the one before."""
+    """Sorted times without those that are the same as the one before."""
     kept = [times[0]]
     for t in times[1:]:
         if t - kept[-1] > SAME_TIME * t:

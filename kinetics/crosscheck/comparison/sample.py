@@ -6,15 +6,10 @@ every standard error and every covariance is the spread over groups.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from kinetics.errors import InputError
-
-if TYPE_CHECKING:
-    from particles.ensemble import Ensemble
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -78,7 +73,6 @@ class Sample:
     at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
     capped : collisions after which tracers were stopped, None if unknown or never
-    media : how many configurations there are, None if unknown
     free : known to be without recollisions (Boltzmann-Grad particles)
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
@@ -95,7 +89,6 @@ class Sample:
     at_rest: Counts
     grouping: str
     capped: int | None = None
-    media: int | None = None
     free: bool = False
     warnings: tuple[str, ...] = field(default=())
     told: dict[str, Any] = field(default_factory=dict)
@@ -160,84 +153,3 @@ class Sample:
 def bin_edges(scale: Array) -> Array:
     """Edges of a reduction's bins, (n_times, BINS + 1)."""
     return scale[:, None] * 2.0 ** (LOWEST + np.arange(BINS + 1) / PER_OCTAVE)
-
-
-def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
-    """The sums of a particle run, in its own unit of length.
-
-    With raw velocities and positions, histograms are by configuration. InputError for a run
-    without output times or with fewer than two groups.
-    """
-    from particles import BoltzmannGrad
-    from particles.configuration import time_scales
-
-    times = np.asarray(ensemble.times)
-    if times.size == 0 or ensemble.moments.size == 0:
-        raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")
-    free = isinstance(ensemble.medium, BoltzmannGrad)
-    raw = ensemble.arrays
-    if "raw/velocities" in raw and "raw/positions" in raw:
-        found = _from_raw(ensemble, name, free)
-    else:
-        unit = ensemble.medium.diameter
-        scales = time_scales(times / unit)
-        found = Sample(
-            names=(name,),
-            times=times,
-            sums=np.asarray(ensemble.moments[:, :, : R4 + 1]),
-            speed_scale=1.0 / scales,
-            length_scale=np.full(times.size, unit),
-            speeds=_histogram(ensemble, "speed_histogram", free),
-            displacements=_histogram(ensemble, "displacement_histogram", free),
-            start=None,
-            at_rest=np.asarray(ensemble.trapped),
-            grouping="medium",
-            free=free,
-        )
-    if found.groups < 2:
-        raise InputError(f"{name}: has one configuration; standard errors need at least two")
-    plan = ensemble.plan
-    start = "monoenergetic" if plan.monoenergetic else "gaussian"
-    return replace(
-        found,
-        capped=plan.max_collisions,
-        media=None if free else ensemble.media,
-        told={"restitution": ensemble.restitution, "number_density": ensemble.number_density}
-        | ({"initial": start} if plan.velocities is None else {}),
-    )
-
-
-def _from_raw(ensemble: "Ensemble", name: str, free: bool) -> Sample:
-    from kinetics.crosscheck.comparison.data.columns import Rows
-    from kinetics.crosscheck.comparison.reduction import Reduction
-
-    media, tracers = ensemble.media, ensemble.tracers
-    label = np.arange(media * tracers)
-    # Tracers of a Boltzmann-Grad run share nothing: each of them is on its own.
-    reduction = Reduction(grouping="tracer" if free else "medium")
-    positions, velocities = ensemble.positions, ensemble.velocities
-    for k, time in enumerate(ensemble.times):
-        there = np.isfinite(velocities[k, :, 0])
-        (x, y), (vx, vy) = positions[k, there].T, velocities[k, there].T
-        at = np.full(int(there.sum()), float(time))
-        reduction.add(Rows(at, x, y, vx, vy, label[there], label[there] // tracers))
-    return replace(reduction.sample((name,)), free=free)
-
-
-def _histogram(ensemble: "Ensemble", name: str, free: bool) -> Binned | None:
-    key = f"histograms/{name}/sums"
-    if key not in ensemble.arrays:
-        return None
-    found = getattr(ensemble, name)
-    totals = ensemble.arrays[key][0]
-    n = totals.sum(axis=1)
-    effect = np.ones(len(totals))
-    if not free:
-        p, error = found.probability.value, found.probability.error
-        used = totals[:, 1:-1] >= 20
-        with np.errstate(invalid="ignore", divide="ignore"):
-            binomial = np.where(used, p * (1 - p) / n[:, None], 0.0).sum(axis=1)
-            effect = np.where(used, error**2, 0.0).sum(axis=1) / binomial
-        effect = np.where(np.isfinite(effect), np.maximum(effect, 1.0), 1.0)
-    edges = np.broadcast_to(found.edges, (len(totals), found.edges.size))
-    return Binned(np.asarray(edges), totals, None, effect)

@@ -6,12 +6,13 @@ import pytest
 from kinetics import Scene, solve
 from kinetics.crosscheck import compare
 from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 from kinetics.crosscheck.comparison.differences import judge
 from kinetics.crosscheck.comparison.fit import choose_components, fit
 from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED, compare_histogram
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.result import judge_p_value
-from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
+from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.statistics import (
     covariance,
     effective_groups,

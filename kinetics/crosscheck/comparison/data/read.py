@@ -1,24 +1,23 @@
-"""Files of particle data as one sample: which rule reads the positions, and what makes a group."""
+"""Files of particle data as one sample: how positions are meant, and what makes a group."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Rows, plain_name, read_rows, shown
-from kinetics.crosscheck.comparison.data.labels import tracer_keys
+from kinetics.crosscheck.comparison.data.columns import Rows, plain_name, shown
+from kinetics.crosscheck.comparison.data.formats import read_rows
+from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
-from kinetics.crosscheck.comparison.sample import Sample, from_ensemble
+from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.errors import InputError, check_positive
 
 POSITIONS = ("auto", "displacement", "absolute")
-MOST_ORIGINS = 4_000_000
-"""Tracers whose place at time 0 is remembered, at most: bounds the memory."""
-
 _LARGEST = 1e70
+"""Speeds and displacements in U and d, at most, and 1/speeds at the start: their fourth powers are
+within the range of doubles."""
 Tell = Callable[[str, float], None]
 """Called with a file's name and the share of it that has been read."""
 
@@ -30,16 +29,16 @@ def read_sample(
     diameter: float = 1.0,
     tell: Tell | None = None,
 ) -> Sample:
-    """One sample from files .csv, .npz or .h5 of columns, or from one file of an Ensemble.
+    """One sample from files of columns (see `formats`), or from one file of an Ensemble.
 
     positions : "displacement": x, y are relative to the tracer's place at time 0. "absolute":
-        they are places, from which the tracer's own place at time 0 is taken; needs a column
+        they are places, from which the tracer's own place at time 0 is subtracted; needs a column
         `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin.
     speed_unit : U in the data's unit of speed; "data": from <v^2> = 2 U^2 at time 0
     diameter : d in the data's unit of length; times are then divided by d/U
 
     Lengths, speeds and times of an Ensemble file are known, and these three are not looked at.
-    Several files are runs of their own: a label in one is not the same label in another. With one
+    Several files are independent runs: a label in one is not the same label in another. With one
     configuration, or without the column `medium`, standard errors are by tracer, and the
     sample's warnings say so. The files are only read. InputError for what cannot be used.
     """
@@ -50,49 +49,39 @@ def read_sample(
     diameter = check_positive("diameter", diameter)
     if speed_unit != "data":
         speed_unit = check_positive("speed_unit", speed_unit)
-    ensembles = [path for path in paths if _is_ensemble(path)]
-    if ensembles:
-        if len(paths) > 1:
-            raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
-        run = load_ensemble(ensembles[0])
-        return from_ensemble(run, plain_name(paths[0])).rescaled(1.0, run.medium.diameter)
-    return _in_range(_scaled(_read(_Files(paths, tell), positions), speed_unit, diameter))
+    ensemble = _from_ensemble_file(paths)
+    if ensemble is not None:
+        return ensemble
+    sample = _Files(paths, tell).sample(positions)
+    return _in_range(_scaled(sample, speed_unit, diameter))
 
 
-def load_ensemble(path: Path) -> Any:
-    """The finished run in a file; InputError for one that is damaged or unfinished."""
-    from particles import Ensemble
+def _from_ensemble_file(paths: Sequence[Path]) -> Sample | None:
+    """The sample of an Ensemble file; None where all files are columns."""
+    if not any(path.suffix.lower() in (".h5", ".hdf5") for path in paths):
+        return None
+    from kinetics.crosscheck.comparison.data import ensemble_files
 
-    try:
-        return Ensemble.load(path)
-    except ValueError as error:
-        raise InputError(" ".join(str(error).split())) from None
-
-
-def _is_ensemble(path: Path) -> bool:
-    if path.suffix.lower() not in (".h5", ".hdf5") or not path.is_file():
-        return False
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            return "plan" in file.attrs and "digest" in file.attrs
-    except OSError:
-        return False  # the reader of columns says what is wrong
+    ensembles = [path for path in paths if ensemble_files.is_ensemble(path)]
+    if not ensembles:
+        return None
+    if len(paths) > 1:
+        raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
+    run = ensemble_files.load_ensemble(paths[0])
+    found = ensemble_files.from_ensemble(run, plain_name(paths[0]))
+    return found.rescaled(1.0, run.medium.diameter)
 
 
 class _Files:
-    """The rows of several files, as often as they are needed."""
+    """Files of columns, read as often as it takes to know what their positions and groups are."""
 
     def __init__(self, paths: Sequence[Path], tell: Tell | None) -> None:
-        self.paths, self._tell = paths, tell
+        self._paths, self._tell = paths, tell
+        self._names = tuple(plain_name(path) for path in paths)
+        self._labels = self._known_labels()
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(plain_name(path) for path in self.paths)
-
-    def __iter__(self) -> Iterator[tuple[int, Rows]]:
-        for number, path in enumerate(self.paths):
+    def _rows(self) -> Iterator[tuple[int, Rows]]:
+        for number, path in enumerate(self._paths):
             progress = None
             if self._tell is not None:
                 tell, name = self._tell, path.name
@@ -103,148 +92,100 @@ class _Files:
             for rows in read_rows(path, progress):
                 yield number, rows
 
+    def _known_labels(self) -> frozenset[str]:
+        """The labels that every file has; InputError where only some have one."""
+        has: list[frozenset[str]] = []
+        for path in self._paths:
+            with closing(read_rows(path)) as pieces:  # type: ignore[type-var]
+                rows = next((rows for rows in pieces if rows.time.size), None)
+            if rows is None:
+                raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
+            labels = {"tracer": rows.tracer, "medium": rows.medium}
+            has.append(frozenset(name for name, ids in labels.items() if ids is not None))
+        for path, names in zip(self._paths, has, strict=True):
+            if names != has[0]:
+                odd = ", ".join(sorted(names ^ has[0]))
+                raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
+        return has[0]
 
-def _read(files: _Files, positions: str) -> Sample:
-    found = _known_labels(files)
-    grouping = "medium" if "medium" in found else "tracer" if "tracer" in found else "row"
-    origins = None
-    if positions == "absolute":
-        origins = _Origins(files, found)
-    warnings: list[str] = []
-    while True:
+    def sample(self, positions: str) -> Sample:
+        """The sample; positions as in read_sample."""
+        by_tracer = "tracer" if "tracer" in self._labels else "row"
+        grouping = "medium" if "medium" in self._labels else by_tracer
+        origins = self._origins() if positions == "absolute" else None
+        warnings: list[str] = []
+        while True:
+            reduction = self._reduced(grouping, origins)
+            if positions == "auto" and origins is None and reduction.moved_at_zero:
+                origins = self._origins()
+                warnings.append(
+                    "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
+                    "subtracted from its positions."
+                )
+                continue
+            sample = reduction.sample(self._names)
+            if sample.groups >= 2 or grouping == by_tracer:
+                break
+            grouping = by_tracer  # one configuration shows no spread between configurations
+        if sample.groups < 2:
+            raise InputError(f"{', '.join(self._names)}: has one tracer; at least two are needed")
+        return replace(sample, warnings=(*warnings, *self._about_groups(grouping)))
+
+    def _reduced(self, grouping: str, origins: Origins | None) -> Reduction:
         reduction = Reduction(grouping)
-        media = _Distinct()
-        for number, rows in files:
+        for number, rows in self._rows():
             try:
-                reduction.add(rows if origins is None else origins.subtracted(rows, number), number)
+                if origins is not None:
+                    x, y = origins.of(rows, number)
+                    rows = replace(rows, x=rows.x - x, y=rows.y - y)
+                reduction.add(rows, number)
             except InputError as error:
-                raise InputError(f"{shown(files.paths[number])}: {error}") from None
-            if rows.medium is not None:
-                media.add(rows.medium, number)
-        if positions == "auto" and origins is None and reduction.moved_at_zero:
-            origins = _Origins(files, found)
-            warnings.append(
-                "Positions at time 0 are not the origin: each tracer's own was taken from its "
-                "positions."
-            )
-            continue
-        sample = reduction.sample(files.names)
-        if sample.groups >= 2 or grouping == "row":
-            break
-        # One configuration shows no spread between configurations.
-        grouping = "tracer" if grouping == "medium" and "tracer" in found else "row"
-    if sample.groups < 2:
-        raise InputError(f"{', '.join(files.names)}: has one tracer; at least two are needed")
-    return replace(
-        sample,
-        media=media.count if "medium" in found else None,
-        warnings=(*warnings, *_about_groups(sample.grouping, found)),
-    )
+                raise InputError(f"{shown(self._paths[number])}: {error}") from None
+        return reduction
 
-
-def _about_groups(grouping: str, found: frozenset[str]) -> list[str]:
-    if grouping == "medium":
-        return []
-    out = []
-    if "medium" in found:
-        out.append(
-            "There is one configuration: errors are by tracer, and do not hold what another "
-            "configuration of scatterers would change."
-        )
-    else:
-        out.append(
-            "Configurations are unknown (no column medium): errors are by tracer. Tracers that "
-            "share scatterers are not independent, and their errors are larger than these."
-        )
-    if grouping == "row":
-        out.append(
-            "Tracers are unknown (no column tracer): the k-th row of each time is taken for the "
-            "same tracer. If it is not, p-values over several times are wrong."
-        )
-    return out
-
-
-def _known_labels(files: _Files) -> frozenset[str]:
-    """The labels that every file has; InputError where only some have one."""
-    has: list[frozenset[str]] = []
-    for path in files.paths:
-        with closing(read_rows(path)) as pieces:
-            rows = next(pieces, None)
-        if rows is None or rows.time.size == 0:
-            raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
-        labels = {"tracer": rows.tracer, "medium": rows.medium}
-        has.append(frozenset(name for name, ids in labels.items() if ids is not None))
-    for path, names in zip(files.paths, has, strict=True):
-        if names != has[0]:
-            odd = ", ".join(sorted(names ^ has[0]))
-            raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
-    return has[0]
-
-
-class _Distinct:
-    """Counts different labels, up to a hundred thousand."""
-
-    def __init__(self) -> None:
-        self._seen: set[tuple[int, int]] = set()
-        self._full = False
-
-    def add(self, labels: Any, file: int) -> None:
-        if self._full:
-            return
-        self._seen.update((file, int(label)) for label in np.unique(labels))
-        self._full = len(self._seen) > 100_000
-
-    @property
-    def count(self) -> int:
-        return len(self._seen)
-
-
-class _Origins:
-    """Where each tracer was at time 0."""
-
-    def __init__(self, files: _Files, found: frozenset[str]) -> None:
-        where = ", ".join(files.names)
+    def _origins(self) -> Origins:
+        where = ", ".join(self._names)
         allowed = "displacements relative to the place at time 0 need nothing"
-        if "tracer" not in found:
+        if "tracer" not in self._labels:
             raise InputError(
                 f"{where}: positions at time 0 are not the origin, and without a column tracer "
                 f"they cannot be subtracted; {allowed}"
             )
-        pieces = [(np.empty(0, np.uint64), np.empty(0), np.empty(0))]
-        count = 0
-        for number, rows in files:
+        pieces = []
+        for number, rows in self._rows():
             zero = rows.time == 0
             if np.any(zero):
-                pieces.append((_keys(rows, number)[zero], rows.x[zero], rows.y[zero]))
-                count += int(zero.sum())
-                if count > MOST_ORIGINS:
-                    raise InputError(
-                        f"{where}: more than {MOST_ORIGINS} tracers with absolute positions; "
-                        "give displacements"
-                    )
-        keys, x, y = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
-        if keys.size == 0:
+                parts = {k: v[zero] for k, v in vars(rows).items() if v is not None}
+                pieces.append((Rows(**parts), number))
+            if sum(rows.time.size for rows, _ in pieces) > MOST_ORIGINS:
+                raise InputError(
+                    f"{where}: more than {MOST_ORIGINS} tracers with absolute positions; "
+                    "give displacements"
+                )
+        if not pieces:
             raise InputError(f"{where}: absolute positions need rows at time 0; {allowed}")
-        order = np.argsort(keys)
-        self._keys, self._x, self._y = keys[order], x[order], y[order]
+        return Origins(pieces)
 
-    def subtracted(self, rows: Rows, file: int) -> Rows:
-        """The rows with displacements in place of positions."""
-        keys = _keys(rows, file)
-        k = np.minimum(np.searchsorted(self._keys, keys), self._keys.size - 1)
-        lost = np.flatnonzero(self._keys[k] != keys)
-        if lost.size:
-            assert rows.tracer is not None
-            raise InputError(
-                f"tracer {rows.tracer[lost[0]]} has no row at time 0; absolute positions need one"
+    def _about_groups(self, grouping: str) -> list[str]:
+        """What the reader should know of the standard errors, a warning each."""
+        if grouping == "medium":
+            return []
+        if "medium" in self._labels:
+            out = [
+                "There is one configuration: errors are by tracer, and do not hold what another "
+                "configuration of scatterers would change."
+            ]
+        else:
+            out = [
+                "Configurations are unknown (no column medium): errors are by tracer. Tracers that "
+                "share scatterers are not independent, and their errors are larger than these."
+            ]
+        if grouping == "row":
+            out.append(
+                "Tracers are unknown (no column tracer): the k-th row of each time is taken for "
+                "the same tracer. If it is not, p-values over several times are wrong."
             )
-        return replace(rows, x=rows.x - self._x[k], y=rows.y - self._y[k])
-
-
-def _keys(rows: Rows, file: int) -> Any:
-    assert rows.tracer is not None
-    medium = np.empty(0, np.int64) if rows.medium is None else rows.medium
-    return tracer_keys(rows.tracer, medium, file)
+        return out
 
 
 def _in_range(sample: Sample) -> Sample:
