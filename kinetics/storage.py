@@ -39,6 +39,7 @@ HOMES = {
     "AngularHarmonics": "kinetics.states.directed",
     "Beam": "kinetics.states.directed",
     "CollisionLaw": "kinetics.collision",
+    "Comparison": "kinetics.crosscheck.comparison.result",
     "Gaussian": "kinetics.states.isotropic",
     "Monoenergetic": "kinetics.states.isotropic",
     "PolarGrid": "kinetics.states.directed",

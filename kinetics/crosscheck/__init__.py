@@ -1,15 +1,25 @@
-"""The court: holds the three witnesses against each other and writes the reports."""
+"""The cross-check: compares three independent methods, and anybody's data, and writes the reports.
+
+For: what needs more than one of `kinetics`, `particles` and `derivations`; it may import all three,
+and none of them imports it. Begin reading at `verdicts`, then at the room of a command: `report`,
+`comparison` (of particle data), `bench`, `stress`.
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kinetics.crosscheck.comparison.judging import compare
+    from kinetics.crosscheck.comparison.question import compare_data
     from kinetics.crosscheck.comparison.result import Comparison
 
-_HOMES = {"Comparison": "comparison.result", "compare": "comparison.judging"}
+_HOMES = {
+    "Comparison": "comparison.result",
+    "compare": "comparison.judging",
+    "compare_data": "comparison.question",
+}
 
-__all__ = ["Comparison", "compare"]
+__all__ = ["Comparison", "compare", "compare_data"]
 
 
 def __getattr__(name: str) -> Any:
@@ -19,3 +29,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"kinetics.crosscheck.{_HOMES[name]}"), name)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

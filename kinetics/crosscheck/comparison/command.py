@@ -22,7 +22,7 @@ FORMATS = ("pdf", "png", "svg")
 
 
 @click.command(
-    epilog=COLUMNS, short_help="Hold anybody's particle data against the kinetic equation."
+    epilog=COLUMNS, short_help="Compare anybody's particle data with the kinetic equation."
 )
 @click.argument("data", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
@@ -72,25 +72,25 @@ def compare(
     figures: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Hold particle data, from any code, against the kinetic equation.
+    """Compare particle data, from any code, with the kinetic equation.
 
     What is not told of restitution, density and start is found in the data. Prints, for each
     observable and time, the data with their standard error, the theory, the difference in standard
     errors and a verdict; a chi-square with its p-value for each observable; and what explains a
     difference.
     """
-    from kinetics.crosscheck.comparison.page import files_of, prepare
-    from kinetics.crosscheck.files import write_together
     from kinetics.errors import InputError
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
     if output is not None:
+        from kinetics.crosscheck.comparison.page import files_of, prepare
+        from kinetics.crosscheck.files import write_together
+
         prepare(output, data)
     sample = _read(data, positions, _speed_unit(speed_unit), diameter)
 
     from kinetics.crosscheck.comparison.question import compare_sample
-    from kinetics.crosscheck.comparison.text import tables
 
     if number_density is not None:
         number_density *= diameter**2
@@ -101,6 +101,8 @@ def compare(
     if as_json:
         click.echo(result.to_json(), nl=False)
     else:
+        from kinetics.crosscheck.comparison.text import tables
+
         click.echo(tables(result))
         if written:
             click.echo(f"wrote {', '.join(str(path) for path in written)}")

@@ -22,20 +22,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_EXPECTED = 50
-"""Samples that a bin must be expected to hold."""
+"""Samples that a bin must be expected to hold: their distribution is then nearly Gaussian."""
 MOST_IN_A_BIN = 1 / 12
-"""Share of the samples from which on a bin is not made wider."""
+"""Share of the samples from which on a bin is not made wider, so that the body has a shape."""
 _MOST_BINS = 40
 
 
 @dataclass(frozen=True)
-class HistogramResult:
+class Histogram:
     """One histogram at one time against the theory, in bins of LEAST_EXPECTED samples or more.
 
-    edges (n + 1,): the first is 0, the last infinite; share of the samples, its standard error
-    (from `groups` groups) and the theory (n,).
+    name : "speed_density" or "position_density"; time in d/U, and its index in the sample
+    edges (n + 1,), in U or d: the first is 0, the last infinite; share of the samples, its standard
+    error (from `groups` groups) and the theory, (n,) each.
     """
 
+    name: str
+    time: float
+    index: int
     edges: Array
     share: Array
     error: Array
@@ -47,7 +51,7 @@ class HistogramResult:
 
 def compare_histogram(
     sample: Sample, solution: "Solution", name: str, index: int, at: int
-) -> HistogramResult | None:
+) -> Histogram | None:
     """A sample's histogram at its time `index` against a solution's density at its time `at`.
 
     None where too few samples are expected for two bins.
@@ -61,10 +65,10 @@ def compare_histogram(
     most = _MOST_BINS
     if not independent and binned.by_group is not None:
         most = min(most, most_freedom(len(binned.by_group)) + 1)
-    fixed = None
+    peak = None
     if isinstance(solution.scene.state, Monoenergetic):
-        fixed = solution.scene.state.speed * (1.0 if name == SPEED else sample.times[index])
-    starts = _merged(shares * samples, samples, most, binned.edges[index], fixed)
+        peak = solution.scene.state.speed * (1.0 if name == SPEED else sample.times[index])
+    starts = _merged(shares * samples, samples, most, binned.edges[index], peak)
     if starts.size < 2:
         return None
     theory = np.add.reduceat(shares, starts)
@@ -83,7 +87,8 @@ def compare_histogram(
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
     behind = sample.groups if binned.by_group is None else len(binned.by_group)
-    return HistogramResult(edges, share, error, theory, samples, behind, chi_square)
+    time = float(sample.times[index])
+    return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
 
 
 def _errors(
@@ -102,9 +107,9 @@ def _errors(
 def _merged(
     expected: Array, samples: int, most: int, edges: Array, peak: float | None
 ) -> NDArray[np.int64]:
-    """The first fine bin of each bin.
+    """The first fine bin of each bin, from the counts expected in the fine bins.
 
-    They start at LEAST_EXPECTED in the tails and double towards the middle, where the body is: a
+    Bins start at LEAST_EXPECTED in the tails and double towards the middle, where the body is: a
     small excess at rest or far out is seen beside few others. Of a delta peak that stands on an
     edge, rounding may have put samples on either side: no bin ends there.
     """

@@ -1,16 +1,16 @@
 """A comparison as files: one page with nothing beside it, its numbers as JSON, its figures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup
 
 from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES, Comparison
+from kinetics.crosscheck.comparison.text import cells_of_row, cells_of_test, parameter_text
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_file, svg
-from kinetics.crosscheck.report.page import environment, number
+from kinetics.crosscheck.report.page import environment
 from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
 
@@ -23,6 +23,11 @@ SHORT = {
     "position_density": "displacement density",
 }
 """The name of each observable where space is short."""
+PARAMETERS = {
+    "restitution": "restitution e",
+    "number_density": "number density ρ₀ / d⁻²",
+    "mean_free_path": "mean free path l / d",
+}
 UNITS = (
     "Lengths in d, the diameter of a scatterer and of the tracer; speeds in U, the standard "
     "deviation of one component of the initial velocity; times in d/U; densities in d⁻²."
@@ -74,9 +79,18 @@ def render(result: Comparison, json_name: str) -> str:
             json_name=json_name,
             svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
             equations=comparison_equations(),
-            parameters=[_parameter(name, p) for name, p in document["parameters"].items()],
-            tests=[_test(test) for test in document["tests"]],
-            groups=_groups(document["rows"]),
+            parameters={
+                PARAMETERS[k]: parameter_text(p) for k, p in document["parameters"].items()
+            },
+            tests=[
+                cells_of_test(test) | {"observable": SHORT[test["observable"]]}
+                for test in document["tests"]
+            ],
+            groups=[
+                {"title": title, "rows": shown}
+                for name, title in TITLES.items()
+                if (shown := [cells_of_row(r) for r in document["rows"] if r["observable"] == name])
+            ],
             outcomes=OUTCOMES,
             verdicts={
                 word.value: MEANING[word]
@@ -84,51 +98,3 @@ def render(result: Comparison, json_name: str) -> str:
             },
         )
     )
-
-
-def _parameter(name: str, parameter: Mapping[str, Any]) -> dict[str, str]:
-    words = {
-        "restitution": "restitution e",
-        "number_density": "number density ρ₀ / d⁻²",
-        "mean_free_path": "mean free path l / d",
-    }
-    return {
-        "name": words.get(name, name),
-        "value": number(parameter["value"], parameter["error"]),
-        "source": parameter["source"],
-    }
-
-
-def _test(test: Mapping[str, Any]) -> dict[str, str]:
-    return {
-        "observable": SHORT.get(test["observable"], test["observable"]),
-        "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
-        "chi_square": f"{test['chi_square']:.4g}",
-        "dof": str(test["dof"]),
-        "p_value": f"{test['p_value']:.2g}",
-        "sigmas": f"{test['sigmas']:.1f}",
-        "verdict": test["verdict"],
-    }
-
-
-def _groups(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    return [
-        {"title": title, "rows": shown}
-        for name, title in TITLES.items()
-        if (shown := [_row(row) for row in rows if row["observable"] == name])
-    ]
-
-
-def _row(row: Mapping[str, Any]) -> dict[str, str]:
-    where = ""
-    if row["low"] is not None:
-        where = f"{row['low']:.4g} to " + ("∞" if row["high"] is None else f"{row['high']:.4g}")
-    return {
-        "time": f"{row['time']:.4g}",
-        "bin": where,
-        "value": number(row["value"], row["error"]),
-        "theory": number(row["theory"]),
-        "sigmas": "" if row["sigmas"] is None else f"{row['sigmas']:+.1f}",
-        "corrected": ("" if row["corrected_sigmas"] is None else f"{row['corrected_sigmas']:.1f}"),
-        "verdict": row["verdict"],
-    }

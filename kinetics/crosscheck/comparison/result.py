@@ -1,11 +1,15 @@
-"""Comparison: the frozen result of holding a sample against the kinetic equation."""
+"""Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
+import json
+import textwrap
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from html import escape
+from typing import Any, Self
 
-from kinetics.crosscheck.comparison.statistics import gaussian_sigmas
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
+from kinetics.values import FrozenDict, Value
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 TITLES = {
@@ -18,7 +22,6 @@ TITLES = {
 }
 """Every observable that a row can have, in the order of the page."""
 
-
 OUTCOMES = {
     "explains": "explains the difference",
     "found": "found in the data",
@@ -27,6 +30,7 @@ OUTCOMES = {
     "noted": "noted",
 }
 """What an explanation comes to, in words; in the order in which they are told."""
+_REPR_WIDTH, _REPR_LINES = 100, 9
 
 
 @dataclass(frozen=True)
@@ -84,12 +88,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Something that may explain a difference, held against the data.
+    """Something that may explain a difference, compared with the data.
 
-    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by
-    a tenth at least), "does not",
-    "noted" (a fact about data or theory; `tested` is then False) or "found" (an effect that the
-    data show by itself). `chi_square` is the sum over the averages before and after.
+    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by a tenth at
+    least), "does not", "noted" (a fact about data or theory; `tested` is then False) or "found" (an
+    effect that the data show by itself). `chi_square_before` and `_after` are of all averages.
     """
 
     name: str
@@ -104,9 +107,12 @@ class Explanation:
     p_value: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """A sample against the kinetic equation; lengths in d, speeds in U, times in d/U.
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
+    """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
+
+    A value: it cannot be changed, equals another with the same contents, can be pickled, and
+    `save(path)` writes it to an HDF5 file, from which `kinetics.storage.load` reads it back.
 
     Attributes
     ----------
@@ -118,6 +124,7 @@ class Comparison:
     parameters : "restitution", "number_density", "mean_free_path" as Parameter
     initial : the start of the theory, in words
     samples, groups : tracers at most, and independent groups that the errors are from
+    grouping : what a group is made of: "medium", "tracer" or "row"
     warnings : what the reader should know of the data
     names : where the data came from
     figures : the data of every figure, see kinetics.crosscheck.report.figures
@@ -128,14 +135,18 @@ class Comparison:
     rows: tuple[ComparisonRow, ...]
     tests: tuple[ComparisonTest, ...]
     explanations: tuple[Explanation, ...]
-    parameters: dict[str, Parameter]
+    parameters: Mapping[str, Parameter]
     initial: str
     samples: int
     groups: int
     grouping: str
     warnings: tuple[str, ...]
     names: tuple[str, ...]
-    figures: dict[str, Any] = field(repr=False)
+    figures: Mapping[str, Any] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", FrozenDict(self.parameters))
+        object.__setattr__(self, "figures", FrozenDict(_tuples(self.figures)))
 
     def observable(self, name: str) -> tuple[ComparisonRow, ...]:
         """The rows of one observable."""
@@ -150,20 +161,16 @@ class Comparison:
 
     def document(self) -> dict[str, Any]:
         """Everything as plain data, as it stands in the JSON file."""
+        data = {name: getattr(self, name) for name in _OF_THE_DATA}
         found: dict[str, Any] = plain(
             {
                 "schema": SCHEMA,
-                "title": f"{', '.join(self.names)}: held against the kinetic equation",
+                "title": f"{', '.join(self.names)}: compared with the kinetic equation",
                 "verdict": self.verdict.value,
                 "summary": self.summary,
                 "parameters": {k: asdict(p) for k, p in self.parameters.items()},
                 "initial": self.initial,
-                "data": {
-                    "names": self.names,
-                    "samples": self.samples,
-                    "groups": self.groups,
-                    "grouping": self.grouping,
-                },
+                "data": data,
                 "warnings": self.warnings,
                 "tests": [asdict(test) for test in self.tests],
                 "explanations": [asdict(item) for item in self.explanations],
@@ -177,10 +184,62 @@ class Comparison:
         """The document as strict JSON."""
         return dumps(self.document())
 
+    def _to_storage(self) -> dict[str, Any]:
+        return {"document": self.to_json()}
 
-def judge_p_value(p_value: float, trials: int) -> tuple[float, Verdict]:
-    """Gaussian sigmas of a p-value, the least of so many, and the verdict on it."""
-    from kinetics.crosscheck.verdicts import judge_sigmas
+    @classmethod
+    def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
+        found = json.loads(parts["document"])
+        known: dict[str, Any] = {name: found[name] for name in ("summary", "initial", "figures")}
+        known |= {k: _tuples(v) for k, v in found["data"].items()}
 
-    sigmas = gaussian_sigmas(min(1.0, p_value * trials))
-    return sigmas, judge_sigmas(sigmas)
+        def judged(kind: Any, items: Any) -> Any:
+            return tuple(kind(**item | {"verdict": Verdict(item["verdict"])}) for item in items)
+
+        return cls(
+            verdict=Verdict(found["verdict"]),
+            rows=judged(ComparisonRow, found["rows"]),
+            tests=judged(ComparisonTest, found["tests"]),
+            explanations=tuple(Explanation(**item) for item in found["explanations"]),
+            parameters={k: Parameter(**p) for k, p in found["parameters"].items()},
+            warnings=tuple(found["warnings"]),
+            **known,
+        )
+
+    def __repr__(self) -> str:
+        """The verdict first, in ten lines or fewer of 100 columns."""
+        lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", _REPR_WIDTH)[:4]
+        for test in self.tests:
+            at = "" if test.time is None else f" at t = {test.time:.4g}"
+            lines.append(
+                f"  {test.observable}{at}: chi-square {test.chi_square:.4g}/{test.dof}, "
+                f"p = {test.p_value:.2g}, {test.verdict}"
+            )
+        more = len(lines) - _REPR_LINES
+        return "\n".join(lines[:_REPR_LINES] + ([f"  ... {more} more"] if more > 0 else []))
+
+    def _repr_html_(self) -> str:
+        """The verdict, and a table of the tests, for a notebook."""
+        heads = ("observable", "t [d/U]", "χ²", "dof", "p", "verdict")
+        table = "".join(
+            f"<tr><td>{escape(test.observable)}</td>"
+            f"<td>{'all' if test.time is None else f'{test.time:.4g}'}</td>"
+            f"<td>{test.chi_square:.4g}</td><td>{test.dof}</td><td>{test.p_value:.2g}</td>"
+            f"<td>{test.verdict}</td></tr>"
+            for test in self.tests
+        )
+        head = "".join(f"<th>{name}</th>" for name in heads)
+        return (
+            f"<p><strong>{self.verdict}</strong>. {escape(self.summary)}</p>"
+            f"<table><thead><tr>{head}</tr></thead><tbody>{table}</tbody></table>"
+        )
+
+
+_OF_THE_DATA = ("names", "samples", "groups", "grouping")
+
+
+def _tuples(value: Any) -> Any:
+    """Plain data with tuples in place of lists, so that they cannot be changed."""
+    if isinstance(value, Mapping):
+        return {key: _tuples(item) for key, item in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value

@@ -1,7 +1,7 @@
 """What the kinetic equation says about a sample: averages over time, and shares of bins."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
 
 if TYPE_CHECKING:
-    from kinetics import Scene, Solution
+    from kinetics import Solution
 
 Array = NDArray[np.float64]
 
@@ -22,16 +22,9 @@ DENSITY_RTOL = 1e-6
 """Asked of the solver for densities."""
 DISPLACEMENT_RTOL = 1e-4
 """Asked of the solver for densities of the displacement, which cost more."""
-MOMENTS = {"thermal_speed": 2, "a2": 4, "msd": 2, "kurtosis": 4}
-"""The averages that are compared, and the highest moment that each needs."""
+AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
+"""The averages that are compared."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
-
-
-def averages() -> tuple[str, ...]:
-    """The averages that the solver gives and a sample has."""
-    from kinetics.scene import OUTPUTS
-
-    return tuple(name for name in MOMENTS if name in OUTPUTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,31 +49,40 @@ def sampled_start(sample: Sample) -> SampledStart:
     return SampledStart(sample.start)
 
 
-def scene(
-    restitution: float, free_path: float, initial: Any, times: Array, outputs: Sequence[str]
-) -> "Scene":
-    """The scene of a mean free path l (in d) instead of a density."""
-    from kinetics import Scene
+def solved(
+    restitution: float,
+    free_path: float,
+    initial: Any,
+    times: Array,
+    outputs: Sequence[str],
+    rtol: float,
+) -> "Solution":
+    """The solution of a scene with a mean free path l (in d) instead of a density."""
+    from kinetics import Scene, solve
 
-    return Scene(
+    scene = Scene(
         restitution=restitution,
         number_density=1 / (2 * free_path),
         initial=initial,
         times=times,
         outputs=tuple(outputs),
     )
+    return solve(scene, rtol=rtol)
 
 
-def observed(sums: Array, sample: Sample, names: Sequence[str]) -> Array:
-    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times)."""
+def observed(sums: Array, speed_scale: Any, length_scale: Any, names: Sequence[str]) -> Array:
+    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
+
+    In units of U and d; the scales (n_times,) are those of the sums.
+    """
     if not names:
         return np.empty((*sums.shape[:-2], 0, sums.shape[-2]))
     with np.errstate(invalid="ignore", divide="ignore"):
         n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
         values = {
-            "thermal_speed": lambda: sample.speed_scale * np.sqrt(v2 / n),
+            "thermal_speed": lambda: speed_scale * np.sqrt(v2 / n),
             "a2": lambda: v4 * n / (2 * v2**2) - 1,
-            "msd": lambda: sample.length_scale**2 * r2 / n,
+            "msd": lambda: length_scale**2 * r2 / n,
             "kurtosis": lambda: r4 * n / r2**2,
         }
         return np.stack([values[name]() for name in names], axis=-2)
@@ -95,10 +97,10 @@ class Expectation:
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
         self.sample, self.names = sample, tuple(names)
-        total = sample.sums.sum(axis=0)
-        self.values = observed(total, sample, names)
+        total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
+        self.values = observed(total, *scales, names)
         with np.errstate(invalid="ignore"):
-            self.replicates = observed(total - sample.sums, sample, names)
+            self.replicates = observed(total - sample.sums, *scales, names)
         self._last: tuple[tuple[float, float, Any], tuple[Array, Array]] | None = None
 
     def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
@@ -109,12 +111,9 @@ class Expectation:
         return self._last[1]
 
     def _solved(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
-        from kinetics import solve
-
-        times = self.sample.times
         if isinstance(initial, SampledStart):
             return self._from_start(restitution, free_path)
-        found = solve(scene(restitution, free_path, initial, times, self.names), rtol=RTOL)
+        found = solved(restitution, free_path, initial, self.sample.times, self.names, RTOL)
         values = np.stack([getattr(found, name) for name in self.names])
         return values, values
 
@@ -135,10 +134,7 @@ class Expectation:
             sums = np.empty((*weights.shape[:-1], times.size, 5))
             sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
             sums[..., N] = weights.sum(axis=-1)[..., None]
-            plain = replace(
-                self.sample, speed_scale=np.ones(times.size), length_scale=np.ones(times.size)
-            )
-            return observed(sums, plain, self.names)
+            return observed(sums, 1.0, 1.0, self.names)
 
         return averaged(total.astype(float)), averaged((total - start.by_group).astype(float))
 
@@ -147,11 +143,9 @@ def _one_speed(
     restitution: float, free_path: float, names: Sequence[str], times: Array
 ) -> dict[int, Array]:
     """<v^2>, <v^4>, <r^2>, <r^4> from speed 1 at any times: arrays of the shape of `times`."""
-    from kinetics import solve
-
     flat, back = np.unique(times, return_inverse=True)
     wanted = ["thermal_speed", "a2", "msd", *(("kurtosis",) if "kurtosis" in names else ())]
-    found = solve(scene(restitution, free_path, "monoenergetic", flat, wanted), rtol=RTOL)
+    found = solved(restitution, free_path, "monoenergetic", flat, wanted, RTOL)
     v2, r2 = found.thermal_speed**2, found.msd
     v4 = 2 * (1 + found.a2) * v2**2
     r4 = np.zeros(flat.size)

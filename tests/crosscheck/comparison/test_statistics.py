@@ -7,11 +7,11 @@ from kinetics import Scene, solve
 from kinetics.crosscheck import compare
 from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
-from kinetics.crosscheck.comparison.differences import judge
-from kinetics.crosscheck.comparison.fit import choose_components, fit
+from kinetics.crosscheck.comparison.data_and_theory import side_by_side
+from kinetics.crosscheck.comparison.fit import Unknown, choose_components, fit
 from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED, compare_histogram
+from kinetics.crosscheck.comparison.judging import judge_p_value
 from kinetics.crosscheck.comparison.reduction import Reduction
-from kinetics.crosscheck.comparison.result import judge_p_value
 from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.statistics import (
     covariance,
@@ -147,7 +147,8 @@ def test_a_fit_finds_a_line_and_its_errors() -> None:
         theory = at[0] + at[1] * x
         return theory, theory
 
-    found = fit(("a", "b"), line, data, np.arange(5), [[0, 0], [5, 5]], [-9, -9], [9, 9])
+    unknowns = [Unknown("a", -9, 9), Unknown("b", -9, 9)]
+    found = fit(unknowns, line, data, np.arange(5), [[0, 0], [5, 5]])
     assert found is not None
     design = np.stack([np.ones(5), x], axis=1)
     weight = np.linalg.inv(np.cov(values.T) / 80)
@@ -160,7 +161,7 @@ def test_a_fit_finds_a_line_and_its_errors() -> None:
     assert found.chi_square.value == pytest.approx(left @ weight @ left, rel=1e-4)
     # a group left out moves the parameters as a fit to the others would
     moved = found.moved(data[1])
-    again = fit(("a", "b"), line, (data[1][3], data[1]), np.arange(5), [[0, 0]], [-9, -9], [9, 9])
+    again = fit(unknowns, line, (data[1][3], data[1]), np.arange(5), [[0, 0]])
     assert again is not None
     np.testing.assert_allclose(moved[3], again.values - found.values, atol=2e-5)
 
@@ -265,12 +266,12 @@ def sample_at(*times: float) -> Sample:
 def test_a_solution_that_has_nothing_in_common_is_refused() -> None:
     sample = sample_at(1.0, 2.0)
     with pytest.raises(InputError, match="none in common"):
-        judge(solve(Scene(0.7, times=[3.0])), sample)
+        side_by_side(solve(Scene(0.7, times=[3.0])), sample)
     with pytest.raises(InputError, match="needed is at least one of"):
-        judge(solve(Scene(0.7, times=[1.0], outputs=("collisions",))), sample)
+        side_by_side(solve(Scene(0.7, times=[1.0], outputs=("collisions",))), sample)
     # what is in common is compared, and no more
-    part = judge(solve(Scene(0.7, times=[2.0, 3.0], outputs=("msd", "collisions"))), sample)
-    assert part.expectation.names == ("msd",)
+    part = side_by_side(solve(Scene(0.7, times=[2.0, 3.0], outputs=("msd", "collisions"))), sample)
+    assert part.names == ("msd",)
     np.testing.assert_array_equal(part.sample.times, [2.0])
 
 

@@ -110,11 +110,11 @@ class _Table:
 
     def _parsed(self, text: bytes) -> Rows | None:
         """The rows; None where a line or a number cannot be read, or a label not as a number."""
+        if not text or text.isspace():
+            none, labels = np.empty(0), dict.fromkeys(self._labels, np.empty(0, np.int64))
+            return Rows(none, none, none, none, none, labels.get("tracer"), labels.get("medium"))
         label = pa.int64() if self._numbered else pa.dictionary(pa.int32(), pa.string())
         kinds = dict.fromkeys(NUMBERS, pa.float64()) | dict.fromkeys(self._labels, label)
-        if not text or text.isspace():
-            empty = np.empty(0)
-            return Rows(*[empty] * 5, **{name: empty.astype(np.int64) for name in self._labels})
         try:
             table = arrow_csv.read_csv(
                 pa.BufferReader(text),
@@ -129,7 +129,8 @@ class _Table:
         labels = {name: self._label_numbers(table.column(name)) for name in self._labels}
         if self._numbered and any(np.any(np.abs(v) >= _FIRST_TEXT) for v in labels.values()):
             return None
-        return Rows(*(table.column(name).to_numpy() for name in NUMBERS), **labels)
+        time, x, y, vx, vy = (table.column(name).to_numpy() for name in NUMBERS)
+        return Rows(time, x, y, vx, vy, labels.get("tracer"), labels.get("medium"))
 
     def _label_numbers(self, column: Any) -> Any:
         """A column of labels as whole numbers, (n,)."""
@@ -144,7 +145,7 @@ class _Table:
         return np.concatenate(parts)
 
     def _number(self, text: str) -> int:
-        """A whole number, however it is written, as itself; another text by its order of arrival."""
+        """A whole number, however it is written, as itself; other texts are counted."""
         text = text.strip().strip('"').strip()
         if _WHOLE.fullmatch(text) and abs(int(text)) < _FIRST_TEXT:
             return int(text)

@@ -59,7 +59,10 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     if found.groups < 2:
         raise InputError(f"{name}: has one configuration; standard errors need at least two")
     plan = ensemble.plan
-    told = {"restitution": ensemble.restitution, "number_density": ensemble.number_density}
+    told: dict[str, Any] = {
+        "restitution": ensemble.restitution,
+        "number_density": ensemble.number_density,
+    }
     if plan.velocities is None:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
     return replace(found, capped=plan.max_collisions, free=free, told=told)
@@ -71,13 +74,9 @@ def _from_tracers(ensemble: "Ensemble", name: str, grouping: str) -> Sample:
     positions, velocities = ensemble.positions, ensemble.velocities
     for k, time in enumerate(ensemble.times):
         there = np.isfinite(velocities[k, :, 0])
-        at = np.full(int(there.sum()), float(time))
-        mine = label[there]
-        reduction.add(
-            Rows(
-                at, *positions[k, there].T, *velocities[k, there].T, mine, mine // ensemble.tracers
-            )
-        )
+        (x, y), (vx, vy) = positions[k, there].T, velocities[k, there].T
+        mine, at = label[there], np.full(int(there.sum()), float(time))
+        reduction.add(Rows(at, x, y, vx, vy, mine, mine // ensemble.tracers))
     return reduction.sample((name,))
 
 
