@@ -80,6 +80,25 @@ def test_p_values_of_correlated_times_are_uniform(groups: int) -> None:
     assert kstest(naive, "uniform").pvalue < 1e-6
 
 
+@pytest.mark.parametrize("groups", [8, 16, 32])
+@pytest.mark.parametrize("freedom", [1, 3, 5])
+def test_hotelling_has_the_f_distribution_of_its_groups(groups: int, freedom: int) -> None:
+    """Exactly, against T^2 written out: columns of +-1 have no excess kurtosis, so that every group
+    counts in full (effective_groups)."""
+    from scipy.linalg import hadamard
+    from scipy.stats import f
+
+    values = hadamard(groups)[:, 1 : freedom + 1] * np.arange(1.0, freedom + 1) + 0.1
+    mean, left_out = replicates_of(values)
+    np.testing.assert_allclose(effective_groups(left_out), groups, rtol=1e-12)
+    t2 = groups * mean @ np.linalg.solve(np.atleast_2d(np.cov(values.T)), mean)
+    p = f.sf(t2 * (groups - freedom) / (freedom * (groups - 1)), freedom, groups - freedom)
+    found = hotelling(mean, left_out)
+    assert found is not None
+    assert found.value == pytest.approx(t2, rel=1e-12)
+    assert found.p_value == pytest.approx(p, rel=1e-10)
+
+
 def test_components_that_say_the_same_are_counted_once() -> None:
     mean, left_out = replicates_of(correlated(np.random.default_rng(2), 60))
     twice = hotelling(np.tile(mean - 3, 2), np.tile(left_out - 3, (1, 2)))
