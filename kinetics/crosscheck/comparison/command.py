@@ -127,8 +127,7 @@ def _read(
 
     with tqdm(total=100, file=sys.stderr, disable=None, leave=False, unit="%") as bar:
 
-        def tell(name: str, share: float) -> None:
-            bar.set_description(name, refresh=False)
+        def tell(share: float) -> None:
             bar.n = int(100 * share)
             bar.refresh()
 

@@ -64,8 +64,7 @@ def compare_data(
 
     Parameters
     ----------
-    data : a file, several files (see data.formats and data.read.read_sample), a run of `simulate`,
-        or a Sample
+    data : a file, several files (see data.columns.FORMATS), a run of `simulate`, or a Sample
     restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
     number_density : in the data's unit of length to the power -2; None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of

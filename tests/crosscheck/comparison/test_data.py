@@ -12,8 +12,7 @@ import pytest
 
 from kinetics.crosscheck.comparison import reduction
 from kinetics.crosscheck.comparison.data import arrays, csv_files, labels
-from kinetics.crosscheck.comparison.data.columns import Rows
-from kinetics.crosscheck.comparison.data.formats import read_rows
+from kinetics.crosscheck.comparison.data.columns import Rows, read_rows
 from kinetics.crosscheck.comparison.data.read import read_sample
 from kinetics.crosscheck.comparison.reduction import MOST_GROUPS, Reduction
 from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample

@@ -1,4 +1,4 @@
-"""The columns of particle data: their names, and the checks that all formats share.
+"""The columns of particle data, the formats of their files, and the checks that all share.
 
 A row is one tracer at one time: `time,x,y,vx,vy`, and where known `tracer` and `medium` (the
 configuration of scatterers). Other columns may stand between them; they are not read. A file is
@@ -6,8 +6,9 @@ never held as a whole: it comes as a sequence of `Rows`.
 """
 
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,39 @@ class Rows:
     vy: Array
     tracer: Ids | None = None
     medium: Ids | None = None
+
+
+FORMATS = {
+    ".csv": "csv_files",
+    ".npz": "npz_files",
+    ".h5": "hdf5_files",
+    ".hdf5": "hdf5_files",
+}
+"""The formats that can be read: the ending of a file's name, and the module beside this one.
+
+A new format is a row here and a module with a function `read(path, progress)`, which yields `Rows`
+in the order of the file, calls `progress`, and raises InputError in one line for what cannot be
+used.
+"""
+
+
+def read_rows(path: Path, progress: Progress | None = None) -> Iterator[Rows]:
+    """The rows of a file in pieces, in the order of the file.
+
+    InputError in one line for a file that is missing, damaged, of another format, without a column
+    or with a value that is not a finite number.
+    """
+    module = FORMATS.get(path.suffix.lower())
+    if module is None:
+        raise InputError(f"{shown(path)}: must be a file .csv, .npz or .h5")
+    if not path.is_file():
+        raise InputError(f"{shown(path)}: {'not a file' if path.exists() else 'no such file'}")
+    try:
+        reader = import_module(f"{__package__}.{module}")
+        yield from reader.read(path, progress or (lambda share: None))
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise InputError(f"{shown(path)}: cannot be read ({reason})") from None
 
 
 def shown(path: Path) -> str:

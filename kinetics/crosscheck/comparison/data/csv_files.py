@@ -129,16 +129,16 @@ class _Table:
         labels = {name: self._label_numbers(table.column(name)) for name in self._labels}
         if self._numbered and any(np.any(np.abs(v) >= _FIRST_TEXT) for v in labels.values()):
             return None
-        time, x, y, vx, vy = (table.column(name).to_numpy() for name in NUMBERS)
+        time, x, y, vx, vy = (_values(table.column(name)) for name in NUMBERS)
         return Rows(time, x, y, vx, vy, labels.get("tracer"), labels.get("medium"))
 
     def _label_numbers(self, column: Any) -> Any:
         """A column of labels as whole numbers, (n,)."""
         if self._numbered:
-            return column.to_numpy()
+            return _values(column)
         parts = [
             np.array([self._number(text) for text in chunk.dictionary.to_pylist()], np.int64)[
-                chunk.indices.to_numpy()
+                np.from_dlpack(chunk.indices)
             ]
             for chunk in column.chunks
         ]
@@ -173,6 +173,11 @@ class _Table:
                 if fault:
                     return InputError(f"{where}: line {number}, column {name!r}{fault}")
         return InputError(f"{where}: is not readable from line {line} on (quotes, or not UTF-8)")
+
+
+def _values(column: Any) -> Any:
+    """A column of numbers as an array, (n,); pyarrow's own to_numpy imports pandas."""
+    return np.concatenate([np.from_dlpack(chunk) for chunk in column.chunks])
 
 
 def _number_fault(cell: str) -> str:

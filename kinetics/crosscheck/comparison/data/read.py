@@ -1,14 +1,19 @@
 """Files of particle data as one sample: how positions are meant, and what makes a group."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Rows, plain_name, shown
-from kinetics.crosscheck.comparison.data.formats import read_rows
+from kinetics.crosscheck.comparison.data.columns import (
+    LABELS,
+    Progress,
+    Rows,
+    plain_name,
+    read_rows,
+    shown,
+)
 from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import Sample
@@ -18,8 +23,6 @@ POSITIONS = ("auto", "displacement", "absolute")
 _LARGEST = 1e70
 """Speeds and displacements in U and d, at most, and 1/speeds at the start: their fourth powers are
 within the range of doubles."""
-Tell = Callable[[str, float], None]
-"""Called with a file's name and the share of it that has been read."""
 
 
 def read_sample(
@@ -27,15 +30,16 @@ def read_sample(
     positions: str = "auto",
     speed_unit: float | str = 1.0,
     diameter: float = 1.0,
-    tell: Tell | None = None,
+    tell: Progress | None = None,
 ) -> Sample:
-    """One sample from files of columns (see `formats`), or from one file of an Ensemble.
+    """One sample from files of columns (see `columns.FORMATS`), or from one file of an Ensemble.
 
     positions : "displacement": x, y are relative to the tracer's place at time 0. "absolute":
         they are places, from which the tracer's own place at time 0 is subtracted; needs a column
         `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin.
     speed_unit : U in the data's unit of speed; "data": from <v^2> = 2 U^2 at time 0
     diameter : d in the data's unit of length; times are then divided by d/U
+    tell : called with the share of the files that has been read
 
     Lengths, speeds and times of an Ensemble file are known, and these three are not looked at.
     Several files are independent runs: a label in one is not the same label in another. With one
@@ -75,41 +79,35 @@ def _from_ensemble_file(paths: Sequence[Path]) -> Sample | None:
 class _Files:
     """Files of columns, read as often as it takes to know what their positions and groups are."""
 
-    def __init__(self, paths: Sequence[Path], tell: Tell | None) -> None:
+    def __init__(self, paths: Sequence[Path], tell: Progress | None) -> None:
         self._paths, self._tell = paths, tell
         self._names = tuple(plain_name(path) for path in paths)
-        self._labels = self._known_labels()
+        self._labels: frozenset[str] = frozenset()
 
     def _rows(self) -> Iterator[tuple[int, Rows]]:
+        """The rows of all files, with the number of the file; every file has the same labels."""
         for number, path in enumerate(self._paths):
-            progress = None
-            if self._tell is not None:
-                tell, name = self._tell, path.name
 
-                def progress(share: float, tell: Tell = tell, name: str = name) -> None:
-                    tell(name, share)
+            def progress(share: float, number: int = number) -> None:
+                if self._tell is not None:
+                    self._tell((number + share) / len(self._paths))
 
+            count = 0
             for rows in read_rows(path, progress):
+                found = frozenset(name for name in LABELS if getattr(rows, name) is not None)
+                if number == count == 0:
+                    self._labels = found
+                elif found != self._labels:
+                    odd = ", ".join(sorted(found ^ self._labels))
+                    raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
+                count += rows.time.size
                 yield number, rows
-
-    def _known_labels(self) -> frozenset[str]:
-        """The labels that every file has; InputError where only some have one."""
-        has: list[frozenset[str]] = []
-        for path in self._paths:
-            with closing(read_rows(path)) as pieces:  # type: ignore[type-var]
-                rows = next((rows for rows in pieces if rows.time.size), None)
-            if rows is None:
+            if not count:
                 raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
-            labels = {"tracer": rows.tracer, "medium": rows.medium}
-            has.append(frozenset(name for name, ids in labels.items() if ids is not None))
-        for path, names in zip(self._paths, has, strict=True):
-            if names != has[0]:
-                odd = ", ".join(sorted(names ^ has[0]))
-                raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
-        return has[0]
 
     def sample(self, positions: str) -> Sample:
         """The sample; positions as in read_sample."""
+        next(self._rows(), None)
         by_tracer = "tracer" if "tracer" in self._labels else "row"
         grouping = "medium" if "medium" in self._labels else by_tracer
         origins = self._origins() if positions == "absolute" else None
