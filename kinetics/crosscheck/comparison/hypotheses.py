@@ -60,19 +60,14 @@ class _Averages:
     components: NDArray[np.int64]
     before: ChiSquare
 
-    @property
-    def log_path(self) -> float:
-        """Logarithm of the free path that was told, in d."""
-        return float(np.log(self.both.solution.scene.mean_free_path))
-
     def theory(
-        self, restitution: float | None = None, log_path: float | None = None, start: Any = None
+        self, restitution: float | None = None, free_path: float | None = None, start: Any = None
     ) -> tuple[Array, Array]:
         """The theory with some of its numbers changed; see Expectation.theory."""
         scene = self.both.solution.scene
         return self.both.expectation.theory(
             scene.restitution if restitution is None else restitution,
-            scene.mean_free_path if log_path is None else float(np.exp(log_path)),
+            scene.mean_free_path if free_path is None else free_path,
             scene.initial if start is None else start,
         )
 
@@ -94,22 +89,34 @@ class _Averages:
             return None
         return _Fitted(float(found.values[0]), float(found.errors[0]), found.chi_square, found)
 
-    def fitted_path(self, components: Any = None) -> _Fitted | None:
-        """The best logarithm of the free path, for all averages or for some components."""
-        unknown = Unknown("log_path", self.log_path - 3, self.log_path + 3)
-        return self.fitted(lambda at: self.theory(log_path=at), unknown, self.log_path, components)
+    def fitted_log(
+        self, model: Callable[[float], tuple[Array, Array]], start: float, components: Any = None
+    ) -> _Fitted | None:
+        """The best value of a positive parameter, within a factor 20 of a start."""
+        told = float(np.log(start))
+        unknown = Unknown("logarithm", told - 3, told + 3)
+        found = self.fitted(lambda at: model(float(np.exp(at))), unknown, told, components)
+        if found is None:
+            return None
+        value = float(np.exp(found.value))
+        return replace(found, value=value, error=value * found.error)
 
-    def tested(
-        self, name: str, text: str, after: ChiSquare, value: float | None = None,
-        error: float | None = None,
-    ) -> Explanation:  # fmt: skip
+    def fitted_path(self, components: Any = None) -> _Fitted | None:
+        """The best free path, for all averages or for some components."""
+        told = self.both.solution.scene.mean_free_path
+        return self.fitted_log(lambda at: self.theory(free_path=at), told, components)
+
+    def tested(self, name: str, text: str, found: _Fitted | ChiSquare) -> Explanation:
         """What a hypothesis comes to, from the chi-square that it leaves."""
-        before, gained = self.before, self.before.value - after.value
+        value, error, after, before = None, None, found, self.before
+        if isinstance(found, _Fitted):
+            value, error, after = found.value, found.error, found.chi_square
+        assert isinstance(after, ChiSquare)
         outcome = "does not"
         if after.p_value >= AGREES_ABOVE:
             # Averages that agreed already need no explaining.
             outcome = "explains" if before.p_value < AGREES_ABOVE else "does not"
-        elif gained > max(_LEAST_GAIN, 0.1 * before.value):
+        elif before.value - after.value > max(_LEAST_GAIN, 0.1 * before.value):
             outcome = "in part"
         left = (
             f" The averages' chi-square goes from {before.value:.4g} to {after.value:.4g} with "
@@ -122,19 +129,16 @@ class _Averages:
 
 
 def _free_path(averages: _Averages) -> Iterator[Explanation]:
-    found = averages.fitted_path()
+    found, scene = averages.fitted_path(), averages.both.solution.scene
     if found is None:
         return
-    scene = averages.both.solution.scene
-    path = float(np.exp(found.value))
-    error = path * found.error
-    ratio = path / scene.mean_free_path
+    path, ratio = found.value, found.value / scene.mean_free_path
     text = (
-        f"Another mean free path: l = {path:.5g} ± {error:.2g} d fits best, {ratio - 1:+.1%} from "
-        f"1/(2dρ₀) = {scene.mean_free_path:.5g} d, as a density of {1 / (2 * path):.5g} d⁻² would "
-        "have."
+        f"Another mean free path: l = {path:.5g} ± {found.error:.2g} d fits best, {ratio - 1:+.1%} "
+        f"from 1/(2dρ₀) = {scene.mean_free_path:.5g} d, as a density of {1 / (2 * path):.5g} d⁻² "
+        "would have."
     )
-    if np.pi * scene.number_density * scene.diameter**2 / 4 < 0.5:  # a share of the area
+    if np.pi * scene.number_density * scene.diameter**2 / 4 < 0.5:  # the disks' share of the area
         from kinetics.crosscheck.report.rows import contact_value
 
         disks = scene.mean_free_path / contact_value(scene.number_density, scene.diameter)
@@ -142,9 +146,9 @@ def _free_path(averages: _Averages) -> Iterator[Explanation]:
             f" Hard disks that do not overlap have l = {disks:.5g} d at the density told "
             f"({disks / scene.mean_free_path - 1:+.1%}, Henderson's contact value)"
         )
-        near = abs(path - disks) <= 3 * error and ratio < 1
+        near = abs(path - disks) <= 3 * found.error and ratio < 1
         text += ": that is the finite density of the scatterers." if near else "."
-    yield averages.tested("free path", text, found.chi_square, path, error)
+    yield averages.tested("free path", text, found)
 
 
 def _recollisions(averages: _Averages) -> Iterator[Explanation]:
@@ -158,7 +162,7 @@ def _recollisions(averages: _Averages) -> Iterator[Explanation]:
     if found is None:
         return
     k, last = both.names.index("msd"), both.sample.times.size - 1
-    theory, moved = averages.theory(log_path=found.value)
+    theory, moved = averages.theory(free_path=found.value)
     expectation = both.expectation
     slope = found.fit.slope.reshape(*theory.shape, 1)[k, last, 0]
     shift = found.fit.moved(expectation.replicates.reshape(both.sample.groups, -1))[:, 0]
@@ -172,7 +176,7 @@ def _recollisions(averages: _Averages) -> Iterator[Explanation]:
     fits = "fits them" if found.chi_square.p_value >= AGREES_ABOVE else "fits them best"
     below = relative < 0
     text = (
-        f"The speeds alone have l = {np.exp(found.value):.5g} d ({fits}); with it ⟨r²⟩ at the "
+        f"The speeds alone have l = {found.value:.5g} d ({fits}); with it ⟨r²⟩ at the "
         f"last time is {relative:+.1%} ± {error:.1%} from the kinetic equation. "
         + (
             "Tracers that come back to scatterers they have met spread less than the equation, "
@@ -196,7 +200,7 @@ def _restitution(averages: _Averages) -> Iterator[Explanation]:
             f"Another restitution: e = {found.value:.5g} ± {found.error:.2g} fits best, instead of "
             f"{e:.5g}."
         )
-        yield averages.tested("restitution", text, found.chi_square, found.value, found.error)
+        yield averages.tested("restitution", text, found)
 
 
 def _start(averages: _Averages) -> Iterator[Explanation]:
@@ -227,23 +231,19 @@ def _unit(averages: _Averages) -> Iterator[Explanation]:
     scene, sample = both.solution.scene, both.expectation.sample
     speeds = np.array([float(name == "thermal_speed") for name in both.names])[:, None]
 
-    def model(log_unit: float) -> tuple[Array, Array]:
-        unit = float(np.exp(log_unit))
+    def model(unit: float) -> tuple[Array, Array]:
         at = Expectation(replace(sample, times=sample.times * unit), both.names)
         values, _ = at.theory(scene.restitution, scene.mean_free_path, scene.initial)
         scaled = values * unit**speeds
         return scaled, scaled
 
-    found = averages.fitted(model, Unknown("log_unit", -5.0, 5.0), 0.0)
-    if found is None:
-        return
-    unit = float(np.exp(found.value))
-    error = unit * found.error
-    text = (
-        f"Speeds in another unit, or faster at the start: U = {unit:.5g} ± {error:.2g} in the "
-        "data's unit fits best, instead of 1."
-    )
-    yield averages.tested("speed unit", text, found.chi_square, unit, error)
+    found = averages.fitted_log(model, 1.0)
+    if found is not None:
+        text = (
+            f"Speeds in another unit, or faster at the start: U = {found.value:.5g} ± "
+            f"{found.error:.2g} in the data's unit fits best, instead of 1."
+        )
+        yield averages.tested("speed unit", text, found)
 
 
 def _at_rest(averages: _Averages) -> Iterator[Explanation]:
@@ -259,7 +259,7 @@ def _at_rest(averages: _Averages) -> Iterator[Explanation]:
             f"A share of {found.value:.2%} ± {found.error:.2%} of the tracers that never moves "
             "fits best."
         )
-        yield averages.tested("tracers at rest", text, found.chi_square, found.value, found.error)
+        yield averages.tested("tracers at rest", text, found)
 
 
 def _thinned(values: Array, names: Sequence[str], share: float) -> Array:

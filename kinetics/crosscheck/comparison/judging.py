@@ -14,6 +14,7 @@ from kinetics.crosscheck.comparison.result import (
     Comparison,
     ComparisonRow,
     ComparisonTest,
+    Explanation,
     Parameter,
 )
 from kinetics.crosscheck.comparison.sample import Sample
@@ -81,18 +82,7 @@ def compare(
     both = side_by_side(solution, sample, found, densities)
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
-    explanations: list[Any] = []
-    figures: dict[str, Any] = {}
-    if explain:
-        from kinetics.crosscheck.comparison.figures import figures_of
-        from kinetics.crosscheck.comparison.notes import explanations_of
-
-        order = list(OUTCOMES)
-        explanations = sorted(
-            explanations_of(both, verdict),
-            key=lambda item: (order.index(item.outcome), item.chi_square_after or 0.0),
-        )
-        figures = figures_of(both)
+    explanations, figures = _explained(both, verdict) if explain else ((), {})
     scene = solution.scene
     told = {
         "restitution": Parameter(scene.restitution, None, "told"),
@@ -104,7 +94,7 @@ def compare(
         summary=_summary(both, tests, verdict),
         rows=tuple(rows),
         tests=tuple(tests),
-        explanations=tuple(explanations),
+        explanations=explanations,
         parameters=told | dict(parameters or {}),
         initial=start_in_words(scene.initial),
         samples=int(sample.samples.max()),
@@ -114,6 +104,19 @@ def compare(
         names=sample.names,
         figures=figures,
     )
+
+
+def _explained(
+    both: DataAndTheory, verdict: Verdict
+) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
+    """What explains a difference, what helps most first; and the data of the figures."""
+    from kinetics.crosscheck.comparison.figures import figures_of
+    from kinetics.crosscheck.comparison.notes import explanations_of
+
+    def place(item: Explanation) -> tuple[int, float]:
+        return list(OUTCOMES).index(item.outcome), item.chi_square_after or 0.0
+
+    return tuple(sorted(explanations_of(both, verdict), key=place)), figures_of(both)
 
 
 def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:

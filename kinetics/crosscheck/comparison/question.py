@@ -141,20 +141,20 @@ def _densities(
 
 
 def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
+    """The numbers of the scene, with standard errors where they were fitted."""
     known = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
-    e_error, l_error = known.get("restitution"), known.get("log_path")
     fitted, density = "fitted to the averages over time", 1 / (2 * path)
-    e_source = "told" if e_error is None else fitted
-    if l_error is None:
-        sources = ("told", "1/(2dρ₀)")
-    else:
-        sources = (f"1/(2dl), l {fitted}", fitted)
-    relative = 0.0 if l_error is None else l_error
-    return {
-        "restitution": Parameter(restitution, e_error, e_source),
-        "number_density": Parameter(density, relative * density or None, sources[0]),
-        "mean_free_path": Parameter(path, relative * path or None, sources[1]),
+    parameters = {
+        "restitution": Parameter(restitution, None, "told"),
+        "number_density": Parameter(density, None, "told"),
+        "mean_free_path": Parameter(path, None, "1/(2dρ₀)"),
     }
+    if "restitution" in known:
+        parameters["restitution"] = Parameter(restitution, known["restitution"], fitted)
+    if (error := known.get("log_path")) is not None:
+        parameters["number_density"] = Parameter(density, error * density, f"1/(2dl), l {fitted}")
+        parameters["mean_free_path"] = Parameter(path, error * path, fitted)
+    return parameters
 
 
 def _start(sample: Sample, initial: str) -> Any:

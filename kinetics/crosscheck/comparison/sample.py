@@ -35,6 +35,16 @@ class Binned:
     by_group: Counts | None = None
     design_effect: Array | None = None
 
+    def at(self, keep: Any) -> "Binned":
+        """The counts at the times with these indices."""
+        groups, effect = self.by_group, self.design_effect
+        return Binned(
+            self.edges[keep],
+            self.totals[keep],
+            None if groups is None else groups[:, keep],
+            None if effect is None else effect[keep],
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class StartBins:
@@ -52,10 +62,6 @@ class StartBins:
     def counts(self) -> Counts:
         """Tracers in each bin, (n_bins,)."""
         return np.asarray(self.by_group.sum(axis=0))
-
-    def rescaled(self, speed: float) -> "StartBins":
-        """The same with U = `speed` in the unit that it had."""
-        return StartBins(self.squares / speed**2, self.flatness, self.by_group)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +115,9 @@ class Sample:
         def binned(found: Binned | None, unit: float) -> Binned | None:
             return None if found is None else replace(found, edges=found.edges / unit)
 
-        start = None if self.start is None else self.start.rescaled(speed)
-        told = dict(self.told)
+        start, told = self.start, dict(self.told)
+        if start is not None:
+            start = replace(start, squares=start.squares / speed**2)
         if "number_density" in told:
             told["number_density"] *= length**2
         return replace(
@@ -126,27 +133,13 @@ class Sample:
 
     def at(self, keep: Any) -> "Sample":
         """The sample at the times with these indices."""
-
-        def binned(found: Binned | None) -> Binned | None:
-            if found is None:
-                return None
-            groups, effect = found.by_group, found.design_effect
-            return Binned(
-                found.edges[keep],
-                found.totals[keep],
-                None if groups is None else groups[:, keep],
-                None if effect is None else effect[keep],
-            )
-
+        by_time = ("times", "speed_scale", "length_scale", "at_rest")
         return replace(
             self,
-            times=self.times[keep],
             sums=self.sums[:, keep],
-            speed_scale=self.speed_scale[keep],
-            length_scale=self.length_scale[keep],
-            speeds=binned(self.speeds),
-            displacements=binned(self.displacements),
-            at_rest=self.at_rest[keep],
+            speeds=None if self.speeds is None else self.speeds.at(keep),
+            displacements=None if self.displacements is None else self.displacements.at(keep),
+            **{name: getattr(self, name)[keep] for name in by_time},
         )
 
 
