@@ -1,4 +1,4 @@
-"""Thermal speed and mean square displacement of a cooling tracer, by two witnesses.
+"""Thermal speed and mean square displacement of a cooling tracer, by two methods.
 
 python examples/cooling_gas.py
 """

@@ -3,8 +3,8 @@
 python examples/sonine_convergence.py [--figure FILE]
 
 At order 1 these are the paper's formulas. For e < 0.75 higher orders lead away from the exact
-values (odd ones have no real solution there); closer to 1 they pass by, swing about them and come
-near. The elastic diffusion coefficient alone converges.
+values (odd ones have no real solution there); closer to 1 they oscillate about the exact
+values and approach them. Only the elastic diffusion coefficient converges.
 """
 
 import sys

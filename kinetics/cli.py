@@ -151,12 +151,12 @@ def report(
     require_writable_folder(output)
 
     from kinetics.crosscheck.plain import dumps
-    from kinetics.crosscheck.report import report as court
-    from kinetics.crosscheck.text import verdict_table
+    from kinetics.crosscheck.report import report as crosscheck
+    from kinetics.crosscheck.report.page import verdict_table
 
-    with _Bar(court.stages(settings)) as tell:
-        document = court.make_report(settings, tell)
-        written = court.write_report(document, output, tell, figures)
+    with _Bar(crosscheck.stages(settings)) as tell:
+        document = crosscheck.make_report(settings, tell)
+        written = crosscheck.write_report(document, output, tell, figures)
     if as_json:
         click.echo(dumps(document), nl=False)
     else:

@@ -4,31 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Int, Lam, dot, eq
-from ..symbols import (
-    Bv,
-    De,
-    T,
-    X,
-    Y,
-    a2,
-    bv,
-    bvp,
-    d,
-    e,
-    f,
-    fa2,
-    hemi,
-    m,
-    msd,
-    nuD,
-    rho0,
-    sigma,
-    t,
-    t1,
-    v,
-)
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Appendix C: diffusion coefficient")
 _add = SECTION.add
@@ -41,27 +19,31 @@ _add(
     r"\hat{\sigma}} ({\bf v} \cdot {\bf \hat{\sigma}}) \mathit{X}({\bf v}) [Y({\bf v}"
     r"^{\prime})-Y({\bf v})]",
     eq(
-        Int(Y(bv) * Lam(X(bv)), bv),
-        d * rho0 * Int(Int(dot(bv, sigma) * X(bv) * (Y(bvp) - Y(bv)), sigma, hemi), bv),
+        Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv),
+        s.d
+        * s.rho0
+        * Int(
+            Int(dot(s.bv, s.sigma) * s.X(s.bv) * (s.Y(s.bvp) - s.Y(s.bv)), s.sigma, s.hemi), s.bv
+        ),
     ),
 )
 _add(
     "ad2",
     "postcollision velocity",
     r"{\bf v}^{\prime}={\bf v}-(1+e)({\bf v} \cdot {\bf \hat{\sigma}}){\bf \hat{\sigma}}",
-    eq(bvp, bv - (1 + e) * dot(bv, sigma) * sigma),
+    eq(s.bvp, s.bv - (1 + s.e) * dot(s.bv, s.sigma) * s.sigma),
 )
 _add(
     "ad3",
     "first Sonine approximation of B",
     r"{\bf B}({\bf v},T(t))\sim {\bf v} f_{a_{2}}({\bf v},t)",
-    eq(Bv(bv, T(t)), bv * fa2(bv, t)),
+    eq(s.Bv(s.bv, s.T(s.t)), s.bv * s.fa2(s.bv, s.t)),
 )
 _add(
     "ad4",
     "first Sonine approximation of f",
     r"f({\bf v},t) \simeq f_{a_{2}}({\bf v},t)",
-    eq(f(bv, t), fa2(bv, t)),
+    eq(s.f(s.bv, s.t), s.fa2(s.bv, s.t)),
 )
 _add(
     "ad5",
@@ -69,11 +51,11 @@ _add(
     r"f_{a_{2}}({\bf v},t) \equiv \frac{m}{2\pi T(t)} \exp[{-\frac{m}{2T(t)}{\bf v}^{2}}"
     r"]\{1+a_{2}(1-\frac{m}{T(t)}{\bf v}^{2}+\frac{m^{2}}{8T^{2}(t)}{\bf v}^{4})\}",
     eq(
-        fa2(bv, t),
-        m
-        / (2 * sp.pi * T(t))
-        * sp.exp(-m / (2 * T(t)) * v**2)
-        * (1 + a2 * (1 - m / T(t) * v**2 + m**2 / (8 * T(t) ** 2) * v**4)),
+        s.fa2(s.bv, s.t),
+        s.m
+        / (2 * sp.pi * s.T(s.t))
+        * sp.exp(-s.m / (2 * s.T(s.t)) * s.v**2)
+        * (1 + s.a2 * (1 - s.m / s.T(s.t) * s.v**2 + s.m**2 / (8 * s.T(s.t) ** 2) * s.v**4)),
     ),
 )
 _add(
@@ -81,8 +63,13 @@ _add(
     "relaxation rate of the flux",
     r"\nu_{D}= \frac{d\rho_{0}(1+e)}{2}\sqrt{\frac{2\pi T(t)}{m}}(2+\frac{3}{4}a_{2})",
     eq(
-        nuD,
-        d * rho0 * (1 + e) / 2 * sp.sqrt(2 * sp.pi * T(t) / m) * (2 + sp.Rational(3, 4) * a2),
+        s.nuD,
+        s.d
+        * s.rho0
+        * (1 + s.e)
+        / 2
+        * sp.sqrt(2 * sp.pi * s.T(s.t) / s.m)
+        * (2 + sp.Rational(3, 4) * s.a2),
     ),
 )
 _add(
@@ -91,17 +78,17 @@ _add(
     r"D_{e}(t)=\sqrt{\frac{2T(t)}{\pi m}}\frac{1}{d\rho_{0}}\frac{1}{(e+1)^{2}(1+\frac{3}"
     r"{8}a_{2})}",
     eq(
-        De(t),
-        sp.sqrt(2 * T(t) / (sp.pi * m))
-        / (d * rho0)
-        / ((e + 1) ** 2 * (1 + sp.Rational(3, 8) * a2)),
+        s.De(s.t),
+        sp.sqrt(2 * s.T(s.t) / (sp.pi * s.m))
+        / (s.d * s.rho0)
+        / ((s.e + 1) ** 2 * (1 + sp.Rational(3, 8) * s.a2)),
     ),
 )
 _add(
     "ad8",
     "mean square displacement from the diffusion coefficient",
     r"\langle{\bf r}^{2}(t)\rangle_{e}=4\int^{t}_{0}D_{e}(t) \mathrm{d}\mathit{t}^{\prime}",
-    eq(msd(t), 4 * sp.Integral(De(t), (t1, 0, t))),
+    eq(s.msd(s.t), 4 * sp.Integral(s.De(s.t), (s.t1, 0, s.t))),
 )
 _add(
     "ad8#2",
@@ -110,10 +97,18 @@ _add(
     r"(1-e^{2})(1+\frac{3}{8}a_{2})^{2}}\ln[1+\sqrt{\frac{\pi}{2}}d \rho_{0}(1-e^{2})"
     r"(1+\frac{3}{8}a_{2})t]",
     eq(
-        msd(t),
+        s.msd(s.t),
         8
-        / (sp.pi * d**2 * rho0**2)
-        / ((1 + e) ** 2 * (1 - e**2) * (1 + sp.Rational(3, 8) * a2) ** 2)
-        * sp.log(1 + sp.sqrt(sp.pi / 2) * d * rho0 * (1 - e**2) * (1 + sp.Rational(3, 8) * a2) * t),
+        / (sp.pi * s.d**2 * s.rho0**2)
+        / ((1 + s.e) ** 2 * (1 - s.e**2) * (1 + sp.Rational(3, 8) * s.a2) ** 2)
+        * sp.log(
+            1
+            + sp.sqrt(sp.pi / 2)
+            * s.d
+            * s.rho0
+            * (1 - s.e**2)
+            * (1 + sp.Rational(3, 8) * s.a2)
+            * s.t
+        ),
     ),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Figures")
 
@@ -17,4 +17,4 @@ for _label, _title in (
     ("sign", "H(e) at both roots"),
     ("soninediffuse", "mean square displacement and the Sonine expansion"),
 ):
-    SECTION.add(_label, _title, "")
+    SECTION.add(_label, _title)

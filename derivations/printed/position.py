@@ -4,37 +4,14 @@ from __future__ import annotations
 
 import sympy as sp
 
+from .. import symbols as s
 from ..formal import Second, chain, eq
-from ..symbols import (
-    De,
-    G,
-    Gt,
-    R,
-    V,
-    Vbar,
-    Vs,
-    alpha,
-    beta,
-    bl,
-    eta,
-    gamma,
-    gt,
-    kappa_d,
-    l,
-    msd,
-    pd,
-    r,
-    t,
-    t1,
-    tau1,
-    v0,
-)
-from .entry import Section
+from .equation import Section
 
 SECTION = Section("Section 3: position distribution")
 _add = SECTION.add
-_D_integral = sp.Integral(De(V, t1), (t1, 0, t))
-_curvature = Second(pd(V, R), V, Vs)
+_D_integral = sp.Integral(s.De(s.V, s.t1), (s.t1, 0, s.t))
+_curvature = Second(s.pd(s.V, s.R), s.V, s.Vs)
 
 _add(
     "normg",
@@ -42,39 +19,39 @@ _add(
     r"\tilde{g}_{e}(r,t)\simeq \frac{1}{4\int^{t}_{0}D_{e}(V,t^{\prime})\mathrm{d}"
     r"\mathit{t}^{\prime}} r \exp[-\frac{r^{2}}{8\int^{t}_{0}D_{e}(V,t^{\prime})\mathrm{d}"
     r"\mathit{t}^{\prime}}]",
-    eq(gt(r, t), 1 / (4 * _D_integral) * r * sp.exp(-(r**2) / (8 * _D_integral))),
+    eq(s.gt(s.r, s.t), 1 / (4 * _D_integral) * s.r * sp.exp(-(s.r**2) / (8 * _D_integral))),
 )
 _add(
     "ddif",
     "diffusion coefficient at one hopping velocity",
     r"D_{e}(V,t^{\prime})\equiv\frac{\kappa V^{2} l}{\alpha+\beta t^{\prime}}",
-    eq(De(V, t1), kappa_d * V**2 * l / (alpha + beta * t1)),
+    eq(s.De(s.V, s.t1), s.kappa_d * s.V**2 * s.l / (s.alpha + s.beta * s.t1)),
 )
 _add(
     "L",
     "scaled hopping velocity",
     r"V\equiv \Bigl|\frac{{\bf l}/\tau}{v_{0}(t^{\prime})}\Bigr|",
-    eq(V, sp.Abs(bl / tau1 / v0(t1))),
+    eq(s.V, sp.Abs(s.bl / s.tau1 / s.v0(s.t1))),
 )
 _add(
     "eta",
     "definition of eta",
     r"\eta\equiv\frac{4\int^{t}_{0}D_{e}(V,t^{\prime})\mathrm{d}\mathit{t}^{\prime}}{V^{2}"
     r"\langle{\bf r}^{2}(t)\rangle_{e}}",
-    eq(eta, 4 * _D_integral / (V**2 * msd(t))),
+    eq(s.eta, 4 * _D_integral / (s.V**2 * s.msd(s.t))),
 )
 _add(
     "etadif",
     "eta from the random walk",
     r"\eta = \frac {4\kappa\ln(1+l\beta)}{l\beta}",
-    eq(eta, 4 * kappa_d * sp.log(1 + l * beta) / (l * beta)),
+    eq(s.eta, 4 * s.kappa_d * sp.log(1 + s.l * s.beta) / (s.l * s.beta)),
 )
 _add(
     "posivel",
     "scaled position distribution at one hopping velocity",
     r"\tilde{G}(R,V)= \frac{1}{\eta V^{2}}R\mathrm{e}^{-\frac{\mathit{R}^{\mathrm{2}}}"
     r"{2\eta \mathit{V}^{\mathrm{2}}}}",
-    eq(Gt(R, V), 1 / (eta * V**2) * R * sp.exp(-(R**2) / (2 * eta * V**2))),
+    eq(s.Gt(s.R, s.V), 1 / (s.eta * s.V**2) * s.R * sp.exp(-(s.R**2) / (2 * s.eta * s.V**2))),
 )
 _add(
     "gdefi",
@@ -85,32 +62,32 @@ _add(
     r"{\eta}R\int_{0}^{\infty}\mathrm{e}^{-\mathit{p}(V,R)R^{\mathrm{2}}}\mathrm{d}"
     r"\mathit{V}",
     chain(
-        G(R),
+        s.G(s.R),
         sp.Integral(
-            sp.exp(-(V**2))
+            sp.exp(-(s.V**2))
             / sp.pi
-            / (eta * V**2)
-            * R
-            * sp.exp(-(R**2) / (2 * eta * V**2))
+            / (s.eta * s.V**2)
+            * s.R
+            * sp.exp(-(s.R**2) / (2 * s.eta * s.V**2))
             * 2
             * sp.pi
-            * V,
-            (V, 0, sp.oo),
+            * s.V,
+            (s.V, 0, sp.oo),
         ),
-        2 / eta * R * sp.Integral(sp.exp(-pd(V, R) * R**2), (V, 0, sp.oo)),
+        2 / s.eta * s.R * sp.Integral(sp.exp(-s.pd(s.V, s.R) * s.R**2), (s.V, 0, sp.oo)),
     ),
 )
 _add(
     "pdefi",
     "exponent of the integrand",
     r"p(V,R)\equiv\frac{\ln V}{R^2}+\frac{V^{2}}{R^2}+\frac{1}{2\eta V^{2}}",
-    eq(pd(V, R), sp.log(V) / R**2 + V**2 / R**2 + 1 / (2 * eta * V**2)),
+    eq(s.pd(s.V, s.R), sp.log(s.V) / s.R**2 + s.V**2 / s.R**2 + 1 / (2 * s.eta * s.V**2)),
 )
 _add(
     "csolu",
     "its saddle",
     r"V^{*}(R)=\sqrt{-\frac{1}{4}+\frac{\sqrt{\eta+8R^2}}{4\sqrt{\eta}}}",
-    eq(Vs, sp.sqrt(-sp.Rational(1, 4) + sp.sqrt(eta + 8 * R**2) / (4 * sp.sqrt(eta)))),
+    eq(s.Vs, sp.sqrt(-sp.Rational(1, 4) + sp.sqrt(s.eta + 8 * s.R**2) / (4 * sp.sqrt(s.eta)))),
 )
 _add(
     "tailg",
@@ -121,14 +98,15 @@ _add(
     r"{2\frac{\partial^{2} p(V,R)}{\partial V^{2} }|_{V=V^{*}}}}\mathrm{e}^{-\mathit{p}"
     r"(V^{*},R)R^{\mathrm{2}}}",
     chain(
-        G(R),
+        s.G(s.R),
         2
-        / eta
-        * R
+        / s.eta
+        * s.R
         * sp.Integral(
-            sp.exp(-pd(Vs, R) * R**2 - (V - Vs) ** 2 / 2 * _curvature * R**2), (V, 0, sp.oo)
+            sp.exp(-s.pd(s.Vs, s.R) * s.R**2 - (s.V - s.Vs) ** 2 / 2 * _curvature * s.R**2),
+            (s.V, 0, sp.oo),
         ),
-        2 / eta * sp.sqrt(sp.pi / (2 * _curvature)) * sp.exp(-pd(Vs, R) * R**2),
+        2 / s.eta * sp.sqrt(sp.pi / (2 * _curvature)) * sp.exp(-s.pd(s.Vs, s.R) * s.R**2),
     ),
 )
 _add(
@@ -137,9 +115,9 @@ _add(
     r"G(R)\simeq \sqrt{\frac{{\pi R}}{2\sqrt{2}\eta^{\frac{3}{2}}}}\mathrm{e}"
     r"^{-\sqrt{\frac{2}{\eta}}\mathit{R}}",
     eq(
-        G(R),
-        sp.sqrt(sp.pi * R / (2 * sp.sqrt(2) * eta ** sp.Rational(3, 2)))
-        * sp.exp(-sp.sqrt(2 / eta) * R),
+        s.G(s.R),
+        sp.sqrt(sp.pi * s.R / (2 * sp.sqrt(2) * s.eta ** sp.Rational(3, 2)))
+        * sp.exp(-sp.sqrt(2 / s.eta) * s.R),
     ),
 )
 _add(
@@ -147,12 +125,15 @@ _add(
     "steepest descent with a fitted prefactor",
     r"G(R)= \frac{2\gamma}{\eta}\sqrt{\frac{\pi}{2\frac{\partial^{2} p(V,R)}{\partial "
     r"V^{2} }|_{V=V^{*}}}}\mathrm{e}^{-\mathit{p}(V^{*},R)R^{\mathrm{2}}}",
-    eq(G(R), 2 * gamma / eta * sp.sqrt(sp.pi / (2 * _curvature)) * sp.exp(-pd(Vs, R) * R**2)),
+    eq(
+        s.G(s.R),
+        2 * s.gamma / s.eta * sp.sqrt(sp.pi / (2 * _curvature)) * sp.exp(-s.pd(s.Vs, s.R) * s.R**2),
+    ),
 )
 _add(
     "peakg",
     "peak of the scaled position distribution",
     r"G(R) \simeq \frac{1}{\eta \bar{V}^{2}}R\mathrm{e}^{-\frac{\mathit{R}^{\mathrm{2}}}"
     r"{2\eta\bar{\mathit{V}}^{\mathrm{2}}}}",
-    eq(G(R), 1 / (eta * Vbar**2) * R * sp.exp(-(R**2) / (2 * eta * Vbar**2))),
+    eq(s.G(s.R), 1 / (s.eta * s.Vbar**2) * s.R * sp.exp(-(s.R**2) / (2 * s.eta * s.Vbar**2))),
 )

@@ -1,20 +1,6 @@
 """Tables of plain text for the terminal."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
-
-from kinetics.crosscheck.report.page import matrix
-
-
-def verdict_table(document: Mapping[str, Any]) -> str:
-    """One line per comparison, one column per restitution: the verdict and the deviation."""
-    lines = [["", "", *(f"e = {e:g}" for e in document["settings"]["restitutions"])]]
-    for line in matrix(document):
-        cells = [
-            f"{cell['verdict']} {cell['deviation']}" if cell else "-" for cell in line["cells"]
-        ]
-        lines.append([line["quantity"], line["comparison"], *cells])
-    return aligned(lines, right=False)
+from collections.abc import Iterable, Sequence
 
 
 def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:

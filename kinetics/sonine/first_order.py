@@ -66,10 +66,16 @@ def cooling_rate_fitted(restitution: ArrayLike, factor: ArrayLike = FITTED_COOLI
     return positive("factor", factor) * (1 - restitutions(restitution))
 
 
-def stability(restitution: ArrayLike, root: str = "stable") -> Array:
-    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable."""
+def stability(
+    restitution: ArrayLike, root: str = "stable", coefficient: ArrayLike | None = None
+) -> Array:
+    """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable.
+
+    ``coefficient`` puts another a2 in the place of the printed root.
+    """
     e = restitutions(restitution)
-    return 3 * a2(e, root) - (15 / 4 * e**2 + 1 / 8)
+    printed = a2(e, root) if coefficient is None else real("coefficient", coefficient)
+    return 3 * printed - (15 / 4 * e**2 + 1 / 8)
 
 
 def vdf(c: ArrayLike, a2: ArrayLike) -> Array:

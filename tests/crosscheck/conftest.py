@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics.crosscheck.report.evidence import (
+from kinetics.crosscheck.report.case import (
     Case,
     DensityScan,
     Measured,
-    ParticleEvidence,
+    ParticleRun,
     Scans,
     TrapScan,
 )
-from kinetics.crosscheck.report.positions import bands_of, bin_density
-from kinetics.crosscheck.report.rows import (
+from kinetics.crosscheck.report.observables import (
+    bands_of,
     bin_average,
+    bin_density,
     cooling_rate_between,
     last_vdf,
     msd_slope_between,
@@ -72,7 +73,7 @@ def made_up_position() -> Any:
     )
 
 
-def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> ParticleEvidence:
+def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> ParticleRun:
     """A run that deviates from a solution by so many standard errors, each 1 % of the value."""
 
     def off(theory: Any) -> Measured:
@@ -83,7 +84,7 @@ def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> Pa
     rate = cooling_rate_between(TIMES, solution.thermal_speed, EARLY, 0.04)
     slope = msd_slope_between(TIMES, solution.msd, EARLY)
     tail: Any = SimpleNamespace(position=made_up_position())
-    return ParticleEvidence(
+    return ParticleRun(
         name=name,
         samples=10_000,
         groups=100,

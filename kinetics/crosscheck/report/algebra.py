@@ -1,4 +1,4 @@
-"""The third witness: what sympy derives, as rows of text. Runs beside the others as a process.
+"""What the derivations give, as rows of text. They run in a process of their own.
 
     python -m kinetics.crosscheck.report.algebra
 
@@ -19,11 +19,10 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
     ValueError for a label that does not exist.
     """
     from derivations import verify
-    from kinetics.crosscheck.mathml import mathml
+    from derivations.typesetting import mathml
 
-    rows = []
-    for check in verify(labels):
-        row = {
+    return [
+        {
             "label": check.label,
             "title": check.title,
             "status": str(check.status),
@@ -35,8 +34,8 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
             "printed_mathml": mathml(check.printed),
             "derived_mathml": mathml(check.derived),
         }
-        rows.append(row)
-    return rows
+        for check in verify(labels)
+    ]
 
 
 def _text(formula: object) -> str:

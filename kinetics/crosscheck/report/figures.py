@@ -1,9 +1,9 @@
-"""Figures: the data of one, as it stands in the JSON file, drawn on an axis, and nothing else.
+"""Figures: the data of one, as it stands in the JSON file, and the function that draws it.
 
-A figure's data are plain lists and strings (`figure_data` builds them):
+A figure's data are plain lists and strings:
 
     {"title", "description", "x": {"label", "unit", "scale", "limits"}, "y": {...},
-     "series": [{"source", "restitution", "x", "y", "error"}]}
+     "series": [{"source", "restitution", "group", "x", "y", "error"}]}
 
 `source` is who says so and decides the stroke; `restitution` decides the colour, None is ink. A
 series may have a "group" (a text, or None) instead, which then decides the colour.
@@ -16,9 +16,13 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Data = dict[str, Any]
 FigureData = Mapping[str, Any]
 
 # Matplotlib draws these stand-ins; the page maps them to CSS variables, so that one SVG serves
@@ -35,37 +39,34 @@ PAPER = {INK: "#16191d", FAINT: "#dde1e6"} | dict(
 )
 """The page's light colours, for figures that stand alone."""
 
-_LINE = {"linewidth": 1.5}
-_DOTS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
+_SOLID = {"linestyle": "-", "linewidth": 1.5}
+_DASHED = {"linestyle": (0, (4, 2)), "linewidth": 1.5}
+_DOTTED = {"linestyle": (0, (1, 1.5)), "linewidth": 1.5}
+_DASH_DOTTED = {"linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 1.5}
+_THIN = {"linestyle": "--", "linewidth": 0.9}
+_CROSS = {"linestyle": "none", "marker": "x", "markersize": 5.5}
+_BARS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
+_DOT = {"marker": "o", "markersize": 3.6, **_BARS}
 STROKES: dict[str, dict[str, Any]] = {
-    "kinetic equation": {"linestyle": "-", **_LINE},
-    "exact": {"linestyle": "-", **_LINE},
-    "solver": {"linestyle": "none", "marker": "x", "markersize": 5.5},
-    "Boltzmann-Grad": {"marker": "o", "markersize": 3.6, **_DOTS},
-    "data": {"marker": "o", "markersize": 3.6, **_DOTS},
-    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_DOTS},
-    "Sonine": {"linestyle": (0, (4, 2)), **_LINE},
-    "Sonine, unstable root": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "paper's fit": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
-    "paper, tail": {"linestyle": (0, (4, 2)), **_LINE},
-    "paper, peak": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
-    "paper's integral": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "scaling state": {"linestyle": "--", "linewidth": 0.9},
-    "exact tail": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "exact slope": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "exact limit": {"linestyle": (0, (1, 1.5)), "linewidth": 1.1},
-    "exponential": {"linestyle": (0, (1, 1.5)), **_LINE},
-    "same bands": {"linestyle": "none", "marker": "x", "markersize": 5.5},
-    "extrapolation": {"linestyle": "--", "linewidth": 0.9},
-    "limit": {"marker": "D", "markersize": 4.2, **_DOTS},
-    "Gaussian": {"linestyle": (0, (6, 1.5, 1, 1.5)), **_LINE},
+    **dict.fromkeys(("kinetic equation", "exact"), _SOLID),
+    **dict.fromkeys(("Sonine", "paper, tail"), _DASHED),
+    **dict.fromkeys(("Sonine, unstable root", "paper's integral"), _DOTTED),
+    **dict.fromkeys(("exact tail", "exact slope", "exponential"), _DOTTED),
+    **dict.fromkeys(("paper's fit", "paper, peak", "Gaussian"), _DASH_DOTTED),
+    **dict.fromkeys(("scaling state", "extrapolation"), _THIN),
+    **dict.fromkeys(("solver", "same bands"), _CROSS),
+    **dict.fromkeys(("Boltzmann-Grad", "data"), _DOT),
+    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_BARS},
+    "limit": {"marker": "D", "markersize": 4.2, **_BARS},
+    "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }
+"""How the lines and points of each source are drawn."""
 
 # In inches: the page scales a figure to its column, a phone's is about this wide.
 _WIDTH, _AXIS_HEIGHT, _BELOW_AXIS = 5.0, 3.4, 0.5
 _LEGEND_COLUMNS = 3
-# Over more decades, minor ticks are a smear, and half the time of drawing.
+# Over more decades minor ticks overlap, and take half the time of drawing.
 _MOST_WITH_MINOR_TICKS = 1e3
 
 STYLE: dict[Any, Any] = {
@@ -74,22 +75,49 @@ STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.size": 10.5,
     "mathtext.default": "it",
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
     "axes.grid": True,
     "grid.color": FAINT,
     "grid.linewidth": 0.5,
-    "legend.frameon": False,
     "legend.fontsize": 9.5,
-    "figure.facecolor": "none",
-    "axes.facecolor": "none",
-    "savefig.facecolor": "none",
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color"), INK),
+    **dict.fromkeys(("xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), "none"),
 }
+
+
+def axis(
+    label: str, unit: str = "", scale: str = "linear", limits: tuple[float, float] | None = None
+) -> Data:
+    """One axis; limits None leaves them to what is drawn."""
+    ends = None if limits is None else list(limits)
+    return {"label": label, "unit": unit, "scale": scale, "limits": ends}
+
+
+def series(
+    source: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    error: ArrayLike | None = None,
+    restitution: float | None = None,
+    group: str | None = None,
+) -> Data:
+    """One line, or points with their standard errors; x, y and error of one length."""
+    return {
+        "source": source,
+        "restitution": restitution,
+        "group": group,
+        "x": _plain(x),
+        "y": _plain(y),
+        "error": None if error is None else _plain(error),
+    }
+
+
+def _plain(values: ArrayLike) -> list[float | None]:
+    """Floats, and None for what has no finite value: JSON has no NaN."""
+    return [
+        float(v) if np.isfinite(v) else None for v in np.atleast_1d(np.asarray(values, dtype=float))
+    ]
 
 
 def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = None) -> None:
@@ -157,7 +185,7 @@ def _colours(data: FigureData) -> list[str]:
 
 
 def _with_gaps(values: Sequence[float | None]) -> list[float]:
-    """JSON has no NaN: None marks where a formula has no value, and the line is broken there."""
+    """NaN for None, which marks where a formula has no value: the line is interrupted there."""
     return [float("nan") if v is None else float(v) for v in values]
 
 
@@ -172,15 +200,19 @@ def svg(name: str, data: FigureData) -> str:
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
     """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
+    drawn = _drawn(data, kind, PAPER)
     if kind != "svg":
-        return _drawn(data, kind, PAPER)
-    text = _drawn(data, kind, PAPER).decode()
-    head, body = text.split("<svg", 1)
+        return drawn
+    head, body = drawn.decode().split("<svg", 1)
     attributes, rest = body.split(">", 1)
-    alternative = (
-        f"<title>{escape(data['title'])}</title><desc>{escape(data['description'])}</desc>"
-    )
+    alternative = _alternative(data["title"], data["description"])
     return f'{head}<svg{attributes} role="img">{alternative}{rest}'.encode()
+
+
+def _alternative(title: str, description: str, prefix: str | None = None) -> str:
+    """What a reader hears who cannot see the figure, with ids if there is a prefix for them."""
+    ids = ("", "") if prefix is None else (f' id="{prefix}title"', f' id="{prefix}desc"')
+    return f"<title{ids[0]}>{escape(title)}</title><desc{ids[1]}>{escape(description)}</desc>"
 
 
 def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None) -> bytes:
@@ -192,8 +224,7 @@ def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None
 
     buffer = io.BytesIO()
     colours = palette or {}
-    style = {key: _in_palette(value, colours) for key, value in STYLE.items()}
-    with mpl.rc_context(style):
+    with mpl.rc_context(_recoloured(STYLE, colours)):
         entries = legend_entries(data)
         legend_height = 0.12 + 0.19 * math.ceil(len(entries) / _LEGEND_COLUMNS)
         height = _AXIS_HEIGHT + _BELOW_AXIS + legend_height
@@ -216,12 +247,8 @@ def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None
     return buffer.getvalue()
 
 
-def _in_palette(value: Any, palette: Mapping[str, str]) -> Any:
-    return palette.get(value, value) if isinstance(value, str) else value
-
-
-def _recoloured(stroke: Mapping[str, Any], palette: Mapping[str, str]) -> dict[str, Any]:
-    return {key: _in_palette(value, palette) for key, value in stroke.items()}
+def _recoloured(style: Mapping[Any, Any], palette: Mapping[str, str]) -> dict[Any, Any]:
+    return {k: palette.get(v, v) if isinstance(v, str) else v for k, v in style.items()}
 
 
 def _power_of_ten(value: float, position: int | None = None) -> str:
@@ -245,6 +272,5 @@ def _embeddable(text: str, name: str, title: str, description: str) -> str:
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
     return (
         f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
-        f'<title id="{prefix}title">{escape(title)}</title>'
-        f'<desc id="{prefix}desc">{escape(description)}</desc>{body.strip()}'
+        f"{_alternative(title, description, prefix)}{body.strip()}"
     )

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Measured
+from kinetics.crosscheck.report.case import Array, Measured
 
 BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
 """Bands of R = r/sqrt(<r^2>) between which the fall of G(R) is measured; the first is p(0)."""
 
 
 def jackknife_error(replicates: Array) -> Array:
-    """Standard error from delete-one replicates, shape (n, ...) with n >= 2."""
+    """Standard error from n >= 2 estimates that each leave out one group, shape (n, ...)."""
     n = len(replicates)
     return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
 
@@ -26,7 +26,7 @@ def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
 
 
 def _shares(samples: Array, edges: Array) -> tuple[Array, Array]:
-    """Share of the samples in each bin of x/rms, shape (n_bins,), and without each group."""
+    """Share of the samples in each bin of x/rms, and the same without each of the groups."""
     groups, size = samples.shape
     everything = np.sort(samples, axis=None)
     by_group = np.sort(samples, axis=1)

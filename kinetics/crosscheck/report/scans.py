@@ -1,12 +1,16 @@
 """Hard disks at other densities and restitutions: the dilute limit, and where traps begin."""
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetics.crosscheck.report.evidence import Array, Case, DensityScan, Measured, Scans, TrapScan
+from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
 from kinetics.crosscheck.report.histograms import jackknife_error
 from kinetics.crosscheck.report.settings import ReportSettings
+
+if TYPE_CHECKING:
+    from particles.ensemble import Ensemble
 
 DILUTIONS = (1 / 8, 1 / 4, 1 / 2, 1.0, 2.0)
 """Densities of the extrapolation, in units of the report's own."""
@@ -31,42 +35,39 @@ def gather_scans(
 
 
 def _allowed(factors: Sequence[float], settings: ReportSettings) -> Array:
-    """Multiples of the report's density; its own is allowed whatever it is."""
+    """Multiples of the report's density that can be simulated; its own always."""
     own = settings.number_density
     return np.array([f * own for f in factors if f <= 1 or f * own <= LARGEST_DENSITY])
 
 
-def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
+def _disks(
+    e: float, density: float, time: float, seed: int, settings: ReportSettings
+) -> "Ensemble":
+    """Hard disks until one time, in a box that may be smaller than the report's."""
     from particles import HardDisks, simulate
 
-    theory = case.kinetic
-    last = float(case.times[-1])
-    densities = _allowed(DILUTIONS, settings)
+    return simulate(
+        HardDisks(density, min(settings.count, LARGEST_BOX)), restitution=e, times=[time],
+        media=settings.media, tracers=settings.tracers, seed=settings.seed + seed,
+        workers=settings.workers,
+    )  # fmt: skip
+
+
+def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
+    last, densities = float(case.times[-1]), _allowed(DILUTIONS, settings)
     found: dict[str, list[tuple[float, float]]] = {"free_path": [], "thermal_speed": [], "msd": []}
-    for index, density in enumerate(densities):
+    for index, density in enumerate(map(float, densities)):
         stretch = settings.number_density / density
-        run = simulate(
-            HardDisks(float(density), min(settings.count, LARGEST_BOX)),
-            restitution=case.restitution,
-            times=[last * stretch],
-            media=settings.media,
-            tracers=settings.tracers,
-            seed=settings.seed + 1000 + index,
-            workers=settings.workers,
-        )
+        run = _disks(case.restitution, density, last * stretch, 1000 + index, settings)
         dilute = {
-            "free_path": 1 / (2 * float(density)),
-            "thermal_speed": float(theory.thermal_speed[-1]),
-            "msd": float(theory.msd[-1]) * stretch**2,
+            "free_path": 1 / (2 * density),
+            "thermal_speed": float(case.kinetic.thermal_speed[-1]),
+            "msd": float(case.kinetic.msd[-1]) * stretch**2,
         }
-        measured = {
-            "free_path": run.mean_free_path,
-            "thermal_speed": run.thermal_speed,
-            "msd": run.msd,
-        }
-        for name, estimate in measured.items():
+        measured = (run.mean_free_path, run.thermal_speed, run.msd)
+        for (name, theory), estimate in zip(dilute.items(), measured, strict=True):
             value, error = (np.asarray(x).ravel()[-1] for x in (estimate.value, estimate.error))
-            found[name].append((float(value) / dilute[name], float(error) / dilute[name]))
+            found[name].append((float(value) / theory, float(error) / theory))
     ratios = {name: Measured(*np.array(pairs).T) for name, pairs in found.items()}
     degree = min(2, densities.size - 2)
     extrapolated = {name: extrapolate(densities, r, degree) for name, r in ratios.items()}
@@ -84,8 +85,8 @@ def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
 def extrapolate(x: Array, measured: Measured, degree: int) -> tuple[Array, Measured]:
     """Weighted polynomial fit, lowest coefficient first, and its value at x = 0 with its error.
 
-    The error is what the points' own give. Points without a positive error carry no weight; NaN if
-    fewer than degree + 1 are left.
+    x and `measured` have shape (n,). The error follows from those of the points. Points without a
+    positive error are left out; NaN if fewer than degree + 1 remain.
     """
     used = measured.error > 0
     if np.count_nonzero(used) <= degree:
@@ -100,34 +101,26 @@ def extrapolate(x: Array, measured: Measured, degree: int) -> tuple[Array, Measu
 
 
 def _trap_scan(settings: ReportSettings) -> TrapScan:
-    from particles import HardDisks, simulate
-
     densities = _allowed((1.0, 4.0), settings)
-    value = np.empty((densities.size, len(TRAP_RESTITUTIONS)))
-    error = np.empty_like(value)
-    for i, density in enumerate(densities):
+    shares = np.empty((densities.size, len(TRAP_RESTITUTIONS), 2))
+    for i, density in enumerate(map(float, densities)):
         for j, e in enumerate(TRAP_RESTITUTIONS):
-            run = simulate(
-                HardDisks(float(density), min(settings.count, LARGEST_BOX)),
-                restitution=e,
-                times=[TRAP_FLIGHT / float(density)],
-                media=settings.media,
-                tracers=settings.tracers,
-                seed=settings.seed + 2000 + 100 * i + j,
-                workers=settings.workers,
-            )
-            value[i, j], error[i, j] = _share(run.statuses.trap_tracers, run.media, run.tracers)
+            run = _disks(e, density, TRAP_FLIGHT / density, 2000 + 100 * i + j, settings)
+            shares[i, j] = _share(run.statuses.trap_tracers, run.media, run.tracers)
     return TrapScan(
         time=TRAP_FLIGHT / settings.number_density,
         restitutions=np.array(TRAP_RESTITUTIONS),
         densities=densities,
         samples=settings.media * settings.tracers,
-        share=Measured(value, error),
+        share=Measured(shares[..., 0], shares[..., 1]),
     )
 
 
 def _share(caught: Array, media: int, tracers: int) -> tuple[float, float]:
-    """Share of tracers caught, with its jackknife error over configurations."""
+    """Share of tracers caught, with its jackknife error over configurations.
+
+    caught (n, 2): configuration and tracer of each.
+    """
     by_medium = np.bincount(caught[:, 0].astype(int), minlength=media) / tracers
     without = (by_medium.sum() - by_medium) / (media - 1)
     return float(by_medium.mean()), float(jackknife_error(without))

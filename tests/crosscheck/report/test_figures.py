@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
@@ -9,8 +10,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from kinetics.crosscheck.report.evidence import Case, Scans
-from kinetics.crosscheck.report.figure_data import PAPER_FIGURES, all_figures
+from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
+from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.figures import draw, legend_entries, svg
 from kinetics.crosscheck.report.settings import ReportSettings
 
@@ -119,3 +120,45 @@ def test_a_gap_breaks_the_line(figures: dict[str, Any]) -> None:
     axis = Figure().add_subplot()
     draw(figures["cooling-rate"] | {"series": [sonine]}, axis)
     assert np.isnan(np.asarray(axis.lines[0].get_ydata())[0])
+
+
+def test_the_description_names_where_no_trap_was_found(figures: dict[str, Any]) -> None:
+    # the made-up scan of 1000 tracers has none at e = 0.6 and the lower density
+    assert (
+        "None was caught at ρ₀d² = 0.04: e = 0.6 (95 % limit 0.003)."
+        in (figures["traps"]["description"])
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_title_is_one_line_and_a_description_ends(figures: dict[str, Any], name: str) -> None:
+    data = figures[name]
+    assert data["title"]
+    assert not data["title"].endswith(".")
+    assert data["description"].endswith(".")
+    for text in (data["title"], data["description"]):
+        assert "  " not in text
+        assert "{" not in text
+        assert "nan" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "observable"),
+    [("v0re", "thermal_speed"), ("inverse-speed", "thermal_speed"), ("kurtosis", "kurtosis"),
+     ("inelasticposi", "position"), ("scalev", "vdf"), ("tail-exponent", "tail_exponent")],
+)  # fmt: skip
+def test_points_without_a_usable_error_are_left_out(
+    make_case: MakeCase, settings: ReportSettings, name: str, observable: str
+) -> None:
+    def shown(case: Case) -> list[float]:
+        lines = all_figures([case], None, settings)[name]["series"]
+        return next(s["x"] for s in lines if s["source"] == case.free.name)
+
+    case = make_case()
+    measured = getattr(case.free, observable)
+    error = measured.error.copy()
+    error[3] = 0.0 if observable == "kurtosis" else 1e3
+    bad = replace(case.free, **{observable: replace(measured, error=error)})
+    every, rest = shown(case), shown(replace(case, free=bad))
+    assert len(rest) == len(every) - 1
+    assert set(rest) < set(every)

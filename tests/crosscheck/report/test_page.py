@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,15 @@ from typing import Any
 import pytest
 
 from kinetics.crosscheck.plain import dumps, plain
-from kinetics.crosscheck.report.compared import compare_case
-from kinetics.crosscheck.report.evidence import Case, Scans
-from kinetics.crosscheck.report.figure_data import PAPER_FIGURES
-from kinetics.crosscheck.report.page import deviation, number, render
+from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
+from kinetics.crosscheck.report.case import Case, Scans
+from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.equations import FORMULAS
+from kinetics.crosscheck.report.page import deviation, number, render, verdict_table
 from kinetics.crosscheck.report.report import build_document, write_report
-from kinetics.crosscheck.report.rows import judged
+from kinetics.crosscheck.report.row import judged
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.text import columns, verdict_table
+from kinetics.crosscheck.text import columns
 
 MakeCase = Callable[..., Case]
 CHECKS = [
@@ -39,7 +41,7 @@ CHECKS = [
 @pytest.fixture
 def document(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
     cases = [make_case()]
-    rows = judged(row for case in cases for row in compare_case(case, settings))
+    rows = judged(row for case in cases for row in rows_of_case(case, settings))
     return build_document(settings, cases, scans, rows, CHECKS)
 
 
@@ -97,7 +99,7 @@ def test_every_figure_of_the_document_is_in_the_page(document: dict[str, Any]) -
     for name, data in document["figures"].items():
         assert f"figure-{name}" in page.ids
         assert data["title"] in page.text
-    assert page.tags.count("math") == 5 + 2
+    assert page.tags.count("math") == sum(map(len, FORMULAS.values())) + 2
 
 
 def test_every_row_is_in_the_page_with_its_verdict_and_numbers(document: dict[str, Any]) -> None:
@@ -170,6 +172,38 @@ def test_the_printed_table_has_a_verdict_per_comparison(document: dict[str, Any]
     assert len(lines) == 1 + len(document["rows"])  # one restitution
     assert all(any(w in line for w in document["verdicts"]) for line in lines[1:])
     assert max(len(line) for line in lines) <= 120
+
+
+def test_findings_are_paragraphs_with_their_numbers(document: dict[str, Any]) -> None:
+    path, density, cap, rate = document["findings"]
+    # 12.5 d with half an error of 0.02 d; six quantities remain, each off by half its error
+    assert path.startswith(
+        "e = 0.7: hard disks have the mean free path 12.510 ± 0.020 d, +0.1 ± 0.2 %"
+    )
+    assert path.count("(agrees)") == 6
+    assert path.endswith("kurtosis +0.5 ± 1.0 % (agrees).")
+    assert "free path 1.000 ± 0.010, thermal speed 1.000 ± 0.010, ⟨r²⟩ 1.000 ± 0.010; 1" in density
+    assert cap.endswith("The most that any had is 40; the cap would have cut none.")
+    assert "1.340 ± 0.013; Boltzmann-Grad particles, at the same times, 1.340 ± 0.013;" in rate
+    assert rate.endswith("the exact scaling state has 1.3333.")
+
+
+def test_the_summary_counts_what_agrees(document: dict[str, Any]) -> None:
+    assert "agree with its solution in 10 of 10 comparisons" in document["summary"]
+    assert "the solver meets the closed forms in 3 of 3. 1 printed" in document["summary"]
+    assert document["summary"].endswith("re-derived; all hold.")
+
+
+def test_trapped_tracers_and_the_cap_are_among_the_findings(
+    make_case: MakeCase, settings: ReportSettings
+) -> None:
+    case = make_case()
+    statuses = {"finished": 9_990, "trapped": 10, "escaped": 0}
+    disks = replace(case.disks, statuses=statuses, most_collisions=200, above_cap=0.01)
+    rows = judged(rows_of_case(case, settings))
+    found = build_document(settings, [replace(case, disks=disks)], None, rows, CHECKS)["findings"]
+    assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
+    assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
 
 
 def test_numbers_show_their_error() -> None:

@@ -1,0 +1,151 @@
+"""The random walk with slowing hops, and its mean square displacement (Section 3.2)."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+from sympy.concrete.gosper import gosper_sum
+
+from .. import symbols as s
+from ..formal import chain, eq
+from .quadrature_values import (
+    cooling_rate_value,
+    diffusion_slope_value,
+    log_loss_value,
+    mean_scaled_speed_value,
+)
+from .record import Derived, Number, Status, Step, definition
+from .registry import derives
+
+
+@derives("ab")
+def _ab() -> Derived:
+    return definition("v0(t) = 1/(alpha + beta t).")
+
+
+@derives("taun")
+def _taun() -> Derived:
+    speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
+    numbers = []
+    for value in (0.4, 0.9):
+        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
+        numbers += [
+            Number(f"exact <c> at e = {value}", float(mean_scaled_speed_value(value))),
+            Number(f"dN/d ln t at e = {value}, printed", 1 / growth),
+            Number(f"dN/d ln t at e = {value}, exact", 1 / float(log_loss_value(value))),
+        ]
+    return Derived(
+        chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
+        (Step("v0 as solved, at the time of the last collision", speed),),
+        "The second equality follows from veq. The first is a guess: the rate of collisions is "
+        "<v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
+        Status.ASSUMPTION,
+        holds=False,
+        numbers=tuple(numbers),
+    )
+
+
+@cache
+def interval() -> sp.Expr:
+    """tau_N solved from tau_(N+1) = tau_N + l beta tau_N and tau_1 = l alpha."""
+    index = sp.Symbol("i", integer=True)
+    unknown = sp.Function("u")
+    before, after = sp.symbols("t_before t_after", positive=True)
+    longer = (s.l * (s.alpha + s.beta * after) - s.l * (s.alpha + s.beta * before)).subs(
+        after, before + unknown(index)
+    )
+    recursion = unknown(index + 1) - unknown(index) - sp.expand(longer)
+    solution = sp.rsolve(recursion, unknown(index), {unknown(1): s.l * s.alpha})
+    return solution.subs(index, s.N)
+
+
+@derives("taun#2")
+def _taun_2() -> Derived:
+    return Derived(
+        eq(s.tau(s.N), interval()),
+        (
+            Step(
+                "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
+                s.l * s.beta * s.tau(s.N),
+            ),
+            Step("tau_1, since t_0 = 0", s.l * s.alpha),
+            Step("the recursion solved", interval()),
+        ),
+    )
+
+
+@cache
+def total_time() -> sp.Expr:
+    """t_N as the sum of the intervals."""
+    ratio = sp.Symbol("q", positive=True)
+    first = sp.simplify(interval().subs(s.N, 1))
+    terms = gosper_sum(ratio ** (s.k - 1), (s.k, 1, s.N))
+    growth = sp.simplify(interval().subs(s.N, s.N + 1) / interval())
+    return sp.simplify(first * terms.subs(ratio, growth))
+
+
+@derives("tn")
+def _tn() -> Derived:
+    return Derived(
+        chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()),
+        (Step("the geometric sum of the intervals", total_time()),),
+    )
+
+
+@cache
+def collisions() -> sp.Expr:
+    """N as a function of t_N."""
+    time = sp.Symbol("time", positive=True)
+    power = sp.Symbol("power", positive=True)  # (1 + l beta)^N
+    base = 1 + s.l * s.beta
+    equation = total_time().subs(base**s.N, power) - time
+    (value,) = sp.solve(equation, power)
+    return (sp.log(sp.expand(value)) / sp.log(base)).subs(time, s.tc(s.N))
+
+
+@derives("N")
+def _n() -> Derived:
+    time = sp.Symbol("time", positive=True)
+    elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
+    if sp.simplify(elastic - time / (s.alpha * s.l)) != 0:
+        raise ArithmeticError("the elastic limit is not t/(alpha l)")
+    return Derived(
+        eq(s.N, collisions()),
+        (
+            Step("t_N solved for N", collisions()),
+            Step("its elastic limit beta -> 0", elastic),
+        ),
+        "Its limit beta -> 0 is t/(alpha l), as the paper states.",
+    )
+
+
+@derives("msd")
+def _msd() -> Derived:
+    numbers = []
+    for value in (0.4, 0.6, 0.7, 0.9):
+        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
+        fitted = 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - value)))
+        numbers += [
+            Number(f"slope at e = {value}, l^2 N with the exact h (l^2)", 1 / growth),
+            Number(f"slope at e = {value}, with the paper's l = 13.5 d (l^2)", fitted),
+            Number(f"slope at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),
+        ]
+    return Derived(
+        chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
+        (Step("N as a function of time, inserted", collisions()),),
+        "<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
+        "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d "
+        "makes up for a part.",
+        Status.ASSUMPTION,
+        holds=False,
+        numbers=tuple(numbers),
+    )
+
+
+@derives("scaledposi")
+def _scaledposi() -> Derived:
+    return definition(
+        "Defines G. That it depends on neither e nor time does not hold: it tends to "
+        "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
+    )

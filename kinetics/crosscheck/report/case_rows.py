@@ -1,0 +1,258 @@
+"""Every comparison that a report makes for one restitution."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kinetics import sonine
+from kinetics.crosscheck.report.case import Array, Case
+from kinetics.crosscheck.report.observables import (
+    bands_of,
+    bin_average,
+    bin_density,
+    contact_value,
+    cooling_rate_between,
+    largest_change,
+    last_vdf,
+    middles,
+    msd_slope_between,
+    printed_msd_slopes,
+    sure_density,
+)
+from kinetics.crosscheck.report.row import (
+    KINETIC,
+    PAPER_FIT,
+    RESCALED,
+    Row,
+    approximation,
+    numerical,
+    statistical,
+)
+from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.verdicts import judge_numerical
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+
+LEAST_EXPECTED = 50
+"""Samples that a bin must be expected to hold before its jackknife error is trusted."""
+PAPER_KURTOSIS = 4.0
+"""<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. gdefi, for every eta."""
+
+
+def rows_of_case(case: Case, settings: ReportSettings) -> list[Row]:
+    """Every row of one restitution; the statistical ones have no verdict yet (see `judged`)."""
+    cooling = case.exact is not None
+    rows = _free_path(case, settings)
+    if cooling:
+        rows += _cooling_rate(case, settings)
+    rows += _a2(case, settings)
+    rows += _particles(case, "thermal_speed")
+    if cooling:
+        rows += _scaled_vdf(case, settings)
+    rows += _msd(case, settings)
+    if cooling:
+        rows += _msd_slope(case, settings)
+    return rows + _kurtosis(case) + _position(case) + _tail_exponent(case)
+
+
+def _particles(
+    case: Case,
+    observable: str,
+    reduce: Callable[..., float] | None = None,
+    note: str = "",
+) -> list[Row]:
+    """Particles against the equation: Boltzmann-Grad; hard disks as they are; and with their l.
+
+    `reduce` makes a number of a solution; without it the solution's values over time are compared.
+    """
+    kinetic, rescaled = (
+        getattr(solution, observable) if reduce is None else reduce(solution)
+        for solution in (case.kinetic, case.rescaled)
+    )
+    left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
+    return [
+        *statistical(case, observable, case.free, kinetic, note=note),
+        *statistical(case, observable, case.disks, kinetic, note="finite density"),
+        *statistical(case, observable, case.disks, rescaled, RESCALED, left),
+    ]
+
+
+def _free_path(case: Case, settings: ReportSettings) -> list[Row]:
+    dilute, name = 1 / (2 * settings.number_density), "free_path"
+    sooner = "disks that exclude each other are met sooner; not in the kinetic equation"
+    dense = dilute / contact_value(settings.number_density)
+    henderson = "g: Henderson's contact value of hard disks in equilibrium"
+    return [
+        *statistical(case, name, case.free, dilute, "1/(2dρ₀)"),
+        *statistical(case, name, case.disks, dilute, "1/(2dρ₀)", sooner),
+        *statistical(case, name, case.disks, dense, "1/(2dρ₀g)", henderson),
+    ]
+
+
+def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
+    e, name = case.restitution, "cooling_rate"
+    exact, solver = (state.cooling_rate for state in case.scaling_state)
+    fitted = float(sonine.cooling_rate_fitted(e))
+    note = (
+        f"slope of 1/v0 from t = {case.times[case.early]:.4g} to {case.times[-1]:.4g} d/U; "
+        f"the exact h is {exact:.5f}"
+    )
+
+    def rate(solution: "Solution") -> float:
+        return cooling_rate_between(
+            case.times, solution.thermal_speed, case.early, settings.number_density
+        )
+
+    return [
+        numerical(case, name, solver, exact, settings.rtol),
+        approximation(case, name, "Sonine", float(sonine.cooling_rate(e)), exact),
+        approximation(case, name, PAPER_FIT, fitted, exact),
+        *_particles(case, name, rate, note),
+        *statistical(case, name, case.disks, fitted, PAPER_FIT, "the paper's own claim"),
+    ]
+
+
+def _a2(case: Case, settings: ReportSettings) -> list[Row]:
+    rows = []
+    if case.exact is not None:
+        exact, solver = (state.a2 for state in case.scaling_state)
+        rows = [
+            numerical(case, "a2", solver, exact, settings.rtol),
+            approximation(case, "a2", "Sonine", float(sonine.a2(case.restitution)), exact),
+        ]
+    return rows + _particles(case, "a2")
+
+
+def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
+    edges, name = case.speed_edges, "scaled_vdf"
+    centres = middles(edges)
+    # Where F is 1e-10 of its peak, a relative tolerance asks for more than double precision holds.
+    exact, solver = (np.asarray(state.vdf(centres)) for state in case.scaling_state)
+    k = int(np.argmax(np.abs(solver - exact)))
+    row = numerical(case, name, float(solver[k]), float(exact[k]), settings.rtol)
+    deviation = float((solver[k] - exact[k]) / np.max(exact))
+    rows = [
+        replace(
+            row,
+            deviation=deviation,
+            c=float(centres[k]),
+            looks=len(centres),
+            verdict=judge_numerical(deviation, settings.rtol),
+            note=f"worst bin centre, relative to the peak; {row.note}",
+        )
+    ]
+    kinetic, rescaled = (bin_average(last_vdf(s), edges) for s in (case.kinetic, case.rescaled))
+    note = (
+        f"mean over a bin of c at the last time, bins of {LEAST_EXPECTED} samples or more; "
+        f"still to change by {largest_change(case, kinetic):.1%} of the peak"
+    )
+    for run, theory, against in (
+        (case.free, kinetic, KINETIC),
+        (case.disks, rescaled, RESCALED),
+    ):
+        expected = run.samples * theory * math.pi * np.diff(edges**2)
+        filled = np.where(expected >= LEAST_EXPECTED, theory, np.nan)
+        rows += statistical(case, name, run, filled, against, note)
+    return rows
+
+
+def _msd(case: Case, settings: ReportSettings) -> list[Row]:
+    e, density, times = case.restitution, settings.number_density, case.times
+    last, theory = float(times[-1]), float(case.kinetic.msd[-1])
+    walk = sonine.msd_random_walk(times, e, density)
+    printed = float(sonine.msd_sonine(last, e, density))
+    return [
+        approximation(
+            case, "msd", PAPER_FIT, float(walk[-1]), theory, KINETIC, time=last,
+            note=f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d",
+        ),
+        approximation(
+            case, "msd", "Sonine", printed, theory, KINETIC, time=last, note="eq. ad8"
+        ),
+        *statistical(
+            case, "msd", case.disks,
+            np.where(np.arange(times.size) >= case.early, walk, np.nan), PAPER_FIT,
+            "the paper's own claim, for late times: here the last decade",
+        ),
+        *_particles(case, "msd"),
+    ]  # fmt: skip
+
+
+def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
+    times, exact, name = case.times, case.late_msd_slope, "msd_slope"
+    walk, printed = printed_msd_slopes(case.restitution, settings.number_density)
+    limit = "limit of late times"
+    note = (
+        f"from t = {times[case.early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
+        f"{exact:.5g} d², reached to {case.late.msd_slope[-1] / exact - 1:.0e} at "
+        f"t = {case.late.times[-1]:.0e} d/U"
+    )
+    return [
+        approximation(case, name, PAPER_FIT, walk, exact, note=limit),
+        approximation(case, name, "Sonine", printed, exact, note=limit),
+        *_particles(case, name, lambda s: msd_slope_between(times, s.msd, case.early), note),
+    ]
+
+
+def _kurtosis(case: Case) -> list[Row]:
+    rows = _particles(case, "kurtosis")
+    if case.exact is None:
+        return rows
+    last = float(case.kinetic.kurtosis[-1])
+    note = "eq. gdefi has 4 at every time; a Gaussian has 2, which is the limit of late times"
+    printed = approximation(
+        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, last, KINETIC,
+        time=float(case.times[-1]), note=note,
+    )  # fmt: skip
+    return [printed, *rows]
+
+
+def _position(case: Case) -> list[Row]:
+    rows: list[Row] = []
+    if case.exact is not None:
+        rows += [row for form in POSITION_FORMS for row in _printed_position(case, *form)]
+    theory = bin_density(case, case.position_edges)
+    note = f"mean over a bin of R at the last time, bins of {LEAST_EXPECTED} samples or more"
+    for run, extra in ((case.free, ""), (case.disks, "; finite density")):
+        expected = run.samples * theory * np.diff(case.position_edges)
+        filled = np.where(expected >= LEAST_EXPECTED, theory, np.nan)
+        rows += statistical(case, "position", run, filled, note=note + extra)
+    return rows
+
+
+POSITION_FORMS = (
+    ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. peakg, η = 0.75, for 0.2 ≤ R ≤ 1.2"),
+    ("paper, tail", sonine.position_tail, 2.0, 4.0,
+     "eq. gammatailg, η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
+    ("paper's integral", sonine.position_integral, 0.2, 4.0,
+     "eq. gdefi, η = 1/2, for 0.2 ≤ R ≤ 4"),
+)  # fmt: skip
+"""Source, the printed G(R), and the R between which it is held against the equation."""
+
+
+def _printed_position(
+    case: Case, source: str, form: Callable[[Array], Array], low: float, high: float, note: str
+) -> list[Row]:
+    r, theory = sure_density(case, np.linspace(low, high, 61))
+    if not r.size:
+        return []
+    printed = form(r)
+    k = int(np.argmax(np.abs(np.log(printed / theory))))
+    row = approximation(
+        case, "position", source, float(printed[k]), float(theory[k]), KINETIC,
+        time=float(case.times[-1]), note=note + ", at its worst", distance=float(r[k]),
+    )  # fmt: skip
+    return [row]
+
+
+def _tail_exponent(case: Case) -> list[Row]:
+    theory = bands_of(case)
+    note = "between bands of R; 2 is a Gaussian, 1 an exponential"
+    return [
+        *statistical(case, "tail_exponent", case.free, theory, note=note),
+        *statistical(case, "tail_exponent", case.disks, theory, note=note + "; finite density"),
+    ]

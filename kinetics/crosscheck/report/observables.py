@@ -1,0 +1,114 @@
+"""The numbers to which particles, solutions and printed formulas are reduced for a comparison."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics import sonine
+from kinetics.crosscheck.report.case import Array, Case
+from kinetics.crosscheck.report.histograms import BANDS, band_exponent
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+
+SURE = 20.0
+"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
+_FAR, _FARTHER = 1e150, 1e300  # d/U, where a printed <r^2> is its limit, a + b ln t, to rounding
+
+
+def contact_value(number_density: float, diameter: float = 1.0) -> float:
+    """Henderson's pair correlation of hard disks at contact, g(d), by which l = 1/(2 d rho0 g).
+
+    number_density in d^-2; D. Henderson, Mol. Phys. 30, 971 (1975).
+    """
+    fraction = math.pi * number_density * diameter**2 / 4
+    return (1 - 7 * fraction / 16) / (1 - fraction) ** 2
+
+
+def cooling_rate_between(
+    times: Array, thermal_speed: Array, early: int, number_density: float
+) -> float:
+    """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. veq over d rho0.
+
+    times and thermal_speed (n_times,) in d/U and U; number_density in d^-2.
+    """
+    slope = (1 / thermal_speed[-1] - 1 / thermal_speed[early]) / (times[-1] - times[early])
+    return float(slope / number_density)
+
+
+def msd_slope_between(times: Array, msd: Array, early: int) -> float:
+    """Mean d<r^2>/d ln t between index `early` and the last time, in d^2.
+
+    times and msd (n_times,) in d/U and d^2.
+    """
+    return float((msd[-1] - msd[early]) / np.log(times[-1] / times[early]))
+
+
+def printed_msd_slopes(restitution: float, number_density: float) -> tuple[float, float]:
+    """Late d<r^2>/d ln t of the printed formulas, in d^2: random walk (eq. msd), Sonine (ad8).
+
+    NaN where the formula has no real value; e must be below 1.
+    """
+    times = np.array([_FAR, _FARTHER])
+    return tuple(
+        msd_slope_between(times, printed(times, restitution, number_density), 0)
+        for printed in (sonine.msd_random_walk, sonine.msd_sonine)
+    )  # type: ignore[return-value]
+
+
+def middles(edges: Array) -> Array:
+    """The middle of each bin."""
+    return np.asarray((edges[1:] + edges[:-1]) / 2)
+
+
+def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
+    """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
+    v0 = float(solution.thermal_speed[-1])
+
+    def vdf(c: Array) -> Array:
+        return np.asarray(v0 * solution.speed_density(c * v0)[-1] / (2 * math.pi * c))
+
+    return vdf
+
+
+def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
+    """F(c) averaged over the area of each bin of c, by 8 Gauss points in each.
+
+    edges (n_bins + 1,); returns (n_bins,), a density in the plane.
+    """
+    x, w = np.polynomial.legendre.leggauss(8)
+    half = np.diff(edges)[:, None] / 2
+    c = edges[:-1, None] + half * (x + 1)
+    values = np.asarray(vdf(c.ravel())).reshape(c.shape)
+    return np.asarray(np.sum(2 * c * values * w * half, axis=1) / np.diff(edges**2))
+
+
+def largest_change(case: Case, kinetic: Array) -> float:
+    """Largest difference of the binned VDF `kinetic` from the scaling state, over its peak."""
+    final = bin_average(case.scaling_state[1].vdf, case.speed_edges)
+    return float(np.max(np.abs(kinetic - final)) / np.max(final))
+
+
+def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
+    """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
+    density = case.position.scaled_position_density(r)[-1]
+    known = density > SURE * case.position.rtol
+    return r[known], density[known]
+
+
+def bin_density(case: Case, edges: Array) -> Array:
+    """G(R) of the kinetic equation at the last time, averaged over each bin of R."""
+    return _share(case, edges) / np.diff(edges)
+
+
+def bands_of(case: Case) -> Array:
+    """The kinetic equation's `band_exponent`, from the shares that a histogram would have."""
+    return band_exponent(_share(case, BANDS))
+
+
+def _share(case: Case, edges: Array) -> Array:
+    root = math.sqrt(float(case.position.msd[-1]))
+    return np.asarray(case.position.position_fraction(edges * root)[-1])

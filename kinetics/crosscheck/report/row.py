@@ -1,0 +1,185 @@
+"""One comparison: who says what against whom, how far apart they are, and the verdict on it."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics.crosscheck.report.case import Array, Case, ParticleRun
+from kinetics.crosscheck.report.histograms import band_middles
+from kinetics.crosscheck.report.observables import middles
+from kinetics.crosscheck.verdicts import (
+    Verdict,
+    corrected_sigmas,
+    judge_approximation,
+    judge_numerical,
+    judge_sigmas,
+    worst,
+)
+
+KINETIC = "kinetic equation"
+RESCALED = "kinetic equation, measured l"
+EXACT = "exact"
+PAPER_FIT = "paper's fit"
+
+
+class Names(NamedTuple):
+    """How an observable is called: over a table, and where space is short."""
+
+    title: str
+    short: str
+
+
+OBSERVABLES = {
+    "free_path": Names("Mean free path l / d", "mean free path"),
+    "cooling_rate": Names("Cooling rate h(e)", "h(e)"),
+    "a2": Names("Second Sonine coefficient a₂ (deviations relative to 1 + a₂)", "a₂"),
+    "thermal_speed": Names("Thermal speed v₀(t) / U", "v₀(t)"),
+    "scaled_vdf": Names("Scaled velocity distribution F(c)", "F(c)"),
+    "msd": Names("Mean square displacement ⟨r²(t)⟩ / d²", "⟨r²(t)⟩"),
+    "msd_slope": Names("Slope d⟨r²⟩/d ln t / d²", "d⟨r²⟩/d ln t"),
+    "kurtosis": Names("Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "⟨r⁴⟩/⟨r²⟩²"),
+    "position": Names("Scaled displacement distribution G(R)", "G(R)"),
+    "tail_exponent": Names("Local exponent n(R) of G(R)/R ~ exp(−(R/b)ⁿ)", "n(R)"),
+}
+"""Every observable that a row can have, in the order of the report."""
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
+"""Those that have a value at each time."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison: `source` says `value` (+- `error`), `against` says `theory`.
+
+    `time` is in d/U, `c` a scaled speed and `distance` a scaled distance R, each None where it has
+    no meaning; where a row looks at several times or bins (`looks`), they are those of the worst.
+    `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes through 0).
+    `groups` independent groups stand behind the error; it, `sigmas` and `corrected_sigmas` are None
+    unless the kind is statistical.
+    """
+
+    observable: str
+    restitution: float
+    kind: str
+    source: str
+    against: str
+    value: float
+    theory: float
+    deviation: float
+    error: float | None = None
+    time: float | None = None
+    c: float | None = None
+    distance: float | None = None
+    sigmas: float | None = None
+    corrected_sigmas: float | None = None
+    looks: int = 1
+    groups: int | None = None
+    verdict: Verdict = Verdict.UNDEFINED
+    note: str = ""
+
+
+def judged(rows: Iterable[Row]) -> list[Row]:
+    """The rows with their statistical verdicts, corrected for the looks that each took."""
+    return [_judge(row) if row.kind == "statistical" else row for row in rows]
+
+
+def _judge(row: Row) -> Row:
+    assert row.sigmas is not None
+    assert row.groups is not None
+    corrected = corrected_sigmas(row.sigmas, row.groups, row.looks)
+    return replace(row, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
+
+
+def numerical(case: Case, observable: str, value: float, theory: float, tolerance: float) -> Row:
+    """The solver's value against the closed form."""
+    deviation = relative(observable, value, theory)
+    return Row(
+        observable, case.restitution, "numerical", "solver", EXACT, value, theory, deviation,
+        verdict=judge_numerical(deviation, tolerance), note=f"asked for {tolerance:g}",
+    )  # fmt: skip
+
+
+def approximation(
+    case: Case,
+    observable: str,
+    source: str,
+    value: float,
+    theory: float,
+    against: str = EXACT,
+    **where: Any,
+) -> Row:
+    """A printed formula's value against the theory; `where` are `time`, `distance` and `note`."""
+    deviation = relative(observable, value, theory)
+    return Row(
+        observable, case.restitution, "approximation", source, against, value, theory, deviation,
+        verdict=judge_approximation(deviation), **where,
+    )  # fmt: skip
+
+
+def statistical(
+    case: Case,
+    observable: str,
+    run: ParticleRun,
+    theory: ArrayLike,
+    against: str = KINETIC,
+    note: str = "",
+) -> list[Row]:
+    """What particles measured against the theory, at the worst time or bin; NaN is left out.
+
+    The list is empty where nothing has an error to compare with. Against `RESCALED` the error is
+    that of the difference, since the theory then changes with the run.
+    """
+    measured = run.vdf if observable == "scaled_vdf" else getattr(run, observable)
+    error = measured.error
+    if against == RESCALED:
+        error = case.rescaled_errors.get(observable, error)
+    value, error, expected = np.broadcast_arrays(
+        *(np.atleast_1d(a) for a in (measured.value, error, theory))
+    )
+    at = worst(value, error, expected)
+    if at is None:
+        return []
+    k = at.index
+    row = Row(
+        observable, case.restitution, "statistical", run.name, against,
+        float(value[k]), float(expected[k]),
+        relative(observable, float(value[k]), float(expected[k])),
+        error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=run.groups, note=note,
+    )  # fmt: skip
+    where: dict[str, Any] = {
+        name: float(values[k]) for name, values in _abscissa(case, observable).items()
+    }
+    return [replace(row, **where)]
+
+
+def _abscissa(case: Case, observable: str) -> dict[str, Array]:
+    """Where the values of an observable stand: a field of `Row`, and its value for each."""
+    if observable in OVER_TIME:
+        return {"time": case.times}
+    if observable == "scaled_vdf":
+        return {"c": middles(case.speed_edges)}
+    if observable == "position":
+        return {"distance": middles(case.position_edges)}
+    return {"distance": band_middles()} if observable == "tail_exponent" else {}
+
+
+def scale_of(observable: str, theory: float) -> float:
+    """What deviations are relative to: |theory|, but 1 + a2 = <c^4>/2 for a2."""
+    return 1 + theory if observable == "a2" else abs(theory)
+
+
+def relative(observable: str, value: float, theory: float) -> float:
+    """The relative deviation of a value from the theory."""
+    return (value - theory) / scale_of(observable, theory)
+
+
+def relative_error(row: Mapping[str, Any]) -> float:
+    """The standard error of a row of the document, relative as its deviation is; in percent."""
+    return 100 * float(row["error"] or 0) / scale_of(row["observable"], row["theory"])
+
+
+def counts(rows: Sequence[Row]) -> dict[str, int]:
+    """How many rows have each verdict, those that occur."""
+    return {v.value: n for v in Verdict if (n := sum(row.verdict is v for row in rows))}

@@ -1,0 +1,232 @@
+"""Runs the solver and the particles on one restitution, and reduces the runs to a `Case`."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
+from kinetics.crosscheck.report.histograms import jackknife_error, measured_exponent, scaled_density
+from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.errors import InputError
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+    from particles import BoltzmannGrad, HardDisks
+    from particles.ensemble import Ensemble
+    from particles.estimators import Estimate
+
+PAPER_CAP = 100
+"""Collisions after which the paper stops a sample."""
+GROUPS = 100
+"""Independent groups that a Boltzmann-Grad run is split into for its jackknife."""
+OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "speed_density")
+LATE_OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "diffusion_coefficient")
+LATEST, LATE_TIMES = 1e9, 55
+"""Last time in d/U of the equation alone, and how many there are, evenly spaced in ln t."""
+SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
+"""Bins of c = v/v0 for F(c)."""
+POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
+"""Bins of R = r/sqrt(<r^2>) for G(R)."""
+
+
+def output_times(last: float, count: int) -> Array:
+    """`count` times up to the last, evenly spaced in ln t from 1 d/U (or a tenth of the last)."""
+    return np.geomspace(min(1.0, last / 10), last, count)
+
+
+def media(settings: ReportSettings) -> "tuple[BoltzmannGrad, HardDisks]":
+    """The media of both particle runs. ValueError for a density at which disks cannot be placed."""
+    from particles import BoltzmannGrad, HardDisks
+
+    density = settings.number_density
+    return BoltzmannGrad(density), HardDisks(density, settings.count)
+
+
+def gather_case(
+    restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
+) -> Case:
+    """What every method gives for one restitution, until the last time (in d/U).
+
+    Calls `tell` three times. ValueError, before anything is solved, for a system that cannot be
+    simulated.
+    """
+    e, density = restitution, settings.number_density
+    times = output_times(last, settings.n_times)
+    early = int(np.searchsorted(times, last / 10))
+    seed = settings.seed + 2 * settings.restitutions.index(e)
+    free_medium, disk_medium = media(settings)
+
+    tell(f"e = {e:g}: kinetic equation")
+    solved = _solutions(e, times, settings)
+    tell(f"e = {e:g}: Boltzmann-Grad particles")
+    groups = min(GROUPS, settings.free_tracers // 2)
+    free = _simulated(
+        free_medium, e, times, (groups, settings.free_tracers // groups), seed, settings.workers
+    )
+    tell(f"e = {e:g}: hard disks")
+    disks = _simulated(
+        disk_medium, e, times, (settings.media, settings.tracers), seed + 1, settings.workers
+    )
+    path = float(disks.mean_free_path.value)
+    if not np.isfinite(path):
+        raise InputError(
+            f"final_times: got {last:g}; no hard-disk tracer has collided by then, some must"
+        )
+    rescaled = _solution(e, 1 / (2 * path), times, OUTPUTS, settings.rtol)
+    return Case(
+        restitution=e,
+        times=times,
+        early=early,
+        speed_edges=SPEED_EDGES,
+        position_edges=POSITION_EDGES,
+        rescaled=rescaled,
+        free=_reduced("Boltzmann-Grad", free, early, density),
+        disks=_reduced("hard disks", disks, early, density),
+        rescaled_errors=_rescaled_errors(disks, rescaled, early, density),
+        **solved,
+    )
+
+
+def _solutions(e: float, times: Array, settings: ReportSettings) -> dict[str, Any]:
+    """The kinetic equation and its scaling state, as fields of `Case`."""
+    from kinetics import ScalingSolution, solve_scaled
+
+    density, rtol = settings.number_density, settings.rtol
+    late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), LATE_TIMES)
+    place = ("msd", "position_density")
+    return {
+        "kinetic": _solution(e, density, times, OUTPUTS, rtol),
+        "late": _solution(e, density, late, LATE_OUTPUTS, rtol),
+        "position": _solution(e, density, times[-1:], place, settings.position_rtol),
+        "exact": ScalingSolution(e) if e < 1 else None,
+        "scaled": solve_scaled(restitution=e, rtol=rtol) if e < 1 else None,
+    }
+
+
+def _solution(
+    e: float, density: float, times: Array, outputs: tuple[str, ...], rtol: float
+) -> "Solution":
+    from kinetics import Scene, solve
+
+    return solve(Scene(e, density, initial="gaussian", times=times, outputs=outputs), rtol=rtol)
+
+
+def _simulated(
+    medium: "BoltzmannGrad | HardDisks",
+    e: float,
+    times: Array,
+    size: tuple[int, int],
+    seed: int,
+    workers: int | None,
+) -> "Ensemble":
+    """One run of `size` = configurations, tracers in each; it keeps how every tracer ended."""
+    from particles import simulate
+
+    return simulate(
+        medium, restitution=e, times=times, media=size[0], tracers=size[1], seed=seed,
+        workers=workers, observables=("finals",),
+    )  # fmt: skip
+
+
+def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleRun:
+    """The run reduced to arrays; every error is a jackknife over its configurations."""
+    by_group = run.finals.reshape(run.media, run.tracers, -1)
+    log_speed, _, x, y, collisions = np.moveaxis(by_group, -1, 0)
+    speeds = np.exp(log_speed)
+    # A tracer that was trapped in a corner is at rest there.
+    caught = run.statuses.trap_tracers
+    speeds[caught[:, 0], caught[:, 1]] = 0.0
+
+    def slopes(part: "Ensemble") -> tuple[float, float]:
+        return (
+            cooling_rate_between(run.times, part.thermal_speed.value, early, number_density),
+            msd_slope_between(run.times, part.msd.value, early),
+        )
+
+    cooling_rate, msd_slope = (
+        Measured(np.asarray(value), jackknife_error(replicates))
+        for value, replicates in zip(
+            slopes(run), np.array([slopes(part) for part in _without_each(run)]).T, strict=True
+        )
+    )
+    distances = np.hypot(x, y)
+    return ParticleRun(
+        name=name,
+        samples=run.media * run.tracers,
+        groups=run.media,
+        thermal_speed=_measured(run.thermal_speed),
+        a2=_measured(run.a2),
+        msd=_measured(run.msd),
+        kurtosis=_measured(run.kurtosis),
+        cooling_rate=cooling_rate,
+        msd_slope=msd_slope,
+        free_path=_measured(run.mean_free_path),
+        vdf=scaled_density(speeds, SPEED_EDGES, np.pi * np.diff(SPEED_EDGES**2)),
+        position=scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
+        tail_exponent=measured_exponent(distances),
+        mean_collisions=float(np.mean(collisions)),
+        most_collisions=int(np.max(collisions)),
+        above_cap=float(np.mean(collisions > PAPER_CAP)),
+        statuses={
+            "finished": run.statuses.finished,
+            "trapped": run.statuses.trapped,
+            "escaped": run.statuses.escaped,
+        },
+    )
+
+
+def _measured(estimate: "Estimate") -> Measured:
+    return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
+
+
+def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
+    """The ensemble without one of its configurations, for each of them.
+
+    Its averages are made of sums over configurations.
+    """
+    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
+    totals = {name: array.sum(axis=0) for name, array in sums.items()}
+    for left_out in range(run.media):
+        rest = {name: (totals[name] - sums[name][left_out])[None] for name in sums}
+        yield replace(run, arrays={**run.arrays, **rest})
+
+
+def _rescaled_errors(
+    run: "Ensemble", rescaled: "Solution", early: int, number_density: float
+) -> dict[str, Array]:
+    """Standard errors of data minus theory, the theory having the run's own mean free path l.
+
+    Both change when a configuration is left out: the theory by its derivative in ln l, which
+    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
+    """
+    log_path = np.log(float(run.mean_free_path.value))
+    times = run.times
+
+    def per_log_path(values: Array, power: int) -> Array:
+        return np.asarray(power * values - np.gradient(values, np.log(times)))
+
+    shifts = {
+        "thermal_speed": per_log_path(rescaled.thermal_speed, 0),
+        "a2": per_log_path(rescaled.a2, 0),
+        "msd": per_log_path(rescaled.msd, 2),
+        "kurtosis": per_log_path(rescaled.kurtosis, 0),
+    }
+    replicates: dict[str, list[Array]] = {
+        name: [] for name in (*shifts, "cooling_rate", "msd_slope")
+    }
+    for part in _without_each(run):
+        moved = np.log(float(part.mean_free_path.value)) - log_path
+        speed, msd = (
+            (getattr(part, name).value, getattr(rescaled, name) + moved * shifts[name])
+            for name in ("thermal_speed", "msd")
+        )
+        for name, shift in shifts.items():
+            replicates[name].append(getattr(part, name).value - moved * shift)
+        data, theory = (cooling_rate_between(times, v, early, number_density) for v in speed)
+        replicates["cooling_rate"].append(np.asarray(data - theory))
+        data, theory = (msd_slope_between(times, m, early) for m in msd)
+        replicates["msd_slope"].append(np.asarray(data - theory))
+    return {name: jackknife_error(np.array(values)) for name, values in replicates.items()}

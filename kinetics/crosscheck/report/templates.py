@@ -1,0 +1,58 @@
+"""The templates of the cross-check: its pages, and the sentences of its results.
+
+Sentences stand in `templates/*.txt.j2`, one block for each; pages in `templates/*.html.j2`.
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+@cache
+def environment() -> "Environment":
+    """Jinja's, for the templates of this package: an undefined name is an error.
+
+    Pages are escaped; sentences are not, because a page escapes them when it takes them in.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("kinetics.crosscheck"),
+        autoescape=lambda name: name is None or not name.endswith(".txt.j2"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.filters |= {"form": format, "span": span, "number": number}
+    return made
+
+
+def paragraphs(template: str, block: str, **values: Any) -> list[str]:
+    """The paragraphs of one block of a template of sentences, each as one line."""
+    found = environment().get_template(template)
+    text = "".join(found.blocks[block](found.new_context(values)))
+    return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
+
+
+def number(value: float | None, error: float | None = None) -> str:
+    """A number to 6 digits, or to the second digit of its standard error."""
+    if value is None:
+        return "–"
+    if not error:
+        return f"{value:.6g}"
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
+
+
+def span(values: Iterable[float], form: str) -> str:
+    """Smallest to largest of some numbers, as a sentence says it; NaN is left out."""
+    known = [v for v in values if math.isfinite(v)]
+    if not known:
+        return "–"
+    low, high = (format(f(known), form) for f in (min, max))
+    return low if low == high else f"{low} to {high}"

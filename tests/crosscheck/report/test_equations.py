@@ -1,0 +1,33 @@
+"""The equations of the pages are those that the derivations print."""
+
+from html import unescape
+from xml.etree import ElementTree
+
+import pytest
+
+from kinetics.crosscheck.report.equations import (
+    Equation,
+    comparison_equations,
+    printed,
+    report_equations,
+)
+
+
+def test_the_stored_equations_are_the_derivations_own() -> None:
+    # after a change of the derivations: python -m kinetics.crosscheck.report.equations
+    stored = [equation.mathml for equation in report_equations()]
+    assert stored == ["".join(formulas) for formulas in printed().values()]
+
+
+@pytest.mark.parametrize("equation", [*report_equations(), *comparison_equations()])
+def test_equations_are_well_formed_and_introduced(equation: Equation) -> None:
+    root = ElementTree.fromstring(f"<p>{unescape(equation.mathml)}</p>".replace(" > ", " &gt; "))
+    assert {element.tag for element in root} == {"math"}
+    assert equation.text.endswith(".")
+    assert "\\" not in equation.mathml
+
+
+def test_a_comparison_states_the_equation_and_its_chi_square() -> None:
+    names = [equation.text.split()[0] for equation in comparison_equations()]
+    assert names == ["A", "Between", "Differences"]
+    assert "⊤" in comparison_equations()[-1].mathml

@@ -1,0 +1,213 @@
+"""The printed formulas against each other and against their other transcription in sympy.
+
+A slip in one of the two transcriptions breaks an identity or differs from the other.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import quad
+
+from derivations import symbols as sy
+from derivations.verdicts.checks import ROWS
+from kinetics import sonine
+
+ABOVE_THRESHOLD = np.array([0.59, 0.6, 0.7, 0.8, 0.9, 0.99])
+
+
+@pytest.mark.parametrize("root", ["stable", "unstable"])
+def test_both_roots_solve_the_equation_for_a2(root: str) -> None:
+    # eq. sonine7 with eqs. sonine9 and sonine10
+    e = ABOVE_THRESHOLD
+    a2 = sonine.a2(e, root)
+    left, right = 4 * sonine.m2(e, a2) * (a2 + 1), sonine.m4(e, a2)
+    np.testing.assert_allclose(left, right, rtol=1e-13)
+
+
+def test_the_closed_cooling_rate_is_half_of_m2_at_the_stable_root() -> None:
+    e = ABOVE_THRESHOLD
+    np.testing.assert_allclose(sonine.cooling_rate(e), sonine.m2(e, sonine.a2(e)) / 2, rtol=1e-14)
+
+
+def test_the_stable_root_is_the_stable_one() -> None:
+    assert np.all(sonine.stability(ABOVE_THRESHOLD) < 0)
+    assert np.all(sonine.stability(ABOVE_THRESHOLD, "unstable") > 0)
+
+
+def test_below_the_threshold_there_is_no_value() -> None:
+    edge = sonine.THRESHOLD_RESTITUTION
+    assert edge == pytest.approx(0.5815670576)
+    assert np.isnan(sonine.a2(edge - 1e-9))
+    assert np.isfinite(sonine.a2(edge + 1e-9))
+    assert np.isnan(sonine.cooling_rate(0.4))
+    assert np.isnan(sonine.msd_sonine(100.0, 0.4))
+
+
+def test_an_unknown_root_is_refused() -> None:
+    with pytest.raises(ValueError, match="root: got 'upper'; it must be"):
+        sonine.a2(0.7, "upper")
+
+
+def test_the_elastic_a2_is_the_singular_one_of_the_paper() -> None:
+    # eq. sonine12 at e = 1: (31 - sqrt(1345))/24, not the Gaussian's 0
+    assert sonine.a2(1.0) == pytest.approx((31 - math.sqrt(1345)) / 24)
+
+
+@pytest.mark.parametrize("e", [0.6, 0.7, 0.9])
+def test_the_sonine_msd_is_the_integral_of_its_diffusion_coefficient(e: float) -> None:
+    # eq. ad8 (the first of that label) of eq. ad7 along eq. veq
+    h, a2 = float(sonine.cooling_rate(e)), float(sonine.a2(e))
+
+    def diffusion(t: float) -> float:
+        return float(sonine.diffusion_coefficient(sonine.thermal_speed(t, h), e, a2))
+
+    assert 4 * quad(diffusion, 0, 500)[0] == pytest.approx(float(sonine.msd_sonine(500.0, e)))
+
+
+def test_the_diffusion_coefficient_is_that_of_diffuse21_for_the_printed_rates() -> None:
+    # eq. diffuse21 with eqs. ad6 and xi = 2 d v0 rho0 h, T/m = v0^2/2
+    e, v0, rho = 0.8, 0.37, 0.04
+    a2 = float(sonine.a2(e))
+    xi = 2 * v0 * rho * float(sonine.m2(e, a2)) / 2
+    direct = v0**2 / 2 / (float(sonine.diffusion_rate(v0, e, a2)) - xi / 2)
+    assert float(sonine.diffusion_coefficient(v0, e, a2)) == pytest.approx(direct, rel=1e-13)
+
+
+def test_the_random_walk_makes_the_printed_number_of_steps() -> None:
+    # eqs. taun, tn: the time of N collisions, put back into eq. msd, gives l^2 N
+    e, free_path, n = 0.7, 13.5, 7
+    beta, alpha = float(sonine.beta(e)), 1 / math.sqrt(2)
+    time = alpha / beta * ((1 + free_path * beta) ** n - 1)
+    assert float(sonine.msd_random_walk(time, e)) == pytest.approx(n * free_path**2)
+    assert beta == pytest.approx(0.058 * 0.3)
+
+
+def test_the_random_walk_has_its_elastic_limit() -> None:
+    limit = float(sonine.msd_random_walk(100.0, 1.0))
+    assert limit == pytest.approx(13.5 * 100 * math.sqrt(2))
+    assert float(sonine.msd_random_walk(100.0, 1 - 1e-9)) == pytest.approx(limit, rel=1e-6)
+
+
+def test_the_sonine_msd_grows_linearly_in_the_elastic_limit() -> None:
+    once, twice = sonine.msd_sonine(np.array([50.0, 100.0]), 1.0)
+    assert twice == pytest.approx(2 * once)
+    assert float(sonine.msd_sonine(50.0, 1 - 1e-9)) == pytest.approx(once, rel=1e-6)
+
+
+@pytest.mark.parametrize("a2", [0.0, 0.2, -0.4])
+def test_the_sonine_vdf_is_normalised_and_has_its_moments(a2: float) -> None:
+    def moment(p: int) -> float:
+        return quad(lambda c: 2 * math.pi * c ** (p + 1) * float(sonine.vdf(c, a2)), 0, 12)[0]
+
+    assert moment(0) == pytest.approx(1)
+    assert moment(2) == pytest.approx(1)
+    assert moment(4) == pytest.approx(2 * (1 + a2))
+
+
+@pytest.mark.parametrize("eta", [0.25, 0.5, 0.75])
+def test_the_position_integral_is_the_printed_integral_over_speeds(eta: float) -> None:
+    # eq. gdefi, the integral done numerically
+    def integrand(v: float, r: float) -> float:
+        return (
+            2 * v * math.exp(-(v**2)) * float(sonine.position_given_speed(r, eta, v)) if v else 0.0
+        )
+
+    for r in (0.3, 1.0, 3.0):
+        numerical = quad(integrand, 0, 8, args=(r,), points=[0.5, 1, 2])[0]
+        assert float(sonine.position_integral(r, eta)) == pytest.approx(numerical, rel=1e-8)
+    assert quad(lambda r: float(sonine.position_integral(r, eta)), 0, 60)[0] == pytest.approx(1)
+    assert float(sonine.position_integral(0.0, eta)) == 0
+
+
+def test_the_printed_steepest_descent_is_half_of_the_integral_far_out() -> None:
+    # eqs. tailg and semig miss a factor 2, which the fitted gamma absorbs
+    r, eta = 60.0, 0.25
+    integral = float(sonine.position_integral(r, eta))
+    assert float(sonine.position_tail(r, eta, 1.0)) / integral == pytest.approx(0.5, abs=0.01)
+    assert float(sonine.position_far_tail(r, eta)) / integral == pytest.approx(0.5, abs=0.01)
+
+
+def test_the_peak_form_is_normalised() -> None:
+    assert quad(lambda r: float(sonine.position_peak(r)), 0, 20)[0] == pytest.approx(1)
+
+
+# -- the same formulas as the algebra holds them --------------------------------------------------
+
+
+def sides(label: str, known: dict[sp.Expr, sp.Expr]) -> list[float]:
+    """The right-hand sides of the formula of a label, with numbers for its symbols."""
+    formula = ROWS[label].formula
+    links = formula.args if isinstance(formula, sp.Tuple) else (formula,)
+    return [float(link.rhs.subs(known).doit()) for link in links]
+
+
+BETA, L, TIME, COUNT = sp.Rational(1, 20), sp.Rational(27, 2), sp.Integer(400), sp.Integer(7)
+WALK = {sy.alpha: sp.Rational(5, 7), sy.beta: BETA, sy.l: L, sy.N: COUNT}
+START = 7 / 5  # 1/alpha
+
+
+def test_the_random_walk_is_the_printed_one() -> None:
+    beta, path, t, n = map(float, (BETA, L, TIME, COUNT))
+    # before N has a value
+    interval = ROWS["taun"].formula.args[1].rhs.subs(sy.tc(sy.N - 1), TIME).subs(WALK)
+    assert float(sonine.collision_interval(t, beta, path, START)) == pytest.approx(float(interval))
+    (interval,) = sides("taun#2", WALK)
+    assert float(sonine.collision_interval_number(n, beta, path, START)) == pytest.approx(interval)
+    time = float(ROWS["tn"].formula.args[1].rhs.subs(WALK))
+    assert float(sonine.collision_time(n, beta, path, START)) == pytest.approx(time)
+    count = float(ROWS["N"].formula.rhs.subs(sy.tc(sy.N), TIME).subs(WALK))
+    assert float(sonine.collision_count(t, beta, path, START)) == pytest.approx(count)
+    (eta,) = sides("etadif", {**WALK, sy.kappa_d: sp.Rational(2, 3)})
+    assert float(sonine.eta_random_walk(beta, path, 2 / 3)) == pytest.approx(eta)
+    first, second = ROWS["ab"].formula.args
+    known = {sy.v0(0): sp.Rational(7, 5), sy.d: 1, sy.rho0: BETA, sy.h: sp.Rational(1, 3)}
+    assert float(sonine.alpha(START)) == pytest.approx(float(first.rhs.subs(known)))
+    found = sonine.beta(0.5, beta, cooling_rate=1 / 3)
+    assert float(found) == pytest.approx(float(second.rhs.subs(known)))
+
+
+def test_the_diffusion_coefficients_are_the_printed_ones() -> None:
+    beta, path, t = float(BETA), float(L), float(TIME)
+    hopping = {
+        **WALK,
+        sy.V: sp.Rational(3, 5),
+        sy.t: TIME,
+        sy.t1: TIME,
+        sy.kappa_d: sp.Rational(2, 3),
+    }
+    found = sonine.diffusion_at_hopping_speed(0.6, t, beta, path, START, 2 / 3)
+    for label in ("ddif", "ap21.5"):
+        assert sides(label, hopping) == [pytest.approx(float(found))]
+    one = {
+        sy.v: sp.Rational(3, 10),
+        sy.v0(sy.t): sp.Rational(1, 5),
+        sy.h: sp.Rational(1, 3),
+        sy.l: L,
+        sy.nuD: BETA,
+    }
+    exact, scaling = sides("ap21", one)
+    assert float(sonine.diffusion_at_speed(0.3, 0.2, 1 / 3, path, beta)) == pytest.approx(exact)
+    assert float(sonine.diffusion_at_speed_scaling(0.3, 0.2, path)) == pytest.approx(scaling)
+    rates = {sy.T(sy.t): 3, sy.m: 2, sy.nuD: 5, sy.xi(sy.t): 4}
+    assert sides("diffuse21", rates) == [
+        pytest.approx(float(sonine.diffusion_from_rates(1.5, 5, 4)))
+    ]
+    # ad8, the first: its integrand as printed does not depend on the variable of integration
+    (literal,) = sides("ad8", {sy.De(sy.t): sp.Rational(1, 7), sy.t: TIME})
+    assert float(sonine.msd_of_diffusion(t, lambda _: 1 / 7)) == pytest.approx(literal)
+
+
+def test_the_pieces_of_the_position_distribution_are_the_printed_ones() -> None:
+    point = {sy.R: sp.Rational(9, 5), sy.V: sp.Rational(4, 5), sy.eta: sp.Rational(1, 3)}
+    assert sides("pdefi", point) == [
+        pytest.approx(float(sonine.position_exponent(1.8, 0.8, 1 / 3)))
+    ]
+    assert sides("csolu", point) == [pytest.approx(float(sonine.position_saddle(1.8, 1 / 3)))]
+    spread = sp.Integral(sy.De(sy.V, sy.t1), (sy.t1, 0, sy.t))
+    known = ROWS["normg"].formula.rhs.subs(spread, 3).subs(sy.r, 4)
+    assert float(sonine.displacement_density(4.0, 3.0)) == pytest.approx(float(known))
+    (first,) = ROWS["gdefi"].formula.args[:1]
+    integral = sp.Integral(first.rhs.args[0].subs({sy.R: 1.8, sy.eta: 1 / 3}), *first.rhs.args[1:])
+    assert float(sonine.position_integral(1.8, 1 / 3)) == pytest.approx(float(integral.evalf()))

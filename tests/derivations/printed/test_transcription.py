@@ -1,0 +1,104 @@
+"""Every label of the paper is there, and every transcription says what its LaTeX source says."""
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+
+import pytest
+import sympy as sp
+
+from derivations import symbols as sy
+from derivations import verify
+from derivations.printed import PRINTED
+from derivations.printed.latex_reader import LatexError, read
+from derivations.verdicts.difference import is_zero
+
+Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
+_LABELS = """
+vchange gtilde v0defi thermo tdiff vdiff veq hsimu inelaslorentz2 tdepend if mup tdiff2 compare2
+compare3 ab taun taun tn N msd scaledposi diffuse1 diffuse1.5 diffuse2 diffuse3 diffuse4 diffuse5
+diffuse6 diffuse7 diffuse8 diffuse9 diffuse10 diffuse11 diffuse12 diffuse13 diffuse14 diffuse15
+diffuse16 diffuse17 diffuse18 diffuse19 diffuse20 diffuse21 diffuse22 normg ddif L eta etadif
+posivel gdefi pdefi csolu tailg semig gammatailg peakg dtchange gammaflow gamma- gamma+ ftdiff
+rewrite bexpress bexpress2 inelaslorentz rearramu2 ifmu2 mueq sonine1 sonine1.5 sonine2 sonine3
+sonine4 sonine4.5 sonine5 sonine6 sonine7 sonine8 sonine9 sonine10 sonine11 sonine12 ac1 ac2 ac3
+ac4 ac5 ac6 ac7 compare1 compare3 ad1 ad2 ad3 ad4 ad5 ad6 ad7 ad8 ad8 ap1 ap2 ap3 ap4 ap6 ap7 ap8
+ap11 ap11.5 ap11.6 ap12 ap12.5 ap13 ap14 ap15 ap16 ap17 ap18 ap19 ap20 ap21 ap21.5
+"""
+_FIGURES = "collision v0re hetomu2 msdtheory inelasticposi scalev impact sign soninediffuse"
+LABELS, FIGURES = _LABELS.split(), _FIGURES.split()
+
+
+def numbered(labels: list[str]) -> list[str]:
+    """The second occurrence of a label is ``label#2``."""
+    seen: dict[str, int] = {}
+    result = []
+    for label in labels:
+        seen[label] = seen.get(label, 0) + 1
+        result.append(label if seen[label] == 1 else f"{label}#{seen[label]}")
+    return result
+
+
+def test_every_label_of_the_paper_has_one_row() -> None:
+    assert list(PRINTED) == numbered(LABELS + FIGURES)
+    assert len(PRINTED) == 133
+    rows = [check.label for check in verify() if ":" not in check.label]
+    assert rows == list(PRINTED)
+
+
+def states(formula: sp.Basic) -> list[tuple[sp.Expr, sp.Expr]]:
+    members = formula if isinstance(formula, sp.Tuple) else (formula,)
+    return [(member.args[0], member.args[1]) for member in members]
+
+
+def disagreements(source: str, formula: sp.Basic) -> list[str]:
+    """The sides on which a formula does not say what its source says."""
+    theirs = [pair for statement in read(source) for pair in pairwise(statement)]
+    ours = states(formula)
+    if len(theirs) != len(ours):
+        return [f"{len(theirs)} equations are transcribed as {len(ours)}"]
+    return [
+        f"{side} is transcribed as {our_side}"
+        for pair, our_pair in zip(theirs, ours, strict=True)
+        for side, our_side in zip(pair, our_pair, strict=True)
+        if not is_zero(side - our_side)
+    ]
+
+
+@pytest.mark.parametrize("label", numbered(LABELS))
+def test_a_transcription_says_what_its_source_says(label: str) -> None:
+    entry = PRINTED[label]
+    assert entry.formula is not None
+    assert disagreements(entry.source, entry.formula) == []
+
+
+@pytest.mark.parametrize("label", numbered(LABELS))
+def test_a_changed_transcription_is_noticed(label: str, mutants: Mutants) -> None:
+    entry = PRINTED[label]
+    assert entry.formula is not None
+    for mutant in mutants(entry.formula):
+        if mutant != entry.formula:
+            assert disagreements(entry.source, mutant), f"{label} accepts {mutant}"
+
+
+@pytest.mark.parametrize("label", FIGURES)
+def test_a_figure_has_no_formula(label: str) -> None:
+    assert PRINTED[label].formula is None
+    assert PRINTED[label].source == ""
+
+
+@pytest.mark.parametrize(
+    ("source", "left", "right"),
+    [
+        (r"M_{2}=\frac{3}{8}a_{2}", sy.M2, sp.Rational(3, 8) * sy.a2),
+        (r"h(e)=2-\sqrt{e}d^{2}", sy.h, 2 - sp.sqrt(sy.e) * sy.d**2),
+        (r"v_{0}^{2}(t)=-\ln(1+l\beta)", sy.v0(sy.t) ** 2, -sp.log(1 + sy.l * sy.beta)),
+    ],
+)
+def test_the_reader_reads(source: str, left: sp.Expr, right: sp.Expr) -> None:
+    assert read(source) == [[left, right]]
+
+
+@pytest.mark.parametrize("source", [r"\unknown=1", r"M_{2}=(1", r"M_{2}=3)"])
+def test_the_reader_refuses_what_it_does_not_know(source: str) -> None:
+    with pytest.raises(LatexError):
+        read(source)

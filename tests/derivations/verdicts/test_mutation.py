@@ -1,0 +1,44 @@
+"""A verified row says something: change any one coefficient of the printed formula and it turns.
+
+The same for the results beyond the paper, whose stated form plays the part of the printed one.
+"""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+import sympy as sp
+
+from derivations import Status, verify
+from derivations.verdicts.checks import ROWS, check
+
+Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
+VERIFIED = [row.label for row in verify() if row.status is Status.VERIFIED]
+
+
+def test_the_mutants_are_those_of_every_number_and_term(mutants: Mutants) -> None:
+    a, b = sp.symbols("a b")
+    formula = sp.Eq(a, 3 * a**2 + b, evaluate=False)
+    found = {str(mutant) for mutant in mutants(formula)}
+    assert found == {
+        "Eq(2*a, 3*a**2 + b)",
+        "Eq(a, 6*a**2 + 2*b)",
+        "Eq(a, 4*a**2 + b)",
+        "Eq(a, 3*a**3 + b)",
+        "Eq(a, 6*a**2 + b)",
+        "Eq(a, 3*a**2 + 2*b)",
+    }
+
+
+@pytest.mark.parametrize("label", VERIFIED)
+def test_a_changed_coefficient_turns_a_verified_row_to_erratum(
+    label: str, mutants: Mutants
+) -> None:
+    formula = ROWS[label].formula
+    assert formula is not None
+    tried = 0
+    for mutant in mutants(formula):
+        if mutant == formula:
+            continue
+        tried += 1
+        assert check(label, mutant).status is Status.ERRATUM, f"{label} accepts {mutant}"
+    assert tried >= 2
