@@ -1,14 +1,14 @@
 """The data of each figure of a comparison, as kinetics.crosscheck.report.figures draws it."""
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
+from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
 from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
-
-Data = dict[str, Any]
+from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.templates import paragraphs
 
 _POINTS = 60
 """Of the theory's lines, for a page that is some 500 pixels wide."""
@@ -26,7 +26,6 @@ _AXES = {
         "linear",
     ),
 }
-_BARS = "The bars are one standard error."
 
 
 def figures_of(both: DataAndTheory) -> dict[str, Data]:
@@ -51,31 +50,12 @@ def figures_of(both: DataAndTheory) -> dict[str, Data]:
     return figures
 
 
-def _figure(title: str, description: str, x: Data, y: Data, series: list[Data]) -> Data:
-    return {"title": title, "description": description, "x": x, "y": y, "series": series}
+def _figure(block: str, x: Data, y: Data, lines: list[Data], **values: Any) -> Data:
+    title, description = paragraphs("comparison.txt.j2", block, **values)
+    return {"title": title, "description": description, "x": x, "y": y, "series": lines}
 
 
-def _axis(label: str, unit: str = "", scale: str = "linear") -> Data:
-    return {"label": label, "unit": unit, "scale": scale, "limits": None}
-
-
-_TIME = _axis("time $t$", "d/U", "log")
-
-
-def _series(
-    source: str, x: Iterable[Any], y: Iterable[Any], error: Any = None, group: str | None = None
-) -> Data:
-    def numbers(values: Iterable[Any]) -> list[float | None]:
-        return [float(v) if np.isfinite(v) else None for v in values]
-
-    return {
-        "source": source,
-        "restitution": None,
-        "group": group,
-        "x": numbers(x),
-        "y": numbers(y),
-        "error": None if error is None else numbers(error),
-    }
+_TIME = axis("time $t$", "d/U", "log")
 
 
 def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
@@ -86,39 +66,26 @@ def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
     every = np.concatenate([values, line])
     if scale == "log" and not (every.min() > 0 and every.max() > _DECADES * every.min()):
         scale = "linear"
-    return _figure(
-        title,
-        f"{title} over time: the data, and the kinetic equation. {_BARS}",
-        _TIME,
-        _axis(label, unit, scale),
-        [
-            _series("kinetic equation", fine, line),
-            _series("data", times[shown], values, error, "data"),
-        ],
-    )
+    lines = [
+        series("kinetic equation", fine, line),
+        series("data", times[shown], values, error, group="data"),
+    ]
+    return _figure("over_time", _TIME, axis(label, unit, scale), lines, title=title)
 
 
 def _sigmas(both: DataAndTheory) -> Data:
     times = both.sample.times
-    series = [_series("zero", [times[times > 0][0], times[-1]], [0.0, 0.0])]
+    lines = [series("zero", [times[times > 0][0], times[-1]], [0.0, 0.0])]
     for i, name in enumerate(both.names):
         shown = both.usable[i] & (times > 0)
         if np.any(shown):
-            z = both.difference[i, shown] / both.error[i, shown]
-            series.append(_series("data", times[shown], z, np.ones(z.size), name.replace("_", " ")))
-    return _figure(
-        "Differences in standard errors",
-        "Data minus kinetic equation, each divided by its standard error, over time. The same "
-        "tracers stand behind neighbouring points, so that these move together; the chi-squares of "
-        "the table take that into account.",
-        _TIME,
-        _axis("difference / standard error"),
-        series,
-    )
+            z, group = both.difference[i, shown] / both.error[i, shown], name.replace("_", " ")
+            lines.append(series("data", times[shown], z, np.ones(z.size), group=group))
+    return _figure("sigmas", _TIME, axis("difference / standard error"), lines)
 
 
 def _density(name: str, histograms: list[Any]) -> Data:
-    series = []
+    lines = []
     for found in histograms:
         group = f"t = {found.time:.4g}"
         # The first bin begins at 0 and the last has no end: a logarithmic axis has neither.
@@ -128,17 +95,10 @@ def _density(name: str, histograms: list[Any]) -> Data:
             part[1:-1] / width for part in (found.share, found.error, found.theory)
         )
         shown = value > 0
-        series.append(_series("kinetic equation", middle, theory, None, group))
-        series.append(_series("data", middle[shown], value[shown], error[shown], group))
+        lines.append(series("kinetic equation", middle, theory, group=group))
+        lines.append(series("data", middle[shown], value[shown], error[shown], group=group))
     what, x, unit = ("speed", "speed $v$", "U")
     if name == DISPLACEMENT:
         what, x, unit = ("displacement", "displacement $r$", "d")
-    return _figure(
-        f"{what.capitalize()} density",
-        f"Density of the {what}, averaged over bins in which at least 50 samples are expected: the "
-        "data, and the kinetic equation averaged over the same bins, joined by straight lines. "
-        f"{_BARS} What lies in the first and the last bin is in the table.",
-        _axis(x, unit, "log"),
-        _axis("density", f"1/{unit}", "log"),
-        series,
-    )
+    y = axis("density", f"1/{unit}", "log")
+    return _figure("density", axis(x, unit, "log"), y, lines, what=what, least=LEAST_EXPECTED)

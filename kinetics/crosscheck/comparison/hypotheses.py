@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
 from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
-from kinetics.crosscheck.comparison.result import Explanation
+from kinetics.crosscheck.comparison.result import Explanation, said
 from kinetics.crosscheck.comparison.statistics import ChiSquare, hotelling
 from kinetics.crosscheck.comparison.theory import Expectation, sampled_start
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, chance
@@ -90,12 +90,13 @@ class _Averages:
         return _Fitted(float(found.values[0]), float(found.errors[0]), found.chi_square, found)
 
     def fitted_log(
-        self, model: Callable[[float], tuple[Array, Array]], start: float, components: Any = None
-    ) -> _Fitted | None:
-        """The best value of a positive parameter, within a factor 20 of a start."""
-        told = float(np.log(start))
-        unknown = Unknown("logarithm", told - 3, told + 3)
-        found = self.fitted(lambda at: model(float(np.exp(at))), unknown, told, components)
+        self, model: Callable[[float], tuple[Array, Array]], told: float, width: float,
+        components: Any = None,
+    ) -> _Fitted | None:  # fmt: skip
+        """The best value of a positive parameter, within a factor exp(width) of what was told."""
+        start = float(np.log(told))
+        unknown = Unknown("logarithm", start - width, start + width)
+        found = self.fitted(lambda at: model(float(np.exp(at))), unknown, start, components)
         if found is None:
             return None
         value = float(np.exp(found.value))
@@ -104,7 +105,7 @@ class _Averages:
     def fitted_path(self, components: Any = None) -> _Fitted | None:
         """The best free path, for all averages or for some components."""
         told = self.both.solution.scene.mean_free_path
-        return self.fitted_log(lambda at: self.theory(free_path=at), told, components)
+        return self.fitted_log(lambda at: self.theory(free_path=at), told, 3.0, components)
 
     def tested(self, name: str, text: str, found: _Fitted | ChiSquare) -> Explanation:
         """What a hypothesis comes to, from the chi-square that it leaves."""
@@ -118,12 +119,9 @@ class _Averages:
             outcome = "explains" if before.p_value < AGREES_ABOVE else "does not"
         elif before.value - after.value > max(_LEAST_GAIN, 0.1 * before.value):
             outcome = "in part"
-        left = (
-            f" The averages' chi-square goes from {before.value:.4g} to {after.value:.4g} with "
-            f"{after.freedom} degrees of freedom (p = {after.p_value:.2g})."
-        )
+        text = f"{text} {said('tested', before=before, after=after)}"
         return Explanation(
-            name, outcome, text + left, True, value, error, before.value, after.value,
+            name, outcome, text, True, value, error, before.value, after.value,
             after.freedom, after.p_value,
         )  # fmt: skip
 
@@ -132,22 +130,13 @@ def _free_path(averages: _Averages) -> Iterator[Explanation]:
     found, scene = averages.fitted_path(), averages.both.solution.scene
     if found is None:
         return
-    path, ratio = found.value, found.value / scene.mean_free_path
-    text = (
-        f"Another mean free path: l = {path:.5g} ± {found.error:.2g} d fits best, {ratio - 1:+.1%} "
-        f"from 1/(2dρ₀) = {scene.mean_free_path:.5g} d, as a density of {1 / (2 * path):.5g} d⁻² "
-        "would have."
-    )
+    told, disks, near = scene.mean_free_path, None, False
     if np.pi * scene.number_density * scene.diameter**2 / 4 < 0.5:  # the disks' share of the area
-        from kinetics.crosscheck.report.rows import contact_value
+        from kinetics.crosscheck.report.observables import contact_value
 
-        disks = scene.mean_free_path / contact_value(scene.number_density, scene.diameter)
-        text += (
-            f" Hard disks that do not overlap have l = {disks:.5g} d at the density told "
-            f"({disks / scene.mean_free_path - 1:+.1%}, Henderson's contact value)"
-        )
-        near = abs(path - disks) <= 3 * found.error and ratio < 1
-        text += ": that is the finite density of the scatterers." if near else "."
+        disks = told / contact_value(scene.number_density, scene.diameter)
+        near = abs(found.value - disks) <= 3 * found.error and found.value < told
+    text = said("free_path", found=found, told=told, disks=disks, near=near)
     yield averages.tested("free path", text, found)
 
 
@@ -173,20 +162,12 @@ def _recollisions(averages: _Averages) -> Iterator[Explanation]:
         return
     relative = float(difference[0] / theory[k, last])
     error = float(abs(relative) / np.sqrt(result.value))
-    fits = "fits them" if found.chi_square.p_value >= AGREES_ABOVE else "fits them best"
-    below = relative < 0
-    text = (
-        f"The speeds alone have l = {found.value:.5g} d ({fits}); with it ⟨r²⟩ at the "
-        f"last time is {relative:+.1%} ± {error:.1%} from the kinetic equation. "
-        + (
-            "Tracers that come back to scatterers they have met spread less than the equation, "
-            "which forgets them, says: recollisions of a finite density do that."
-            if below
-            else "Recollisions would make it smaller, not larger."
-        )
-    )
+    text = said(
+        "recollisions", path=found.value, fits=found.chi_square.p_value >= AGREES_ABOVE,
+        relative=relative, error=error,
+    )  # fmt: skip
     yield Explanation(
-        "recollisions", "found" if below else "does not", text, True, relative, error,
+        "recollisions", "found" if relative < 0 else "does not", text, True, relative, error,
         p_value=result.p_value, chi_square_after=result.value, dof=1,
     )  # fmt: skip
 
@@ -196,10 +177,7 @@ def _restitution(averages: _Averages) -> Iterator[Explanation]:
     unknown = Unknown("restitution", 0.0, 1.0)
     found = averages.fitted(lambda at: averages.theory(restitution=at), unknown, e)
     if found is not None:
-        text = (
-            f"Another restitution: e = {found.value:.5g} ± {found.error:.2g} fits best, instead of "
-            f"{e:.5g}."
-        )
+        text = said("restitution", found=found, told=e)
         yield averages.tested("restitution", text, found)
 
 
@@ -219,8 +197,7 @@ def _start(averages: _Averages) -> Iterator[Explanation]:
         replicates = (both.expectation.replicates - moved).reshape(both.sample.groups, -1)
         after = hotelling(difference, replicates[:, averages.components])
         if after is not None:
-            text = f"Another start: {words}, the rest as told."
-            yield averages.tested("initial speeds", text, after)
+            yield averages.tested("initial speeds", said("start", start=words), after)
 
 
 def _unit(averages: _Averages) -> Iterator[Explanation]:
@@ -237,13 +214,9 @@ def _unit(averages: _Averages) -> Iterator[Explanation]:
         scaled = values * unit**speeds
         return scaled, scaled
 
-    found = averages.fitted_log(model, 1.0)
+    found = averages.fitted_log(model, 1.0, 5.0)
     if found is not None:
-        text = (
-            f"Speeds in another unit, or faster at the start: U = {found.value:.5g} ± "
-            f"{found.error:.2g} in the data's unit fits best, instead of 1."
-        )
-        yield averages.tested("speed unit", text, found)
+        yield averages.tested("speed unit", said("speed_unit", found=found), found)
 
 
 def _at_rest(averages: _Averages) -> Iterator[Explanation]:
@@ -255,11 +228,7 @@ def _at_rest(averages: _Averages) -> Iterator[Explanation]:
         lambda share: (_thinned(values, names, share), _thinned(moved, names, share)), unknown, 0.0
     )
     if found is not None and found.value > 0:
-        text = (
-            f"A share of {found.value:.2%} ± {found.error:.2%} of the tracers that never moves "
-            "fits best."
-        )
-        yield averages.tested("tracers at rest", text, found)
+        yield averages.tested("tracers at rest", said("at_rest", found=found), found)
 
 
 def _thinned(values: Array, names: Sequence[str], share: float) -> Array:

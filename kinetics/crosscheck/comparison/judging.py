@@ -16,6 +16,7 @@ from kinetics.crosscheck.comparison.result import (
     ComparisonTest,
     Explanation,
     Parameter,
+    said,
 )
 from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.statistics import (
@@ -37,12 +38,6 @@ if TYPE_CHECKING:
 _SAME = 1e-6
 """Relative difference up to which data without spread agree with the theory: ten times the
 tolerance that the solver is given."""
-_WORDS = {
-    Verdict.AGREES: "they agree.",
-    Verdict.UNCLEAR: "a difference is possible, but more samples would have to show it.",
-    Verdict.DIFFERS: "they differ.",
-    Verdict.UNDEFINED: "nothing could be tested.",
-}
 
 
 def compare(
@@ -208,24 +203,13 @@ def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> V
 
 
 def _summary(both: DataAndTheory, tests: Sequence[ComparisonTest], verdict: Verdict) -> str:
-    scene, sample = both.solution.scene, both.sample
-    head = (
-        f"{int(sample.samples.max())} tracers at {sample.times.size} times from "
-        f"{sample.times[0]:.4g} to {sample.times[-1]:.4g} d/U, against the kinetic equation with "
-        f"e = {scene.restitution:.6g} and ρ₀ = {scene.number_density:.6g} d⁻², from "
-        f"{start_in_words(scene.initial)}: "
-    )
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
-    tail = ""
-    if odd:
-        least = min(odd, key=lambda test: test.p_value)
-        at = "" if least.time is None else f" at t = {least.time:.4g}"
-        tail = (
-            f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is "
-            f"{least.observable.replace('_', ' ')}{at}: chi-square {least.chi_square:.4g} with "
-            f"{least.dof} degrees of freedom, p = {least.p_value:.2g}."
-        )
-    return head + _WORDS[verdict] + tail
+    return said(
+        "summary", samples=int(both.sample.samples.max()), times=both.sample.times,
+        scene=both.solution.scene, start=start_in_words(both.solution.scene.initial),
+        verdict=verdict, tests=len(tests), odd=odd,
+        least=min(odd, key=lambda test: test.p_value, default=None),
+    )  # fmt: skip
 
 
 def start_in_words(initial: Any) -> str:

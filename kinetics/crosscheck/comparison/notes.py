@@ -11,7 +11,7 @@ import numpy as np
 from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
 from kinetics.crosscheck.comparison.fit import choose_components
 from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
-from kinetics.crosscheck.comparison.result import Explanation
+from kinetics.crosscheck.comparison.result import Explanation, said
 from kinetics.crosscheck.comparison.statistics import hotelling
 from kinetics.crosscheck.comparison.theory import SPEED, bin_shares
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, Verdict, chance
@@ -46,18 +46,16 @@ def _traps(both: DataAndTheory) -> Iterator[Explanation]:
         if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * np.sqrt(max(expected, count)):
             break
         share, error = excess / found.samples, float(np.sqrt(count)) / found.samples
-        text = (
-            f"Traps: at t = {found.time:.4g}, {count} tracers are slower than "
-            f"{edges[cut]:.3g} U, where {expected:.3g} are expected: an excess of {share:.2%} ± "
-            f"{error:.2%} of all. {int(both.sample.at_rest[found.index])} of them have speed zero. "
-            "Tracers caught in corners between scatterers, or stopped by a program, are such."
-        )
+        text = said(
+            "traps", time=found.time, count=count, speed=edges[cut], expected=expected,
+            share=share, error=error, rest=int(both.sample.at_rest[found.index]),
+        )  # fmt: skip
         yield Explanation("traps", "found", text, True, share, error)
         return
     rest = int(both.sample.at_rest.max())
     if rest:
-        text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-        yield Explanation("traps", "found", text, True, rest / int(both.sample.samples.max()))
+        share = rest / int(both.sample.samples.max())
+        yield Explanation("traps", "found", said("zero_speeds", rest=rest), True, share)
 
 
 def _missing(both: DataAndTheory) -> Iterator[Explanation]:
@@ -67,39 +65,30 @@ def _missing(both: DataAndTheory) -> Iterator[Explanation]:
     complete = samples == most
     if np.all(complete):
         return
-    capped = both.sample.capped
-    who = "" if capped is None else f" (they are stopped after {capped} collisions)"
-    text = (
-        f"Tracers are missing{who}: of {most}, {most - int(samples[least])} at "
-        f"t = {both.sample.times[least]:.4g}. A cap on collisions takes the fast ones away, and "
-        "what is left is too slow."
-    )
     results = []
     for times in (complete, ~complete):
         chosen = choose_components(both.usable & times, both.sample.groups, 1)
         difference, replicates = both.difference.ravel()[chosen], both.flat_replicates[:, chosen]
         results.append(hotelling(difference, replicates) if chosen.size else None)
     whole, part = results
+    off = None
+    if "thermal_speed" in both.names:
+        i = both.names.index("thermal_speed")
+        if both.usable[i, least]:
+            off = both.difference[i, least] / both.theory[i, least]
+    missing = most - int(samples[least])
+    text = said(
+        "missing", capped=both.sample.capped, most=most, missing=missing,
+        time=both.sample.times[least], whole=whole, part=part, off=off,
+    )  # fmt: skip
     if part is None:
         yield Explanation("missing tracers", "noted", text, False)
         return
     outcome, agrees = "does not", chance(AGREES_BELOW)
     if part.p_value < agrees:
         outcome = "explains" if whole is None or whole.p_value >= agrees else "in part"
-    if whole is not None:
-        text += (
-            f" At the times that have all of them the averages have chi-square {whole.value:.4g} "
-            f"with {whole.freedom} degrees of freedom (p = {whole.p_value:.2g}), at the others "
-            f"{part.value:.4g} with {part.freedom} (p = {part.p_value:.2g})."
-        )
-    if "thermal_speed" in both.names:
-        i = both.names.index("thermal_speed")
-        if both.usable[i, least]:
-            off = both.difference[i, least] / both.theory[i, least]
-            text += f" The thermal speed is {off:+.1%} from the theory there."
     yield Explanation(
-        "missing tracers", outcome, text, True,
-        value=float((most - samples[least]) / most),
+        "missing tracers", outcome, text, True, value=missing / most,
         chi_square_before=part.value, chi_square_after=None if whole is None else whole.value,
         dof=None if whole is None else whole.freedom,
         p_value=None if whole is None else whole.p_value,
@@ -109,12 +98,7 @@ def _missing(both: DataAndTheory) -> Iterator[Explanation]:
 def _own_start(both: DataAndTheory) -> Iterator[Explanation]:
     """A density that started from the data's own speeds cannot differ much from them early."""
     if both.own_start and both.histograms:
-        text = (
-            "The theory starts from the data's own speeds. The averages' errors allow for that; "
-            "the densities' do not, and while most tracers have not collided their p-values are "
-            "too high."
-        )
-        yield Explanation("own start", "noted", text, False)
+        yield Explanation("own start", "noted", said("own_start"), False)
 
 
 def _not_forgotten(both: DataAndTheory) -> Iterator[Explanation]:
@@ -130,25 +114,19 @@ def _not_forgotten(both: DataAndTheory) -> Iterator[Explanation]:
     # Written so that a theory that is not finite is left out.
     if not abs(away) >= max(0.01 * (1 + exact), float(both.error[i, -1])):
         return
-    text = (
-        f"The start is not forgotten: at the last time the kinetic equation itself has "
-        f"a₂ = {last:.4f}, the scaling state {exact:.4f}. Such data differ from the scaling state "
-        "(its h, a₂ and F(c)) without anything being wrong."
-    )
+    text = said("not_forgotten", last=last, exact=exact)
     yield Explanation("start not forgotten", "noted", text, False, away)
 
 
 def _tails(both: DataAndTheory) -> Iterator[Explanation]:
     """What is too rare to be judged."""
     for found in both.histograms[-1:]:
-        unit = "U" if found.name == SPEED else "d"
-        text = (
-            f"Tails: a bin needs {LEAST_EXPECTED} expected samples to be judged. At t = "
-            f"{found.time:.4g} everything above {found.edges[-2]:.4g} {unit} is one "
-            f"bin of {found.share[-1] * found.samples:.0f} samples; how the tail falls beyond that "
-            "takes more of them."
-        )
-        yield Explanation("tails", "noted", text, False, float(found.edges[-2]))
+        edge, count = float(found.edges[-2]), found.share[-1] * found.samples
+        text = said(
+            "tails", least=LEAST_EXPECTED, time=found.time, edge=edge, count=count,
+            unit="U" if found.name == SPEED else "d",
+        )  # fmt: skip
+        yield Explanation("tails", "noted", text, False, edge)
 
 
 def _few_samples(both: DataAndTheory) -> Iterator[Explanation]:
@@ -159,8 +137,5 @@ def _few_samples(both: DataAndTheory) -> Iterator[Explanation]:
         scale = 1 + both.theory[i, -1] if name == "a2" else both.theory[i, -1]
         relative = float(both.error[i, -1] / scale)
         if relative > 0.1:
-            text = (
-                f"Too few samples for the fourth moment behind {name}: its standard error at the "
-                f"last time is {relative:.0%}."
-            )
+            text = said("few_samples", name=name, relative=relative)
             yield Explanation("few samples", "noted", text, False, relative)

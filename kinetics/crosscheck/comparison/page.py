@@ -5,12 +5,12 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES, Comparison
+from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES, Comparison, said
 from kinetics.crosscheck.comparison.text import cells_of_row, cells_of_test, parameter_text
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_file, svg
-from kinetics.crosscheck.report.page import environment
+from kinetics.crosscheck.report.templates import environment
 from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
 
@@ -28,10 +28,6 @@ PARAMETERS = {
     "number_density": "number density ρ₀ / d⁻²",
     "mean_free_path": "mean free path l / d",
 }
-UNITS = (
-    "Lengths in d, the diameter of a scatterer and of the tracer; speeds in U, the standard "
-    "deviation of one component of the initial velocity; times in d/U; densities in d⁻²."
-)
 
 
 def prepare(output: Path, data: Sequence[Path]) -> None:
@@ -75,7 +71,7 @@ def render(result: Comparison, json_name: str) -> str:
         .get_template("comparison.html.j2")
         .render(
             doc=document,
-            units=UNITS,
+            units=said("units"),
             json_name=json_name,
             svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
             equations=comparison_equations(),

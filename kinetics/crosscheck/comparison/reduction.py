@@ -1,21 +1,12 @@
 """From rows to a sample: sums over groups, made while the pieces of a file pass by."""
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.crosscheck.comparison.data.labels import Repeats
-from kinetics.crosscheck.comparison.sample import (
-    BINS,
-    LOWEST,
-    PER_OCTAVE,
-    Binned,
-    Sample,
-    StartBins,
-    bin_edges,
-)
+from kinetics.crosscheck.comparison.sample import Binned, Sample, StartBins
 from kinetics.errors import InputError
 
 MOST_GROUPS = 251
@@ -31,6 +22,9 @@ SAME_TIME = 1e-9
 """Relative difference below which two times are one: far above the rounding of times that are
 written with 12 digits or more."""
 
+LOWEST, PER_OCTAVE, BINS = -10, 12, 192
+"""Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
+octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _ROUNDING = 1e-9
 _START_PER_OCTAVE, _START_LOWEST, _START_BINS = 64, -30, 64 * 40
 
@@ -52,14 +46,11 @@ class Reduction:
 
     def __init__(self, grouping: str) -> None:
         self.grouping = grouping
-        self._known = np.empty(0)
-        self._sums = np.zeros((0, MOST_GROUPS, 5))
-        self._speeds = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
-        self._displacements = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
-        self._at_rest = np.zeros(0, np.int64)
-        self._speed_scale = np.ones(0)
-        self._length_scale = np.ones(0)
-        self._rows_at = np.zeros(0, np.int64)
+        self._times = np.empty(0)  # in the order in which they came, as everything by time
+        self._sums = np.zeros((MOST_TIMES, MOST_GROUPS, 5))
+        self._speeds = self._displacements = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
+        self._at_rest, self._rows_at = np.zeros((2, MOST_TIMES), np.int64)
+        self._speed_scale, self._length_scale = np.ones((2, MOST_TIMES))
         self._start_counts = np.zeros((MOST_GROUPS, _START_BINS + 2), np.int64)
         self._start_powers = np.zeros((2, _START_BINS + 2))
         self._repeats = Repeats()
@@ -82,17 +73,18 @@ class Reduction:
             r = np.hypot(rows.x, rows.y) / self._length_scale[at]
             v2, r2 = v * v, r * r
             powers = (None, v2, v2 * v2, r2, r2 * r2)
-        place, cells = at * MOST_GROUPS + group, self._known.size * MOST_GROUPS
+        place, cells = at * MOST_GROUPS + group, MOST_TIMES * MOST_GROUPS
         for k, power in enumerate(powers):
             self._sums[:, :, k] += np.bincount(place, power, cells).reshape(-1, MOST_GROUPS)
-        self._at_rest += np.bincount(at[v == 0], minlength=self._known.size)
+        self._at_rest += np.bincount(at[v == 0], minlength=MOST_TIMES)
         row = (at * HISTOGRAM_GROUPS + group % HISTOGRAM_GROUPS) * (BINS + 2)
         for counts, values in ((self._speeds, v), (self._displacements, r)):
             np.add.at(
                 counts.reshape(-1), row + _bins(values, LOWEST, PER_OCTAVE, BINS), np.int32(1)
             )
-        if self._known.min() == 0:
-            self._add_start(v[at == np.argmin(self._known)], group[at == np.argmin(self._known)])
+        if self._times.min() == 0:
+            first = at == np.argmin(self._times)
+            self._add_start(v[first], group[first])
 
     def _add_start(self, v: Any, group: Any) -> None:
         """Speeds at time 0 in units of their scale, and their groups, (n,)."""
@@ -106,46 +98,41 @@ class Reduction:
     def moved_at_zero(self) -> bool:
         """Whether positions at time 0 are not the origin, rounding apart."""
         squares, rows = self._sums[:, :, 3].sum(axis=1), self._sums[:, :, 0].sum(axis=1)
-        size = np.sqrt(squares / np.maximum(rows, 1)) * self._length_scale
-        return bool(np.any(size[self._known == 0] > _ROUNDING * size.max()))
+        size = (np.sqrt(squares / np.maximum(rows, 1)) * self._length_scale)[: self._times.size]
+        return bool(np.any(size[self._times == 0] > _ROUNDING * size.max(initial=0.0)))
 
     def _time_indices(self, rows: Rows) -> Any:
         """The index of the time of each row among the known times, (n,); new times are entered."""
         at = self._located(rows.time)
         if np.any(at < 0):
-            self._enlarge(_distinct(np.unique(rows.time[at < 0])), rows)
+            self._enter(_distinct(np.unique(rows.time[at < 0])), rows)
             at = self._located(rows.time)
         return at
 
     def _located(self, time: Any) -> Any:
         """The index of the known time that is nearest to each, -1 where none is the same."""
-        if not self._known.size:
+        if not self._times.size:
             return np.full(time.size, -1)
-        order = np.argsort(self._known)
-        known = self._known[order]
+        order = np.argsort(self._times)
+        known = self._times[order]
         k = np.searchsorted(known[:-1] / 2 + known[1:] / 2, time)
         return np.where(np.abs(known[k] - time) <= SAME_TIME * time, order[k], -1)
 
-    def _enlarge(self, new: Any, rows: Rows) -> None:
-        """Make room for new times; the first rows of a time give the scale of its bins."""
-        count = self._known.size + new.size
-        if count > MOST_TIMES:
+    def _enter(self, new: Any, rows: Rows) -> None:
+        """Enter new times; the first rows of a time give the scale of its bins."""
+        if self._times.size + new.size > MOST_TIMES:
             raise InputError(
                 f"time: more than {MOST_TIMES} different times; every tracer must be given at the "
                 "same few times"
             )
-        self._known = np.concatenate([self._known, new])
-        for name in ("sums", "speeds", "displacements", "at_rest", "rows_at"):
-            old = getattr(self, f"_{name}")
-            room = np.zeros((new.size, *old.shape[1:]), old.dtype)
-            setattr(self, f"_{name}", np.concatenate([old, room]))
-        speed, length = np.ones(new.size), np.ones(new.size)
-        for k, t in enumerate(new):
+        for k, t in enumerate(new, self._times.size):
             first = np.flatnonzero(np.abs(rows.time - t) <= SAME_TIME * t)[:10_000]
-            speed[k] = _root_mean_square(rows.vx[first], rows.vy[first])
-            length[k] = _root_mean_square(rows.x[first], rows.y[first])
-        self._speed_scale = np.concatenate([self._speed_scale, speed])
-        self._length_scale = np.concatenate([self._length_scale, length])
+            self._speed_scale[k] = _root_mean_square(rows.vx[first], rows.vy[first])
+            self._length_scale[k] = _root_mean_square(rows.x[first], rows.y[first])
+        self._times = np.concatenate([self._times, new])
+        room = np.zeros((new.size, HISTOGRAM_GROUPS, BINS + 2), np.int32)
+        self._speeds = np.concatenate([self._speeds, room])
+        self._displacements = np.concatenate([self._displacements, room])
 
     def _groups(self, rows: Rows, at: Any, file: int) -> Any:
         label = rows.medium if self.grouping == "medium" else rows.tracer
@@ -154,34 +141,33 @@ class Reduction:
         # Another file's labels begin elsewhere, so that small runs do not fall on each other.
         return (label % MOST_GROUPS + 97 * file) % MOST_GROUPS
 
-    def sample(self, names: tuple[str, ...], warnings: Iterable[str] = ()) -> Sample:
+    def sample(self, names: tuple[str, ...]) -> Sample:
         """What was added, in the units of the data.
 
         InputError if nothing was, or if a tracer has two rows at one time.
         """
-        if self._known.size == 0:
+        if self._times.size == 0:
             raise InputError(f"{', '.join(names)}: has no rows; at least two tracers are needed")
-        self._repeats.check(self._known)
-        order = np.argsort(self._known)
+        self._repeats.check(self._times)
+        order = np.argsort(self._times)
         used = self._sums[:, :, 0].sum(axis=0) > 0
 
         def binned(counts: Any, scale: Any) -> Binned:
             there = np.flatnonzero(counts.sum(axis=(0, 2)) > 0)
             by_group = counts.swapaxes(0, 1)[np.ix_(there, order)]
-            return Binned(bin_edges(scale[order]), by_group.sum(axis=0, dtype=np.int64), by_group)
+            edges = scale[order, None] * 2.0 ** (LOWEST + np.arange(BINS + 1) / PER_OCTAVE)
+            return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
         start = None
-        if self._known.min() == 0:
-            count = self._start_counts.sum(axis=0)
+        if self._times.min() == 0:
             moving = self._start_powers[0] > 0
-            squares, quartics = self._start_powers[:, moving] / count[moving]
+            counts = self._start_counts[:, moving]
+            squares, quartics = self._start_powers[:, moving] / counts.sum(axis=0)
             unit = self._speed_scale[order][0]
-            start = StartBins(
-                squares * unit**2, quartics / squares**2, self._start_counts[:, moving][used]
-            )
+            start = StartBins(squares * unit**2, quartics / squares**2, counts[used])
         return Sample(
             names=names,
-            times=self._known[order],
+            times=self._times[order],
             sums=self._sums[order][:, used].swapaxes(0, 1),
             speed_scale=self._speed_scale[order],
             length_scale=self._length_scale[order],
@@ -190,7 +176,6 @@ class Reduction:
             start=start,
             at_rest=self._at_rest[order],
             grouping=self.grouping,
-            warnings=tuple(warnings),
         )
 
 

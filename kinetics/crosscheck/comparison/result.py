@@ -8,6 +8,7 @@ from html import escape
 from typing import Any, Self
 
 from kinetics.crosscheck.plain import dumps, plain
+from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.values import FrozenDict, Value
 
@@ -31,6 +32,11 @@ OUTCOMES = {
 }
 """What an explanation comes to, in words; in the order in which they are told."""
 _REPR_WIDTH, _REPR_LINES = 100, 9
+
+
+def said(block: str, **values: Any) -> str:
+    """The sentences of one block of the template, on one line."""
+    return " ".join(paragraphs("comparison.txt.j2", block, **values))
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,6 @@ Counts = NDArray[np.int64]
 
 N, V2, V4, R2, R4 = range(5)
 """Columns of the sums: samples, and powers of speed and displacement."""
-LOWEST, PER_OCTAVE, BINS = -10, 12, 192
-"""Bins of a reduction: log2 of the lowest edge over the scale, bins per octave, their number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +139,3 @@ class Sample:
             displacements=None if self.displacements is None else self.displacements.at(keep),
             **{name: getattr(self, name)[keep] for name in by_time},
         )
-
-
-def bin_edges(scale: Array) -> Array:
-    """Edges of a reduction's bins, (n_times, BINS + 1)."""
-    return scale[:, None] * 2.0 ** (LOWEST + np.arange(BINS + 1) / PER_OCTAVE)

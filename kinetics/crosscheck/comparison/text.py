@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from kinetics.crosscheck.comparison.result import OUTCOMES, Comparison
-from kinetics.crosscheck.report.page import number
+from kinetics.crosscheck.report.templates import number
 from kinetics.crosscheck.text import aligned
 
 Plain = Mapping[str, Any]

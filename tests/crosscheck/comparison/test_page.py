@@ -86,7 +86,7 @@ def test_the_page_needs_nothing_beside_it(differing: Comparison) -> None:
 
 
 def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison) -> None:
-    from kinetics.crosscheck.report.page import number
+    from kinetics.crosscheck.report.templates import number
 
     document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
     assert document == differing.document()

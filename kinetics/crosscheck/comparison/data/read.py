@@ -16,6 +16,7 @@ from kinetics.crosscheck.comparison.data.columns import (
 )
 from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
+from kinetics.crosscheck.comparison.result import said
 from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.errors import InputError, check_positive
 
@@ -116,10 +117,7 @@ class _Files:
             reduction = self._reduced(grouping, origins)
             if positions == "auto" and origins is None and reduction.moved_at_zero:
                 origins = self._origins()
-                warnings.append(
-                    "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
-                    "subtracted from its positions."
-                )
+                warnings.append(said("origins"))
                 continue
             sample = reduction.sample(self._names)
             if sample.groups >= 2 or grouping == by_tracer:
@@ -168,22 +166,9 @@ class _Files:
         """What the reader should know of the standard errors, a warning each."""
         if grouping == "medium":
             return []
-        if "medium" in self._labels:
-            out = [
-                "There is one configuration: errors are by tracer, and do not hold what another "
-                "configuration of scatterers would change."
-            ]
-        else:
-            out = [
-                "Configurations are unknown (no column medium): errors are by tracer. Tracers that "
-                "share scatterers are not independent, and their errors are larger than these."
-            ]
-        if grouping == "row":
-            out.append(
-                "Tracers are unknown (no column tracer): the k-th row of each time is taken for "
-                "the same tracer. If it is not, p-values over several times are wrong."
-            )
-        return out
+        known = "medium" in self._labels
+        out = [said("one_configuration" if known else "unknown_configurations")]
+        return out + ([said("unknown_tracers")] if grouping == "row" else [])
 
 
 def _in_range(sample: Sample) -> Sample:
