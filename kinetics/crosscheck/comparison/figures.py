@@ -6,6 +6,7 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
 from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
+from kinetics.crosscheck.comparison.result import OBSERVABLES
 from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.templates import paragraphs
@@ -15,17 +16,6 @@ _POINTS = 60
 _LEAST_BINS = 3
 _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
-_AXES = {
-    "thermal_speed": ("Thermal speed", "$v_0$", "U", "log"),
-    "a2": ("Second Sonine coefficient", "$a_2$", "", "linear"),
-    "msd": ("Mean square displacement", r"$\langle r^2\rangle$", "d²", "log"),
-    "kurtosis": (
-        "Kurtosis of the displacement",
-        r"$\langle r^4\rangle/\langle r^2\rangle^2$",
-        "",
-        "linear",
-    ),
-}
 
 
 def figures_of(both: DataAndTheory) -> dict[str, Data]:
@@ -59,18 +49,20 @@ _TIME = axis("time $t$", "d/U", "log")
 
 
 def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
-    title, label, unit, scale = _AXES[both.names[i]]
+    observable = OBSERVABLES[both.names[i]]
     times = both.sample.times
     shown = (times > 0) & np.isfinite(both.expectation.values[i])
     values, error = both.expectation.values[i, shown], both.error[i, shown]
     every = np.concatenate([values, line])
+    scale = observable.scale
     if scale == "log" and not (every.min() > 0 and every.max() > _DECADES * every.min()):
         scale = "linear"
     lines = [
         series("kinetic equation", fine, line),
         series("data", times[shown], values, error, group="data"),
     ]
-    return _figure("over_time", _TIME, axis(label, unit, scale), lines, title=title)
+    y = axis(observable.symbol, observable.unit, scale)
+    return _figure("over_time", _TIME, y, lines, title=observable.name)
 
 
 def _sigmas(both: DataAndTheory) -> Data:
@@ -97,8 +89,6 @@ def _density(name: str, histograms: list[Any]) -> Data:
         shown = value > 0
         lines.append(series("kinetic equation", middle, theory, group=group))
         lines.append(series("data", middle[shown], value[shown], error[shown], group=group))
-    what, x, unit = ("speed", "speed $v$", "U")
-    if name == DISPLACEMENT:
-        what, x, unit = ("displacement", "displacement $r$", "d")
-    y = axis("density", f"1/{unit}", "log")
-    return _figure("density", axis(x, unit, "log"), y, lines, what=what, least=LEAST_EXPECTED)
+    _, _, what, label, unit, scale = OBSERVABLES[name]
+    x, y = axis(label, unit, scale), axis("density", f"1/{unit}", scale)
+    return _figure("density", x, y, lines, what=what, least=LEAST_EXPECTED)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES, Comparison, said
+from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES, Comparison, said
 from kinetics.crosscheck.comparison.text import cells_of_row, cells_of_test, parameter_text
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
@@ -14,15 +14,6 @@ from kinetics.crosscheck.report.templates import environment
 from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
 
-SHORT = {
-    "thermal_speed": "v₀(t)",
-    "a2": "a₂(t)",
-    "msd": "⟨r²(t)⟩",
-    "kurtosis": "kurtosis of r",
-    "speed_density": "speed density",
-    "position_density": "displacement density",
-}
-"""The name of each observable where space is short."""
 PARAMETERS = {
     "restitution": "restitution e",
     "number_density": "number density ρ₀ / d⁻²",
@@ -79,12 +70,12 @@ def render(result: Comparison, json_name: str) -> str:
                 PARAMETERS[k]: parameter_text(p) for k, p in document["parameters"].items()
             },
             tests=[
-                cells_of_test(test) | {"observable": SHORT[test["observable"]]}
+                cells_of_test(test) | {"observable": OBSERVABLES[test["observable"]].short}
                 for test in document["tests"]
             ],
             groups=[
-                {"title": title, "rows": shown}
-                for name, title in TITLES.items()
+                {"title": observable.title, "rows": shown}
+                for name, observable in OBSERVABLES.items()
                 if (shown := [cells_of_row(r) for r in document["rows"] if r["observable"] == name])
             ],
             outcomes=OUTCOMES,

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from html import escape
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.templates import paragraphs
@@ -13,14 +13,45 @@ from kinetics.crosscheck.verdicts import Verdict
 from kinetics.values import FrozenDict, Value
 
 SCHEMA = "inelastic-lorentz/comparison/1"
-TITLES = {
-    "thermal_speed": "Thermal speed v₀ = √⟨v²⟩ / U",
-    "a2": "Second Sonine coefficient a₂ = ⟨v⁴⟩/(2⟨v²⟩²) − 1",
-    "msd": "Mean square displacement ⟨r²⟩ / d²",
-    "kurtosis": "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²",
-    "speed_density": "Speed density, mean over a bin / U⁻¹",
-    "position_density": "Displacement density g(r, t), mean over a bin / d⁻¹",
-}
+
+
+class Observable(NamedTuple):
+    """How an observable is written: in a heading, where space is short, and on the axis of a figure
+    (its name, symbol, unit and scale).
+    """
+
+    title: str
+    short: str
+    name: str
+    symbol: str
+    unit: str
+    scale: str
+
+
+OBSERVABLES = {
+    "thermal_speed": Observable(
+        "Thermal speed v₀ = √⟨v²⟩ / U", "v₀(t)", "Thermal speed", "$v_0$", "U", "log"
+    ),
+    "a2": Observable(
+        "Second Sonine coefficient a₂ = ⟨v⁴⟩/(2⟨v²⟩²) − 1", "a₂(t)", "Second Sonine coefficient",
+        "$a_2$", "", "linear",
+    ),
+    "msd": Observable(
+        "Mean square displacement ⟨r²⟩ / d²", "⟨r²(t)⟩", "Mean square displacement",
+        r"$\langle r^2\rangle$", "d²", "log",
+    ),
+    "kurtosis": Observable(
+        "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "kurtosis of r", "Kurtosis of the displacement",
+        r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear",
+    ),
+    "speed_density": Observable(
+        "Speed density, mean over a bin / U⁻¹", "speed density", "speed", "speed $v$", "U", "log"
+    ),
+    "position_density": Observable(
+        "Displacement density g(r, t), mean over a bin / d⁻¹", "displacement density",
+        "displacement", "displacement $r$", "d", "log",
+    ),
+}  # fmt: skip
 """Every observable that a row can have, in the order of the page."""
 
 OUTCOMES = {

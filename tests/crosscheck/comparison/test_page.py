@@ -15,7 +15,7 @@ from kinetics import Scene, solve
 from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
 from kinetics.crosscheck.comparison.page import files_of, render
-from kinetics.crosscheck.comparison.result import OUTCOMES, TITLES
+from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
 from kinetics.crosscheck.report.figures import PAPER, figure_file
 from particles import BoltzmannGrad, simulate
 
@@ -95,7 +95,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison) -> N
     wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
     for row in document["rows"]:
         assert wanted <= set(row)
-        assert row["observable"] in TITLES
+        assert row["observable"] in OBSERVABLES
         assert number(row["value"], row["error"]) in text
     for test in document["tests"]:
         assert f"{test['chi_square']:.4g}" in text

@@ -98,10 +98,10 @@ class _Table:
 
     def rows(self, text: bytes, line: int) -> Rows:
         """The rows of whole lines, of which the first is this line of the file."""
-        rows = None
-        if self._numbered and b"#" not in text:
-            rows = self._parsed(text)
+        rows = None if b"#" in text else self._parsed(text)
         if rows is None:
+            rows = self._parsed(_REMARK.sub(b"", text))
+        if rows is None and self._numbered:
             self._numbered = False
             rows = self._parsed(_REMARK.sub(b"", text))
         if rows is None or first_not_finite(rows) is not None:
