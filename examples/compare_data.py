@@ -1,4 +1,4 @@
-"""Particle data from any code, as rows of numbers, held against the kinetic equation.
+"""Particle data from any code, as rows of numbers, compared with the kinetic equation.
 
 python examples/compare_data.py
 """
@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck.compare.data import read_sample
-from kinetics.crosscheck.compare.find import compare_sample
+from kinetics.crosscheck import compare_data
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.geomspace(1, 300, 6)  # d/U
@@ -32,11 +31,9 @@ columns = {
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "data.npz"
     np.savez(path, **columns)
-    sample = read_sample([path])
-
-RIGHT = compare_sample(sample, restitution=0.75, number_density=0.04)
-WRONG = compare_sample(sample, restitution=0.70, number_density=0.04)
-FOUND = compare_sample(sample)  # restitution and density from the data themselves
+    RIGHT = compare_data(path, restitution=0.75, number_density=0.04)
+    WRONG = compare_data(path, restitution=0.70, number_density=0.04)
+    FOUND = compare_data(path)  # restitution and density from the data themselves
 
 if __name__ == "__main__":
     for told, result in (("e = 0.75", RIGHT), ("e = 0.70", WRONG), ("nothing told", FOUND)):

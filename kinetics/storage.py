@@ -39,6 +39,7 @@ _HEADER = 512  # bytes of the user block, the smallest that HDF5 allows
 HOMES = {
     # what a user saves, and what these are made of
     "CollisionLaw": "kinetics.collision",
+    "Comparison": "kinetics.crosscheck.comparison.result",
     "PlanStep": "kinetics.plan",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",

@@ -1,19 +1,25 @@
 """The cross-check: compares the three methods, and anybody's data, and writes the reports.
 
-Only this room and `kinetics.cli` may import all of `kinetics`, `particles` and `derivations`.
-Begin with `verdicts.py`, which says what a comparison can come out as, then `report/report.py`.
+Only this room and `kinetics.cli` may import all of `kinetics`, `particles` and `derivations`; none
+of them imports it. Begin with `verdicts.py`, which says what a comparison can come out as, then with
+the room of a command: `report`, `comparison` (of particle data), `bench`, `stress`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.compare.judge import compare
-    from kinetics.crosscheck.compare.result import Comparison
+    from kinetics.crosscheck.comparison.judging import compare
+    from kinetics.crosscheck.comparison.question import compare_data
+    from kinetics.crosscheck.comparison.result import Comparison
 
-_HOMES = {"Comparison": "compare.result", "compare": "compare.judge"}
+_HOMES = {
+    "Comparison": "comparison.result",
+    "compare": "comparison.judging",
+    "compare_data": "comparison.question",
+}
 
-__all__ = ["Comparison", "compare"]
+__all__ = ["Comparison", "compare", "compare_data"]
 
 
 def __getattr__(name: str) -> Any:
@@ -23,3 +29,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"kinetics.crosscheck.{_HOMES[name]}"), name)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,1 +1,0 @@
-"""Particle data, from any code, held against the kinetic equation."""

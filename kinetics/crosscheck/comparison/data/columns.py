@@ -1,0 +1,126 @@
+"""The columns of particle data, the formats of their files, and the checks that all share.
+
+A row is one tracer at one time: `time,x,y,vx,vy`, and where known `tracer` and `medium` (the
+configuration of scatterers). Other columns may stand between them; they are not read. A file is
+never held as a whole: it comes as a sequence of `Rows`.
+"""
+
+import difflib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.errors import InputError, short
+
+Array = NDArray[np.float64]
+Ids = NDArray[np.int64]
+
+NUMBERS = ("time", "x", "y", "vx", "vy")
+"""The columns that must be there."""
+LABELS = ("tracer", "medium")
+"""The columns that may be there: whole numbers, in a CSV file any text."""
+
+Progress = Callable[[float], None]
+"""Called with the share of a file that has been read, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A piece of a file: one entry per row in each array, (n,); labels are None where unknown.
+
+    Lengths, speeds and times are in the units of the file.
+    """
+
+    time: Array
+    x: Array
+    y: Array
+    vx: Array
+    vy: Array
+    tracer: Ids | None = None
+    medium: Ids | None = None
+
+
+FORMATS = {
+    ".csv": "csv_files",
+    ".npz": "npz_files",
+    ".h5": "hdf5_files",
+    ".hdf5": "hdf5_files",
+}
+"""The formats that can be read: the ending of a file's name, and the module beside this one.
+
+A new format is a row here and a module with a function `read(path, progress)`, which yields `Rows`
+in the order of the file, calls `progress`, and raises InputError in one line for what cannot be
+used.
+"""
+
+
+def read_rows(path: Path, progress: Progress | None = None) -> Iterator[Rows]:
+    """The rows of a file in pieces, in the order of the file.
+
+    InputError in one line for a file that is missing, damaged, of another format, without a column
+    or with a value that is not a finite number.
+    """
+    module = FORMATS.get(path.suffix.lower())
+    if module is None:
+        raise InputError(f"{shown(path)}: must be a file .csv, .npz or .h5")
+    if not path.is_file():
+        raise InputError(f"{shown(path)}: {'not a file' if path.exists() else 'no such file'}")
+    try:
+        reader = import_module(f"{__package__}.{module}")
+        yield from reader.read(path, progress or (lambda share: None))
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise InputError(f"{shown(path)}: cannot be read ({reason})") from None
+
+
+def shown(path: Path) -> str:
+    """A file's path on one line of a message."""
+    return " ".join(_readable(str(path)).split()) or "''"
+
+
+def plain_name(path: Path) -> str:
+    """A file's name as text that can be written: names may be any bytes."""
+    return _readable(path.name)
+
+
+def _readable(text: str) -> str:
+    return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def find_columns(path: Path, names: Sequence[str]) -> dict[str, int]:
+    """The place of each known column; InputError where one is missing or stands twice."""
+    plain = [name.strip().strip("\"'").strip().lower() for name in names]
+    found: dict[str, int] = {}
+    for name in (*NUMBERS, *LABELS):
+        places = [i for i, other in enumerate(plain) if other == name]
+        if len(places) > 1:
+            raise InputError(f"{shown(path)}: column {name!r} stands {len(places)} times")
+        if places:
+            found[name] = places[0]
+    for name in NUMBERS:
+        if name not in found:
+            near = difflib.get_close_matches(name, plain, n=1, cutoff=0.5)
+            hint = f"; is {short(near[0])} meant?" if near else ""
+            raise InputError(
+                f"{shown(path)}: column {name!r} is missing; needed are {', '.join(NUMBERS)}, "
+                f"found are {short(', '.join(plain), 80)}{hint}"
+            )
+    return found
+
+
+def first_not_finite(rows: Rows) -> tuple[int, str] | None:
+    """The row and the column of a NaN or an infinite number; None if every number is finite."""
+    for name in NUMBERS:
+        values = getattr(rows, name)
+        # One sum is cheaper than a mask, and it is finite only if every value is.
+        with np.errstate(over="ignore", invalid="ignore"):
+            if np.isfinite(values.sum()):
+                continue
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            return int(bad[0]), name
+    return None

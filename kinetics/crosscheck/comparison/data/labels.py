@@ -1,0 +1,130 @@
+"""Labels of tracers and configurations, compared column by column: exactly, without hashes.
+
+A tracer is named by three whole numbers: the file, the configuration (0 where unknown), its label.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.errors import InputError
+
+MOST_REMEMBERED = 10_000_000
+"""Rows whose labels are remembered to find a tracer that comes twice at one time. Where there are
+more, a part of the tracers is remembered, at all times: labels of 1e7 rows take 0.3 GB at most."""
+MOST_ORIGINS = 4_000_000
+"""Tracers whose place at time 0 is remembered, at most: some 0.2 GB."""
+
+
+def columns_of(rows: Rows, file: int) -> tuple[Any, Any, Any]:
+    """File, configuration and label of the tracer of each row, (n,) each."""
+    assert rows.tracer is not None
+    medium = np.zeros(rows.tracer.size, np.int64) if rows.medium is None else rows.medium
+    return np.full(rows.tracer.size, file, np.int32), medium, rows.tracer
+
+
+class Repeats:
+    """Finds a tracer that has two rows at one time."""
+
+    def __init__(self) -> None:
+        self._kept: list[tuple[Any, ...]] = []
+        self._count, self._every, self._media_known = 0, 1, False
+
+    def add(self, rows: Rows, at: Any, file: int) -> None:
+        """Remember rows, of which `at` is the index of the time, (n,)."""
+        self._media_known = rows.medium is not None
+        self._kept.append(self._chosen((*columns_of(rows, file), at.astype(np.int16))))
+        self._count += self._kept[-1][0].size
+        while self._count > MOST_REMEMBERED:
+            self._every *= 2
+            self._kept = [self._chosen(columns) for columns in self._kept]
+            self._count = sum(columns[0].size for columns in self._kept)
+
+    def _chosen(self, columns: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The rows of one tracer in `_every`; labels by 4 bytes where that is enough."""
+        if self._every > 1:
+            # Bits that depend on all of the label: labels may all be even.
+            mixed = columns[2].astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15) >> np.uint64(40)
+            mine = mixed % np.uint64(self._every) == 0
+            columns = tuple(column[mine] for column in columns)
+        return tuple(_narrow(column) for column in columns)
+
+    def check(self, times: Any) -> None:
+        """InputError if a tracer has two rows at one time."""
+        if not self._count:
+            return
+        columns = [np.concatenate(parts) for parts in zip(*self._kept, strict=True)]
+        keys = _combined(columns)
+        ordered = np.sort(keys)
+        twice = ordered[1:][ordered[1:] == ordered[:-1]]
+        if twice.size:
+            row = int(np.flatnonzero(keys == twice[0])[-1])
+            _, medium, tracer, at = (int(column[row]) for column in columns)
+            who = f"tracer {tracer}" + (f" of medium {medium}" if self._media_known else "")
+            raise InputError(
+                f"{who} has more than one row at time {times[at]:g}; "
+                "each tracer may have one row at each time"
+            )
+
+
+def _narrow(column: Any) -> Any:
+    if column.itemsize <= 4 or not column.size:
+        return column
+    fits = column.min() >= -(2**31) and column.max() < 2**31
+    return column.astype(np.int32) if fits else column
+
+
+def _combined(columns: list[Any]) -> Any:
+    """One whole number per row, (n,): the same for two rows only if all columns are the same."""
+    keys, size = np.zeros(columns[0].size, np.int64), 1
+    for column in columns:
+        low, high = int(column.min()), int(column.max())
+        if high - low >= 2**32:
+            column = np.unique(column, return_inverse=True)[1]
+            low, high = 0, int(column.max())
+        span = high - low + 1
+        if size * span >= 2**63:
+            keys = np.unique(keys, return_inverse=True)[1]
+            size = int(keys.max()) + 1
+        keys *= span
+        keys += column
+        keys -= low
+        size *= span
+    return keys
+
+
+class Origins:
+    """Where each tracer was at time 0."""
+
+    def __init__(self, pieces: list[tuple[Rows, int]]) -> None:
+        """From the rows at time 0 and the number of their file, piece by piece."""
+        columns = [columns_of(rows, file) for rows, file in pieces]
+        self._known = [np.unique(np.concatenate(parts)) for parts in zip(*columns, strict=True)]
+        keys = np.concatenate([self._keys(rows, file) for rows, file in pieces])
+        order = np.argsort(keys)
+        self._ordered = keys[order]
+        self._x, self._y = (
+            np.concatenate([getattr(rows, name) for rows, _ in pieces])[order] for name in "xy"
+        )
+
+    def _keys(self, rows: Rows, file: int) -> Any:
+        """A whole number for each tracer that has a row at time 0, (n,); -1 for the others."""
+        keys, there = np.zeros(rows.time.size, np.int64), np.ones(rows.time.size, bool)
+        for known, column in zip(self._known, columns_of(rows, file), strict=True):
+            place = np.minimum(np.searchsorted(known, column), known.size - 1)
+            there &= known[place] == column
+            keys = keys * known.size + place
+        return np.where(there, keys, -1)
+
+    def of(self, rows: Rows, file: int) -> tuple[Any, Any]:
+        """x and y at time 0 of the tracer of each row, (n,) each; InputError if there is none."""
+        keys = self._keys(rows, file)
+        k = np.minimum(np.searchsorted(self._ordered, keys), self._ordered.size - 1)
+        lost = np.flatnonzero(self._ordered[k] != keys)
+        if lost.size:
+            assert rows.tracer is not None
+            raise InputError(
+                f"tracer {rows.tracer[lost[0]]} has no row at time 0; absolute positions need one"
+            )
+        return self._x[k], self._y[k]

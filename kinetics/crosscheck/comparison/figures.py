@@ -1,0 +1,94 @@
+"""The data of each figure of a comparison, as kinetics.crosscheck.report.figures draws it."""
+
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
+from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
+from kinetics.crosscheck.comparison.result import OBSERVABLES
+from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
+from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.templates import paragraphs
+
+_POINTS = 60
+"""Of the theory's lines, for a page that is some 500 pixels wide."""
+_LEAST_BINS = 3
+_DECADES = 30.0
+"""Largest over smallest value from which on an axis is logarithmic."""
+
+
+def figures_of(both: DataAndTheory) -> dict[str, Data]:
+    """The data of every figure, by figure name."""
+    figures = {}
+    later = both.sample.times[both.sample.times > 0]
+    if later.size and both.names:
+        scene = both.solution.scene
+        times = np.geomspace(later[0], later[-1], _POINTS) if later.size > 1 else later
+        theory = solved(
+            scene.restitution, scene.mean_free_path, scene.initial, times, both.names, RTOL
+        )
+        for i, name in enumerate(both.names):
+            line = np.asarray(getattr(theory, name))
+            figures[name.replace("_", "-")] = _over_time(both, i, times, line)
+    if np.any(both.usable & (both.sample.times > 0)):
+        figures["sigmas"] = _sigmas(both)
+    for name in (SPEED, DISPLACEMENT):
+        shown = [h for h in both.histograms if h.name == name and h.share.size > _LEAST_BINS]
+        if shown:
+            figures[name.replace("_", "-")] = _density(name, shown)
+    return figures
+
+
+def _figure(block: str, x: Data, y: Data, lines: list[Data], **values: Any) -> Data:
+    title, description = paragraphs("comparison.txt.j2", block, **values)
+    return {"title": title, "description": description, "x": x, "y": y, "series": lines}
+
+
+_TIME = axis("time $t$", "d/U", "log")
+
+
+def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
+    observable = OBSERVABLES[both.names[i]]
+    times = both.sample.times
+    shown = (times > 0) & np.isfinite(both.expectation.values[i])
+    values, error = both.expectation.values[i, shown], both.error[i, shown]
+    every = np.concatenate([values, line])
+    scale = observable.scale
+    if scale == "log" and not (every.min() > 0 and every.max() > _DECADES * every.min()):
+        scale = "linear"
+    lines = [
+        series("kinetic equation", fine, line),
+        series("data", times[shown], values, error, group="data"),
+    ]
+    y = axis(observable.symbol, observable.unit, scale)
+    return _figure("over_time", _TIME, y, lines, title=observable.name)
+
+
+def _sigmas(both: DataAndTheory) -> Data:
+    times = both.sample.times
+    lines = [series("zero", [times[times > 0][0], times[-1]], [0.0, 0.0])]
+    for i, name in enumerate(both.names):
+        shown = both.usable[i] & (times > 0)
+        if np.any(shown):
+            z, group = both.difference[i, shown] / both.error[i, shown], name.replace("_", " ")
+            lines.append(series("data", times[shown], z, np.ones(z.size), group=group))
+    return _figure("sigmas", _TIME, axis("difference / standard error"), lines)
+
+
+def _density(name: str, histograms: list[Any]) -> Data:
+    lines = []
+    for found in histograms:
+        group = f"t = {found.time:.4g}"
+        # The first bin begins at 0 and the last has no end: a logarithmic axis has neither.
+        low, high = found.edges[1:-2], found.edges[2:-1]
+        width, middle = high - low, np.sqrt(low * high)
+        value, error, theory = (
+            part[1:-1] / width for part in (found.share, found.error, found.theory)
+        )
+        shown = value > 0
+        lines.append(series("kinetic equation", middle, theory, group=group))
+        lines.append(series("data", middle[shown], value[shown], error[shown], group=group))
+    _, _, what, label, unit, scale = OBSERVABLES[name]
+    x, y = axis(label, unit, scale), axis("density", f"1/{unit}", scale)
+    return _figure("density", x, y, lines, what=what, least=LEAST_EXPECTED)

@@ -1,0 +1,222 @@
+"""compare(): a sample against a solution, as rows, tests and one verdict."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory, side_by_side
+from kinetics.crosscheck.comparison.fit import Fit
+from kinetics.crosscheck.comparison.histograms import Histogram
+from kinetics.crosscheck.comparison.result import (
+    OUTCOMES,
+    Comparison,
+    ComparisonRow,
+    ComparisonTest,
+    Explanation,
+    Parameter,
+    said,
+)
+from kinetics.crosscheck.comparison.sample import Sample
+from kinetics.crosscheck.comparison.statistics import (
+    ChiSquare,
+    effective_groups,
+    gaussian_sigmas,
+    hotelling,
+    most_freedom,
+    spread_out,
+)
+from kinetics.crosscheck.comparison.theory import SampledStart
+from kinetics.crosscheck.verdicts import Verdict, corrected_sigmas, judge_sigmas
+from kinetics.errors import short
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+    from particles import Ensemble
+
+_SAME = 1e-6
+"""Relative difference up to which data without spread agree with the theory: ten times the
+tolerance that the solver is given."""
+
+
+def compare(
+    solution: "Solution",
+    ensemble: "Ensemble | Sample",
+    explain: bool = True,
+    densities: "Mapping[str, Solution] | None" = None,
+    parameters: Mapping[str, Parameter] | None = None,
+    found: Fit | None = None,
+) -> Comparison:
+    """Compare particles with a solution of the kinetic equation.
+
+    Parameters
+    ----------
+    solution : of the scene that the particles claim to be; what it was asked for of thermal_speed,
+        a2, msd, kurtosis, speed_density, position_density is compared, at the times that both have
+    ensemble : a particle run, or a Sample (data.read.read_sample), in the scene's units
+    explain : test what may explain a difference, and prepare figures; False is quicker
+    densities : solutions of the same scene for "speed_density" and "position_density", at some of
+        the times; without them `solution` is asked
+    parameters, found : where the scene's numbers come from, if they were fitted to these data
+
+    Returns
+    -------
+    Comparison : frozen; rows, chi-squares with p-values, verdicts, explanations, and figures' data
+
+    Raises
+    ------
+    InputError (a ValueError) : no time or no observable in common, or fewer than two groups
+    """
+    if isinstance(ensemble, Sample):
+        sample = ensemble
+    else:
+        from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
+
+        sample = from_ensemble(ensemble)
+    both = side_by_side(solution, sample, found, densities)
+    rows, tests = list(rows_of(both)), tests_of(both)
+    verdict = overall(rows, tests)
+    explanations, figures = _explained(both, verdict) if explain else ((), {})
+    scene = solution.scene
+    told = {
+        "restitution": Parameter(scene.restitution, None, "told"),
+        "number_density": Parameter(scene.number_density, None, "told"),
+        "mean_free_path": Parameter(scene.mean_free_path, None, "1/(2dρ₀)"),
+    }
+    return Comparison(
+        verdict=verdict,
+        summary=_summary(both, tests, verdict),
+        rows=tuple(rows),
+        tests=tuple(tests),
+        explanations=explanations,
+        parameters=told | dict(parameters or {}),
+        initial=start_in_words(scene.initial),
+        samples=int(sample.samples.max()),
+        groups=sample.groups,
+        grouping=sample.grouping,
+        warnings=sample.warnings,
+        names=sample.names,
+        figures=figures,
+    )
+
+
+def _explained(
+    both: DataAndTheory, verdict: Verdict
+) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
+    """What explains a difference, what helps most first; and the data of the figures."""
+    from kinetics.crosscheck.comparison.figures import figures_of
+    from kinetics.crosscheck.comparison.notes import explanations_of
+
+    def place(item: Explanation) -> tuple[int, float]:
+        return list(OUTCOMES).index(item.outcome), item.chi_square_after or 0.0
+
+    return tuple(sorted(explanations_of(both, verdict), key=place)), figures_of(both)
+
+
+def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
+    """One row per observable and time, and per bin of a density."""
+    sample = both.sample
+    effective = effective_groups(both.flat_replicates).reshape(both.error.shape)
+    for i, name in enumerate(both.names):
+        looks = int(both.usable[i].sum())
+        for k in np.flatnonzero(both.compared[i]).tolist():
+            value, theory = float(both.expectation.values[i, k]), float(both.theory[i, k])
+            row = ComparisonRow(
+                name, float(sample.times[k]), value, float(both.error[i, k]), theory, None,
+                Verdict.UNDEFINED, None, int(sample.samples[k]),
+            )  # fmt: skip
+            if both.usable[i, k]:
+                sigmas = float(both.difference[i, k] / both.error[i, k])
+                yield _judged(row, sigmas, float(effective[i, k]), looks)
+            else:
+                yield replace(row, error=0.0, verdict=_without_spread(value, theory, sample.groups))
+    for name in dict.fromkeys(histogram.name for histogram in both.histograms):
+        mine = [histogram for histogram in both.histograms if histogram.name == name]
+        looks = sum(histogram.share.size for histogram in mine)
+        for histogram in mine:
+            yield from _bin_rows(histogram, looks)
+
+
+def _without_spread(value: float, theory: float, groups: int) -> Verdict:
+    if groups < 3:  # one tracer is always like itself
+        return Verdict.UNDEFINED
+    same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
+    return Verdict.AGREES if same else Verdict.DIFFERS
+
+
+def _judged(row: ComparisonRow, sigmas: float, groups: float, looks: int) -> ComparisonRow:
+    corrected = corrected_sigmas(sigmas, groups, looks)
+    return replace(row, sigmas=sigmas, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
+
+
+def _bin_rows(found: Histogram, looks: int) -> Iterator[ComparisonRow]:
+    for k in range(found.share.size):
+        low, high = float(found.edges[k]), float(found.edges[k + 1])
+        closed = bool(np.isfinite(high))
+        width = high - low if closed else 1.0
+        value, error, theory = (
+            float(part[k] / width) for part in (found.share, found.error, found.theory)
+        )
+        row = ComparisonRow(
+            found.name, found.time, value, error, theory, None, Verdict.UNDEFINED, None,
+            found.samples, low, high if closed else None,
+        )  # fmt: skip
+        sigmas = float((found.share[k] - found.theory[k]) / found.error[k])
+        yield _judged(row, sigmas, found.groups, looks)
+
+
+def tests_of(both: DataAndTheory) -> list[ComparisonTest]:
+    """One chi-square per average, over its times, and per density and time."""
+    found: list[tuple[str, float | None, ChiSquare | None]] = []
+    for i, name in enumerate(both.names):
+        times = np.flatnonzero(both.usable[i])
+        times = times[spread_out(times.size, most_freedom(both.sample.groups))]
+        if times.size:
+            difference, replicates = both.difference[i, times], both.replicates[:, i, times]
+            found.append((name, None, hotelling(difference, replicates)))
+    found += [(h.name, h.time, h.chi_square) for h in both.histograms]
+    known = [(name, time, c) for name, time, c in found if c is not None]
+    return [
+        ComparisonTest(
+            name, time, c.value, c.freedom, c.p_value, c.groups,
+            *judge_p_value(c.p_value, len(known)),
+        )
+        for name, time, c in known
+    ]  # fmt: skip
+
+
+def judge_p_value(p_value: float, trials: int) -> tuple[float, Verdict]:
+    """Gaussian sigmas of a p-value, the least of so many, and the verdict on it."""
+    sigmas = gaussian_sigmas(min(1.0, p_value * trials))
+    return sigmas, judge_sigmas(sigmas)
+
+
+def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> Verdict:
+    """The worst verdict of the tests, and of rows without spread, which no test can hold."""
+    words = [test.verdict for test in tests]
+    words += [row.verdict for row in rows if row.sigmas is None]
+    for verdict in (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES):
+        if verdict in words:
+            return verdict
+    return Verdict.UNDEFINED
+
+
+def _summary(both: DataAndTheory, tests: Sequence[ComparisonTest], verdict: Verdict) -> str:
+    odd = [test for test in tests if test.verdict is not Verdict.AGREES]
+    return said(
+        "summary", samples=int(both.sample.samples.max()), times=both.sample.times,
+        scene=both.solution.scene, start=start_in_words(both.solution.scene.initial),
+        verdict=verdict, tests=len(tests), odd=odd,
+        least=min(odd, key=lambda test: test.p_value, default=None),
+    )  # fmt: skip
+
+
+def start_in_words(initial: Any) -> str:
+    """The start of a scene as the middle of a sentence."""
+    if isinstance(initial, SampledStart):
+        return "the data's own speeds at time 0"
+    named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+    if isinstance(initial, str) and initial in named:
+        return named[initial]
+    return f"the start {short(initial)}"

@@ -1,0 +1,236 @@
+"""From data to a comparison: what was not told (restitution, density, start) is found in the data.
+
+`compare_data` is what the command `lorentz compare` does.
+"""
+
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
+from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
+from kinetics.crosscheck.comparison.judging import compare
+from kinetics.crosscheck.comparison.result import Comparison, Parameter
+from kinetics.crosscheck.comparison.sample import R2, N, Sample
+from kinetics.crosscheck.comparison.statistics import errors, hotelling
+from kinetics.crosscheck.comparison.theory import (
+    AVERAGES,
+    DENSITY_RTOL,
+    DISPLACEMENT,
+    DISPLACEMENT_RTOL,
+    RTOL,
+    SPEED,
+    Expectation,
+    SampledStart,
+    sampled_start,
+    solved,
+)
+from kinetics.errors import InputError, check_positive, check_restitution
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+    from particles import Ensemble
+
+Array = NDArray[np.float64]
+
+STARTS = ("auto", "gaussian", "monoenergetic", "data")
+COLLISIONS_BEFORE = 3.0
+"""Time in l/U from which on the density of the displacement is compared. Before, sharp fronts take
+the solver long, and the displacement says no more than the speeds: few tracers have collided."""
+DISPLACEMENT_TIMES = 3
+"""Times at which it is compared, at most: the last of the densities' times, since they cost
+most."""
+_GAUSSIAN_ABOVE = 1e-3
+"""p-value from which on speeds at time 0 may be a Gaussian's."""
+_SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
+_LONGEST_PATH = 1e9
+
+
+def compare_data(
+    data: "str | PathLike[str] | Sequence[str | PathLike[str]] | Ensemble | Sample",
+    restitution: float | None = None,
+    number_density: float | None = None,
+    initial: str = "auto",
+    positions: str = "auto",
+    speed_unit: float | str = 1.0,
+    diameter: float = 1.0,
+    explain: bool = True,
+) -> Comparison:
+    """Compare particle data with the kinetic equation, as `lorentz compare` does.
+
+    Parameters
+    ----------
+    data : a file, several files (see data.columns.FORMATS), a run of `simulate`, or a Sample
+    restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
+    number_density : in the data's unit of length to the power -2; None: as above
+    initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
+        these that the speeds at time 0 allow; a Gaussian, where there are none
+    positions, speed_unit, diameter : of files, see data.read.read_sample
+    explain : test what may explain a difference, and prepare figures; False is quicker
+
+    Raises
+    ------
+    InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
+        cannot tell what was not told
+    """
+    if isinstance(data, (str, PathLike)):
+        data = [data]
+    if isinstance(data, Sequence):
+        from kinetics.crosscheck.comparison.data.read import read_sample
+
+        data = read_sample([Path(path) for path in data], positions, speed_unit, diameter)
+        if number_density is not None:
+            number_density *= diameter**2
+    elif not isinstance(data, Sample):
+        from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
+
+        data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
+    return compare_sample(data, restitution, number_density, initial, explain)
+
+
+def compare_sample(
+    sample: Sample,
+    restitution: float | None = None,
+    number_density: float | None = None,
+    initial: str = "auto",
+    explain: bool = True,
+) -> Comparison:
+    """Compare a sample with the kinetic equation; number_density in d^-2, the rest as above."""
+    told = sample.told
+    restitution = told.get("restitution") if restitution is None else restitution
+    number_density = told.get("number_density") if number_density is None else number_density
+    path = None
+    if restitution is not None:
+        restitution = check_restitution(restitution)
+    if number_density is not None:
+        path = 1 / (2 * check_positive("number_density", number_density))
+    start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
+    found = None
+    if restitution is None or path is None:
+        found = _fitted(sample, restitution, path, start)
+        values = dict(zip(found.names, found.values, strict=True))
+        restitution = float(values["restitution"]) if restitution is None else restitution
+        path = float(np.exp(values["log_path"])) if path is None else path
+    solution = solved(restitution, path, start, sample.times, AVERAGES, RTOL)
+    densities = _densities(restitution, path, start, sample)
+    parameters = _parameters(restitution, path, found)
+    return compare(solution, sample, explain, densities, parameters, found)
+
+
+def _densities(
+    restitution: float, path: float, start: Any, sample: Sample
+) -> "dict[str, Solution]":
+    """The densities by name, that of the displacement at late times and from a named start."""
+    from kinetics import SolverStatus
+
+    times = sample.times[histogram_times(sample)]
+    found = {}
+    if times.size:
+        found[SPEED] = solved(restitution, path, start, times, (SPEED,), DENSITY_RTOL)
+    late = times[times > COLLISIONS_BEFORE * path][-DISPLACEMENT_TIMES:]
+    # From hundreds of single speeds it would take long.
+    if late.size and not isinstance(start, SampledStart):
+        known = solved(restitution, path, start, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+        if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
+            found[DISPLACEMENT] = known
+    return found
+
+
+def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
+    """The numbers of the scene, with standard errors where they were fitted."""
+    known = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
+    fitted, density = "fitted to the averages over time", 1 / (2 * path)
+    parameters = {
+        "restitution": Parameter(restitution, None, "told"),
+        "number_density": Parameter(density, None, "told"),
+        "mean_free_path": Parameter(path, None, "1/(2dρ₀)"),
+    }
+    if "restitution" in known:
+        parameters["restitution"] = Parameter(restitution, known["restitution"], fitted)
+    if (error := known.get("log_path")) is not None:
+        parameters["number_density"] = Parameter(density, error * density, f"1/(2dl), l {fitted}")
+        parameters["mean_free_path"] = Parameter(path, error * path, fitted)
+    return parameters
+
+
+def _start(sample: Sample, initial: str) -> Any:
+    if initial not in STARTS:
+        raise InputError(f"initial: got {initial!r}; it must be one of {', '.join(STARTS)}")
+    if initial in ("gaussian", "monoenergetic"):
+        return initial
+    if sample.start is None:
+        if initial == "data":
+            raise InputError("initial: 'data' needs velocities at time 0, and there are none")
+        return "gaussian"
+    squares = sample.start.squares
+    if squares.size == 0:
+        raise InputError("data: every speed at time 0 is zero; nothing will move")
+    if initial == "auto":
+        if np.all(np.abs(squares - 1) < 1e-6):
+            return "monoenergetic"
+        if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
+            return "gaussian"
+    return sampled_start(sample)
+
+
+def gaussian_p_value(sample: Sample) -> float:
+    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4."""
+    expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
+    data = expectation.values[:, 0] - [np.sqrt(2), 0.0]
+    result = hotelling(data, expectation.replicates[:, :, 0])
+    return 0.0 if result is None else result.p_value
+
+
+def _fitted(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
+    """Restitution and ln l, whichever is None, by a fit. InputError where the data cannot tell."""
+    unknowns, words = [], []
+    if restitution is None:
+        unknowns.append(Unknown("restitution", 0.0, 1.0))
+        words.append("restitution")
+    if path is None:
+        unknowns.append(Unknown("log_path", -20.0, float(np.log(_LONGEST_PATH))))
+        words.append("number density")
+    wanted = " and ".join(words)
+    expectation = Expectation(sample, AVERAGES)
+    groups = sample.groups
+    flat = expectation.replicates.reshape(groups, -1)
+    spread = errors(flat).reshape(expectation.values.shape)
+    with np.errstate(invalid="ignore"):
+        usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
+    usable &= sample.times > 0  # the start does not depend on what is looked for
+    components = choose_components(usable, groups, len(unknowns))
+    if components.size < len(unknowns) or groups < len(unknowns) + 3:
+        raise InputError(
+            f"data: {wanted} cannot be found in so few times and groups "
+            f"({groups} groups); give --restitution and --number-density"
+        )
+
+    def model(at: Array) -> tuple[Array, Array]:
+        e = float(at[0]) if restitution is None else restitution
+        length = float(np.exp(at[-1])) if path is None else path
+        values, moved = expectation.theory(e, length, start)
+        return values.ravel(), moved.reshape(*moved.shape[:-2], -1)
+
+    guess = _early_log_path(sample)
+    starts: list[list[float]] = [[e] for e in _SCAN]
+    if path is None:
+        starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
+        if restitution is None:
+            starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
+    found = fit(unknowns, model, (expectation.values.ravel(), flat), components, starts)
+    if found is None or not np.all(np.isfinite(found.errors)):
+        raise InputError(f"data: {wanted} could not be fitted; give it as an option")
+    return found
+
+
+def _early_log_path(sample: Sample) -> float:
+    """ln l to start from: a third of the largest root mean square displacement, in d."""
+    total = sample.sums.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        msd = sample.length_scale**2 * total[:, R2] / total[:, N]
+    size = float(np.sqrt(np.nanmax(msd))) if np.any(np.isfinite(msd)) else 1.0
+    return float(np.log(min(max(size / 3, 1e-6), 1e6)))

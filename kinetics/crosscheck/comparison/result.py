@@ -1,0 +1,282 @@
+"""Comparison: the result of comparing a sample with the kinetic equation, as a value."""
+
+import json
+import textwrap
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from html import escape
+from typing import Any, NamedTuple, Self
+
+from kinetics.crosscheck.plain import dumps, plain
+from kinetics.crosscheck.report.templates import paragraphs
+from kinetics.crosscheck.verdicts import Verdict
+from kinetics.values import FrozenDict, Value
+
+SCHEMA = "inelastic-lorentz/comparison/1"
+
+
+class Observable(NamedTuple):
+    """How an observable is written: in a heading, where space is short, and on the axis of a figure
+    (its name, symbol, unit and scale).
+    """
+
+    title: str
+    short: str
+    name: str
+    symbol: str
+    unit: str
+    scale: str
+
+
+OBSERVABLES = {
+    "thermal_speed": Observable(
+        "Thermal speed v₀ = √⟨v²⟩ / U", "v₀(t)", "Thermal speed", "$v_0$", "U", "log"
+    ),
+    "a2": Observable(
+        "Second Sonine coefficient a₂ = ⟨v⁴⟩/(2⟨v²⟩²) − 1", "a₂(t)", "Second Sonine coefficient",
+        "$a_2$", "", "linear",
+    ),
+    "msd": Observable(
+        "Mean square displacement ⟨r²⟩ / d²", "⟨r²(t)⟩", "Mean square displacement",
+        r"$\langle r^2\rangle$", "d²", "log",
+    ),
+    "kurtosis": Observable(
+        "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "kurtosis of r", "Kurtosis of the displacement",
+        r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear",
+    ),
+    "speed_density": Observable(
+        "Speed density, mean over a bin / U⁻¹", "speed density", "speed", "speed $v$", "U", "log"
+    ),
+    "position_density": Observable(
+        "Displacement density g(r, t), mean over a bin / d⁻¹", "displacement density",
+        "displacement", "displacement $r$", "d", "log",
+    ),
+}  # fmt: skip
+"""Every observable that a row can have, in the order of the page."""
+
+OUTCOMES = {
+    "explains": "explains the difference",
+    "found": "found in the data",
+    "in part": "explains part of it",
+    "does not": "does not explain it",
+    "noted": "noted",
+}
+"""What an explanation comes to, in words; in the order in which they are told."""
+_REPR_WIDTH, _REPR_LINES = 100, 9
+
+
+def said(block: str, **values: Any) -> str:
+    """The sentences of one block of the template, on one line."""
+    return " ".join(paragraphs("comparison.txt.j2", block, **values))
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """One observable at one time (and, for a density, in one bin from `low` to `high`).
+
+    `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
+    difference (that of the value, unless the theory was taken from the same data), `sigmas` their
+    difference in it. `high` is None where a bin has no upper end, and then value and theory are
+    shares of the samples. `verdict` looks at `corrected_sigmas`: the sigmas of a Gaussian with
+    the same p-value once that is multiplied by the number of rows of the observable. Without
+    spread in the data (all speeds equal) both are None.
+    """
+
+    observable: str
+    time: float
+    value: float
+    error: float
+    theory: float
+    sigmas: float | None
+    verdict: Verdict
+    corrected_sigmas: float | None
+    samples: int
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class ComparisonTest:
+    """All rows of an observable together (of a density: at one time) by one chi-square.
+
+    The p-value holds although the same tracers stand behind several rows. `groups` independent
+    groups gave the covariance, None where it is known. `rows` of the observable entered. `verdict`
+    looks at the p-value times the number of tests, as `sigmas` of a Gaussian.
+    """
+
+    observable: str
+    time: float | None
+    chi_square: float
+    dof: int
+    p_value: float
+    groups: int | None
+    sigmas: float
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that the theory needed: told (error None) or found in the data."""
+
+    value: float
+    error: float | None
+    source: str
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Something that may explain a difference, compared with the data.
+
+    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by a tenth at
+    least), "does not", "noted" (a fact about data or theory; `tested` is then False) or "found" (an
+    effect that the data show by itself). `chi_square_before` and `_after` are of all averages.
+    """
+
+    name: str
+    outcome: str
+    text: str
+    tested: bool = True
+    value: float | None = None
+    error: float | None = None
+    chi_square_before: float | None = None
+    chi_square_after: float | None = None
+    dof: int | None = None
+    p_value: float | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
+    """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
+
+    A value: it cannot be changed, equals another with the same contents, can be pickled, and
+    `save(path)` writes it to an HDF5 file, from which `kinetics.storage.load` reads it back.
+
+    Attributes
+    ----------
+    verdict : on everything, from the tests and from rows without spread
+    summary : the verdict in a sentence or two
+    rows : ComparisonRow, one per observable and time (and bin)
+    tests : ComparisonTest, one chi-square per average, and per density and time
+    explanations : Explanation; empty where nothing needs one and nothing is to be noted
+    parameters : "restitution", "number_density", "mean_free_path" as Parameter
+    initial : the start of the theory, in words
+    samples, groups : tracers at most, and independent groups that the errors are from
+    grouping : what a group is made of: "medium", "tracer" or "row"
+    warnings : what the reader should know of the data
+    names : where the data came from
+    figures : the data of every figure, see kinetics.crosscheck.report.figures
+    """
+
+    verdict: Verdict
+    summary: str
+    rows: tuple[ComparisonRow, ...]
+    tests: tuple[ComparisonTest, ...]
+    explanations: tuple[Explanation, ...]
+    parameters: Mapping[str, Parameter]
+    initial: str
+    samples: int
+    groups: int
+    grouping: str
+    warnings: tuple[str, ...]
+    names: tuple[str, ...]
+    figures: Mapping[str, Any] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", FrozenDict(self.parameters))
+        object.__setattr__(self, "figures", FrozenDict(_tuples(self.figures)))
+
+    def observable(self, name: str) -> tuple[ComparisonRow, ...]:
+        """The rows of one observable."""
+        return tuple(row for row in self.rows if row.observable == name)
+
+    def p_value(self, observable: str, time: float | None = None) -> float:
+        """The p-value of an average, or of a density at a time; KeyError where there is none."""
+        for test in self.tests:
+            if test.observable == observable and test.time == time:
+                return test.p_value
+        raise KeyError(f"no test of {observable!r}" + ("" if time is None else f" at {time:g}"))
+
+    def document(self) -> dict[str, Any]:
+        """Everything as plain data, as it stands in the JSON file."""
+        data = {name: getattr(self, name) for name in _OF_THE_DATA}
+        found: dict[str, Any] = plain(
+            {
+                "schema": SCHEMA,
+                "title": f"{', '.join(self.names)}: compared with the kinetic equation",
+                "verdict": self.verdict.value,
+                "summary": self.summary,
+                "parameters": {k: asdict(p) for k, p in self.parameters.items()},
+                "initial": self.initial,
+                "data": data,
+                "warnings": self.warnings,
+                "tests": [asdict(test) for test in self.tests],
+                "explanations": [asdict(item) for item in self.explanations],
+                "rows": [asdict(row) for row in self.rows],
+                "figures": self.figures,
+            }
+        )
+        return found
+
+    def to_json(self) -> str:
+        """The document as strict JSON."""
+        return dumps(self.document())
+
+    def _to_storage(self) -> dict[str, Any]:
+        return {"document": self.to_json()}
+
+    @classmethod
+    def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
+        found = json.loads(parts["document"])
+        known: dict[str, Any] = {name: found[name] for name in ("summary", "initial", "figures")}
+        known |= {k: _tuples(v) for k, v in found["data"].items()}
+
+        def judged(kind: Any, items: Any) -> Any:
+            return tuple(kind(**item | {"verdict": Verdict(item["verdict"])}) for item in items)
+
+        return cls(
+            verdict=Verdict(found["verdict"]),
+            rows=judged(ComparisonRow, found["rows"]),
+            tests=judged(ComparisonTest, found["tests"]),
+            explanations=tuple(Explanation(**item) for item in found["explanations"]),
+            parameters={k: Parameter(**p) for k, p in found["parameters"].items()},
+            warnings=tuple(found["warnings"]),
+            **known,
+        )
+
+    def __repr__(self) -> str:
+        """The verdict first, in ten lines or fewer of 100 columns."""
+        lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", _REPR_WIDTH)[:4]
+        for test in self.tests:
+            at = "" if test.time is None else f" at t = {test.time:.4g}"
+            lines.append(
+                f"  {test.observable}{at}: chi-square {test.chi_square:.4g}/{test.dof}, "
+                f"p = {test.p_value:.2g}, {test.verdict}"
+            )
+        more = len(lines) - _REPR_LINES
+        return "\n".join(lines[:_REPR_LINES] + ([f"  ... {more} more"] if more > 0 else []))
+
+    def _repr_html_(self) -> str:
+        """The verdict, and a table of the tests, for a notebook."""
+        heads = ("observable", "t [d/U]", "χ²", "dof", "p", "verdict")
+        table = "".join(
+            f"<tr><td>{escape(test.observable)}</td>"
+            f"<td>{'all' if test.time is None else f'{test.time:.4g}'}</td>"
+            f"<td>{test.chi_square:.4g}</td><td>{test.dof}</td><td>{test.p_value:.2g}</td>"
+            f"<td>{test.verdict}</td></tr>"
+            for test in self.tests
+        )
+        head = "".join(f"<th>{name}</th>" for name in heads)
+        return (
+            f"<p><strong>{self.verdict}</strong>. {escape(self.summary)}</p>"
+            f"<table><thead><tr>{head}</tr></thead><tbody>{table}</tbody></table>"
+        )
+
+
+_OF_THE_DATA = ("names", "samples", "groups", "grouping")
+
+
+def _tuples(value: Any) -> Any:
+    """Plain data with tuples in place of lists, so that they cannot be changed."""
+    if isinstance(value, Mapping):
+        return {key: _tuples(item) for key, item in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value

@@ -1,0 +1,179 @@
+"""What the kinetic equation says about a sample: averages over time, and shares of bins."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample, StartBins
+from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
+
+if TYPE_CHECKING:
+    from kinetics import Solution
+
+Array = NDArray[np.float64]
+
+RTOL = 1e-7
+"""Asked of the solver for averages: far below any standard error."""
+DENSITY_RTOL = 1e-6
+"""Asked of the solver for densities."""
+DISPLACEMENT_RTOL = 1e-4
+"""Asked of the solver for densities of the displacement, which cost more."""
+AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
+"""The averages that are compared."""
+SPEED, DISPLACEMENT = "speed_density", "position_density"
+
+
+@dataclass(frozen=True, eq=False)
+class SampledStart(State):
+    """The speeds of a sample at time 0, as it has them: isotropic."""
+
+    bins: StartBins
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """One point per bin."""
+        if m:
+            return None
+        counts = self.bins.counts
+        return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
+
+
+def sampled_start(sample: Sample) -> SampledStart:
+    """The start as the sample has it at time 0."""
+    assert sample.start is not None
+    return SampledStart(sample.start)
+
+
+def solved(
+    restitution: float,
+    free_path: float,
+    initial: Any,
+    times: Array,
+    outputs: Sequence[str],
+    rtol: float,
+) -> "Solution":
+    """The solution of a scene with a mean free path l (in d) instead of a density."""
+    from kinetics import Scene, solve
+
+    scene = Scene(
+        restitution=restitution,
+        number_density=1 / (2 * free_path),
+        initial=initial,
+        times=times,
+        outputs=tuple(outputs),
+    )
+    return solve(scene, rtol=rtol)
+
+
+def observed(sums: Array, speed_scale: Any, length_scale: Any, names: Sequence[str]) -> Array:
+    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
+
+    In units of U and d; the scales (n_times,) are those of the sums.
+    """
+    if not names:
+        return np.empty((*sums.shape[:-2], 0, sums.shape[-2]))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
+        values = {
+            "thermal_speed": lambda: speed_scale * np.sqrt(v2 / n),
+            "a2": lambda: v4 * n / (2 * v2**2) - 1,
+            "msd": lambda: length_scale**2 * r2 / n,
+            "kurtosis": lambda: r4 * n / r2**2,
+        }
+        return np.stack([values[name]() for name in names], axis=-2)
+
+
+class Expectation:
+    """What is expected of a sample: of all of it, and with each group left out.
+
+    With a start of its own (a name, a density) the theory is the same for every group. With the
+    sample's own start it moves with the sample: each group's theory starts from its speeds.
+    """
+
+    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
+        self.sample, self.names = sample, tuple(names)
+        total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
+        self.values = observed(total, *scales, names)
+        with np.errstate(invalid="ignore"):
+            self.replicates = observed(total - sample.sums, *scales, names)
+        self._last: tuple[tuple[float, float, Any], tuple[Array, Array]] | None = None
+
+    def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
+        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
+        asked = (restitution, free_path, initial)
+        if self._last is None or self._last[0] != asked:
+            self._last = (asked, self._solved(*asked))
+        return self._last[1]
+
+    def _solved(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
+        if isinstance(initial, SampledStart):
+            return self._from_start(restitution, free_path)
+        found = solved(restitution, free_path, initial, self.sample.times, self.names, RTOL)
+        values = np.stack([getattr(found, name) for name in self.names])
+        return values, values
+
+    def _from_start(self, restitution: float, free_path: float) -> tuple[Array, Array]:
+        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
+        assert self.sample.start is not None
+        start, times = self.sample.start, self.sample.times
+        moments = _one_speed(
+            restitution, free_path, self.names, np.sqrt(start.squares)[:, None] * times
+        )
+        # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
+        v2, flatness = start.squares[:, None], start.flatness[:, None]
+        powers: dict[int, Any] = {V2: v2, V4: flatness * v2**2, R2: 1.0, R4: flatness}
+        kernel = np.stack([moments[k] * powers[k] for k in (V2, V4, R2, R4)], axis=-1)
+        total = start.counts
+
+        def averaged(weights: Array) -> Array:
+            sums = np.empty((*weights.shape[:-1], times.size, 5))
+            sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
+            sums[..., N] = weights.sum(axis=-1)[..., None]
+            return observed(sums, 1.0, 1.0, self.names)
+
+        return averaged(total.astype(float)), averaged((total - start.by_group).astype(float))
+
+
+def _one_speed(
+    restitution: float, free_path: float, names: Sequence[str], times: Array
+) -> dict[int, Array]:
+    """<v^2>, <v^4>, <r^2>, <r^4> from speed 1 at any times: arrays of the shape of `times`."""
+    flat, back = np.unique(times, return_inverse=True)
+    wanted = ["thermal_speed", "a2", "msd", *(("kurtosis",) if "kurtosis" in names else ())]
+    found = solved(restitution, free_path, "monoenergetic", flat, wanted, RTOL)
+    v2, r2 = found.thermal_speed**2, found.msd
+    v4 = 2 * (1 + found.a2) * v2**2
+    r4 = np.zeros(flat.size)
+    if "kurtosis" in names:
+        r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2
+    moments = {V2: v2, V4: v4, R2: r2, R4: r4}
+    return {k: m[back].reshape(times.shape) for k, m in moments.items()}
+
+
+def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
+    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
+
+    Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
+    bin, finer where the start is rough; what is above the last edge is the rest.
+    """
+    if name == DISPLACEMENT:
+        shares = solution.position_fraction(np.concatenate([[0.0], edges]))[index]
+        return np.append(shares, max(1 - shares.sum(), 0.0))
+    pieces = 1 if solution.scene.state.smooth else 12
+    every = np.concatenate([[0.0], edges])
+    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
+    node, gauss = np.polynomial.legendre.leggauss(3)
+    half = np.diff(fine)[:, None] / 2
+    x = fine[:-1, None] + half * (node + 1)
+    values = np.asarray(solution.speed_density(x.ravel())[index]).reshape(x.shape)
+    shares = np.maximum((values * gauss * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
+    peak = float(solution.uncollided[index])
+    if peak > 0:  # tracers of a start with one speed that have not collided
+        speed = float(getattr(solution.scene.state, "speed", 1.0))
+        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
+    return np.append(shares, max(1 - shares.sum(), 0.0))

@@ -1,0 +1,305 @@
+"""The page, the JSON and the figures of a comparison, and the command that writes them."""
+
+import json
+import os
+import re
+import xml.etree.ElementTree as ElementTree
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import Scene, solve
+from kinetics.cli import main
+from kinetics.crosscheck import Comparison, compare
+from kinetics.crosscheck.comparison.page import files_of, render
+from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
+from kinetics.crosscheck.report.figures import PAPER, figure_file
+from particles import BoltzmannGrad, simulate
+
+TIMES = np.array([0.0, 2.0, 20.0, 200.0])
+EVIL = "<script>alert('x')</script>&\""
+COLUMNS = "time,x,y,vx,vy,tracer,medium"
+
+
+def run_of(seed: int = 4) -> Any:
+    return simulate(
+        BoltzmannGrad(0.04), restitution=0.75, times=TIMES, media=40, tracers=50, seed=seed,
+        workers=1, observables=("positions", "velocities"),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """2000 tracers at four times."""
+    run = run_of()
+    n = 2000
+    label = np.tile(np.arange(n), TIMES.size)
+    table = np.column_stack(
+        [np.repeat(TIMES, n), run.positions.reshape(-1, 2), run.velocities.reshape(-1, 2), label,
+         label // 50]
+    )  # fmt: skip
+    path = tmp_path_factory.mktemp("data") / "data.csv"
+    np.savetxt(path, table, delimiter=",", header=COLUMNS, comments="", fmt="%.12g")
+    return path
+
+
+@pytest.fixture(scope="module")
+def differing() -> Comparison:
+    """With a wrong density, so that there is something to explain."""
+    outputs = ("thermal_speed", "a2", "msd", "kurtosis", "speed_density")
+    return compare(solve(Scene(0.75, 0.06, times=TIMES, outputs=outputs), rtol=1e-6), run_of())
+
+
+class Page(HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.references: list[str] = []
+        self.ids: list[str] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.references += [v or "" for k, v in attrs if k in ("href", "src", "srcset", "action")]
+        self.ids += [v or "" for k, v in attrs if k == "id"]
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_needs_nothing_beside_it(differing: Comparison) -> None:
+    text = render(differing, "x.json")
+    page = Page(text)
+    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(page.tags)
+    assert {r.removeprefix("#") for r in page.references} <= set(page.ids)
+    assert all(r.startswith("#") for r in page.references)
+    assert len(page.ids) == len(set(page.ids))
+    assert not re.findall(r"https?:|//[a-z]|@import", text)
+    assert page.tags.count("svg") == len(differing.figures) == page.tags.count("figure")
+    assert page.tags.count("title") == 1 + len(differing.figures)  # text alternatives
+    assert page.tags.count("desc") == len(differing.figures)
+    assert page.tags.count("math") == 3
+
+
+def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison) -> None:
+    from kinetics.crosscheck.report.templates import number
+
+    document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
+    assert document == differing.document()
+    assert document["schema"] == "inelastic-lorentz/comparison/1"
+    text = " ".join(Page(render(differing, "x.json")).text.split())
+    wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
+    for row in document["rows"]:
+        assert wanted <= set(row)
+        assert row["observable"] in OBSERVABLES
+        assert number(row["value"], row["error"]) in text
+    for test in document["tests"]:
+        assert f"{test['chi_square']:.4g}" in text
+        assert f"{test['p_value']:.2g}" in text
+    for item in document["explanations"]:
+        assert item["text"] in text
+        assert OUTCOMES[item["outcome"]] in text
+    names = {"thermal-speed", "a2", "msd", "kurtosis", "sigmas", "speed-density"}
+    assert set(document["figures"]) == names
+    for data in document["figures"].values():
+        assert data["x"]["label"]
+        for series in data["series"]:
+            assert len(series["x"]) == len(series["y"]) > 1
+            assert series["error"] is None or len(series["error"]) == len(series["x"])
+
+
+def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
+    from dataclasses import replace
+
+    evil = replace(differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL)
+    text = render(evil, EVIL)
+    assert "<script" not in text
+    assert Page(text).text.count(EVIL) >= 6
+
+
+def test_figures_are_files_of_their_own(differing: Comparison) -> None:
+    files = files_of(differing, Path("out/page.html"), ("svg", "pdf", "png", "svg"))
+    assert set(files) == {"page.html", "page.json"} | {
+        f"page-{name}.{kind}" for name in differing.figures for kind in ("svg", "pdf", "png")
+    }
+    for name, content in files.items():
+        data = content if isinstance(content, bytes) else content.encode()
+        starts = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
+        assert data.startswith(starts.get(name.rsplit(".", 1)[1], b""))
+        if name.endswith(".svg"):
+            root = ElementTree.fromstring(data)
+            assert root.find("{http://www.w3.org/2000/svg}title") is not None
+            assert b"#0a0b" not in data  # the stand-ins of the page's colours
+            assert PAPER["#0a0b0c"].encode() in data
+    again = figure_file("msd", differing.figures["msd"], "pdf")
+    assert again == files["page-msd.pdf"]  # the same data give the same bytes
+
+
+def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = csv.read_bytes()
+    arguments = ["compare", str(csv), "--restitution", "0.75", "--number-density", "0.04", "--json"]
+    assert main(arguments) == 0
+    out = capsys.readouterr()
+    assert out.err == ""
+    document = json.loads(out.out)
+    assert document["verdict"] == "agrees"
+    assert document["data"] == {
+        "names": ["data.csv"], "samples": 2000, "groups": 40, "grouping": "medium",
+    }  # fmt: skip
+    speeds = [row for row in document["rows"] if row["observable"] == "thermal_speed"]
+    assert [row["time"] for row in speeds] == TIMES.tolist()
+    for row in speeds:
+        assert row["sigmas"] == pytest.approx((row["value"] - row["theory"]) / row["error"])
+        assert row["verdict"] == "agrees"
+    assert csv.read_bytes() == before
+
+
+def test_the_command_prints_a_table(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", str(csv), "-e", "0.6", "--number-density", "0.04"]) == 0
+    text = capsys.readouterr().out
+    assert "they differ" in text
+    assert re.search(r"^thermal_speed +200 .*differs$", text, re.MULTILINE)
+    assert "restitution (explains the difference): Another restitution: e = 0.7" in text
+
+
+def test_the_command_writes_a_page(
+    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "new" / "page.html"
+    arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04"]
+    assert main([*arguments, "-o", str(output), "--figures", "png", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
+    assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    names = {p.name for p in output.parent.iterdir()}
+    assert "<code>page.json</code>" in output.read_text(encoding="utf-8")
+    figures = {f"page-{name}.png" for name in document["figures"]}
+    assert names == {"page.html", "page.json"} | figures
+
+
+def test_an_ensemble_file_says_what_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "run.h5"
+    run_of().save(path)
+    assert main(["compare", str(path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["verdict"] == "agrees"
+    assert document["parameters"]["restitution"]["value"] == 0.75
+    assert document["parameters"]["number_density"]["value"] == 0.04
+    damaged = bytearray(path.read_bytes())
+    damaged[len(damaged) // 2] ^= 0xFF
+    path.write_bytes(bytes(damaged))
+    assert main(["compare", str(path)]) == 2
+    assert re.fullmatch(r"lorentz: .*damaged.*\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-e", "1.5"], "restitution: got 1.5"),
+        (["--number-density", "-1", "-e", "0.7"], "number_density: got -1"),
+        (["--speed-unit", "U"], "it must be a number, or data"),
+        (["--speed-unit", "nan"], "speed_unit: got nan"),
+        (["--diameter", "0"], "diameter: got 0"),
+        (["--figures", "pdf"], "they need --output"),
+        (["-o", "page.txt"], "it must be a file .html"),
+        (["-o", "data.html"], "is a folder"),
+    ],
+)
+def test_bad_arguments_are_one_line(
+    csv: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data.html").mkdir()
+    assert main(["compare", str(csv), *arguments]) == 2
+    out = capsys.readouterr()
+    assert out.out == ""
+    assert out.err.count("\n") == 1
+    assert message in out.err
+    assert [p.name for p in tmp_path.iterdir()] == ["data.html"]
+
+
+def test_the_output_never_takes_the_place_of_the_data(
+    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = tmp_path / "page.json"
+    data.write_bytes(csv.read_bytes())
+    assert main(["compare", str(data), "-o", str(tmp_path / "page.html")]) == 2
+    assert "is one of the data" in capsys.readouterr().err
+    assert data.read_bytes() == csv.read_bytes()
+
+
+def test_a_failure_leaves_nothing_half_written(
+    csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+
+    def fsync(handle: int) -> None:
+        calls.append(handle)
+        if len(calls) == 2:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    output = tmp_path / "new" / "page.html"
+    arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
+    assert main(arguments) == 2
+    assert len(calls) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def page(differing: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("page") / "page.html"
+    path.write_text(render(differing, "page.json"), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("width", [360, 800, 1400])
+def test_the_page_in_a_browser(
+    page: Path, differing: Comparison, browser: Any, width: int, dark: bool
+) -> None:
+    questions = {
+        "figures": "document.querySelectorAll('figure svg').length",
+        "boxes": "[...document.querySelectorAll('figure svg')].map(s => {"
+        "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})",
+        "wide": "document.documentElement.scrollWidth",
+        "paths": "[...document.querySelectorAll('figure svg')].map("
+        "s => s.querySelectorAll('path').length)",
+        "background": "getComputedStyle(document.body).backgroundColor",
+        "maths": "[...document.querySelectorAll('math')].map("
+        "m => m.getBoundingClientRect().height)",
+    }
+    seen = browser.visit(page, width, questions, dark)
+    assert seen.complaints == []
+    assert seen.requests == [page.resolve().as_uri()]
+    assert seen.answers["figures"] == len(differing.figures)
+    for left, right, across, down in seen.answers["boxes"]:
+        assert left >= 0
+        assert right <= width + 0.5
+        assert across > 300 or across > 0.8 * width
+        assert down > 200
+    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
+    assert min(seen.answers["paths"]) > 5
+    assert min(seen.answers["maths"]) > 10
+    dark_paper = seen.answers["background"] == "rgb(20, 23, 27)"
+    assert dark_paper is dark
+
+
+def test_the_browser_sees_errors_and_requests(browser: Any, tmp_path: Path) -> None:
+    """The check itself can fail."""
+    path = tmp_path / "bad.html"
+    path.write_text("<img src='http://127.0.0.1:9/x.png'><script>nothing()</script>")
+    seen = browser.visit(path, 400, {})
+    assert any("127.0.0.1" in request for request in seen.requests)
+    assert any("nothing is not defined" in text for text in seen.complaints)

@@ -1,0 +1,111 @@
+"""A comparison is a value: it cannot be changed, it can be compared, pickled, saved and shown."""
+
+import pickle
+from dataclasses import FrozenInstanceError, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics.crosscheck import Comparison, compare_data
+from kinetics.errors import InputError
+from kinetics.storage import load
+from particles import BoltzmannGrad, simulate
+
+
+def run_of(seed: int = 4) -> Any:
+    return simulate(
+        BoltzmannGrad(0.04), restitution=0.75, times=[0.0, 2.0, 20.0, 200.0], media=40, tracers=50,
+        seed=seed, workers=1, observables=("positions", "velocities"),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result() -> Comparison:
+    """With a wrong density, so that there is something to explain."""
+    return compare_data(run_of(), number_density=0.06)
+
+
+def test_equal_data_give_equal_values(result: Comparison) -> None:
+    again = compare_data(run_of(), number_density=0.06)
+    assert again == result
+    assert hash(again) == hash(result)
+    assert len({again, result}) == 1
+    assert result != compare_data(run_of(5), number_density=0.06)
+    assert result != replace(result, samples=result.samples + 1)
+    assert result != "differs"
+
+
+def test_a_comparison_cannot_be_changed(result: Comparison) -> None:
+    before = result.to_json()
+    with pytest.raises(FrozenInstanceError):
+        result.verdict = "agrees"  # type: ignore[misc,assignment]
+    with pytest.raises(TypeError):
+        result.parameters["restitution"] = None  # type: ignore[index]
+    with pytest.raises(TypeError):
+        result.figures["msd"]["series"][0]["y"][0] = 99.0
+    with pytest.raises(FrozenInstanceError):
+        result.rows[0].value = 0.0  # type: ignore[misc]
+    assert result.to_json() == before
+
+
+def test_it_survives_a_pickle_and_a_file(result: Comparison, tmp_path: Path) -> None:
+    path = tmp_path / "comparison.h5"
+    result.save(path)
+    for other in (pickle.loads(pickle.dumps(result)), load(path)):
+        assert type(other) is Comparison
+        assert other == result
+        assert hash(other) == hash(result)
+        assert other.to_json() == result.to_json()
+        assert other.observable("msd") == result.observable("msd")
+    damaged = bytearray(path.read_bytes())
+    damaged[-100] ^= 0xFF
+    path.write_bytes(bytes(damaged))
+    with pytest.raises(InputError, match="damaged"):
+        load(path)
+
+
+def test_it_is_shown_with_the_answer_first(result: Comparison) -> None:
+    lines = repr(result).splitlines()
+    assert 3 < len(lines) <= 10
+    assert lines[0].startswith("Comparison: differs. 2000 tracers at 4 times")
+    assert max(map(len, lines)) <= 100
+    assert any(line.startswith("  thermal_speed: chi-square ") for line in lines)
+    many = replace(result, tests=result.tests * 9, summary="a long summary " * 90)
+    assert len(repr(many).splitlines()) <= 10
+    html = replace(result, summary="<script>")._repr_html_()
+    assert "<strong>differs</strong>. &lt;script&gt;" in html
+    assert html.count("<tr>") == 1 + len(result.tests)
+    assert {"verdict", "rows", "tests", "explanations", "parameters", "save"} <= set(dir(result))
+
+
+def test_compare_data_takes_files_runs_and_samples(tmp_path: Path) -> None:
+    run = run_of()
+    n = run.media * run.tracers
+    columns = {
+        "time": np.repeat(run.times, n),
+        "tracer": np.tile(np.arange(n), run.times.size),
+        "x": run.positions[:, :, 0].ravel(),
+        "y": run.positions[:, :, 1].ravel(),
+        "vx": run.velocities[:, :, 0].ravel(),
+        "vy": run.velocities[:, :, 1].ravel(),
+    }
+    path = tmp_path / "data.npz"
+    np.savez(path, **columns)
+    run.save(tmp_path / "run.h5")
+    of_run = compare_data(run)
+    assert of_run.verdict == "agrees"
+    assert of_run.parameters["restitution"].source == "told"
+    assert replace(compare_data(tmp_path / "run.h5"), names=of_run.names) == of_run
+    of_file = compare_data(str(path), 0.75, 0.04, explain=False)
+    assert of_file.verdict == "agrees"
+    for test in of_file.tests:
+        assert test.p_value == pytest.approx(of_run.p_value(test.observable, test.time))
+    # the same data in another unit of length, with the density in that unit
+    columns["x"], columns["y"] = 2 * columns["x"], 2 * columns["y"]
+    columns["time"] = 2 * columns["time"]
+    np.savez(path, **columns)
+    twice = compare_data([path], 0.75, 0.01, diameter=2.0, explain=False)
+    assert twice.parameters["number_density"].value == pytest.approx(0.04)
+    assert twice.p_value("msd") == pytest.approx(of_file.p_value("msd"), rel=1e-6)
