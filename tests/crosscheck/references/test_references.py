@@ -1,160 +1,169 @@
-"""The references for the position of the tracer, against each other."""
+"""The reference values: what is stored is what the formulas give, and two ways to each agree."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-HERE = Path(__file__).parents[1]
+from kinetics import ScalingSolution
+from kinetics.crosscheck import references
+from kinetics.crosscheck.references import __main__ as script
+from kinetics.crosscheck.references import collision, cooling, displacement
+from kinetics.crosscheck.references.collision import decay_rates
+
+TABLES = references.load()
+DISPLACEMENT = TABLES["displacement"]
+TABLED = [key for key in DISPLACEMENT if key != "T"]
 
 
-@pytest.fixture(scope="module")
-def position(formulas: ModuleType) -> ModuleType:
-    """position_references.py; it uses kinetic_references.py, loaded before."""
-    spec = importlib.util.spec_from_file_location(
-        "position_references", HERE / "position_references.py"
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+def moments_forward(e: float, reduced_time: float, count: int) -> tuple[Any, Any]:
+    """<r^2>/l^2 and <r^4>/l^4 by the hierarchy forward in time, in `count` powers of T.
 
+    With w = v exp(i theta) and z = x + i y, mu(p, n, a, b) = <v^p exp(i n theta) z^a conj(z)^b>,
+    n = b - a by isotropy, obeys
 
-@pytest.fixture(scope="module")
-def table() -> Any:
-    """position_references.json, written by that file."""
-    return json.loads((HERE / "position_references.json").read_text(encoding="utf-8"))
-
-
-def constant(first: float, second: float) -> Any:
-    """Rates of a law that keeps the speed: nu_0 = 0, nu_1 and nu_2 the same at every power."""
-
-    def rates(_: Any, count: int) -> tuple[list[Any], list[Any], list[Any]]:
-        return [mp.mpf(0)] * count, [mp.mpf(first)] * count, [mp.mpf(second)] * count
-
-    return rates
+        mu' = a mu(p+1, n+1, a-1, b) + b mu(p+1, n-1, a, b-1) - nu_n(p) mu(p+1, n, a, b).
+    """
+    t = mp.mpf(reduced_time)
+    rates = [decay_rates(e, m, 0, count + 6) for m in (0, 1, 2)]
+    keys = [(a, b) for a in range(3) for b in range(3)]
+    # mu[a, b][p] is the coefficient of T^k
+    mu = {key: [mp.mpf(1 if key == (0, 0) else 0)] * (count + 4) for key in keys}
+    totals = [mp.mpf(0), mp.mpf(0)]
+    for k in range(count):
+        new = {}
+        for a, b in keys:
+            nu = rates[abs(a - b)]
+            row = []
+            for p in range(len(mu[a, b]) - 1):
+                value = -nu[p] * mu[a, b][p + 1]
+                if a:
+                    value += a * mu[a - 1, b][p + 1]
+                if b:
+                    value += b * mu[a, b - 1][p + 1]
+                row.append(value / (k + 1))
+            new[a, b] = row
+        mu = new
+        power = t ** (k + 1)
+        totals = [totals[0] + mu[1, 1][0] * power, totals[1] + mu[2, 2][0] * power]
+    return totals[0], totals[1]
 
 
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 1.0])
-def test_the_series_is_the_hierarchy_forward_in_time(position: ModuleType, e: float) -> None:
+def test_the_series_of_the_displacement_is_the_hierarchy_forward_in_time(e: float) -> None:
     with mp.workdps(40):
-        early = position.Early(e, 2.0)(2.0)
-        forward = position.moments_forward(e, 2.0, 75)
-        for a, b in zip(early, forward, strict=True):
+        early = displacement.Early(e, 2.0)(2.0)
+        for a, b in zip(early, moments_forward(e, 2.0, 75), strict=True):
             assert abs(a / b - 1) < 1e-35
 
 
-def test_the_mean_square_is_that_of_the_other_references(
-    position: ModuleType, formulas: ModuleType
-) -> None:
-    with mp.workdps(40):
-        for e, t in ((0.05, 7.0), (0.7, 40.0)):
-            assert abs(position.square(e, t) / formulas.early_square(e, t) - 1) < 1e-35
-
-
-def test_flights_before_any_collision_are_straight(position: ModuleType) -> None:
+def test_flights_before_any_collision_are_straight() -> None:
     with mp.workdps(40):
         t = mp.mpf(10) ** -6
-        rho, four = position.Early(0.4, 1.0)(t)
+        rho, four = displacement.Early(0.4, 1.0)(t)
         assert abs(rho / t**2 - 1) < 1e-5
         assert abs(four / rho**2 - 1) < 1e-5
 
 
-@pytest.mark.parametrize("rates", [(4 / 3, 16 / 15), (1.0, 1.0)])
-def test_the_elastic_closed_form_is_the_series(
-    position: ModuleType, rates: tuple[float, float]
-) -> None:
-    with mp.workdps(40):
-        for t in (0.3, 20.0):
-            series = position.Early(1, t, constant(*rates))(t)
-            closed = position.elastic_inverse(t, *map(mp.mpf, rates))
-            for a, b in zip(series, closed, strict=True):
-                assert abs(a / b - 1) < 1e-25
-    # <r^2> = 2 D' T with D' = 1/nu_1, and a Gaussian
-    rho, four = position.elastic_inverse(1e10, *rates)
-    assert float(rho) == pytest.approx(2e10 / rates[0], rel=1e-9)
-    assert float(four / rho**2) == pytest.approx(2.0, rel=1e-8)
-
-
-@pytest.mark.parametrize("t", [0.5, 6.0, 40.0])
-def test_the_isotropic_walk_has_its_moments(position: ModuleType, t: float) -> None:
-    with mp.workdps(60):
-        ring, x = position.isotropic_ring(t), mp.mpf(t)
-        series = position.Early(1, t, constant(1.0, 1.0))(t)
-        for n, exact in ((2, series[0]), (4, series[1])):
-
-            def integrand(s: Any, n: int = n) -> Any:
-                # s = sqrt(t^2 - r^2), r dr = -s ds
-                r = mp.sqrt((x - s) * (x + s))
-                return position.isotropic_density(r, x) * r ** (n - 1) * s
-
-            found = mp.quad(integrand, [mp.mpf(10) ** -24, x / 2, x], maxdegree=7)
-            assert abs((ring * x**n + found) / exact - 1) < 1e-20
-        inside = position.isotropic_share(x / 2, x)
-        found = mp.quad(lambda r: position.isotropic_density(r, x), [0, x / 4, x / 2])
-        assert abs(inside / found - 1) < 1e-20
-        assert abs(position.isotropic_share(x, x) + ring - 1) < 1e-25
-
-
-def test_the_isotropic_scattering_function_has_its_laplace_transform(position: ModuleType) -> None:
-    # of F: 1/(sqrt((p+1)^2 + k^2) - 1), flights between isotropic turns
-    k, p = 1.3, 2.0
-    nodes, weights = np.polynomial.laguerre.laggauss(14)
-    with mp.workdps(15):
-        found = sum(
-            w * float(position.isotropic_scattering(k, x / p)) / p
-            for x, w in zip(nodes, weights, strict=True)
-        )
-        assert found == pytest.approx(1 / (((p + 1) ** 2 + k**2) ** 0.5 - 1), rel=1e-6)
-        assert float(position.isotropic_scattering(0, 3.0)) == pytest.approx(1)
-
-
-def test_the_integrals_meet_the_series(position: ModuleType, monkeypatch: Any) -> None:
+def test_the_integrals_of_the_displacement_meet_its_series(monkeypatch: Any) -> None:
     # with a step so wide that exp(-2 pi 0.2/step) = 4e-5 is missing
-    monkeypatch.setattr(position, "STEP", mp.mpf(1) / 8)
-    monkeypatch.setattr(position, "HALF_LENGTH", 10)
-    monkeypatch.setattr(position, "WINDOW", 5)
+    monkeypatch.setattr(displacement, "STEP", mp.mpf(1) / 8)
+    monkeypatch.setattr(displacement, "HALF_LENGTH", 10)
+    monkeypatch.setattr(displacement, "WINDOW", 5)
     with mp.workdps(20):
-        lines, early = position.Lines(0.7), position.Early(0.7, 30.0)
+        lines, early = displacement.Lines(0.7), displacement.Early(0.7, 30.0)
         for t in (1.0, 30.0):
             for a, b in zip(lines(t), early(t), strict=True):
                 assert abs(a / b - 1) < 3e-4
 
 
 @pytest.mark.slow
-def test_the_integrals_meet_those_of_the_other_references_late(
-    position: ModuleType, formulas: ModuleType, numbers: Any, monkeypatch: Any
-) -> None:
-    monkeypatch.setattr(position, "STEP", mp.mpf(1) / 32)
-    monkeypatch.setattr(position, "HALF_LENGTH", 36)
-    found = numbers["evolution"]["0.4"]["monoenergetic"]["msd"]
+def test_two_integrals_of_the_mean_square_agree_late(monkeypatch: Any) -> None:
+    monkeypatch.setattr(displacement, "STEP", mp.mpf(1) / 32)
+    monkeypatch.setattr(displacement, "HALF_LENGTH", 36)
+    stored = TABLES["evolution"]["0.4"]["monoenergetic"]["msd"]
     with mp.workdps(30):
-        lines = position.Lines(0.4)
-        for t, msd in zip(formulas.TIMES, found, strict=True):
+        lines = displacement.Lines(0.4)
+        for t, msd in zip(cooling.TIMES, stored, strict=True):
             if t > 10:
-                value = float(lines(mp.mpf(t) / formulas.FREE_PATH)[0] * formulas.FREE_PATH**2)
+                value = float(lines(mp.mpf(t) / cooling.FREE_PATH)[0] * cooling.FREE_PATH**2)
                 assert value == pytest.approx(msd, rel=1e-14)
 
 
-# -- the table ------------------------------------------------------------------------------------
+@pytest.mark.parametrize("e", ["0.05", "0.7", "0.99"])
+def test_stored_averages_from_integrals_are_the_power_series(e: str) -> None:
+    rows = TABLES["evolution"][e]["monoenergetic"]
+    k = cooling.TIMES.index(300.0)
+    with mp.workdps(40):
+        reduced = mp.mpf(300) / cooling.FREE_PATH
+        early = cooling.early_power(float(e), 2, reduced) / reduced**2
+        square = displacement.Early(float(e), reduced)(reduced)[0] * cooling.FREE_PATH**2
+        collisions = cooling.early_collisions(float(e), reduced)
+    for name, value in (("v^2", early), ("msd", square), ("collisions", collisions)):
+        assert rows[name][k] == pytest.approx(float(value), rel=1e-15, abs=0.0)
 
-TABLED = ["0.0", "0.05", "0.4", "0.7", "0.9", "0.99"]
+
+def test_stored_scaled_densities_are_made_again() -> None:
+    with mp.workdps(40):
+        for e in ("0.05", "0.9"):
+            made, stored = collision.scaled_density(float(e), [2.0]), TABLES["scaled_density"][e]
+            k = min(range(len(stored["c"])), key=lambda i: abs(stored["c"][i] - made["c"][0]))
+            for name in ("c", "F"):
+                assert made[name][0] == pytest.approx(stored[name][k], rel=1e-14, abs=0.0)
+
+
+# -- the benchmark's table -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("start", references.STARTS)
+@pytest.mark.parametrize("e", [0.0, 0.7])
+def test_the_benchmarks_values_are_the_power_series(e: float, start: str) -> None:
+    k = 20
+    first = {"gaussian": cooling.gaussian_moment, "monoenergetic": cooling.one_speed}[start]
+    t = references.times("short")[k]
+    reduced = mp.mpf(float(t)) / cooling.FREE_PATH
+    second, fourth = (cooling.early_power(e, p, reduced, first) / reduced**p for p in (2, 4))
+    v0, a2 = (references.kept(name, e, start, "short")[k] for name in ("thermal_speed", "a2"))
+    assert v0 == pytest.approx(float(second) ** 0.5, rel=1e-15)
+    assert 1 + a2 == pytest.approx(float(fourth / (2 * second**2)), rel=1e-15)
+    made = displacement.short(e, start)
+    for quantity in ("msd", "kurtosis"):
+        stored = references.kept(quantity, e, start, "short")
+        np.testing.assert_allclose(made[quantity]["short"], stored, rtol=3e-16)
+
+
+@pytest.mark.parametrize("start", references.STARTS)
+@pytest.mark.parametrize("e", references.RESTITUTIONS)
+def test_the_benchmarks_values_begin_in_free_flight_and_end_in_the_scaling_state(
+    e: float, start: str
+) -> None:
+    second, kurtosis = (2.0, 2.0) if start == "gaussian" else (1.0, 1.0)
+    # collisions add terms of the order of v t/l = 0.01
+    first = references.times("short")[0]
+    assert references.kept("msd", e, start, "short")[0] == pytest.approx(
+        second * first**2, rel=0.03
+    )
+    assert references.kept("kurtosis", e, start, "short")[0] == pytest.approx(kurtosis, rel=0.03)
+    exact = ScalingSolution(e)
+    # corrections are of the order of the value itself over the initial speed; slow tracers of the
+    # Gaussian add a logarithm
+    late = 2 * references.MEAN_FREE_PATH / (exact.cooling_rate * references.times("long")[-1])
+    v0, a2 = (references.kept(name, e, start, "long")[-1] for name in ("thermal_speed", "a2"))
+    assert v0 == pytest.approx(late, rel=5 * late)
+    assert a2 == pytest.approx(exact.a2, abs=20 * late)
+
+
+# -- the table of the displacement -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize("e", TABLED)
-def test_the_table_joins_series_and_integrals(table: Any, e: str) -> None:
-    assert table[e]["series_and_integrals_apart"] < 1e-14
+def test_the_displacements_join_series_and_integrals(e: str) -> None:
+    assert DISPLACEMENT[e]["series_and_integrals_apart"] < 1e-14
     for start in ("monoenergetic", "gaussian"):
         for name in ("square", "fourth"):
-            values = np.array(table[e][start][name])
+            values = np.array(DISPLACEMENT[e][start][name])
             assert values.shape == (113,)
             # no step where one route takes over from the other
             bend = np.diff(np.log(values), 3)
@@ -162,28 +171,47 @@ def test_the_table_joins_series_and_integrals(table: Any, e: str) -> None:
 
 
 @pytest.mark.parametrize("e", TABLED)
-def test_late_in_the_table_the_slopes_are_exact(formulas: ModuleType, table: Any, e: str) -> None:
+def test_late_displacements_have_the_exact_slope(e: str) -> None:
     value = float(e)
     with mp.workdps(30):
-        slope = 2 / (
-            formulas.mean_log_loss(value) * (1 - formulas.ratio_power_cosine(value, mp.mpf(0), 1))
-        )
-    late = np.log(np.array(table["T"][-5:]))
+        turn = decay_rates(value, 1, 0, 1)[0]
+        slope = float(2 / (collision.mean_log_loss(value) * turn))
+    late = np.log(np.array(DISPLACEMENT["T"][-5:]))
     for start in ("monoenergetic", "gaussian"):
-        rho = np.array(table[e][start]["square"][-5:])
-        np.testing.assert_allclose(np.diff(rho) / np.diff(late), float(slope), rtol=1e-5)
+        rho = np.array(DISPLACEMENT[e][start]["square"][-5:])
+        np.testing.assert_allclose(np.diff(rho) / np.diff(late), slope, rtol=1e-5)
         # <r^4> = 2 slope^2 ln^2 T + ...: its second difference in ln T
-        four = np.array(table[e][start]["fourth"][-5:])
-        second = np.diff(four, 2) / np.diff(late)[0] ** 2
-        np.testing.assert_allclose(second, 4 * float(slope) ** 2, rtol=1e-4)
+        second = np.diff(DISPLACEMENT[e][start]["fourth"][-5:], 2) / np.diff(late)[0] ** 2
+        np.testing.assert_allclose(second, 4 * slope**2, rtol=1e-4)
 
 
-def test_the_table_is_made_by_the_formulas_beside_it(position: ModuleType, table: Any) -> None:
-    assert table["T"] == position.TIMES
+def test_early_displacements_are_made_again() -> None:
+    assert DISPLACEMENT["T"] == displacement.TIMES
     with mp.workdps(40):
         for e in ("0.0", "0.7"):
-            early = position.Early(float(e), 30.0)
+            early = displacement.Early(float(e), 30.0)
             for k in (0, 30, 59):
-                pair = [float(x) for x in early(table["T"][k])]
-                kept = [table[e]["monoenergetic"][name][k] for name in ("square", "fourth")]
-                assert pair == pytest.approx(kept, rel=1e-15)
+                pair = [float(x) for x in early(DISPLACEMENT["T"][k])]
+                row = DISPLACEMENT[e]["monoenergetic"]
+                assert pair == pytest.approx([row["square"][k], row["fourth"][k]], rel=1e-15)
+
+
+# -- the file --------------------------------------------------------------------------------------
+
+
+def test_the_script_writes_what_the_loader_reads(monkeypatch: Any, tmp_path: Any) -> None:
+    made = {"0.5": {"gaussian": [0.1, 1e-300]}}
+    monkeypatch.setattr(script, "TABLES", {"made": (20, lambda: made), "other": (20, dict)})
+    monkeypatch.setattr(mp.mp, "dps", 15)
+    path = tmp_path / "values.json"
+    path.write_text(json.dumps({"kept": {"T": [1.0]}}))
+    script.main([str(path), "made"])
+    assert json.loads(path.read_text()) == {"kept": {"T": [1.0]}, "made": made}
+    with pytest.raises(SystemExit, match="usage"):
+        script.main([str(path), "bogus"])
+
+
+def test_every_table_of_the_script_is_stored() -> None:
+    assert list(TABLES) == list(script.TABLES)
+    with pytest.raises(KeyError):
+        references.kept("thermal_speed", 0.3, "gaussian", "short")
