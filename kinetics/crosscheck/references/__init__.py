@@ -9,7 +9,8 @@ two hours of one processor; see `__main__`).
 The tables, by name and then by restitution as text:
 
 - "scaled_density": F(c) of the scaling state, lists c and F;
-- "evolution": averages of six starts at `cooling.TIMES` (d/U): "v^p" (U^p), "collisions", "msd" (d^2);
+- "evolution": averages of six starts at `cooling.TIMES` in d/U: "v^p" in U^p, "collisions", "msd"
+  in d^2;
 - "beam": <v^2 cos(m phi)> of a beam of speed U at the same times, by m;
 - "displacement": "square" and "fourth", <r^2>/l^2 and <r^4>/l^4 at the times "T" in l/U;
 - "speed_density": f(v, t) as pairs [v, f], by start and time, in units of l and U;

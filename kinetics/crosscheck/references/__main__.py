@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +25,17 @@ def evolution() -> dict[str, Any]:
     """All six starts at two restitutions, both starts of the paper at the others."""
     table = {}
     for e in (0.0, 0.05, 0.4, 0.7, 0.9, 0.99):
-        early = displacement.Early(e, 2.0)
-        six = e in (0.05, 0.7)
-        names, powers = (SIX_STARTS, [1, 2, 4]) if six else (TWO_STARTS, [1, 2, 2.5, 4, 6])
-        table[str(e)] = cooling.evolution(e, names, powers, lambda t, early=early: early(t)[0])
+        names, powers = TWO_STARTS, [1.0, 2.0, 2.5, 4.0, 6.0]
+        if e in (0.05, 0.7):
+            names, powers = SIX_STARTS, [1.0, 2.0, 4.0]
+        table[str(e)] = cooling.evolution(
+            e, names, powers, partial(_square, displacement.Early(e, 2))
+        )
     return table
+
+
+def _square(early: displacement.Early, reduced_time: Any) -> Any:
+    return early(reduced_time)[0]
 
 
 def benchmark() -> dict[str, Any]:

@@ -123,7 +123,7 @@ def square_weight(outer: Line, inner: Line, start: Any) -> list[Any]:
     return weight
 
 
-# -- starts: <v^-w>, the average over the initial speeds --------------------------------------------
+# -- starts: <v^-w>, the average over the initial speeds -------------------------------------------
 
 TABLE = ([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
 """Speeds and densities of a triangle."""
