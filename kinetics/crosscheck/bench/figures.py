@@ -64,7 +64,8 @@ def svg(draw: Callable[[Figure], None], width: float, height: float) -> str:
 
 def draw_all(records: list[Record]) -> dict[str, str]:
     """Run time against error, a file for each kind of problem that has rows, by file name."""
-    problems = of_problems(records, PRECISION)
+    drawn = [r for r in records if r.seconds and r.error is not None]
+    problems = of_problems(drawn, PRECISION)
     kinds: dict[str, str | tuple[str, ...]] = {
         "work-precision.svg": "scaled",  # the README's
         "precision-cooling.svg": "v0(t)",
