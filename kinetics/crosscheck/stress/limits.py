@@ -27,7 +27,7 @@ def label_of(e: float) -> str:
     return f"e = {e:g}" if e < 0.9995 or e == 1.0 else f"e = 1 - {1.0 - e:.0e}"
 
 
-# -- closed forms in high precision, so that no e is near a limit of doubles ------------------------
+# -- closed forms in high precision, so that no e is near a limit of doubles ----------------------
 
 
 @lru_cache(maxsize=256)

@@ -102,7 +102,7 @@ def test_all_five_methods_are_measured_on_the_scaled_equation() -> None:
         for method, sweep in here.items():
             seed = (1,) if sweep.seeded else ()
             error = sweep.error(sweep.work(sweep.values[2], *seed))
-            assert error < 0.7, (problem, method)
+            assert error < 1.0, (problem, method)
 
 
 # -- error measures --------------------------------------------------------------------------------
