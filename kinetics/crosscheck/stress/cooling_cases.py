@@ -24,7 +24,7 @@ from kinetics.crosscheck.stress.limits import (
     label_of,
     limit_errors,
 )
-from kinetics.crosscheck.stress.starts import first_moments, quadrature, starts
+from kinetics.crosscheck.stress.starts import first_averages, quadrature, starts
 
 
 def cooling_cases(quick: bool) -> Iterator[Case]:
@@ -133,12 +133,10 @@ def _rough(e: float, label: str, rtol: float) -> Outcome:
     # fourth powers of late speeds of 1e-30 and less underflow in the mixture
     middle = (TIMES > 0.0) & (TIMES <= 1e30)
     reached = difference(speed[middle], a2[middle], *mixture(e, label, TIMES[middle]))
-    known = first_moments(label)
-    first = (float(speed[0]), float(a2[0])) if known is None else (known[0], known[1] - 1.0)
     # the first time and the last: by then, speeds of 1e-150 have met 1e140 scatterers
     ends = slice(None, None, TIMES.size - 1)
     finite = np.all(np.isfinite(speed)) and np.all(np.isfinite(a2))
-    reached = max(reached, limit_errors(solution, first, rtol, ends))
+    reached = max(reached, limit_errors(solution, first_averages(label), rtol, ends))
     return Outcome(
         asked=rtol + ROUNDING,
         reached=reached if finite else math.inf,
