@@ -3,8 +3,8 @@
 `references.json` holds them; `load` and `kept` read it. The other modules are the formulas in
 mpmath that made it, and they share nothing with the solver: this room imports nothing of the
 project. Begin reading at `collision`, the averages of one collision; `cooling`, `displacement` and
-`densities` use it. ``python -m kinetics.crosscheck.references FILE`` makes the file again (about
-two hours of one processor; see `__main__`).
+`densities` use it. ``python -m kinetics.crosscheck.references FILE`` makes the file again; see
+`__main__` for how long that takes.
 
 The tables, by name and then by restitution as text:
 
