@@ -1,32 +1,23 @@
-"""The references of these tests: formulas in mpmath, and numbers that they gave."""
+"""What the tests of the solver share: the reference values, and the formulas behind them."""
 
-import importlib.util
-import json
-import sys
-from pathlib import Path
-from types import ModuleType
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+
+from kinetics.crosscheck.references import collision, cooling, load
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # for example_values.py, which several test files import
 
 
 @pytest.fixture(scope="session")
-def formulas() -> ModuleType:
-    """kinetic_references.py: closed forms and series in mpmath."""
-    path = HERE / "kinetic_references.py"
-    spec = importlib.util.spec_from_file_location("kinetic_references", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+def formulas() -> SimpleNamespace:
+    """Closed forms of one collision, and series and integrals in time, in mpmath."""
+    return SimpleNamespace(**{**vars(collision), **vars(cooling)})
 
 
 @pytest.fixture(scope="session")
 def numbers() -> Any:
-    """kinetic_references.json, written by that file."""
-    return json.loads((HERE / "kinetic_references.json").read_text(encoding="utf-8"))
+    """The tables of `kinetics.crosscheck.references`."""
+    return load()

@@ -1,25 +1,25 @@
-"""Run time against error: every method on the same problems, in one run, and what skipping saves.
+"""The benchmark: run time against error, on the same problems for every method.
 
-`run_bench` measures, `compare_bench` holds one run against an earlier one. Nothing is loaded until
-it is asked for.
+`run_bench` measures; `lorentz bench` is its command. It may import everything below the cross-check
+(`kinetics`, `particles`) and the reference values of `kinetics.crosscheck.references`. Speed from
+one version of this package to the next is not its business: see ``tests/benchmarks``.
+
+Begin reading at `run` (the cases, each in a process of its own). `precision` and `position` hold
+the problems and the five methods, `accuracy` error asked against error reached, `skipping` what
+skipping saves, `cost` the run time against the amount of work, `throughput` the particles. What
+they measure are rows (`record`), from which `analysis`, `tables` and `figures` make the report.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics.crosscheck.bench.comparison import Comparison, compare_bench
     from kinetics.crosscheck.bench.report import BenchReport
     from kinetics.crosscheck.bench.run import run_bench
 
-_HOMES = {
-    "BenchReport": "report",
-    "Comparison": "comparison",
-    "compare_bench": "comparison",
-    "run_bench": "run",
-}
+_HOMES = {"BenchReport": "report", "run_bench": "run"}
 
-__all__ = ["BenchReport", "Comparison", "compare_bench", "run_bench"]
+__all__ = ["BenchReport", "run_bench"]
 
 
 def __getattr__(name: str) -> Any:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench import methods, references, straightforward
-from kinetics.crosscheck.bench.methods import CONSERVATIVE, SPECTRAL, STRAIGHTFORWARD
-from kinetics.crosscheck.bench.record import Record
+from kinetics.crosscheck import references
+from kinetics.crosscheck.bench import methods, straightforward
+from kinetics.crosscheck.bench.methods import CONSERVATIVE, PARTICLES, SPECTRAL, STRAIGHTFORWARD
+from kinetics.crosscheck.bench.record import COST, Record
 from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
 from kinetics.crosscheck.bench.timing import Effort
 
-SECTION = "cost"
-PARTICLES = "particles"
 EXPONENT = ", exponent"
-_of = partial(Sweep, SECTION)  # a row per amount of work
+E = 0.7
 
 
 def fitted_exponent(work: Sequence[float], seconds: Sequence[float]) -> float:
@@ -38,16 +36,13 @@ def exponents(rows: Sequence[Record]) -> list[Record]:
     """A row for each curve, with the exponent in `extra`."""
     found = []
     for key in dict.fromkeys((r.problem, r.method, r.setting) for r in rows):
-        done = [
-            (r.value, r.seconds)
-            for r in rows
-            if (r.problem, r.method, r.setting) == key and r.seconds and r.value
-        ]
+        here = [r for r in rows if (r.problem, r.method, r.setting) == key]
+        done = [(r.value, r.seconds) for r in here if r.seconds and r.value]
         problem, method, setting = key
         exponent = fitted_exponent([x for x, _ in done], [y for _, y in done])
         note = f"run time ~ {setting}^{exponent:.2f} over the upper half"
         found.append(
-            Record(SECTION, problem, method, f"{setting}{EXPONENT}", note=note,
+            Record(COST, problem, method, f"{setting}{EXPONENT}", note=note,
                    extra={"exponent": exponent})
         )  # fmt: skip
     return found
@@ -55,87 +50,73 @@ def exponents(rows: Sequence[Record]) -> list[Record]:
 
 def cost(effort: Effort) -> list[Record]:
     """All sweeps, at e = 0.7."""
-    sweeps = [*_solvers(effort), *_position(effort), *_particles(effort)]
-    rows = run_sweeps(sweeps, effort)
+    rows = run_sweeps([*solvers(effort), *displacements(effort), *_particles(effort)], effort)
     return rows + exponents(rows)
 
 
-def _solvers(effort: Effort) -> list[Sweep]:
-    from kinetics import Gaussian, Scene, solve, solve_scaled
+def _amounts(effort: Effort, *amounts: int, full: Sequence[int] = ()) -> tuple[int, ...]:
+    """Amounts of work; the full benchmark has some more."""
+    return amounts if effort.quick else (*amounts, *full)
 
-    e, l = 0.7, references.MEAN_FREE_PATH  # noqa: E741
-    big = not effort.quick
 
-    def averages(count: int) -> Any:
-        times = np.geomspace(1.0, 1e6, count)
-        return solve(Scene(e, times=times, outputs=("thermal_speed", "a2")), 1e-10)
+def _solve(rtol: float, *outputs: str, times: Any, nodes: int | None = None, **scene: Any) -> Any:
+    from kinetics import Scene, solve
 
-    def density(count: int) -> Any:
-        times = np.geomspace(1.0, 1e3, count)
-        return solve(Scene(e, times=times, outputs=("speed_density",)), 1e-8)
+    return solve(Scene(E, times=times, outputs=outputs, **scene), rtol, nodes=nodes)
 
-    def density_nodes(nodes: int) -> Any:
-        scene = Scene(e, times=[10.0, 100.0], outputs=("speed_density",))
-        return solve(scene, 1e-8, nodes=nodes)
 
-    def harmonics(count: int) -> Any:
-        scene = Scene(
-            e, initial=Gaussian(2.0, 1.0), times=[10.0, 100.0], outputs=("velocity_density",),
-            harmonics=2 * count,  # the odd ones are zero
-        )  # fmt: skip
-        return solve(scene, 1e-8)
+def solvers(effort: Effort) -> list[Sweep]:
+    """Of the velocity: the two solvers and the straightforward one."""
+    from kinetics import Gaussian, solve_scaled
 
-    def masses(nodes: int) -> Any:
-        return methods.conservative(e, "gaussian", np.array([100.0]), nodes)
+    two = [10.0, 100.0]
+    short = references.times("short")
 
-    def dense(nodes: int) -> Any:
-        times = references.times("short")
-        return straightforward.solve_cooling(e, l, "gaussian", times, nodes, 1e-4)
+    def of(problem: str, method: str, setting: str, amounts: Any, work: Callable[..., Any]) -> Any:
+        return Sweep(COST, problem, method, setting, amounts, work)
 
     return [
-        _of("scaled h, a2", SPECTRAL, "nodes", (64, 128, 256, 512, *((1024,) if big else ())),
-              lambda n: solve_scaled(e, 1e-12, nodes=n).a2),
-        _of("speed density", SPECTRAL, "nodes", (128, 256, 512, *((1024, 2048) if big else ())),
-              density_nodes),
-        _of("speed density", CONSERVATIVE, "nodes",
-              (256, 512, 1024, 2048, *((4096, 8192) if big else ())), masses),
-        _of("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, *((801,) if big else ())),
-              dense),
-        _of("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000, *((10_000,) if big else ())),
-              averages),
-        _of("speed density", SPECTRAL, "times", (4, 16, 64, *((256,) if big else ())),
-              density),
-        _of("velocity density", SPECTRAL, "harmonics", (1, 2, 4, *((8, 16) if big else ())),
-              harmonics),
+        of("scaled h, a2", SPECTRAL, "nodes", _amounts(effort, 64, 128, 256, 512, full=(1024,)),
+           lambda n: solve_scaled(E, 1e-12, nodes=n).a2),
+        of("speed density", SPECTRAL, "nodes", _amounts(effort, 128, 256, 512, full=(1024, 2048)),
+           lambda n: _solve(1e-8, "speed_density", times=two, nodes=n)),
+        of("speed density", CONSERVATIVE, "nodes",
+           _amounts(effort, 256, 512, 1024, 2048, full=(4096, 8192)),
+           lambda n: methods.conservative(E, "gaussian", np.array([100.0]), n)),
+        of("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", _amounts(effort, 101, 201, 401, full=(801,)),
+           lambda n: straightforward.solve_cooling(
+               E, references.MEAN_FREE_PATH, "gaussian", short, n, 1e-4)),
+        of("v0(t), a2(t)", SPECTRAL, "times", _amounts(effort, 10, 100, 1000, full=(10_000,)),
+           lambda n: _solve(1e-10, "thermal_speed", "a2", times=np.geomspace(1.0, 1e6, n))),
+        of("speed density", SPECTRAL, "times", _amounts(effort, 4, 16, 64, full=(256,)),
+           lambda n: _solve(1e-8, "speed_density", times=np.geomspace(1.0, 1e3, n))),
+        # the odd harmonics are zero
+        of("velocity density", SPECTRAL, "harmonics", _amounts(effort, 1, 2, 4, full=(8, 16)),
+           lambda n: _solve(1e-8, "velocity_density", times=two, initial=Gaussian(2.0, 1.0),
+                            harmonics=2 * n)),
     ]  # fmt: skip
 
 
-def _position(effort: Effort) -> list[Sweep]:
-    from kinetics import Scene, solve
-
-    e = 0.7
-    big = not effort.quick
+def displacements(effort: Effort) -> list[Sweep]:
+    """Of the displacement: its moments, G(R) and F(k)."""
 
     def moments(count: int) -> Any:
-        times = np.geomspace(1.0, 1e6, count)
-        return solve(Scene(e, times=times, outputs=("msd", "kurtosis")), 1e-10)
+        return _solve(1e-10, "msd", "kurtosis", times=np.geomspace(1.0, 1e6, count))
 
     def density(count: int) -> Any:
-        times = np.geomspace(100.0, 1e3, count)
-        scene = Scene(e, times=times, outputs=("position_density",))
-        return solve(scene, 1e-3).scaled_position_density(np.linspace(0.0, 6.0, 200))
+        found = _solve(1e-3, "position_density", times=np.geomspace(100.0, 1e3, count))
+        return found.scaled_position_density(np.linspace(0.0, 6.0, 200))
 
     def scattering(count: int) -> Any:
         # wave lengths from a thousand mean free paths to half of one
-        wave_numbers = np.geomspace(5e-4, 1.0, count)
-        scene = Scene(e, times=[300.0], outputs=("intermediate_scattering",))
-        return solve(scene, 1e-4).intermediate_scattering(wave_numbers)
+        found = _solve(1e-4, "intermediate_scattering", times=[300.0])
+        return found.intermediate_scattering(np.geomspace(5e-4, 1.0, count))
 
     return [
-        _of("<r^2>(t), kurtosis(t)", SPECTRAL, "times",
-              (10, 100, 1000, *((10_000,) if big else ())), moments),
-        _of("G(R)", SPECTRAL, "times", (1, 3, 9, *((27, 81) if big else ())), density),
-        _of("F(k)", SPECTRAL, "wave numbers", (4, 16, 64, *((256,) if big else ())),
+        Sweep(COST, "<r^2>(t), kurtosis(t)", SPECTRAL, "times",
+              _amounts(effort, 10, 100, 1000, full=(10_000,)), moments),
+        Sweep(COST, "G(R)", SPECTRAL, "times", _amounts(effort, 1, 3, 9, full=(27, 81)), density),
+        Sweep(COST, "F(k)", SPECTRAL, "wave numbers", _amounts(effort, 4, 16, 64, full=(256,)),
               scattering),
     ]  # fmt: skip
 
@@ -143,24 +124,17 @@ def _position(effort: Effort) -> list[Sweep]:
 def _particles(effort: Effort) -> list[Sweep]:
     from particles import HardDisks, simulate
 
-    big = not effort.quick
+    def run(scatterers: int, tracers: int, collisions: int) -> Any:
+        return simulate(HardDisks(0.04, count=scatterers), 0.9, max_collisions=collisions, media=1,
+                        tracers=tracers, workers=1)  # fmt: skip
 
-    def scatterers(count: int) -> Any:
-        return simulate(HardDisks(0.04, count=count), 0.9, max_collisions=1, media=1, tracers=1,
-                        workers=1)  # fmt: skip
-
-    def crossed(count: int) -> Any:
-        return simulate(HardDisks(0.04, count=count), 0.9, max_collisions=300, media=1,
-                        tracers=1000, workers=1)  # fmt: skip
-
-    def tracers(count: int) -> Any:
-        return simulate(HardDisks(0.04, count=10_000), 0.9, max_collisions=300, media=1,
-                        tracers=count, workers=1)  # fmt: skip
-
-    sizes = (1000, 10_000, 100_000, *((1_000_000,) if big else ()))
+    sizes = _amounts(effort, 1000, 10_000, 100_000, full=(1_000_000,))
     return [
-        _of("placing hard disks, 0.04 per d^2", PARTICLES, "scatterers", sizes, scatterers),
-        _of("300 collisions of 1000 tracers", PARTICLES, "scatterers", sizes, crossed),
-        _of("300 collisions of each tracer", PARTICLES, "tracers",
-              (100, 1000, 10_000, *((100_000,) if big else ())), tracers),
+        Sweep(COST, "placing hard disks, 0.04 per d^2", PARTICLES, "scatterers", sizes,
+              lambda n: run(n, 1, 1)),
+        Sweep(COST, "300 collisions of 1000 tracers", PARTICLES, "scatterers", sizes,
+              lambda n: run(n, 1000, 300)),
+        Sweep(COST, "300 collisions of each tracer", PARTICLES, "tracers",
+              _amounts(effort, 100, 1000, 10_000, full=(100_000,)),
+              lambda n: run(10_000, n, 300)),
     ]  # fmt: skip

@@ -1,14 +1,16 @@
-"""The methods by name, and those of this package asked in the way that the comparison needs."""
+"""The methods by name, each asked in the way that the benchmark needs."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.bench import references, straightforward
+from kinetics.crosscheck.bench import straightforward
+from kinetics.crosscheck.references import MEAN_FREE_PATH
 
 FloatArray = NDArray[np.float64]
 
@@ -16,26 +18,15 @@ SPECTRAL, CONSERVATIVE = "spectral", "conservative"
 STRAIGHTFORWARD, SONINE, MONTE_CARLO = "straightforward", "Sonine", "Monte Carlo"
 PRINTED = "as printed"
 METHODS = (SPECTRAL, CONSERVATIVE, STRAIGHTFORWARD, SONINE, MONTE_CARLO, PRINTED)
+PARTICLES = "particles"
 
-NUMBER_DENSITY = 0.04  # of the paper: l = references.MEAN_FREE_PATH
+NUMBER_DENSITY = 0.04  # of the paper: l = MEAN_FREE_PATH
 TIGHTEST = 1e-13  # rtol of the runs whose nodes are given
+LATE = {CONSERVATIVE: 1e10, MONTE_CARLO: 1e7}  # d/U, where the scaling state is reached
 _MEDIA = 50  # blocks of a Monte Carlo run
 
 
-def panels(e: float, start: str, times: FloatArray, nodes: int) -> tuple[FloatArray, FloatArray]:
-    """The spectral averages with so many nodes in a panel of the backward equation."""
-    from kinetics import CollisionLaw
-    from kinetics.moments.velocity import Averages
-    from kinetics.states.isotropic import NAMED
-
-    averages = Averages(
-        CollisionLaw(e), references.MEAN_FREE_PATH, NAMED[start], times, TIGHTEST, nodes=nodes
-    )
-    second, fourth = averages.power(2.0), averages.power(4.0)
-    return (
-        np.asarray(np.exp(averages.log_reference) * np.sqrt(second)),
-        np.asarray(0.5 * fourth / second**2 - 1.0),
-    )
+# -- the conservative scheme -----------------------------------------------------------------------
 
 
 def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
@@ -53,14 +44,14 @@ def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
 def conservative_cooling(
     e: float, start: str, times: FloatArray, nodes: int
 ) -> tuple[FloatArray, FloatArray]:
-    """v0 and a2 from the conservative scheme."""
+    """v0 (U) and a2 from the conservative scheme, shape (n_times,) each."""
     return _density_moments(conservative(e, start, times, nodes), start, nodes)
 
 
 def _density_moments(solution: Any, start: str, nodes: int) -> tuple[FloatArray, FloatArray]:
     """v0 and a2 from the density: the trapezoid rule in ln v, four points for each node."""
     # from far below the scaling state's thermal speed at the end up to the fastest of the start
-    slowest = 1e-5 * min(1.0, references.MEAN_FREE_PATH / solution.times[-1])
+    slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / solution.times[-1])
     fastest = 2.0 * straightforward.FASTEST[start]
     v = np.geomspace(slowest, fastest, 4 * nodes)
     weight = solution.speed_density(v) * v * math.log(v[1] / v[0])
@@ -68,19 +59,67 @@ def _density_moments(solution: Any, start: str, nodes: int) -> tuple[FloatArray,
     return np.sqrt(second), 0.5 * fourth / second**2 - 1.0
 
 
-def conservative_vdf(e: float, nodes: int, late: float, c: FloatArray) -> FloatArray:
-    """F(c) from the conservative scheme at a late time."""
+@dataclass(frozen=True)
+class LateState:
+    """The scaling state as a late time has it; named as the properties of `ScalingSolution`."""
+
+    thermal_speed: float
+    a2: float
+    time: float
+    solution: Any = None
+
+    @property
+    def cooling_rate(self) -> float:
+        """h from v0 = 2 l/(h t)."""
+        return 2.0 * MEAN_FREE_PATH / (self.thermal_speed * self.time)
+
+    def vdf(self, c: FloatArray) -> FloatArray:
+        """F(c), c > 0."""
+        density = self.solution.speed_density(c * self.thermal_speed)[0] * self.thermal_speed
+        return np.asarray(density / (2.0 * math.pi * c))
+
+
+def conservative_state(e: float, nodes: int) -> LateState:
+    """From a Gaussian start, by the conservative scheme."""
+    late = LATE[CONSERVATIVE]
     solution = conservative(e, "gaussian", np.array([late]), nodes)
-    thermal = float(_density_moments(solution, "gaussian", nodes)[0][0])
-    density = solution.speed_density(c * thermal)[0] * thermal
-    return np.asarray(density / (2.0 * math.pi * c))
+    speed, a2 = _density_moments(solution, "gaussian", nodes)
+    return LateState(float(speed[0]), float(a2[0]), late, solution)
+
+
+# -- the Sonine expansion: an order without a real solution is a ValueError, and so a failed row ---
+
+
+def sonine_state(e: float, order: int) -> Any:
+    """The scaled equation at this order."""
+    from kinetics.sonine.series import SeriesStatus, scaled_state
+
+    state = scaled_state(e, order)
+    if state.status is not SeriesStatus.REAL:
+        raise ValueError(f"order = {order}: no real solution at restitution {e:g}")
+    return state
+
+
+def sonine_cooling(
+    e: float, start: str, times: FloatArray, order: int
+) -> tuple[FloatArray, FloatArray]:
+    """v0 (U) and a2, shape (n_times,) each."""
+    from kinetics.sonine.series import SeriesStatus, cooling
+
+    found = cooling(e, times, order, MEAN_FREE_PATH, start, 1e-8)
+    if found.status is not SeriesStatus.REAL:
+        raise ValueError(f"order = {order}: {found.status.value}")
+    return found.thermal_speed, found.a2
+
+
+# -- Monte Carlo -----------------------------------------------------------------------------------
 
 
 def particles(
     e: float,
     start: Any,
     times: FloatArray,
-    samples: int,
+    samples: float,
     seed: int,
     observables: tuple[str, ...] = (),
 ) -> Any:
@@ -93,8 +132,15 @@ def particles(
         initial=start,
         times=times,
         media=_MEDIA,
-        tracers=max(1, samples // _MEDIA),
+        tracers=max(1, int(samples) // _MEDIA),
         seed=seed,
         observables=observables or None,
         workers=1,
     )
+
+
+def monte_carlo_state(e: float, samples: float, seed: int) -> LateState:
+    """h and a2 from a Gaussian start."""
+    late = LATE[MONTE_CARLO]
+    run = particles(e, "gaussian", np.array([late]), samples, seed)
+    return LateState(float(run.thermal_speed.value[0]), float(run.a2.value[0]), late)

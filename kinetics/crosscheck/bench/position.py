@@ -1,4 +1,4 @@
-"""Error against run time of the displacement: its moments, and its whole distribution G(R).
+"""Run time against error of the displacement: its moments, and its whole distribution G(R).
 
 Error measures:
 
@@ -6,13 +6,13 @@ Error measures:
 - G(R): the largest |G - G_ref| over 200 radii to R = 6, over the largest G_ref. Of a histogram
   that of the mean in each bin from R = 0.25 to 4, the exact one by the reference's shares.
 
-No closed form of G(R) is known: its reference is the solver at its tightest, held against <r^2> and
-<r^4>, which come from scalar equations without wave numbers.
+No closed form of G(R) is known: its reference is the solver at its tightest, compared with <r^2>
+and <r^4>, which come from scalar equations without wave numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.bench import methods, references
+from kinetics.crosscheck import references
+from kinetics.crosscheck.bench import methods
 from kinetics.crosscheck.bench.methods import (
     CONSERVATIVE,
     MONTE_CARLO,
@@ -31,13 +32,12 @@ from kinetics.crosscheck.bench.methods import (
     STRAIGHTFORWARD,
 )
 from kinetics.crosscheck.bench.precision import (
-    SECTION,
     TOLERANCES,
     relative,
     restitutions,
     sample_numbers,
 )
-from kinetics.crosscheck.bench.record import Record, not_available
+from kinetics.crosscheck.bench.record import PRECISION, Record, not_available
 from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
 from kinetics.crosscheck.bench.timing import Effort
 
@@ -68,16 +68,11 @@ def position(effort: Effort) -> list[Record]:
     for start in references.STARTS[: 1 if effort.quick else None]:
         sweeps += _moment("kurtosis", restitutions(effort)[0], start, effort)
     reference = density_reference(*PAIR, _REFERENCE_RTOL[effort.quick])
-    sweeps += _density(*PAIR, reference, effort)
-    rows = [_moments_of(sweeps[-1].problem, reference), *run_sweeps(sweeps, effort)]
-    return rows + cannot(dict.fromkeys(sweep.problem for sweep in sweeps))
-
-
-def cannot(problems: Iterable[str]) -> list[Record]:
-    """Rows of the methods that have no displacement."""
-    return [
-        not_available(SECTION, problem, method, why)
-        for problem in problems
+    sweeps += distribution(*PAIR, reference, effort)
+    rows = [reference.record(sweeps[-1].problem), *run_sweeps(sweeps, effort)]
+    return rows + [
+        not_available(PRECISION, problem, method, why)
+        for problem in dict.fromkeys(sweep.problem for sweep in sweeps)
         for method, why in _CANNOT
     ]
 
@@ -87,27 +82,24 @@ def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Sweep]:
 
     times = references.times("short")
     problem = f"{_QUANTITIES[quantity]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
-    exact = references.reference(quantity, e, start, "short")
+    exact = references.kept(quantity, e, start, "short")
     scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=(quantity,))
-
-    def error(found: FloatArray) -> float:
-        return relative(found, exact)
 
     def spectral(rtol: float) -> FloatArray:
         return np.asarray(getattr(solve(scene, rtol), quantity))
 
     def monte_carlo(samples: float, seed: int) -> FloatArray:
-        run = methods.particles(e, start, times, int(samples), seed)
+        run = methods.particles(e, start, times, samples, seed)
         return np.asarray(getattr(run, quantity).value)
 
-    of = partial(Sweep, SECTION, problem, error=error)
+    of = partial(Sweep, PRECISION, problem, error=lambda found: relative(found, exact))
     return [
         of(SPECTRAL, "rtol", TOLERANCES, spectral),
         of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo, seeded=True),
     ]
 
 
-# -- the distribution -----------------------------------------------------------------------------
+# -- the distribution ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -157,6 +149,14 @@ class DensityReference:
         ]
         return found[0], found[1], found[2]
 
+    def record(self, problem: str) -> Record:
+        """The row that says how exact this reference is. It has no run time."""
+        missed = self.moments_missed()
+        note = "integrals of 1, R^2 and R^4 miss 1, <r^2> and <r^4> by {:.0e}, {:.0e} and {:.0e}"
+        extra = dict(zip(("norm", "second", "fourth"), missed, strict=True))
+        return Record(PRECISION, problem, REFERENCE, "rtol", self.rtol, error=max(missed),
+                      note=note.format(*missed), extra=extra)  # fmt: skip
+
 
 def density_reference(e: float, t: float, rtol: float) -> DensityReference:
     """Of a Gaussian start at time t in d/U."""
@@ -169,19 +169,9 @@ def density_reference(e: float, t: float, rtol: float) -> DensityReference:
     return DensityReference(at(rtol, "msd", "position_density"), kurtosis, rtol)
 
 
-def printed_forms() -> dict[str, Callable[[FloatArray], FloatArray]]:
-    """G(R) by the paper's formulas, with its constants."""
-    from kinetics import sonine
-
-    return {
-        "eq. gdefi, eta = 1/2": sonine.position_integral,
-        "eq. peakg, eta = 0.75": sonine.position_peak,
-        "eq. gammatailg, eta = 0.25, gamma = 7.39": sonine.position_tail,
-    }
-
-
-def _density(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Sweep]:
-    from kinetics import Scene, solve
+def distribution(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Sweep]:
+    """G(R) by the solver, by Monte Carlo, and by the paper's formulas with its constants."""
+    from kinetics import Scene, solve, sonine
 
     scene = Scene(e, NUMBER_DENSITY, times=[t], outputs=("position_density",))
 
@@ -190,33 +180,21 @@ def _density(e: float, t: float, reference: DensityReference, effort: Effort) ->
 
     def monte_carlo(samples: float, seed: int) -> Any:
         observables = ("displacement_histogram",)
-        return methods.particles(e, "gaussian", np.array([t]), int(samples), seed, observables)
+        return methods.particles(e, "gaussian", np.array([t]), samples, seed, observables)
 
-    def printed(form: Callable[[FloatArray], FloatArray]) -> Callable[[float], FloatArray]:
-        return lambda _: np.asarray(form(RADII))
-
+    printed: dict[str, Callable[[FloatArray], Any]] = {
+        "eq. gdefi, eta = 1/2": sonine.position_integral,
+        "eq. peakg, eta = 0.75": sonine.position_peak,
+        "eq. gammatailg, eta = 0.25, gamma = 7.39": sonine.position_tail,
+    }
     samples = [*sample_numbers(effort), *(() if effort.quick else (_MANY,))]
-    of = partial(Sweep, SECTION, f"G(R), gaussian, t = {t:g}, e = {e:g}", error=reference.error)
+    of = partial(Sweep, PRECISION, f"G(R), gaussian, t = {t:g}, e = {e:g}", error=reference.error)
     return [
         of(SPECTRAL, "rtol", _DENSITY_TOLERANCES[effort.quick], spectral),
-        of(
-            MONTE_CARLO,
-            "samples",
-            samples,
-            monte_carlo,
-            error=reference.histogram_error,
-            seeded=True,
+        of(MONTE_CARLO, "samples", samples, monte_carlo, error=reference.histogram_error,
+           seeded=True),
+        *(
+            of(PRINTED, name, (None,), lambda _, form=form: np.asarray(form(RADII)))
+            for name, form in printed.items()
         ),
-        *(of(PRINTED, name, (None,), printed(form)) for name, form in printed_forms().items()),
-    ]
-
-
-def _moments_of(problem: str, reference: DensityReference) -> Record:
-    """How well the reference keeps what is known of it. It has no run time: it is no competitor."""
-    missed = reference.moments_missed()
-    note = "integrals of 1, R^2 and R^4 miss 1, <r^2> and <r^4> by {:.0e}, {:.0e} and {:.0e}"
-    names = ("norm", "second", "fourth")
-    return Record(
-        SECTION, problem, REFERENCE, "rtol", reference.rtol, error=max(missed),
-        note=note.format(*missed), extra=dict(zip(names, missed, strict=True)),
-    )  # fmt: skip
+    ]  # fmt: skip

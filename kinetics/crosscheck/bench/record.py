@@ -9,6 +9,10 @@ from kinetics.crosscheck.bench.timing import Timing
 
 MEASURED, FAILED, NOT_AVAILABLE = "measured", "failed", "not available"
 
+PRECISION, ACCURACY, SKIPPING = "precision", "accuracy", "skipping"
+COST, PARTICLES = "cost", "particles"
+"""The sections of a benchmark."""
+
 
 @dataclass(frozen=True)
 class Record:
@@ -23,12 +27,10 @@ class Record:
     value : of the setting; None where there is none
     seconds, low, high : median and quartiles of the run time in s; None if not measured. Of one
         thread the processor time, so that others on the machine do not count; of more, wall-clock
-    least : the shortest of the repeats, in s
-    yardstick : processor time of work that is always the same, measured among the repeats, in s
     wall : median of the wall-clock time in s
     warm_up : the first call, in s
     repeats : behind the median
-    error : error reached, see `measure` of the section; None where it has none
+    error : error reached, as the section defines it; None where it has none
     asked : error asked for
     status : "measured", "failed" or "not available"
     note : why it failed, or what else there is to say
@@ -44,8 +46,6 @@ class Record:
     seconds: float | None = None
     low: float | None = None
     high: float | None = None
-    least: float | None = None
-    yardstick: float | None = None
     wall: float | None = None
     warm_up: float | None = None
     repeats: int = 0
@@ -56,12 +56,6 @@ class Record:
     threads: int = 1
     extra: dict[str, Any] = field(default_factory=dict)
 
-    @property
-    def key(self) -> tuple[str, str, str, str, str, int]:
-        """What makes two rows of two runs the same measurement."""
-        value = "" if self.value is None else f"{self.value:.6g}"
-        return (self.section, self.problem, self.method, self.setting, value, self.threads)
-
     def as_dict(self) -> dict[str, Any]:
         """Plain values by name."""
         return asdict(self)
@@ -71,17 +65,15 @@ def timed(
     section: str, problem: str, method: str, timing: Timing, threads: int = 1, **others: Any
 ) -> Record:
     """A row with a measured time."""
-    counted = timing.cpu if threads == 1 else timing.wall
+    low, median, high = timing.cpu if threads == 1 else timing.wall
     return Record(
         section,
         problem,
         method,
-        seconds=counted.median,
-        low=counted.low,
-        high=counted.high,
-        least=counted.least,
-        yardstick=timing.yardstick,
-        wall=timing.wall.median,
+        seconds=median,
+        low=low,
+        high=high,
+        wall=timing.wall[1],
         warm_up=timing.warm_up,
         repeats=timing.repeats,
         threads=threads,
@@ -89,12 +81,13 @@ def timed(
     )
 
 
-def failed(section: str, problem: str, method: str, why: str, **others: Any) -> Record:
-    """A row that says what went wrong, on one line."""
-    note = " ".join(str(why).split())[:200]
+def failed(section: str, problem: str, method: str, why: object, **others: Any) -> Record:
+    """A row that says on one line what went wrong; why : an exception, or words."""
+    text = f"{type(why).__name__}: {why}" if isinstance(why, Exception) else str(why)
+    note = " ".join(text.split())[:200]
     return Record(section, problem, method, status=FAILED, note=note, **others)
 
 
 def not_available(section: str, problem: str, method: str, why: str, **others: Any) -> Record:
-    """A row for what a method cannot do, or what does not exist yet."""
+    """A row for what a method cannot do."""
     return Record(section, problem, method, status=NOT_AVAILABLE, note=why, **others)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Any
 
 from kinetics.crosscheck.bench.record import Record
-from kinetics.errors import InputError
 
-FORMAT = "inelastic-lorentz bench 1"
+FORMAT = "inelastic-lorentz bench 2"
 
 
 @dataclass(frozen=True)
@@ -31,47 +29,37 @@ class BenchReport:
     machine: dict[str, Any]
     seconds: float
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values by name."""
-        return {
-            "format": FORMAT,
-            "quick": self.quick,
-            "cases": list(self.cases),
-            "machine": self.machine,
-            "seconds": self.seconds,
-            "records": [r.as_dict() for r in self.records],
-        }
-
     def to_json(self) -> str:
-        """One strict JSON document."""
+        """One strict JSON document; what is not finite is null."""
         from kinetics.crosscheck.plain import dumps
 
-        return dumps(self.as_dict())
-
-    @classmethod
-    def from_json(cls, text: str) -> BenchReport:
-        """Read back what `to_json` wrote; InputError for anything else."""
-        try:
-            found = json.loads(text)
-            if found["format"] != FORMAT:
-                raise KeyError(found["format"])
-            return cls(
-                records=tuple(Record(**row) for row in found["records"]),
-                quick=bool(found["quick"]),
-                cases=tuple(found["cases"]),
-                machine=dict(found["machine"]),
-                seconds=float(found["seconds"]),
-            )
-        except (json.JSONDecodeError, KeyError, TypeError, ValueError, AttributeError):
-            raise InputError(
-                f"compare: the file holds no benchmark of the format {FORMAT!r}"
-            ) from None
+        return dumps(
+            {
+                "format": FORMAT,
+                "quick": self.quick,
+                "cases": list(self.cases),
+                "machine": self.machine,
+                "seconds": self.seconds,
+                "records": [r.as_dict() for r in self.records],
+            }
+        )
 
     def markdown(self) -> str:
-        """All tables."""
-        from kinetics.crosscheck.bench.tables import lines
+        """A heading, and all tables that have rows."""
+        from kinetics.crosscheck.bench.tables import tables
 
-        return "\n".join(lines(self)) + "\n"
+        about = ", ".join(f"{k.replace('_', ' ')} {v}" for k, v in self.machine.items())
+        lines = [
+            f"# Benchmark{' (quick)' if self.quick else ''}",
+            "",
+            f"{about}. {self.seconds:.0f} s in all. Times are medians over repeats, which are made "
+            "in turns: processor time of one thread where nothing else is said, so that others on "
+            "the machine do not count.",
+            "",
+        ]
+        for table in tables(list(self.records)):
+            lines += table.lines()
+        return "\n".join(lines) + "\n"
 
     def figures(self) -> dict[str, str]:
         """SVG files by name; those that have data."""

@@ -1,4 +1,4 @@
-"""run_bench(): every section in a process of its own, with its number of threads fixed."""
+"""run_bench(): every case in a process of its own, whose linear algebra has one thread."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,26 +18,18 @@ from kinetics.crosscheck.bench.report import BenchReport
 from kinetics.crosscheck.bench.timing import FULL, QUICK
 from kinetics.errors import InputError
 
-# name of a case: module, function, numbers of threads
-CASES: dict[str, tuple[str, str, tuple[int, ...]]] = {
-    "scaled": ("precision", "scaled", (1,)),
-    "cooling": ("precision", "cooling", (1,)),
-    "position": ("position", "position", (1,)),
-    "accuracy": ("accuracy", "accuracy", (1,)),
-    "skipping": ("skipping", "skipping", (1,)),
-    "cost": ("cost", "cost", (1,)),
-    "floors": ("floors", "floors", (1,)),
-    "particles": ("throughput", "throughput", (1,)),
-    "cores": ("cores", "cores", (1, 2)),
-    "first-use": ("startup", "startup", (1,)),
+# name of a case: module, function
+CASES: dict[str, tuple[str, str]] = {
+    "scaled": ("precision", "scaled"),
+    "cooling": ("precision", "cooling"),
+    "position": ("position", "position"),
+    "accuracy": ("accuracy", "accuracy"),
+    "skipping": ("skipping", "skipping"),
+    "cost": ("cost", "cost"),
+    "particles": ("throughput", "throughput"),
 }
-_THREADS = (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-)
-_LONGEST = {True: 120.0, False: 900.0}  # s for one section of a quick and of a full run
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+_LONGEST = {True: 120.0, False: 900.0}  # s for one case of a quick and of a full run
 
 
 def run_bench(
@@ -59,53 +52,36 @@ def run_bench(
     begin = time.perf_counter()
     records: list[Record] = []
     for name in names:
-        for threads in CASES[name][2]:
-            if progress is not None:
-                progress(name)
-            records += _in_process(name, threads, quick)
-    return BenchReport(
-        records=tuple(records),
-        quick=quick,
-        cases=names,
-        machine=about,
-        seconds=time.perf_counter() - begin,
-    )
+        if progress is not None:
+            progress(name)
+        records += _in_process(name, quick)
+    return BenchReport(tuple(records), quick, names, about, time.perf_counter() - begin)
 
 
-def count_stages(cases: Iterable[str] | None = None) -> int:
-    """How often run_bench calls its progress."""
-    return sum(len(CASES[name][2]) for name in (CASES if cases is None else cases))
-
-
-def _in_process(name: str, threads: int, quick: bool) -> list[Record]:
-    environment = {**os.environ, **{variable: str(threads) for variable in _THREADS}}
-    command = [sys.executable, "-m", "kinetics.crosscheck.bench.run", name, str(threads)]
+def _in_process(name: str, quick: bool) -> list[Record]:
+    command = [sys.executable, "-m", "kinetics.crosscheck.bench.run", name]
     try:
         result = subprocess.run(
             [*command, "quick" if quick else "full"],
-            env=environment,
+            env={**os.environ, **dict.fromkeys(_THREADS, "1")},
             capture_output=True,
             text=True,
             check=False,
             timeout=_LONGEST[quick],
         )
     except subprocess.TimeoutExpired:
-        why = f"not done after {_LONGEST[quick]:g} s"
-        return [failed(name, "the whole case", "all", why, threads=threads)]
+        return [failed(name, "the whole case", "all", f"not done after {_LONGEST[quick]:g} s")]
     if result.returncode:
         lines = result.stderr.strip().splitlines() or [f"exit status {result.returncode}"]
-        return [failed(name, "the whole case", "all", lines[-1], threads=threads)]
+        return [failed(name, "the whole case", "all", lines[-1])]
     return [Record(**row) for row in json.loads(result.stdout)]
 
 
-def run_case(name: str, threads: int, quick: bool) -> list[Record]:
+def run_case(name: str, quick: bool) -> list[Record]:
     """The rows of one case, measured in this process."""
-    from importlib import import_module
-
-    module, function, choices = CASES[name]
+    module, function = CASES[name]
     work = getattr(import_module(f"kinetics.crosscheck.bench.{module}"), function)
-    effort = QUICK if quick else FULL
-    rows: list[Record] = work(effort, threads) if len(choices) > 1 else work(effort)
+    rows: list[Record] = work(QUICK if quick else FULL)
     return rows
 
 
@@ -144,6 +120,5 @@ def _processor() -> str:
 if __name__ == "__main__":
     from kinetics.crosscheck.plain import dumps
 
-    case, threads_text, effort_text = sys.argv[1:]
-    rows = run_case(case, int(threads_text), effort_text == "quick")
+    rows = run_case(sys.argv[1], sys.argv[2] == "quick")
     sys.stdout.write(dumps([row.as_dict() for row in rows]))

@@ -49,15 +49,6 @@ def gain_matrix(restitution: float, nodes: int) -> FloatArray:
     return gain
 
 
-@dataclass(frozen=True)
-class Cooling:
-    """Averages at the times, each of shape (n_times,); NaN where the integration did not get."""
-
-    thermal_speed: FloatArray
-    a2: FloatArray
-    message: str
-
-
 def solve_cooling(
     restitution: float,
     mean_free_path: float,
@@ -65,8 +56,11 @@ def solve_cooling(
     times: FloatArray,
     nodes: int,
     rtol: float,
-) -> Cooling:
-    """v0(t) in U and a2(t) from a "gaussian" or a "monoenergetic" start, 0 <= e < 1."""
+) -> tuple[FloatArray, FloatArray]:
+    """v0(t) in U and a2(t), shape (n_times,) each, from a "gaussian" or a "monoenergetic" start.
+
+    0 <= e < 1. NaN at the times that the integration did not reach.
+    """
     from scipy.integrate import solve_ivp
 
     v = np.linspace(0.0, FASTEST[initial], nodes)
@@ -93,7 +87,7 @@ def solve_cooling(
     with np.errstate(divide="ignore", invalid="ignore"):
         out[0, :done] = np.sqrt(np.where(second > 0.0, second, np.nan))
         out[1, :done] = 0.5 * fourth / second**2 - 1.0
-    return Cooling(out[0], out[1], result.message)
+    return out[0], out[1]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.bench.record import Record, failed, timed
-from kinetics.crosscheck.bench.timing import Effort, measure_together
+from kinetics.crosscheck.bench.timing import Effort, Timing, measure_together
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class _Row:
         return self.sweep.work(self.value, *seed)
 
     def keep(self, result: Any) -> None:
-        """The error of a result; what is certain has the same one in every call."""
+        """The error of a result; work that is not random has the same one in every call."""
         if self.sweep.error is None or (self.errors and not self.sweep.seeded):
             return
         error = self.sweep.error(result)
@@ -67,18 +67,17 @@ class _Row:
             count = int(np.sum(~np.isfinite(found)))
             self.bad = f"{count} of {found.size} values are no finite number"
 
-    def record(self, timing: Any) -> Record:
+    def record(self, timing: Timing | Exception) -> Record:
         sweep = self.sweep
         row = (sweep.section, sweep.problem, sweep.method)
-        where: dict[str, Any] = {"setting": sweep.setting}
-        if self.value is not None:
-            where["value"] = float(self.value)
+        value = None if self.value is None else float(self.value)
+        where: dict[str, Any] = {"setting": sweep.setting, "value": value}
         if sweep.setting == "rtol":
-            where["asked"] = where["value"]
+            where["asked"] = value
         if isinstance(timing, Exception):  # whatever it is, it is a row and not the end of the run
-            return failed(*row, f"{type(timing).__name__}: {timing}", **where)
+            return failed(*row, timing, **where)
         if self.bad:
-            return failed(*row, self.bad, seconds=timing.cpu.median, **where)
+            return failed(*row, self.bad, seconds=timing.cpu[1], **where)
         if self.errors:
             where["error"] = math.sqrt(sum(x * x for x in self.errors) / len(self.errors))
         if sweep.seeded:

@@ -1,4 +1,4 @@
-"""Collisions per second of the particles, and how their error falls with time."""
+"""Collisions per second of the particles."""
 
 from __future__ import annotations
 
@@ -6,37 +6,34 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from kinetics.crosscheck.bench.record import Record, failed, timed
+from kinetics.crosscheck.bench.record import PARTICLES, Record, failed, timed
 from kinetics.crosscheck.bench.timing import Effort, Timing, measure_together
 
-SECTION = "particles"
-YEAR = 365.25 * 86400.0
 RESTITUTION = 0.9
 LISTED = "listed per cell"
 CELL_DENSITIES = (0.04, 0.2)
-CELLS = "cells of hard disks"
 
 
-def _media(effort: Effort) -> list[tuple[str, Any]]:
+def media(effort: Effort) -> list[tuple[str, Any]]:
+    """Those that are measured, by name."""
     from particles import BoltzmannGrad, HardDisks, Poisson
 
     dense = (0.005, 0.04, 0.2, 0.5) if effort.quick else (0.001, 0.005, 0.02, 0.04, 0.1, 0.3, 0.6)
     counts = (1000, 40_000, *(() if effort.quick else (160_000, 640_000)))
-    media: list[tuple[str, Any]] = [
-        (f"hard disks, {rho:g} per d^2, 10000", HardDisks(rho, count=10_000)) for rho in dense
+    overlapping = (0.04,) if effort.quick else (0.005, 0.04, 0.2)
+    return [
+        *((f"hard disks, {rho:g} per d^2, 10000", HardDisks(rho, count=10_000)) for rho in dense),
+        *((f"hard disks, 0.04 per d^2, {n}", HardDisks(0.04, count=n)) for n in counts),
+        *(
+            (f"overlapping disks, {rho:g} per d^2, 10000", Poisson(rho, count=10_000))
+            for rho in overlapping
+        ),
+        ("Boltzmann-Grad, 0.04 per d^2", BoltzmannGrad(0.04)),
     ]
-    media += [(f"hard disks, 0.04 per d^2, {n}", HardDisks(0.04, count=n)) for n in counts]
-    media += [
-        (f"overlapping disks, {rho:g} per d^2, 10000", Poisson(rho, count=10_000))
-        for rho in ((0.04,) if effort.quick else (0.005, 0.04, 0.2))
-    ]
-    return [*media, ("Boltzmann-Grad, 0.04 per d^2", BoltzmannGrad(0.04))]
 
 
-def _cells(effort: Effort) -> list[tuple[str, float, Any]]:
-    """Hard disks in cells that list so many of them on average; see `particles.cells`."""
+def cells(effort: Effort) -> list[tuple[str, float, Any]]:
+    """Hard disks in cells that list so many of them on average; see `particles.media.LISTED`."""
     from particles import HardDisks
 
     listed = (1.5, 5.0, 15.0) if effort.quick else (1.5, 2.5, 3.5, 5.0, 7.0, 10.0, 20.0)
@@ -44,22 +41,17 @@ def _cells(effort: Effort) -> list[tuple[str, float, Any]]:
     for rho in CELL_DENSITIES[: 1 if effort.quick else None]:
         for number in (n for n in listed if n > 3.5**2 * rho):  # no cell is narrower than 1.5 d
             kind = type("HardDisks", (HardDisks,), {"listed": number})
-            found.append((f"{CELLS}, {rho:g} per d^2", number, kind(rho, count=10_000)))
+            found.append((f"cells of hard disks, {rho:g} per d^2", number, kind(rho, count=10_000)))
     return found
-
-
-def default_listed() -> float:
-    """What the medium itself has."""
-    from particles.media import LISTED as default
-
-    return default
 
 
 def throughput(effort: Effort) -> list[Record]:
     """Rows with collisions/s in `extra`, of one and of two threads; cell sizes of one."""
+    from particles.media import LISTED as default
+
     tracers = 300 if effort.quick else 2000
-    cases = [_Case(name, medium, threads) for name, medium in _media(effort) for threads in (1, 2)]
-    cases += [_Case(name, medium, 1, value) for name, value, medium in _cells(effort)]
+    cases = [_Case(name, medium, threads) for name, medium in media(effort) for threads in (1, 2)]
+    cases += [_Case(name, medium, 1, value, default) for name, value, medium in cells(effort)]
     collisions = [0] * len(cases)
 
     def keep(key: tuple[int, bool], ensemble: Any) -> None:
@@ -82,6 +74,7 @@ class _Case:
     medium: Any
     threads: int
     listed: float | None = None
+    default: float | None = None
 
     def run(self, tracers: int, collisions: int) -> Any:
         from particles import simulate
@@ -96,33 +89,17 @@ class _Case:
         where: dict[str, Any] = {"threads": self.threads}
         if self.listed is not None:
             where |= {"setting": LISTED, "value": self.listed}
-        if isinstance(placing, Exception) or isinstance(whole, Exception):
-            met = placing if isinstance(placing, Exception) else whole
-            return failed(SECTION, self.name, "particles", str(met), **where)
+        for timing in (placing, whole):
+            if isinstance(timing, Exception):
+                return failed(PARTICLES, self.name, PARTICLES, timing, **where)
+        assert isinstance(placing, Timing)
+        assert isinstance(whole, Timing)
         clock = "cpu" if self.threads == 1 else "wall"
-        moving = max(getattr(whole, clock).median - getattr(placing, clock).median, 1e-9)
+        moving = max(getattr(whole, clock)[1] - getattr(placing, clock)[1], 1e-9)
         extra = {
             "collisions": total,
             "collisions_per_second": total / moving,
-            "placing_seconds_per_medium": placing.cpu.median / 4,
+            "placing_seconds_per_medium": placing.cpu[1] / 4,
+            "is_default": self.listed == self.default,
         }
-        return timed(SECTION, self.name, "particles", whole, extra=extra, **where)
-
-
-def monte_carlo_need(rows: list[Record], target: float = 1e-10) -> dict[str, float]:
-    """Samples and years of one processor for a relative error, from measured Monte Carlo rows.
-
-    The value of a row is its samples; error = a/sqrt(samples), a the geometric mean over the rows,
-    and the time per sample is that of the row with most samples. "slope" is the fitted exponent of
-    the error. NaN without rows.
-    """
-    good = [(r.value, r.error, r.seconds) for r in rows if r.value and r.error and r.seconds]
-    if not good:
-        return {"samples": float("nan"), "years": float("nan"), "slope": float("nan")}
-    samples, errors, seconds = np.array(sorted(good)).T
-    a = float(np.exp(np.mean(np.log(errors * np.sqrt(samples)))))
-    need = (a / target) ** 2
-    slope = float("nan")
-    if samples.size > 1:
-        slope = float(np.polyfit(np.log(samples), np.log(errors), 1)[0])
-    return {"samples": need, "years": need * seconds[-1] / samples[-1] / YEAR, "slope": slope}
+        return timed(PARTICLES, self.name, PARTICLES, whole, extra=extra, **where)

@@ -1,6 +1,11 @@
-"""The stability sweep: solvers and particles at their limits, each case with its verdict.
+"""The stability sweep: solvers and particles at their limits, a verdict for each case.
 
-`run_stress` runs it. Nothing is loaded until it is asked for.
+`run_stress` runs it; `lorentz stress` is its command. It may import everything below the
+cross-check (`kinetics`, `particles`) and `kinetics.crosscheck.references`. What becomes of bad
+input, of random scenes and of other units is not here but in the tests (tests/crosscheck/stress).
+
+Begin reading at `case` (what a case is, and its verdict). The files `*_cases` hold the cases,
+`limits` and `starts` what is known of their answers, `run` and `report` the rest.
 """
 
 from importlib import import_module

@@ -9,19 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from kinetics.errors import InputError
-
-HOLDS, CAREFUL, SAYS_SO, REFUSED = "holds", "too careful", "says so", "refused"
+HOLDS, CAREFUL, SAYS_SO = "holds", "too careful", "says so"
 MISSED, BROKEN, SLOW = "missed", "broken", "slow"
-ACCEPTED = (HOLDS, CAREFUL, SAYS_SO, REFUSED)
+ACCEPTED = (HOLDS, CAREFUL, SAYS_SO)
 VERDICTS = {
     HOLDS: "a finite answer within the error asked for, and every invariant kept",
     CAREFUL: "the error asked for was reached, though the status says that it was not",
     SAYS_SO: "the error asked for was not reached, and the status says so",
-    REFUSED: "bad input, and one line that names the argument",
     MISSED: "the error asked for was not reached, and the status claims that it was",
-    BROKEN: "not finite, an invariant violated, a warning, bad input that was answered, good input "
-    "that was refused, or an exception that explains nothing",
+    BROKEN: "not finite, an invariant violated, a warning, or an exception",
     SLOW: "the answer took longer than a stress case may",
 }
 LONGEST = 60.0
@@ -51,26 +47,16 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Case:
-    """A case that has not been run.
-
-    Attributes
-    ----------
-    group, name : of the row
-    work : what to run
-    refusal : the argument that the refusal of this bad input must name; empty for good input
-    """
+    """A case that has not been run: its group, its name, and what to run."""
 
     group: str
     name: str
     work: Callable[[], Outcome]
-    refusal: str = ""
 
 
-def named(
-    group: str, name: str, work: Callable[..., Outcome], *arguments: Any, refusal: str = ""
-) -> Case:
+def named(group: str, name: str, work: Callable[..., Outcome], *arguments: Any) -> Case:
     """A case whose work takes these arguments."""
-    return Case(group, name, lambda: work(*arguments), refusal)
+    return Case(group, name, lambda: work(*arguments))
 
 
 @dataclass(frozen=True)
@@ -121,12 +107,8 @@ def attempt(case: Case, clock: Callable[[], float] = time.process_time) -> Stres
             warnings.simplefilter("error")
             outcome = case.work()
         verdict, note = judge(outcome, clock() - begin), outcome.note
-        if case.refusal:
-            verdict, note = BROKEN, f"{case.refusal}: this must be refused, and was answered"
     except Exception as met:  # whatever it is, it is the finding
         verdict, note = BROKEN, f"{type(met).__name__}: {met}"
-        if case.refusal and _is_refusal(met, case.refusal):
-            verdict, note = REFUSED, str(met)
     name, violation, allowed = worst_invariant(outcome.invariants)
     return StressCase(
         group=case.group,
@@ -155,18 +137,3 @@ def worst_invariant(invariants: Mapping[str, tuple[float, float]]) -> tuple[str,
         return "", 0.0, 0.0
     name = max(invariants, key=lambda key: share_of_allowed(*invariants[key]))
     return (name, *invariants[name])
-
-
-def _is_refusal(error: Exception, argument: str) -> bool:
-    """Whether it is one line that names the argument, meant as an answer to bad input.
-
-    A ValueError from deep inside, of numpy say, is none.
-    """
-    here = error.__traceback__
-    while here is not None and here.tb_next is not None:
-        here = here.tb_next
-    where = here.tb_frame.f_globals.get("__name__", "") if here is not None else ""
-    meant = isinstance(error, InputError) or (
-        isinstance(error, ValueError) and where.startswith("particles.")
-    )
-    return meant and str(error).startswith(argument) and "\n" not in str(error)

@@ -15,7 +15,7 @@ import click
 )
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=None,
-    help="Folder for stress.json, stress.md and stress.svg. [default: none is written]",
+    help="Folder for stress.json and stress.md. [default: none is written]",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 @click.pass_context
@@ -26,7 +26,9 @@ def stress(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Restitution to within 1e-10 of 0 and 1, times to 1e300, speeds from 1e-150 to 1e150, rough
+    """Drive solvers and particles to their limits, and give each case a verdict.
+
+    Restitution to within 1e-10 of 0 and 1, times to 1e300, speeds from 1e-150 to 1e150, rough
     starts, dense media, grazing and corner starts: error reached against error asked, invariants,
     and the worst case of each group. Ends with status 1 if a case ended as it must not.
     """
@@ -49,10 +51,9 @@ def stress(
         report = run_stress(quick, groups or None, tell)
     click.echo(report.to_json() if as_json else report.markdown(), nl=False)
     if output is not None:
-        files: dict[str, str | bytes] = {
+        files = {
             "stress.json": report.to_json(),
             "stress.md": report.markdown(every_case=True),
-            **report.figures(),
         }
         for path in write_together(output, files):
             if not as_json:

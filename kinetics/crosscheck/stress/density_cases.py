@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.stress import exact
 from kinetics.crosscheck.stress.case import Case, Outcome, named
-from kinetics.crosscheck.stress.limits import FloatArray, label_of
+from kinetics.crosscheck.stress.limits import PATH, FloatArray, label_of, late_thermal_speed
 from kinetics.crosscheck.stress.starts import starts
 
 _TIMES = np.array([0.5, 30.0, 1e3])
 _LATE = np.array([0.0, 1e-300, 1e150, 1e300])
-_PATH = 12.5  # l at the default density, in d
 _RTOL = 1e-6
 _SCALED_SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
 
@@ -28,8 +26,8 @@ def density_cases(quick: bool) -> Iterator[Case]:
     for e in some:
         for count in (8, 64, 512, None) if quick else (8, 16, 64, 256, 1024, 4096, None):
             name = f"{label_of(e)}, gaussian, {count or 'its own'} nodes"
-            yield named(group, name, _spectral, e, "gaussian", "spectral", count)
-        yield named(group, f"{label_of(e)}, tail v^-6", _spectral, e, "tail v^-6", None, None)
+            yield named(group, name, _spectral, e, "gaussian", count)
+        yield named(group, f"{label_of(e)}, tail v^-6", _spectral, e, "tail v^-6", None)
     near = (1.0 - 1e-6, 1.0 - 1e-10, 1.0)
     for e in (*some[:2], *near[1:]) if quick else (*some, *near):
         for start in ("gaussian", "monoenergetic"):
@@ -54,7 +52,7 @@ def _tight(e: float, label: str) -> list[FloatArray]:
     return [found.speed_density(v0 * _SCALED_SPEEDS)[i] for i, v0 in pairs]
 
 
-def _spectral(e: float, label: str, method: str | None, nodes: int | None) -> Outcome:
+def _spectral(e: float, label: str, nodes: int | None) -> Outcome:
     """The density against a tighter one, relative to its maximum; its mass and its sign.
 
     Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy.
@@ -63,7 +61,7 @@ def _spectral(e: float, label: str, method: str | None, nodes: int | None) -> Ou
 
     outputs = ("speed_density", "thermal_speed")
     scene = Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs)
-    solution = solve(scene, _RTOL, method=method, nodes=nodes)
+    solution = solve(scene, _RTOL, nodes=nodes)
     reached, low, mass = 0.0, 0.0, 0.0
     for i, (v0, tight) in enumerate(zip(solution.thermal_speed, _tight(e, label), strict=True)):
         f = solution.speed_density(v0 * _SCALED_SPEEDS)[i]
@@ -114,7 +112,7 @@ def _late(e: float, start: str, scale: float) -> Outcome:
         # exact: an error of rtol would move a ring out of its place
         v0 = scale * math.sqrt(2.0 if gaussian else 1.0)
         if i > 1 and e < 1.0:
-            v0 = exact.late_thermal_speed(e, _PATH, float(_LATE[i]))
+            v0 = late_thermal_speed(e, PATH, float(_LATE[i]))
         f = v0 * solution.speed_density(v0 * c)[i]
         apart = float(np.max(np.abs(f - expected)) / max(1.0, expected.max()))
         reached = max(reached, apart if math.isfinite(apart) else math.inf)

@@ -1,13 +1,13 @@
-"""What the cases of the solvers share: restitutions, times, and comparison with known limits."""
+"""What the cases of the solvers share: restitutions, times, and limits known in closed form."""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from kinetics.crosscheck.stress import exact
 
 FloatArray = NDArray[np.float64]
 
@@ -17,6 +17,7 @@ RESTITUTIONS = (
 )  # fmt: skip
 FEWER = (0.0, 1e-10, 1e-4, 0.2, 0.7, 0.99, 1.0 - 1e-6, 1.0 - 1e-10, 1.0)
 TIMES = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
+PATH = 12.5  # l at the default density, in d
 ROUNDING = 1e-14  # that a reference in doubles, and the average over a start, may add
 GROWTH = 1e-13  # of a thermal speed that must not grow, relative
 
@@ -24,6 +25,77 @@ GROWTH = 1e-13  # of a thermal speed that must not grow, relative
 def label_of(e: float) -> str:
     """A restitution as the name of a case has it."""
     return f"e = {e:g}" if e < 0.9995 or e == 1.0 else f"e = 1 - {1.0 - e:.0e}"
+
+
+# -- closed forms in high precision, so that no e is near a limit of doubles ----------------------
+
+
+@lru_cache(maxsize=256)
+def scaling(e: float) -> tuple[float, float, float, float]:
+    """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state, 0 <= e < 1.
+
+    h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2) lambda(3)) (paper's labels
+    compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)).
+    """
+    import mpmath as mp
+
+    from kinetics.crosscheck.references.collision import decay_rates, mean_log_loss
+
+    with mp.workdps(60):
+        kappa = mean_log_loss(e)
+        one, two, three = decay_rates(e, 0, 1, 3)
+        turn = decay_rates(e, 1, 0, 1)[0]
+        return (
+            float(2 * mp.sqrt(kappa * one)),
+            float(3 * kappa * one / (two * three)),
+            float(kappa),
+            float(2 / (kappa * turn)),
+        )
+
+
+def late_thermal_speed(e: float, mean_free_path: float, time: float) -> float:
+    """v0 = 2 l/(h t), the limit of late times."""
+    return 2.0 * (mean_free_path / time) / scaling(e)[0]
+
+
+def early_and_late(e: float, reduced_time: float, rtol: float) -> tuple[bool, bool]:
+    """Whether v t/l is so small, or so large, that v0 and a2 are their limits within rtol/10.
+
+    v0 changes by less than v t/l at first, and is that of the scaling state up to a few
+    l/(kappa v t).
+    """
+    late = False
+    if e < 1.0:
+        late = math.log(reduced_time) > math.log(1e3 / rtol) - math.log(scaling(e)[2])
+    return reduced_time < 0.01 * rtol, late
+
+
+def limit_errors(
+    solution: Any, first: tuple[float, float], rtol: float, places: slice = slice(None)
+) -> float:
+    """Error of v0 and a2 at the times that are early or late enough for the limits; NaN if none is.
+
+    first : v0 and a2 of the start; places : of the times that are looked at
+    """
+    e, path = solution.scene.restitution, solution.scene.mean_free_path
+    averages = (solution.times, solution.thermal_speed, solution.a2)
+    errors = []
+    for t, v0, a in zip(*(values[places] for values in averages), strict=True):
+        # in logarithms: v t may overflow
+        logarithm = -math.inf if t == 0.0 else math.log(first[0]) + math.log(t) - math.log(path)
+        reduced = math.exp(max(min(logarithm, 700.0), -700.0))
+        early, late = early_and_late(e, reduced, rtol)
+        if early or e == 1.0:
+            errors += [abs(v0 / first[0] - 1.0), abs((1.0 + a) / (1.0 + first[1]) - 1.0)]
+        elif late:
+            expected = late_thermal_speed(e, path, float(t))
+            if expected < 1e-290:  # at the end of the doubles
+                continue
+            errors += [abs(v0 / expected - 1.0), abs((1.0 + a) / scaling(e)[1] - 1.0)]
+    return max(errors, default=math.nan)
+
+
+# -- violations of what holds at all times ---------------------------------------------------------
 
 
 def growth(speed: FloatArray) -> float:
@@ -54,32 +126,3 @@ def difference(
         errors = [speed / expected - 1.0, (1.0 + a2) / (1.0 + expected_a2) - 1.0]
     found = float(np.max(np.abs(errors)))
     return found if math.isfinite(found) else math.inf
-
-
-def compare_limits(
-    e: float,
-    speed: FloatArray,
-    a2: FloatArray,
-    times: FloatArray,
-    path: float,
-    first: tuple[float, float],
-    rtol: float,
-) -> float:
-    """Error at the times that are early or late enough for the limits; NaN if none is.
-
-    first : v0 and a2 of the start
-    """
-    errors = []
-    for t, v0, a in zip(times, speed, a2, strict=True):
-        # in logarithms: v t may overflow
-        logarithm = -math.inf if t == 0.0 else math.log(first[0]) + math.log(t) - math.log(path)
-        reduced = math.exp(max(min(logarithm, 700.0), -700.0))
-        early, late = exact.early_and_late(e, reduced, rtol)
-        if early or e == 1.0:
-            errors += [abs(v0 / first[0] - 1.0), abs((1.0 + a) / (1.0 + first[1]) - 1.0)]
-        elif late:
-            expected = exact.late_thermal_speed(e, path, float(t))
-            if expected < 1e-290:  # at the end of the doubles
-                continue
-            errors += [abs(v0 / expected - 1.0), abs((1.0 + a) / exact.scaling(e)[1] - 1.0)]
-    return max(errors, default=math.nan)

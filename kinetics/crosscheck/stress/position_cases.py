@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.stress.case import Case, Outcome, named
-from kinetics.crosscheck.stress.limits import FEWER, RESTITUTIONS, TIMES, label_of
+from kinetics.crosscheck.stress.limits import FEWER, PATH, RESTITUTIONS, TIMES, label_of, scaling
 from kinetics.crosscheck.stress.starts import starts
-
-_PATH = 12.5  # l at the default density, in d
 
 
 def position_cases(quick: bool) -> Iterator[Case]:
@@ -37,19 +35,6 @@ def position_cases(quick: bool) -> Iterator[Case]:
                 yield named("scattering function", name, _scattering, e, label, t)
 
 
-def _slope(e: float) -> float:
-    """d<r^2>/d ln t of late times in l^2, in high precision: 2/(kappa (1 - <cos chi>))."""
-    import mpmath as mp
-
-    with mp.workdps(60):
-        e_ = mp.mpf(e)
-        b = mp.sqrt(1 - e_**2)
-        kappa = 1 - e_ * mp.acos(e_) / b
-        turn = e_ * mp.atanh(b) / b if e else mp.mpf(0)
-        cosine = -turn + (1 - e_ * turn) / (2 * (1 - e_))
-        return float(2 / (kappa * (1 - cosine)))
-
-
 def _moments(e: float, label: str, rtol: float) -> Outcome:
     """The late slope, and bounds that any motion keeps."""
     from kinetics import Scene, solve
@@ -61,7 +46,7 @@ def _moments(e: float, label: str, rtol: float) -> Outcome:
     found = solve(Scene(e, initial=starts()[label], times=times, outputs=outputs), rtol)
     reached = math.nan
     if e < 1.0:
-        reached = abs(found.msd_slope[-1] / _PATH**2 / _slope(e) - 1.0)
+        reached = abs(found.msd_slope[-1] / PATH**2 / scaling(e)[3] - 1.0)
     if not all(np.all(np.isfinite(value)) for value in found.values.values()):
         reached = math.inf
     start = float(found.velocity_autocorrelation[0])  # <v(0)^2>
@@ -164,7 +149,7 @@ def _scattering(e: float, label: str, t: float) -> Outcome:
     if math.isfinite(width):
         expected += [1.0 - 0.25 * (small * width) ** 2]
     reached = max(abs(F[i] - value) for i, value in enumerate(expected))
-    if t <= 1.0 / _PATH * 1e-12:
+    if t <= 1.0 / PATH * 1e-12:
         free = np.exp(-0.5 * (k * t) ** 2) if label == "gaussian" else j0(k * t)
         reached = max(reached, float(np.max(np.abs(F - free))))
     if not (np.all(np.isfinite(F)) and np.all(np.isfinite(along))):

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase, share_of_allowed
 
@@ -38,85 +37,67 @@ class StressReport:
         """One strict JSON document; what is not finite is null."""
         from kinetics.crosscheck.plain import dumps
 
-        document: dict[str, Any] = {
-            "format": FORMAT,
-            "quick": self.quick,
-            "seconds": self.seconds,
-            "processor_seconds": self.processor_seconds,
-            "verdicts": VERDICTS,
-            "cases": [asdict(c) for c in self.cases],
-        }
-        return dumps(document)
+        return dumps(
+            {
+                "format": FORMAT,
+                "quick": self.quick,
+                "seconds": self.seconds,
+                "processor_seconds": self.processor_seconds,
+                "verdicts": VERDICTS,
+                "cases": [asdict(c) for c in self.cases],
+            }
+        )
 
     def markdown(self, every_case: bool = False) -> str:
-        """Verdicts by group, the worst case of each, and what is not accepted, or every case."""
-        return "\n".join(self._lines(every_case)) + "\n"
-
-    def figures(self) -> dict[str, str]:
-        """SVG files by name: error reached against error asked."""
-        from kinetics.crosscheck.stress.figures import reached_against_asked
-
-        return {"stress.svg": reached_against_asked(list(self.cases))}
-
-    def _lines(self, every_case: bool) -> Iterator[str]:
-        groups = {
-            group: [c for c in self.cases if c.group == group]
-            for group in dict.fromkeys(c.group for c in self.cases)
-        }
-        yield f"# Stability sweep{' (quick)' if self.quick else ''}"
-        yield ""
-        yield (
+        """A row for each group; then the cases that are not accepted, or every case."""
+        lines = [
+            f"# Stability sweep{' (quick)' if self.quick else ''}",
+            "",
             f"{len(self.cases)} cases in {self.seconds:.0f} s, {self.processor_seconds:.0f} s of "
-            f"processor time; {len(self.rejected)} not as they must end."
-        )
-        yield ""
-        yield from _verdicts(groups)
-        yield from (f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items())
-        yield ""
-        yield from _worst(groups)
-        if self.rejected:
-            yield "## Not as they must end"
-            yield ""
-            yield from _rows(self.rejected)
-        if every_case:
-            for group, cases in groups.items():
-                yield f"## {group[0].upper()}{group[1:]}"
-                yield ""
-                yield from _rows(cases)
+            f"processor time; {len(self.rejected)} did not end as they must.",
+            "",
+            *_groups(self.cases),
+            *(f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items()),
+            "",
+        ]
+        for title, cases in (
+            ("Cases that did not end as they must", self.rejected),
+            ("Every case", self.cases if every_case else ()),
+        ):
+            if cases:
+                lines += [f"## {title}", "", *_rows(cases)]
+        return "\n".join(lines) + "\n"
 
 
-def _verdicts(groups: dict[str, list[StressCase]]) -> Iterator[str]:
-    """How many cases of each group got which verdict, and the sums."""
-    yield "| group | cases | " + " | ".join(VERDICTS) + " |"
-    yield "|---" + "|---:" * (len(VERDICTS) + 1) + "|"
-    every = [c for cases in groups.values() for c in cases]
-    for group, cases in {**groups, "all": every}.items():
+def _groups(every: tuple[StressCase, ...]) -> Iterator[str]:
+    """For each group: how many got which verdict, and the worst in error, invariant and time."""
+    heads = ["group", "cases", *VERDICTS, "largest error reached/asked",
+             "invariant nearest to its limit", "slowest"]  # fmt: skip
+    yield "| " + " | ".join(heads) + " |"
+    yield "|---" + "|---:" * (len(VERDICTS) + 1) + "|---" * 3 + "|"
+    groups = {g: [c for c in every if c.group == g] for g in dict.fromkeys(c.group for c in every)}
+    for group, cases in {**groups, "all": list(every)}.items():
         counts = [sum(c.verdict == v for c in cases) for v in VERDICTS]
-        yield f"| {group} | {len(cases)} | " + " | ".join(str(n or "") for n in counts) + " |"
+        cells = [group, str(len(cases)), *(str(n or "") for n in counts)]
+        if group in groups:
+            slow = max(cases, key=lambda c: c.seconds)
+            cells += [_worst_error(cases), _worst_invariant(cases),
+                      f"{slow.seconds:.2f} s: {slow.name}"]  # fmt: skip
+        else:
+            cells += ["", "", ""]
+        yield "| " + " | ".join(cells) + " |"
     yield ""
 
 
-def _worst(groups: dict[str, list[StressCase]]) -> Iterator[str]:
-    """The case of each group that is worst in error, in an invariant, and in time."""
-    yield "| group | largest error reached/asked | invariant nearest to what it may | slowest |"
-    yield "|---|---|---|---|"
-    for group, cases in groups.items():
-        slow = max(cases, key=lambda c: c.seconds)
-        yield (
-            f"| {group} | {_worst_error(cases)} | {_worst_invariant(cases)} "
-            f"| {slow.seconds:.2f} s: {slow.name} |"
-        )
-    yield ""
-
-
-def _rows(cases: list[StressCase] | tuple[StressCase, ...]) -> Iterator[str]:
+def _rows(cases: Iterable[StressCase]) -> Iterator[str]:
     """One row for each case."""
     yield "| verdict | group | case | asked | reached | invariant | violation | allowed | note |"
     yield "|---|---|---|---:|---:|---|---:|---:|---|"
     for c in cases:
+        asked = _number(c.asked) if math.isfinite(c.asked) else ""
         bounds = (_number(c.violation), _number(c.allowed)) if c.invariant else ("", "")
         yield (
-            f"| {c.verdict} | {c.group} | {c.name} | {_asked(c)} | {_number(c.reached)} "
+            f"| {c.verdict} | {c.group} | {c.name} | {asked} | {_number(c.reached)} "
             f"| {_cell(c.invariant)} | {bounds[0]} | {bounds[1]} | {_cell(c.note)} |"
         )
     yield ""
@@ -125,10 +106,6 @@ def _rows(cases: list[StressCase] | tuple[StressCase, ...]) -> Iterator[str]:
 def _cell(text: str) -> str:
     """Text that cannot end the cell of a table."""
     return text.replace("|", "\\|")
-
-
-def _asked(case: StressCase) -> str:
-    return _number(case.asked) if math.isfinite(case.asked) else ""
 
 
 def _number(value: float) -> str:

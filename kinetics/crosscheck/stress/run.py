@@ -10,23 +10,19 @@ from kinetics.crosscheck.stress.case import Case, StressCase, attempt
 from kinetics.crosscheck.stress.cooling_cases import cooling_cases
 from kinetics.crosscheck.stress.density_cases import density_cases
 from kinetics.crosscheck.stress.flight_cases import flight_cases
-from kinetics.crosscheck.stress.input_cases import input_cases
 from kinetics.crosscheck.stress.medium_cases import medium_cases
 from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
 from kinetics.crosscheck.stress.scaled_cases import scaled_cases
-from kinetics.crosscheck.stress.size_cases import size_cases
 from kinetics.errors import InputError
 
 _PARTS = (
     scaled_cases,
     cooling_cases,
-    size_cases,
     density_cases,
     position_cases,
     medium_cases,
     flight_cases,
-    input_cases,
 )
 
 

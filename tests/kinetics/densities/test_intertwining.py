@@ -1,22 +1,19 @@
 """Densities without steps: closed forms, kept numbers, and the same equation in steps."""
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from kinetics import CollisionLaw, Gaussian, InputError, Scene, SolverStatus, solve
+from kinetics.crosscheck.references import load
 from kinetics.densities.gain import log_gain
 from kinetics.densities.intertwining import choose_turn, intertwine
 from kinetics.densities.stepping import stepped
 from kinetics.numerics.log_grid import LogGrid
 
-REFERENCES = json.loads(
-    (Path(__file__).parents[1] / "density_references.json").read_text(encoding="utf-8")
-)
+REFERENCES = load()["speed_density"]
 
 
 def gamma(v: Any) -> Any:
@@ -47,7 +44,7 @@ def reached(e: float, start: str, rtol: float, **options: Any) -> tuple[float, S
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("e", [float(e) for e in REFERENCES])
 def test_error_reached_against_error_asked(e: float, start: str, rtol: float) -> None:
-    """Two Mellin-Barnes integrals in 25 digits (density_references.py)."""
+    """Two Mellin-Barnes integrals in 25 digits."""
     error, status = reached(e, start, rtol)
     if status is SolverStatus.CONVERGED:
         assert error < rtol

@@ -1,9 +1,7 @@
 """Moments of the displacement: against Mellin-Barnes and series references, limits, identities."""
 
 import itertools
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,15 +9,14 @@ import pytest
 
 from kinetics import Beam, CollisionLaw, ScalingSolution, Scene, SolverStatus, SpeedTable, solve
 
-HERE = Path(__file__).parents[1]
 NAMES = ("msd", "kurtosis")
 LENGTH = 12.5  # mean free path at the default density, in d
 
 
 @pytest.fixture(scope="module")
-def table() -> Any:
-    """position_references.json, written by position_references.py in mpmath."""
-    return json.loads((HERE / "position_references.json").read_text(encoding="utf-8"))
+def table(numbers: Any) -> Any:
+    """<r^2> and <r^4> at 113 times, in mpmath."""
+    return numbers["displacement"]
 
 
 def run(e: float, outputs: tuple[str, ...], times: Any, initial: Any = "gaussian", **more: Any):
@@ -57,7 +54,7 @@ def test_elastic_moments_are_those_of_the_hierarchy() -> None:
     a, b = law.harmonic_decay_rate(0.0, 1), law.harmonic_decay_rate(0.0, 2)
     assert abs(a - 4.0 / 3.0) < 1e-14
     assert abs(b - 16.0 / 15.0) < 1e-14
-    # (1, M10, M20, M11, M21, M22) of position_references.py
+    # (1, M10, M20, M11, M21, M22) of kinetics.crosscheck.references.displacement
     m = np.zeros((6, 6))
     m[1, 0], m[1, 1] = 1.0, -a
     m[2, 1], m[2, 2] = 2.0, -b

@@ -125,27 +125,6 @@ def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any)
     assert np.max(np.abs(difference) / v2) <= 1e-9
 
 
-def test_the_two_ways_to_the_references_agree(formulas: ModuleType, numbers: Any) -> None:
-    """Power series in T where the numbers are from integrals, and the forward hierarchy of r."""
-    with mp.workdps(40):
-        for e in ("0.05", "0.7", "0.99"):
-            rows = numbers["evolution"][e]["monoenergetic"]
-            k = formulas.TIMES.index(300.0)
-            reduced = mp.mpf(300) / formulas.FREE_PATH
-            early = formulas.early_power(float(e), 2, reduced) / reduced**2
-            assert rows["v^2"][k] == pytest.approx(float(early), rel=1e-15, abs=0.0)
-            assert rows["msd"][k] == pytest.approx(
-                float(formulas.early_square(float(e), reduced) * formulas.FREE_PATH**2),
-                rel=1e-15,
-                abs=0.0,
-            )
-            assert rows["collisions"][k] == pytest.approx(
-                float(formulas.early_collisions(float(e), reduced)), rel=1e-15, abs=0.0
-            )
-            forward = formulas.square_by_moments(float(e), mp.mpf(8), 90)
-            assert mp.almosteq(forward, formulas.early_square(float(e), 8), rel_eps=1e-18)
-
-
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
 @pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
 def test_early_times_and_the_start(e: float, name: str) -> None:

@@ -67,19 +67,6 @@ def test_vdf_against_all_of_the_mellin_inversions(numbers: Any) -> None:
         np.testing.assert_allclose(found, reference["F"], rtol=1e-12, err_msg=e)
 
 
-def test_the_stored_numbers_are_those_of_the_formulas(formulas: ModuleType, numbers: Any) -> None:
-    """Some of kinetic_references.json, made again."""
-    with mp.workdps(40):
-        for e, tilt in (("0.05", 2.0), ("0.9", 2.0)):
-            made = formulas.scaled_density(float(e), [tilt])
-            c = numbers["scaled_density"][e]["c"]
-            k = min(range(len(c)), key=lambda i: abs(c[i] - made["c"][0]))
-            assert made["c"][0] == pytest.approx(c[k], rel=1e-14, abs=0.0)
-            assert made["F"][0] == pytest.approx(
-                numbers["scaled_density"][e]["F"][k], rel=1e-14, abs=0.0
-            )
-
-
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 0.999])
 def test_vdf_is_normalised(e: float) -> None:
     exact = ScalingSolution(e)

@@ -1,25 +1,22 @@
-"""Speed densities in 25 digits, by two Mellin-Barnes integrals; writes density_references.json.
+"""Speed densities in 25 digits, by two Mellin-Barnes integrals, in mpmath.
 
-With l = 1, E[s^z] in closed form, lambda(z) = 1 - E[s^z] and G(z+1) = lambda(z) G(z),
+With l = 1 and Q = Q_0 of `collision`,
 
-    <v^p>(t) = 1/(2 pi i) int Gamma(p - w) G(w)/G(p) <v^w>(0) t^(w-p) dw,   0 < Re w < Re p,
+    <v^p>(t) = Q(p)/(2 pi i) int Gamma(p - w)/Q(w) <v^w>(0) t^(w-p) dw,   0 < Re w < Re p,
 
-for complex p, and v f(v, t) is the integral of <v^p>(t) v^-p dp/(2 pi i). G comes from far to the
-right, where Newton's interpolation of ln lambda converges, by products back. Both integrals by the
-trapezoid rule; a power series in t is a check at early times. Run as a script: some minutes.
+for complex p, and v f(v, t) is the integral of <v^p>(t) v^-p dp/(2 pi i). Both integrals are by the
+trapezoid rule.
 """
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import mpmath as mp
 
-from kinetics.crosscheck.bench.references import Gain
+from kinetics.crosscheck.references.collision import Product
+from kinetics.crosscheck.references.cooling import gaussian_moment
 
-HERE = Path(__file__).parent
 # and how far the lines go: the ring of nearly elastic tracers is narrow
 RESTITUTIONS = {0.2: 50.0, 0.5: 50.0, 0.7: 50.0, 0.9: 50.0, 0.95: 90.0}
 TIMES = (0.1, 3.0, 50.0, 2000.0)
@@ -30,9 +27,7 @@ _STEP = 1.0 / 14.0
 
 def initial_moment(start: str, z: Any) -> Any:
     """<v^z> of v exp(-v^2/2), or of v^2 exp(-v)/2."""
-    if start == "gaussian":
-        return 2 ** (z / 2) * mp.gamma(1 + z / 2)
-    return mp.gamma(3 + z) / 2
+    return gaussian_moment(z) if start == "gaussian" else mp.gamma(3 + z) / 2
 
 
 def scale(t: float) -> float:
@@ -44,17 +39,19 @@ def densities(e: float) -> dict[str, dict[str, list[list[float]]]]:
     """start -> time -> [v, f(v, t)] pairs."""
     half = RESTITUTIONS[e]
     step, count = mp.mpf(_STEP), int(half / _STEP)
-    gain = Gain(e, half)
+    product = Product(e, 0, half)
     left, right = mp.mpf("0.5"), mp.mpf(1)
-    g_left = [gain(mp.mpc(left, n * step)) for n in range(count)]
-    g_right = [gain(mp.mpc(right, n * step)) for n in range(count)]
+    left_inverse = [1 / product(mp.mpc(left, n * step)) for n in range(count)]
+    right_product = [product(mp.mpc(right, n * step)) for n in range(count)]
     # Gamma(p - w) depends on the difference of the indices alone
     between = [mp.gamma(mp.mpc(right - left, n * step)) for n in range(2 * count)]
     between = [z.conjugate() for z in between[:0:-1]] + between
     middle = 2 * count - 1
     out: dict[str, dict[str, list[list[float]]]] = {}
     for start in STARTS:
-        one = [initial_moment(start, mp.mpc(left, n * step)) * g for n, g in enumerate(g_left)]
+        one = [
+            initial_moment(start, mp.mpc(left, n * step)) * q for n, q in enumerate(left_inverse)
+        ]
         both = [z.conjugate() for z in one[:0:-1]] + one
         out[start] = {}
         for t in TIMES:
@@ -64,7 +61,7 @@ def densities(e: float) -> dict[str, dict[str, list[list[float]]]]:
                 row = between[middle + n - (count - 1) : middle + n + count]
                 total = mp.fdot(zip(turn, reversed(row), strict=True)) * step / (2 * mp.pi)
                 phase = mp.mpf(t) ** mp.mpc(left - right, -n * step)
-                power.append(total * phase / g_right[n])
+                power.append(total * phase * right_product[n])
             pairs = []
             for c in SPEEDS:
                 v = mp.mpf(c * scale(t))
@@ -77,10 +74,3 @@ def densities(e: float) -> dict[str, dict[str, list[list[float]]]]:
                 pairs.append([float(v), float(mp.fsum(terms) * step / mp.pi / v**2)])
             out[start][repr(t)] = pairs
     return out
-
-
-if __name__ == "__main__":
-    mp.mp.dps = 32
-    found = {repr(e): densities(e) for e in RESTITUTIONS}
-    path = HERE / "density_references.json"
-    path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

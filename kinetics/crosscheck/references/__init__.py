@@ -1,0 +1,60 @@
+"""Reference values in high precision, for the tests and for the benchmark.
+
+`references.json` holds them; `load` and `kept` read it. The other modules are the formulas in
+mpmath that made it, and they share nothing with the solver: this room imports nothing of the
+project. Begin reading at `collision`, the averages of one collision; `cooling`, `displacement` and
+`densities` use it. ``python -m kinetics.crosscheck.references FILE`` makes the file again; see
+`__main__` for how long that takes.
+
+The tables, by name and then by restitution as text:
+
+- "scaled_density": F(c) of the scaling state, lists c and F;
+- "evolution": averages of six starts at `cooling.TIMES` in d/U: "v^p" in U^p, "collisions", "msd"
+  in d^2;
+- "beam": <v^2 cos(m phi)> of a beam of speed U at the same times, by m;
+- "displacement": "square" and "fourth", <r^2>/l^2 and <r^4>/l^4 at the times "T" in l/U;
+- "speed_density": f(v, t) as pairs [v, f], by start and time, in units of l and U;
+- "benchmark": v0, a2, <r^2>, kurtosis by start, quantity and horizon, see `kept`.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+MEAN_FREE_PATH = 12.5
+"""l in d, of the paper's number density 0.04."""
+RESTITUTIONS = (0.0, 0.2, 0.5, 0.7, 0.95, 0.99)
+"""Those of the table "benchmark"."""
+STARTS = ("gaussian", "monoenergetic")
+HORIZONS = {"short": (0.1, 1e2, 25), "long": (1.0, 1e8, 25)}
+"""Name: first and last time in d/U, and how many, log-spaced."""
+
+
+@cache
+def load() -> dict[str, Any]:
+    """Every table; see the documentation of this package."""
+    text = files(__package__).joinpath("references.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def times(horizon: str) -> FloatArray:
+    """Output times of the table "benchmark" in d/U, shape (25,)."""
+    first, last, count = HORIZONS[horizon]
+    return np.geomspace(first, last, count)
+
+
+def kept(quantity: str, restitution: float, start: str, horizon: str) -> FloatArray:
+    """Values at `times(horizon)`, shape (25,): "thermal_speed" in U, "a2"; of the short horizon
+    also "msd" in d^2 and "kurtosis". Number density 0.04, so that l = MEAN_FREE_PATH.
+
+    KeyError for what is not kept.
+    """
+    return np.array(load()["benchmark"][repr(float(restitution))][start][quantity][horizon])
