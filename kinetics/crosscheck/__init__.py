@@ -1,7 +1,7 @@
 """The cross-check: compares the three methods, and anybody's data, and writes the reports.
 
-Only this room and `kinetics.cli` may import all of `kinetics`, `particles` and `derivations`; none
-of them imports it. Begin with `verdicts.py`, which says what a comparison can come out as, then with
+Only this room and `kinetics.cli` may import all of `kinetics`, `particles`, `derivations`; none
+of them imports it. Begin with `verdicts.py`, which says how a comparison can come out, then with
 the room of a command: `report`, `comparison` (of particle data), `bench`, `stress`.
 """
 

@@ -1,5 +1,7 @@
 """What the tests of the solver share: the reference values, and the formulas behind them."""
 
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
