@@ -15,6 +15,7 @@ from kinetics.averaging import averages_of, power_of_speed
 from kinetics.densities.harmonic import Profile
 from kinetics.densities.marginal import component_density
 from kinetics.errors import InputError
+from kinetics.frozen import frozen, read_only
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
@@ -28,7 +29,7 @@ from kinetics.validation import (
     refuse,
     speeds,
 )
-from kinetics.values import Value, frozen, read_only
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 

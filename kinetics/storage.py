@@ -275,7 +275,7 @@ def _parts(value: Any) -> dict[str, Any]:
 
 def _read(item: Any, path: str) -> Any:
     """The value that an HDF5 object stands for."""
-    from kinetics.values import FrozenDict, read_only
+    from kinetics.frozen import FrozenDict, read_only
 
     kind = item.attrs["kind"]
     if kind == "none":

@@ -15,31 +15,33 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 METHODS = ("kinetics", "particles", "derivations")
 
-# The rooms of the core, from the ground up. A room imports from itself and from rooms further up
-# in this list, and only from those that stand beside its name.
-BASE = {"numerics", "errors", "status", "validation"}
-ROOMS = {
+# The rooms of the core, from the ground up, and what each may import beside itself.
+CHECKS = {"errors", "validation"}
+VALUES = {"frozen", "storage", "values"}
+BASE = {"numerics", "collision"} | CHECKS | VALUES
+VELOCITY = {"states", "scaling", "moments", "densities"}
+QUESTION = {"status", "outputs", "scene", "averaging", "plan"}
+ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "status": set(),
+    "frozen": set(),
     "numerics": set(),
     "validation": {"errors"},
-    "storage": {"errors", "status", "validation"},
-    "collision": BASE,
-    "states": BASE | {"storage"},
-    "scaling": BASE | {"storage", "collision"},
-    "sonine": BASE | {"collision"},
-    "moments": BASE | {"storage", "collision", "states"},
-    "densities": BASE | {"storage", "collision", "states", "scaling", "moments"},
-    "position": BASE | {"storage", "collision", "states", "moments"},
-    "outputs": BASE | {"collision", "states", "moments"},
-    "scene": BASE | {"storage", "states", "outputs"},
-    "plan": BASE | {"storage", "moments", "densities", "position", "outputs", "scene"},
-    "solution": BASE
-    | {"storage", "collision", "states", "moments", "densities", "position", "outputs"}
-    | {"scene", "plan"},
-    "solver": BASE
-    | {"storage", "collision", "states", "moments", "densities", "position", "outputs"}
-    | {"scene", "plan", "solution"},
+    "storage": {"errors", "frozen"},
+    "values": {"frozen", "storage"},
+    "collision": {"numerics"} | CHECKS,
+    "states": {"numerics"} | CHECKS | VALUES,
+    "scaling": BASE | {"status"},
+    "sonine": BASE,
+    "moments": BASE | {"states"},
+    "densities": BASE | {"states", "scaling", "moments"},
+    "position": BASE | {"states", "moments"},
+    "outputs": {"moments"},
+    "scene": BASE | {"states", "outputs"},
+    "averaging": BASE | {"moments", "outputs", "scene"},
+    "plan": {"moments", "densities", "position", "outputs"},
+    "solution": BASE | VELOCITY | QUESTION | {"position"},
+    "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")

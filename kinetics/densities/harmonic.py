@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.frozen import frozen
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
 from kinetics.states.state import brief
-from kinetics.values import Value, frozen
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 

@@ -21,7 +21,8 @@ from kinetics import (
     solve,
     solve_scaled,
 )
-from kinetics.values import FrozenDict, Value, contents, read_only
+from kinetics.frozen import FrozenDict, contents, read_only
+from kinetics.values import Value
 
 
 @pytest.mark.parametrize("name", VALUES)

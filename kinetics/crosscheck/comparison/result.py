@@ -10,7 +10,8 @@ from typing import Any, NamedTuple, Self
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.verdicts import Verdict
-from kinetics.values import FrozenDict, Value
+from kinetics.frozen import FrozenDict
+from kinetics.values import Value
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 
