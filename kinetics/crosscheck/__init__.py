@@ -1,8 +1,4 @@
-"""The cross-check: compares the three methods, and anybody's data, and writes the reports.
-
-Only this room and `kinetics.cli` may import all of `kinetics`, `particles` and `derivations`.
-Begin with `verdicts.py`, which says what a comparison can come out as, then `report/report.py`.
-"""
+"""The court: holds the three witnesses against each other and writes the reports."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
