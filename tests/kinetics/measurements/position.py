@@ -33,20 +33,15 @@ RADII = np.linspace(0.0, 6.0, 200)
 
 OF_WAVES = [
     Constant(scattering, "_TURNING", (0.5, 1.5)),
-    Constant(scattering, "_NODES", (-1.0, 1.0), add=True),
+    Constant(scattering, "_SOME", (-1.0, 1.0), add=True),
+    Constant(scattering, "_NEGLIGIBLE", (0.1, 10.0)),
     Constant(scattering, "_FOR_DIGIT", (0.8, 1.2)),
     Constant(scattering, "_FOR_TURN", (0.7, 1.3)),
-    Constant(scattering, "_LATE", (-2.0, 2.0), add=True),
     Constant(scattering, "_LATE_FOR_DIGIT", (0.6, 1.4)),
-    Constant(scattering, "_EARLY", (-4.0, 4.0), add=True),
     Constant(scattering, "_EARLY_FOR_DIGIT", (0.5, 1.5)),
     Constant(scattering, "_RISING", (0.8, 1.2)),
     Constant(scattering, "_MORE", (-3, 2), add=True),
-    Constant(scattering, "_MOST_MORE", (-4, 6), add=True),
-    Constant(scattering, "_NOTHING", (0.1, 10.0)),
-    Constant(scattering, "_FAR", (0.1, 10.0)),
     Constant(scattering, "_FEWEST_NODES", (-2, 2), add=True),
-    Constant(scattering, "_MOST_NODES", (-2, 4), add=True),
 ]
 OF_DENSITIES = [
     Constant(solve_density, "_LARGEST", (0.5, 2.0)),
