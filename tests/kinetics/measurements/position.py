@@ -41,6 +41,7 @@ OF_WAVES = [
     Constant(scattering, "_EARLY_FOR_DIGIT", (0.5, 1.5)),
     Constant(scattering, "_RISING", (0.8, 1.2)),
     Constant(scattering, "_MORE", (-3, 2), add=True),
+    Constant(scattering, "_MOST_MORE", (-4, 6), add=True),
     Constant(scattering, "_FEWEST_NODES", (-2, 2), add=True),
 ]
 OF_DENSITIES = [
