@@ -89,7 +89,7 @@ class _Problem:
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
         if self.m == 0:
-            g = g / (float(g.sum()) * grid.spacing)  # mass beyond the window is made up for
+            g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
 
     def too_much(self, wanted: float) -> InputError:
@@ -132,7 +132,7 @@ def _window(
     scaled, deviation = _scaling_end(law, depth)
     kept = high + duration
     right = max(high, min(scaled, kept))
-    # too early for the ring of nearly elastic tracers to narrow
+    # before that the ring of nearly elastic tracers is still as wide as the start
     formed = kept > -math.log(law.mean_log_loss) - 1.0
     band = _scaling_band(law, depth, deviation) if formed else 8.0
     if law.restitution < _SMALL_E:
@@ -273,7 +273,7 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     spacing = grid.spacing
     turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
     while turn.error > _LARGE_SHARE * rtol and nodes is None:
-        # more modes allow a larger angle; they cost as much as they are more, and must be worth it
+        # more modes allow a larger angle, but cost in proportion
         other = choose_turn(law, kept, math.pi / (_FINER * spacing), m, rtol)
         if other.error > _WORTH_IT * turn.error:
             break
