@@ -104,8 +104,14 @@ def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDA
     v = np.exp(x)
     weight = w * v * profile(v)
     found = deposit(LogMeasure(x, weight), nodes.first, nodes.spacing, nodes.count)
+    if m:
+        return found
+    total, expected = float(found.sum()), float(start.weight.sum())
+    if total < 0.5 * expected:
+        # the density lies between the Gauss points
+        return deposit(start, nodes.first, nodes.spacing, nodes.count)
     # scaled to the mass of the start: some lies beyond the axis, or between the Gauss points
-    return found * (start.weight.sum() / found.sum()) if m == 0 else found
+    return found * (expected / total)
 
 
 class _Axis:
