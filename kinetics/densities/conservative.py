@@ -104,8 +104,14 @@ def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDA
     v = np.exp(x)
     weight = w * v * profile(v)
     found = deposit(LogMeasure(x, weight), nodes.first, nodes.spacing, nodes.count)
-    # mass beyond the axis, or between the points of a rough density, is made up for
-    return found * (start.weight.sum() / found.sum()) if m == 0 else found
+    if m:
+        return found
+    total, expected = float(found.sum()), float(start.weight.sum())
+    if total < 0.5 * expected:
+        # the density lies between the Gauss points
+        return deposit(start, nodes.first, nodes.spacing, nodes.count)
+    # scaled to the mass of the start: some lies beyond the axis, or between the Gauss points
+    return found * (expected / total)
 
 
 class _Axis:
@@ -131,7 +137,7 @@ class _Axis:
         while left > 1e-15 * duration:
             live = np.nonzero(np.abs(self.mass) > _EMPTY * self.total)[0]
             first = int(live[0]) if live.size else self.first
-            # what is left behind above moves down with the rest: mass is kept
+            # the nodes above hold next to nothing: it is added to the first node that is kept
             self.mass[first] += self.mass[self.first : first].sum()
             self.mass[self.first : first] = 0.0
             self.first = first

@@ -41,7 +41,7 @@ _TOGETHER = 20_000  # numbers of a piece of the time axis that stay in the cache
 
 @dataclass(frozen=True)
 class Turn:
-    """By how much the axis of ln v is turned into the complex plane, and what that leaves.
+    """How far the axis of ln v is turned into the complex plane, and the rounding that remains.
 
     Near e = 1 the gain falls steeply with k, and dividing by it raises the rounding. On the axis
     x - i angle the mode k > 0 of everything is larger by e^(k angle), which makes up for that.
@@ -164,7 +164,7 @@ def intertwine(
     half, angle = grid.nodes // 2, turn.angle
     k = grid.wave_numbers
     modes = np.fft.rfft(rows)
-    # noise would be raised as well
+    # the gain would amplify the rounding of higher modes
     modes[:, resolved(modes) :] = 0.0
     back = np.exp(-gain - angle * k)
     back[-1] = 0.0

@@ -46,6 +46,10 @@ _BEST, _BEST_STEPPED = 8e-13, 1e-10
 _FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
 # Two solutions are compared at about so many speeds, where g is above this share of its maximum.
 _SAMPLES, _COMPARED = 200, 1e-6
+# Steps of three searches, each a compromise between their number and the work of the last: for a
+# finer grid whose error must fall by so much, for fewer modes, and for more nodes.
+_FINER, _WORTH_IT, _FEWER, _MORE = 0.6, 0.3, 0.8, 1.4
+_SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of ln v
 # Harmonics m > 0 die away; errors of theirs are relative to a density of ln v of order 1 at least.
 _LEAST_MAXIMUM = 0.3
 
@@ -85,7 +89,7 @@ class _Problem:
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
         if self.m == 0:
-            g = g / (float(g.sum()) * grid.spacing)  # mass beyond the window is made up for
+            g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
 
     def too_much(self, wanted: float) -> InputError:
@@ -128,10 +132,10 @@ def _window(
     scaled, deviation = _scaling_end(law, depth)
     kept = high + duration
     right = max(high, min(scaled, kept))
-    # too early for the ring of nearly elastic tracers to narrow
+    # before that the ring of nearly elastic tracers is still as wide as the start
     formed = kept > -math.log(law.mean_log_loss) - 1.0
     band = _scaling_band(law, depth, deviation) if formed else 8.0
-    if law.restitution < 0.3:
+    if law.restitution < _SMALL_E:
         low = min(low, -depth)
     return low - 0.5, right + 0.5, band
 
@@ -224,7 +228,7 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     values = found.values[:, 0]
     if rows.shape[0] == 2:
         values = values + 1j * found.values[:, 1]
-    # the polynomial leaves the cube of the share
+    # the polynomial leaves the cube of the share: a twentieth of rtol
     filled = (
         min(_FILLED, (0.05 * rtol) ** (1.0 / 3.0)) if m == 0 and law.restitution == 0.0 else 0.0
     )
@@ -269,23 +273,24 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     spacing = grid.spacing
     turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
     while turn.error > _LARGE_SHARE * rtol and nodes is None:
-        # more modes allow a larger angle
-        other = choose_turn(law, kept, math.pi / (0.6 * spacing), m, rtol)
-        if other.error > 0.3 * turn.error:
+        # more modes allow a larger angle, but cost in proportion
+        other = choose_turn(law, kept, math.pi / (_FINER * spacing), m, rtol)
+        if other.error > _WORTH_IT * turn.error:
             break
-        turn, spacing = other, 0.6 * spacing
+        turn, spacing = other, _FINER * spacing
     # more modes than these are left empty: dividing by their gain would raise the rounding
     highest = math.pi / spacing
     size = np.abs(modes).max(axis=0)
     least = float(grid.wave_numbers[np.nonzero(size > _SHARE * rtol * size.max())[0][-1]])
-    while turn.error > _LARGE_SHARE * rtol and nodes is not None and 0.8 * highest > least:
-        highest *= 0.8
+    while turn.error > _LARGE_SHARE * rtol and nodes is not None and _FEWER * highest > least:
+        highest *= _FEWER
         other = choose_turn(law, min(kept, highest), highest, m, rtol, math.pi / spacing)
         turn = min(turn, other, key=lambda t: t.error)
     if turn.error > max(_LARGE_SHARE * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
     left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
+    # there exp(-v t/l) is e^-7 rtol
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
     if nodes is None:
         count = _good_count(math.ceil((right - left) / spacing))
@@ -321,7 +326,7 @@ def _resolve(
         enough = rough <= _SHARE * problem.rtol or 2 * count > _MOST_NODES_STEPPED
         if problem.nodes is not None or enough:
             return grid, rows, rough
-        count = int(1.4 * count)
+        count = int(_MORE * count)
 
 
 def _ends(values: NDArray[Any], least: float) -> float:

@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
 # ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).
 _MANY, _FEW_POINTS = 2, 4
-_MORE_NODES = 2  # of those panels: each node is about one digit, and two more leave nothing to see
+_MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 _KEPT = 16  # such pieces are kept for the next observable
 
@@ -176,7 +176,7 @@ class Averages:
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
-        """The average at all times, (n_times,): of many of them most by interpolation.
+        """The average at all times, (n_times,); where there are many, most by interpolation.
 
         An average over speeds is as smooth in ln t as its observable is in ln T: a few times of
         each panel give the others.
@@ -194,7 +194,7 @@ class Averages:
         first = end - (used + 1) * self.width
         nodes = first[:, None] + self.width * rule.local
         values = self._at(points, y, leading, nodes.ravel()).reshape(nodes.shape)
-        # as powers of T, which are smooth everywhere: v_ref is not
+        # interpolated with powers of T as their unit; v_ref has a kink in ln t
         p = y.degree + leading
         power = nodes + self._reference(nodes)
         values = values * np.exp(p * (power - power[:, :1]))

@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 # square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it
 # leave 1/q^3 = 1e-27
 _FAR_BESSEL = 3e4
-_NORM_RTOL = 1e-7  # a tenth of what the norm of a density may be off: the quadrature is not seen
+_NORM_RTOL = 1e-7  # a tenth of the allowed error of the norm, so that its check sees the density
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Gaussian(State):
         wide, factor = self._wide, self._factor(m)
 
         def value(v: FloatArray) -> NDArray[Any]:
-            u = np.minimum(v, 100.0 * wide) / wide  # beyond, nothing is left
+            u = np.minimum(v, 100.0 * wide) / wide  # f is zero beyond, and u^2 may overflow
             with np.errstate(under="ignore"):
                 f = u / wide * np.exp(-0.5 * u * u)
             return f if factor is None else np.asarray(f * factor(u))
@@ -173,7 +173,7 @@ class SpeedTable(State):
             return None
         speed, density = np.asarray(self.speed), np.asarray(self.density)
         found = quadrature.table(speed, density, 0.1 * rtol, lowest)
-        # knots that are close lose digits in ln v
+        # ln v of points that are close to each other has lost digits: the sum may not be 1
         return LogMeasure(found.x, found.weight / found.weight.sum())
 
     @property

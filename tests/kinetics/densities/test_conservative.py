@@ -378,3 +378,12 @@ def test_the_estimate_of_harmonics_is_that_of_their_nodes() -> None:
     v, phi = np.linspace(0.05, 3.0, 20), np.linspace(0.0, 3.0, 7)
     f, g = found.velocity_density(v, phi) * v[:, None], exact.velocity_density(v, phi) * v[:, None]
     assert np.max(np.abs(f - g)) < 3e-3 * g.max()
+
+
+@pytest.mark.parametrize("nodes", [20, 60, 300])
+def test_a_table_narrower_than_a_cell(nodes: int) -> None:
+    """Its mass lies between the points of the cells: once a division by zero."""
+    table = SpeedTable([0.9999, 1.0, 1.0001], [0.0, 1e4, 0.0])
+    held, _ = solved(0.5, table, 0, [0.0], nodes)
+    assert held.mass.sum() == pytest.approx(1.0, abs=1e-12)
+    assert held.mass[0] @ np.exp(2.0 * held.x) == pytest.approx(1.0, abs=1e-7)
