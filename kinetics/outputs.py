@@ -7,7 +7,9 @@ Reading the table costs no NumPy: the modules that its functions need are import
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -24,7 +26,7 @@ else:
             self._name = name
 
         def __getattr__(self, name: str) -> Any:
-            return getattr(import_module(self._name), name)
+            return getattr(sys.modules.get(self._name) or import_module(self._name), name)
 
     backward = _Later("kinetics.moments.backward")
     displacement = _Later("kinetics.moments.displacement")
@@ -84,6 +86,11 @@ class Output(NamedTuple):
     also: tuple[tuple[str, str], ...] = ()
 
     @property
+    def parts(self) -> tuple[Part, ...]:
+        """What ``made_of`` says, made once."""
+        return _made_once(self.made_of)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The names of its arrays."""
         return (self.name, *(name for name, _ in self.also))
@@ -102,6 +109,11 @@ class Output(NamedTuple):
     def head(self) -> str:
         """Symbol and unit, as the head of a column."""
         return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"
+
+
+@cache
+def _made_once(made_of: Callable[[], tuple[Part, ...]]) -> tuple[Part, ...]:
+    return made_of()
 
 
 _PER_TIME = ("n_times",)
