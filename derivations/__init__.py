@@ -22,10 +22,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .derived.record import Check, Status
+    from .derived.record import Status
     from .output import to_json, to_latex_document, to_text
     from .printed import PrintedEquation, printed_equation
-    from .verdicts import report_subset, verify
+    from .verdicts import Check, report_subset, verify
 
 __all__ = [
     "Check",

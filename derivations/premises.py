@@ -20,7 +20,7 @@ def collision_matrix() -> sp.Matrix:
     before = sp.symbols("v_n v_t", real=True)
     after = sp.symbols("w_n w_t", real=True)
     rule = sp.solve([after[0] + s.e * before[0], after[1] - before[1]], after)
-    return sp.Matrix([rule[w] for w in after]).jacobian(before)
+    return sp.ImmutableMatrix([rule[w] for w in after]).jacobian(before)
 
 
 @cache
@@ -77,18 +77,3 @@ def gaussian_average(polynomial: sp.Expr) -> sp.Expr:
         moment = gaussian_moment().subs(s.p, order) if order else sp.Integer(1)
         total += coefficient * moment
     return total
-
-
-@cache
-def sonine_average(order: int) -> sp.Expr:
-    """<c^order> over exp(-c^2)/pi (1 + a2 S_2(c^2)) in the plane."""
-    from .derived.sonine import polynomial
-
-    weight = 1 + s.a2 * polynomial(2).subs(s.x, s.c**2)
-    return sp.collect(sp.expand(gaussian_average(sp.expand(s.c**order * weight))), s.a2, sp.factor)
-
-
-@cache
-def collision_moment(order: int) -> sp.Expr:
-    """M_p for an even order p in the lowest Sonine approximation, as a function of e and a2."""
-    return sp.factor(2 * loss(order) * sonine_average(order + 1))

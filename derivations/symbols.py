@@ -9,6 +9,8 @@ is all that the paper's expansions ask of it.
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy as sp
 from sympy.core.function import UndefinedFunction
 
@@ -23,19 +25,13 @@ def _record(name: str, meaning: str, latex: str) -> None:
         LATEX[name] = latex
 
 
-def _real(name: str, meaning: str, latex: str = "") -> sp.Symbol:
+def _vector(name: str, meaning: str, latex: str = "", **assumptions: bool) -> sp.Symbol:
     _record(name, meaning, latex)
-    return sp.Symbol(name, real=True)
+    return sp.Symbol(name, **assumptions)
 
 
-def _positive(name: str, meaning: str, latex: str = "") -> sp.Symbol:
-    _record(name, meaning, latex)
-    return sp.Symbol(name, positive=True)
-
-
-def _vector(name: str, meaning: str, latex: str = "") -> sp.Symbol:
-    _record(name, meaning, latex)
-    return sp.Symbol(name)
+_real = partial(_vector, real=True)
+_positive = partial(_vector, positive=True)
 
 
 def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> UndefinedFunction:

@@ -1,4 +1,4 @@
-"""A formula as LaTeX and as presentation MathML, with the letters that its symbols stand for.
+"""A formula as text, as LaTeX and as presentation MathML, with the letters of its symbols.
 
 A browser shows the MathML as it is: neither a script nor a font has to be loaded.
 """
@@ -25,6 +25,17 @@ LETTERS = {
     "G_tilde": "G̃", "cos_chi": "⟨cos χ⟩", "kappa_ln": "κ_ln", "w2": "w__2",
 }  # fmt: skip
 """MathML letters where they differ from the name; ``__`` precedes a superscript."""
+
+
+def plain(formula: sp.Basic | None) -> str:
+    """A formula as sympy's text, with ``=`` for an equation; empty for None."""
+    if formula is None:
+        return ""
+    if isinstance(formula, sp.Tuple):
+        return "; ".join(plain(part) for part in formula)
+    if isinstance(formula, sp.Eq):
+        return f"{sp.sstr(formula.lhs)} = {sp.sstr(formula.rhs)}"
+    return sp.sstr(formula)
 
 
 def latex(formula: sp.Basic | None) -> str:

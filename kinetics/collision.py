@@ -20,20 +20,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, check_restitution
-from kinetics.errors import short as _short
+from kinetics.errors import InputError, check_restitution, short
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
 
 FloatArray = NDArray[np.float64]
 
 # Gauss-Legendre points on each panel in the variable u below. They are exact to rounding for
-# s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED (measured: 40).
+# s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED: measured again by
+# tests/kinetics/measurements/collision.py.
 _POINTS = 20
 _RESOLVED = 30.0
-# Where e = 0 the variable is ln(1/s) itself; what lies beyond weighs exp(-_DEEPEST).
-_DEEPEST = 40.0
-_STEEP = 5.0  # U above which exponentials of U are taken apart
-_LARGEST_TURN = 1e7
+_DEEPEST = 40.0  # at e = 0, ln(1/s) is unbounded; what lies beyond this weighs e^-40 = 4e-18
+_STEEP = 5.0  # U from which exponentials of U are taken apart: either form holds from 1 to 300
+_LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
 @dataclass(frozen=True)
@@ -64,11 +63,16 @@ class ImpactQuadrature:
             return np.ones_like(self.weight)
         return np.asarray(np.cos(m * np.arccos(self.cosine)))
 
+    def harmonic_loss(self, m: int) -> FloatArray:
+        """1 - cos(m chi) = 2 sin^2(m chi/2), shape (n_nodes,), accurate where it is small."""
+        return np.asarray(2.0 * np.sin(0.5 * m * np.arccos(self.cosine)) ** 2)
+
 
 def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrature:
-    """Quadrature over the impact parameter, graded so that no e is special.
+    """Quadrature over the impact parameter, in a variable in which no e is special.
 
-    ``longest`` is the length of a panel in u below: s^z cos(m chi) wants (|z| + m) longest < 40.
+    ``longest`` is the length of a panel in u below: (|z| + m) longest must stay below 30 for
+    averages of s^z cos(m chi).
 
     s(y) has branch points at y = +-i e/sqrt(1-e^2), near the real axis for small e. With
     y = (e/b) sinh u, b = sqrt(1-e^2), they leave: s = e cosh u, 0 <= u <= U = asinh(b/e).
@@ -89,7 +93,7 @@ def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrat
     u, w = equal_panels(top, _POINTS, longest)
     rest = u[::-1]  # U - u without cancellation: the nodes are symmetric
     if top > _STEEP:
-        # cosh and sinh of u against those of U, with what is small apart: any e > 0
+        # ratios of cosh and sinh of u to those of U, which would overflow for the smallest e
         decay, small, least = np.exp(-rest), np.exp(-2.0 * u), math.exp(-2.0 * top)
         xi = rest - np.log1p(small) + math.log1p(least)
         y = decay * (1.0 - small) / (1.0 - least)
@@ -109,7 +113,7 @@ def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrat
 
 def _highest(e: float) -> float:
     """U = acosh(1/e) = asinh(b/e), for any e > 0."""
-    if e < 1e-8:
+    if e < 1e-8:  # the next term, e^2/4, is below rounding
         return math.log(2.0) - math.log(e)
     return math.asinh(math.sqrt((1.0 - e) * (1.0 + e)) / e)
 
@@ -120,8 +124,8 @@ def impact_cells(
     """The average over the impact parameter, cell by cell of width ``spacing`` in -ln s.
 
     Returns the quadrature, with ``points`` Gauss-Legendre points in y for each cell (s is smooth
-    in y, its density in -ln s is not), and the cell of each point. For 0 <= e < 1; below
-    s = 1e-17 (e = 0) nothing is left out that weighs more.
+    in y, its density in -ln s is not), and the cell of each point, both of shape (n_nodes,). For
+    0 <= e < 1. At e = 0 cells end at s = e^-40; the last one holds all bounces below.
     """
     e = restitution
     b2 = (1.0 - e) * (1.0 + e)
@@ -151,7 +155,7 @@ class CollisionLaw:
 
     Parameters
     ----------
-    restitution : e in [0, 1], constant
+    restitution : e in [0, 1], the same for every bounce
 
     Raises
     ------
@@ -176,7 +180,7 @@ class CollisionLaw:
 
     @cached_property
     def quadrature(self) -> ImpactQuadrature:
-        """The average over the impact parameter as a weighted sum, for smooth functions of ln s."""
+        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
         return self.quadrature_for(0.0)
 
     def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
@@ -184,7 +188,7 @@ class CollisionLaw:
 
         Raises InputError where that takes more than some million points.
         """
-        # how far |z| ln s and m chi can turn within a panel
+        # by how much |z| ln s and m chi change over a panel: by less than u, and by less than pi
         top = 40.0 if self.restitution == 0.0 else _highest(self.restitution)
         turn = rate * min(1.0, top * math.tanh(top)) + 3.0 * m
         if not turn <= _LARGEST_TURN:
@@ -243,33 +247,32 @@ class CollisionLaw:
         A float for a real p, an array of the shape of p for an array.
         """
         if isinstance(m, bool) or not isinstance(m, int | np.integer):
-            raise InputError(f"m: got {_short(m)}; it must be a whole number")
+            raise InputError(f"m: got {short(m)}; it must be a whole number")
         if m == 0:
             return self.decay_rate(p)
         p_ = self._exponents(p)
         q = self.quadrature_for(_size(p_), abs(m))
-        half = np.sin(0.5 * m * np.arccos(q.cosine))
-        # 1 - s^p cos = (1 - s^p) + s^p 2 sin^2(m chi/2): no cancellation
+        # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
         with np.errstate(over="ignore", invalid="ignore"):
             lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
-            rate = (lost + (1.0 - lost) * 2.0 * half**2) @ q.weight
+            rate = (lost + (1.0 - lost) * q.harmonic_loss(m)) @ q.weight
         return self._finite(p, rate)[()]
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = np.asarray(p)
         if p_.dtype.kind not in "iufc":
-            raise InputError(f"p: got {_short(p)}; it must be a number or an array of numbers")
+            raise InputError(f"p: got {short(p)}; it must be a number or an array of numbers")
         p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
         if not np.all(np.isfinite(p_)):
-            raise InputError(f"p: got {_short(p)}; it must be finite")
+            raise InputError(f"p: got {short(p)}; it must be finite")
         if self.restitution == 0.0 and np.any(p_.real <= -1.0):
-            raise InputError(f"p: got {_short(p)}; at restitution 0 it must be above -1")
+            raise InputError(f"p: got {short(p)}; at restitution 0 it must be above -1")
         return p_
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
-            raise InputError(f"p: got {_short(p)}; E[s^p] overflows double precision there")
+            raise InputError(f"p: got {short(p)}; E[s^p] overflows double precision there")
         return value
 
 

@@ -11,51 +11,45 @@ from functools import cache
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Dt, Int, Lam, Partial, dot, eq
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
+from .kinetic_equation import mass_change, weak_form
+from .record import Derived, Number, Step, defines, derives, result
+
+_T = s.T(s.t)
+_D = s.De(s.t)
+_F = s.f(s.bv, s.t)
 
 _N = s.nd(s.br, s.t)
 _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
-_B = s.Bv(s.bv, s.T(s.t))
+_B = s.Bv(s.bv, _T)
 
 
 @derives("diffuse2")
 def _diffuse2() -> Derived:
-    from .kinetic_equation import weak_form
-
-    loss = weak_form(sp.Integer(1), sp.Integer(1))
-    return Derived(
-        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), _zero(loss)),
-        (
-            Step("integral of the kinetic equation over v: density and flux", None),
-            Step("the collision operator keeps mass: its weak form with Y = 1", loss),
-        ),
+    return result(
+        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
+        Step("integral of the kinetic equation over v: density and flux"),
+        Step("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
     )
 
 
-def _zero(integral: sp.Expr) -> sp.Expr:
-    """The value of a formal integral whose integrand vanishes."""
-    return sp.sympify(integral.replace(Int, lambda *args: 0 if args[0] == 0 else Int(*args)))
-
-
-@derives("diffuse3")
-def _diffuse3() -> Derived:
-    return definition("The zeroth moment in velocity.")
-
-
-@derives("diffuse4")
-def _diffuse4() -> Derived:
-    return definition("The first moment in velocity.")
+defines(
+    {
+        "diffuse3": "The zeroth moment in velocity.",
+        "diffuse4": "The first moment in velocity.",
+        "diffuse9": "Counts gradients.",
+        "diffuse17": "The diffusion coefficient as an integral of B.",
+        "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
+    }
+)
 
 
 @derives("diffuse5")
 def _diffuse5() -> Derived:
-    return Derived(
+    return result(
         None,
         note="A formal series; that it orders the distribution holds for gradients that are small "
         "over the distance which a tracer covers while its speed falls by a fixed factor.",
-        status=Status.ASSUMPTION,
         holds=True,
     )
 
@@ -82,13 +76,11 @@ def density_series(density: sp.Expr) -> sp.Expr:
 
 @derives("diffuse6")
 def _diffuse6() -> Derived:
-    return Derived(
+    return result(
         eq(sp.Derivative(_N, s.t), density_series(_N)),
-        (
-            Step("order epsilon of -div J", _flux_orders()[0]),
-            Step("order epsilon^2 of -div J", _flux_orders()[1]),
-        ),
-        "Each order of the gradient carries at least one factor of epsilon.",
+        Step("order epsilon of -div J", _flux_orders()[0]),
+        Step("order epsilon^2 of -div J", _flux_orders()[1]),
+        note="Each order of the gradient carries at least one factor of epsilon.",
     )
 
 
@@ -103,15 +95,13 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     gradient = sp.Function("nabla")(index)
     lower = sp.Function("J_vec")(s.j - index, *flux.args)
     general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
-    return Derived(
+    return result(
         eq(Dt(s.j, density), general),
-        (
-            Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
-            Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
-            Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
-        ),
-        "With the gradient expanded as in diffuse9, order j also holds the flux of order j - i "
-        "under the gradient of order i. The printed form drops these. At the orders that the "
+        Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
+        Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
+        Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order "
+        "j - i under the gradient of order i. The printed form drops these. At the orders that the "
         "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
         numbers=(Number("change of the diffusion equation (order 1)", 0.0),),
     )
@@ -123,32 +113,24 @@ def _diffuse8() -> Derived:
     terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
     factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
     (weight,) = factor
-    return Derived(
+    return result(
         eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
-        (Step("order epsilon^j of v p, over p^(j)", weight),),
+        Step("order epsilon^j of v p, over p^(j)", weight),
     )
 
 
-@derives("diffuse9")
-def _diffuse9() -> Derived:
-    return definition("Counts gradients.")
-
-
 @cache
-def orders() -> tuple[sp.Eq, sp.Eq]:
-    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through n and T."""
-    rate_of_n = s.eps * Dt(0, _N) + s.eps**2 * Dt(1, _N)
+def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
+    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
+    change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
+    cooling = sp.Derivative(_T, s.t)
     left = sp.expand(
         sum(
-            s.eps**order
-            * (
-                rate_of_n * Partial(part, _N)
-                + sp.Derivative(s.T(s.t), s.t) * Partial(part, s.T(s.t))
-            )
+            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
             for order, part in enumerate((_P0, _P1))
         )
-        # the gradient acts through n, and on p^(0) alone at this order
-        + s.eps * dot(s.bv, s.nabla0) * _N * Partial(_P0, _N)
+        # the gradient acts through the density, and on p^(0) alone at this order
+        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
     )
     right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
     zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
@@ -157,7 +139,7 @@ def orders() -> tuple[sp.Eq, sp.Eq]:
 
 @derives("diffuse10")
 def _diffuse10() -> Derived:
-    return Derived(orders()[0], (Step("order epsilon^0 of the kinetic equation", orders()[0]),))
+    return result(orders()[0], Step("order epsilon^0 of the kinetic equation", orders()[0]))
 
 
 @derives("diffuse11")
@@ -165,90 +147,82 @@ def _diffuse11() -> Derived:
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
-    return Derived(
-        eq(_P0, solution * s.f(s.bv, s.t)),
-        (
-            Step(
-                "f solves the zeroth order: so does any multiple A of it",
-                amplitude * s.f(s.bv, s.t),
-            ),
-            Step("normalisation to n(r, t)", solution),
-        ),
+    return result(
+        eq(_P0, solution * _F),
+        Step("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
+        Step("normalisation to n(r, t)", solution),
     )
 
 
 @derives("diffuse12")
 def _diffuse12() -> Derived:
-    return Derived(orders()[1], (Step("order epsilon^1 of the kinetic equation", orders()[1]),))
+    return result(orders()[1], Step("order epsilon^1 of the kinetic equation", orders()[1]))
+
+
+def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
+    """Order 1 with the zeroth inserted: ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt."""
+    known = {
+        Dt(0, density): sp.Integer(0),  # the flux of order 0 vanishes: f is even
+        sp.Derivative(_T, s.t): cooling,
+        Partial(_P0, density): slope,
+    }
+    residual = (orders(density)[1].lhs - orders(density)[1].rhs).subs(known)
+    source = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
+    return eq(sp.expand(source - residual), source)
 
 
 @cache
 def _first_order() -> sp.Eq:
-    """diffuse13: the first order with the zeroth inserted."""
-    slope = sp.diff(sp.Symbol("n_r") / s.n * s.f(s.bv, s.t), sp.Symbol("n_r"))
-    cooled = {
-        Dt(0, _N): sp.Integer(0),  # the flux of order 0 vanishes: f is even
-        sp.Derivative(s.T(s.t), s.t): -s.xi(s.t) * s.T(s.t),
-        Partial(_P0, _N): slope,
-    }
-    residual = (orders()[1].lhs - orders()[1].rhs).subs(cooled)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, s.T(s.t)): 0})
-    return eq(sp.expand(source - residual), source)
+    """diffuse13: the first order with p^(0) = f times the density over n."""
+    return first_order(_N, _F / s.n, -s.xi(s.t) * _T)
 
 
 @derives("diffuse13")
 def _diffuse13() -> Derived:
-    return Derived(
+    return result(
         _first_order(),
-        (
-            Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
-            Step("cooling", eq(sp.Derivative(s.T(s.t), s.t), -s.xi(s.t) * s.T(s.t))),
-            Step("the first order", _first_order()),
-        ),
+        Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+        Step("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
+        Step("the first order", _first_order()),
     )
 
 
 @derives("diffuse14")
 def _diffuse14() -> Derived:
-    return Derived(
+    return result(
         None,
         note="Holds: the equation is linear with a source proportional to the gradient of n, and "
         "the operator commutes with rotations.",
-        status=Status.ASSUMPTION,
         holds=True,
     )
 
 
-@cache
-def b_equation() -> sp.Eq:
-    """diffuse15: p^(1) = B.grad n inserted and the arbitrary gradient divided out."""
+def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
+    """Order 1 with p^(1) = B.grad n inserted and the gradient, which is arbitrary, divided out."""
     inserted = {
-        Lam(_P1): dot(Lam(_B), s.nabla0) * _N,
-        Partial(_P1, s.T(s.t)): dot(Partial(_B, s.T(s.t)), s.nabla0) * _N,
+        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
+        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
-    both = [side.subs(inserted) / _N for side in _first_order().args]
-    strip = [_strip(sp.expand(side)) for side in both]
-    return eq(*strip)
+    left, right = (sp.expand(side.subs(inserted) / density) for side in order.args)
+    return eq(left.replace(Dot, _beside_gradient), right.replace(Dot, _beside_gradient))
 
 
-def _strip(expression: sp.Expr) -> sp.Expr:
-    """X.grad -> X: the gradient is arbitrary."""
+def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The vector X of the product X.grad."""
+    if s.nabla0 not in (one, other):
+        raise ValueError(f"{one}.{other} holds no gradient")
+    return other if one == s.nabla0 else one
 
-    def other(one: sp.Expr, two: sp.Expr) -> sp.Expr:
-        if s.nabla0 not in (one, two):
-            raise ValueError(f"{one}.{two} holds no gradient")
-        return two if one == s.nabla0 else one
 
-    from ..formal import Dot
-
-    return expression.replace(Dot, other)
+@cache
+def _b_equation() -> sp.Eq:
+    return b_equation(_first_order(), _N)
 
 
 @derives("diffuse15")
 def _diffuse15() -> Derived:
-    return Derived(
-        b_equation(),
-        (Step("p^(1) = B.grad n inserted, the gradient divided out", b_equation()),),
+    return result(
+        _b_equation(), Step("p^(1) = B.grad n inserted, the gradient divided out", _b_equation())
     )
 
 
@@ -266,58 +240,51 @@ def isotropy() -> sp.Expr:
 def _diffuse16() -> Derived:
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
-    coefficient = flux.subs(integral, s.De(s.t) / (-sp.Rational(1, 2)))
-    return Derived(
+    coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
+    return result(
         eq(s.J1(s.br, s.t), coefficient),
-        (
-            Step("mean of the squared cosine over directions", isotropy()),
-            Step("flux of order 1: v times B.grad n, integrated", flux),
-            Step("with D_e = -(1/2) int v.B dv", coefficient),
-        ),
+        Step("mean of the squared cosine over directions", isotropy()),
+        Step("flux of order 1: v times B.grad n, integrated", flux),
+        Step("with D_e = -(1/2) int v.B dv", coefficient),
     )
-
-
-@derives("diffuse17")
-def _diffuse17() -> Derived:
-    return definition("The diffusion coefficient as an integral of B.")
 
 
 @derives("diffuse18")
 def _diffuse18() -> Derived:
-    return Derived(
+    return result(
         _d_equation(),
-        (
-            Step("the equation for B", b_equation()),
-            Step("its product with -v/2, integrated over v", _d_equation()),
-        ),
-        "The paper cites diffuse17 where it means diffuse15.",
+        Step("the equation for B", _b_equation()),
+        Step("its product with -v/2, integrated over v", _d_equation()),
+        note="The paper cites diffuse17 where it means diffuse15.",
     )
+
+
+def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
+    """-v/2 times the equation for B, integrated, with D_e and nu_D named.
+
+    ``source`` is the integral of v.v f: it stands for v f on the right.
+    """
+    half = -sp.Rational(1, 2)
+    named = {
+        Partial(_B, _T): Partial(coefficient, _T) / half,
+        Lam(_B): -s.nuD * coefficient / half,
+        s.bv * _F: source,
+    }
+    left, right = b_equation.args
+    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
 
 
 @cache
 def _d_equation() -> sp.Eq:
-    """-(1/2) int v.(equation for B) dv, with D_e, nu_D and <v^2> = v0^2 = 2T/m named."""
-    half = -sp.Rational(1, 2)
-    flux = s.De(s.t) / half
-    named = {
-        Partial(_B, s.T(s.t)): Partial(s.De(s.t), s.T(s.t)) / half,
-        Lam(_B): -s.nuD * flux,
-        s.bv * s.f(s.bv, s.t): s.n * 2 * s.T(s.t) / s.m,
-    }
-    left, right = b_equation().args
-    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
-
-
-@derives("diffuse19")
-def _diffuse19() -> Derived:
-    return definition("The relaxation rate of the flux; it depends on the shape of B.")
+    """diffuse18, with n <v^2> = n v0^2 = 2 n T/m."""
+    return coefficient_equation(_b_equation(), _D, s.n * 2 * _T / s.m)
 
 
 @cache
 def thermal_speed() -> sp.Expr:
     """v0 as a function of the temperature, from T = m v0^2/2."""
     speed = sp.Symbol("speed", positive=True)
-    (root,) = sp.solve(sp.Eq(s.T(s.t), s.m * speed**2 / 2), speed)
+    (root,) = sp.solve(sp.Eq(_T, s.m * speed**2 / 2), speed)
     return root
 
 
@@ -325,50 +292,41 @@ def thermal_speed() -> sp.Expr:
 def temperature_exponent() -> sp.Expr:
     """q in D_e ~ T^q: D_e is a number times l v0, the only length and speed at hand."""
     heat = sp.Symbol("heat", positive=True)
-    speed = thermal_speed().subs(s.T(s.t), heat)
+    speed = thermal_speed().subs(_T, heat)
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
 @derives("diffuse20")
 def _diffuse20() -> Derived:
-    return Derived(
-        eq(Partial(s.De(s.t), s.T(s.t)), temperature_exponent() * s.De(s.t) / s.T(s.t)),
-        (
-            Step("v0 as a function of the temperature", thermal_speed()),
-            Step("D_e = number l v0: exponent of T", temperature_exponent()),
-        ),
-        "Exact in the scaling state, where D_e/(l v0) is a number.",
+    return result(
+        eq(Partial(_D, _T), temperature_exponent() * _D / _T),
+        Step("v0 as a function of the temperature", thermal_speed()),
+        Step("D_e = number l v0: exponent of T", temperature_exponent()),
+        note="Exact in the scaling state, where D_e/(l v0) is a number.",
     )
 
 
 @derives("diffuse21")
 def _diffuse21() -> Derived:
     unknown = sp.Symbol("D", positive=True)
-    inserted = {
-        Partial(s.De(s.t), s.T(s.t)): temperature_exponent() * unknown / s.T(s.t),
-        s.De(s.t): unknown,
-    }
+    inserted = {Partial(_D, _T): temperature_exponent() * unknown / _T, _D: unknown}
     equation = (_d_equation().lhs - _d_equation().rhs).subs(inserted)
     (solution,) = sp.solve(equation, unknown)
-    return Derived(
-        eq(s.De(s.t), sp.factor(solution)),
-        (
-            Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
-            Step("solved for D_e", solution),
-            Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
-        ),
+    return result(
+        eq(_D, sp.factor(solution)),
+        Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
+        Step("solved for D_e", solution),
+        Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
     )
 
 
 @derives("diffuse22")
 def _diffuse22() -> Derived:
-    flux = -s.De(s.t) * s.nabla0 * _N
+    flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
     right = sp.expand(-s.nabla0 * flux)
-    return Derived(
+    return result(
         eq(Dt(1, _N), right),
-        (
-            Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
-            Step("with J^(0) = 0 and the flux of order 1", right),
-        ),
+        Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
+        Step("with J^(0) = 0 and the flux of order 1", right),
     )

@@ -11,7 +11,9 @@ from functools import cache
 import sympy as sp
 
 from .. import symbols as s
-from ..premises import parallel_component, speed_ratio_squared
+from ..formal import eq
+from ..premises import loss, parallel_component, speed_ratio_squared
+from .record import Derived, Step, derives, result
 
 B = sp.Symbol("b", positive=True)
 """sqrt(1 - e^2), kept as a symbol while an integral is done."""
@@ -121,3 +123,65 @@ def cooling_rate() -> sp.Expr:
 def diffusion_slope() -> sp.Expr:
     """d<r^2>/d ln t in units of l^2."""
     return 2 / (mean_log_loss() * (1 - mean_cosine()))
+
+
+@derives("beyond:loss-p")
+def _loss_p() -> Derived:
+    return result(
+        eq(s.lam(s.p), 1 - mean_ratio_power()),
+        Step("s^2 in powers of 1 - e^2", 1 - (1 - s.e**2) * (1 - s.y**2)),
+        Step("coefficient k + 1 over coefficient k of E[s^p]", coefficient_ratio()),
+        Step("the series with that ratio and first coefficient 1", mean_ratio_power()),
+        note="Converges for 0 < e <= 1. By Pfaff's transformation it is "
+        "1 - e^p 2F1(-p/2, 1/2; 3/2; -(1 - e^2)/e^2).",
+    )
+
+
+@derives("beyond:loss-even")
+def _loss_even() -> Derived:
+    # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
+    average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
+    term = (
+        sp.binomial(s.q, s.k)
+        * s.e ** (2 * (s.q - s.k))
+        * (1 - s.e**2) ** s.k
+        * sp.simplify(average)
+    )
+    for order in range(1, 5):
+        total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
+        if sp.expand(1 - total - loss(2 * order)) != 0:
+            raise ArithmeticError(f"the sum misses lambda({2 * order})")
+    return result(
+        eq(s.lam(2 * s.q), 1 - sp.Sum(term, (s.k, 0, s.q))),
+        Step("average of y^(2k) over the impact parameter", average),
+        note="For q = 1 ... 4 it is also compared with the integrated polynomial.",
+    )
+
+
+@derives("beyond:loss-1")
+def _loss_1() -> Derived:
+    return result(
+        eq(s.lam(1), loss_one()),
+        Step("E[s] by its antiderivative; asinh(b/e) = artanh(b)", loss_one()),
+    )
+
+
+@derives("beyond:loss-2")
+def _loss_2() -> Derived:
+    return result(eq(s.lam(2), loss_two()), Step("E[1 - s^2]", loss_two()))
+
+
+@derives("beyond:log-loss")
+def _log_loss() -> Derived:
+    return result(
+        eq(s.klog, mean_log_loss()),
+        Step("E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)", mean_log_loss()),
+    )
+
+
+@derives("beyond:cosine")
+def _cosine() -> Derived:
+    return result(
+        eq(s.cos_chi, mean_cosine()),
+        Step("E[(-e + (1 + e) y^2)/s] by its antiderivative", mean_cosine()),
+    )

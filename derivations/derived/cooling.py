@@ -10,63 +10,65 @@ from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
 from .closed_form_values import largest_cooling_ratio
 from .quadrature_values import cooling_rate_value
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from .record import (
+    RESTITUTIONS,
+    Derived,
+    Number,
+    Status,
+    Step,
+    defines,
+    derives,
+    numbers_at,
+    result,
+)
+
+_F_SCALED = s.F(s.bc)
+
+_V0, _T = s.v0(s.t), s.T(s.t)
+_ENERGY_LOSS = -2 * s.d * _V0 * s.rho0 * s.h * _T
+"""dT/dt, with the cooling rate h."""
 
 
 @derives("gtilde")
 def _gtilde() -> Derived:
     root = sp.sqrt(s.msd1(s.t))
-    return Derived(
+    return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
-        (Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),),
-        "The form is a change of variable; that G does not depend on time holds at e = 1, and "
+        Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
+        note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
-        Status.ASSUMPTION,
         holds=True,
     )
 
 
-@derives("v0defi")
-def _v0defi() -> Derived:
-    return definition("The root of <v^2>: sqrt(2) U for the Gaussian start.")
-
-
-@derives("thermo")
-def _thermo() -> Derived:
-    return definition("The mean energy; in the plane it is k_B T of a Gaussian.")
-
-
-@derives("if")
-def _if() -> Derived:
-    return definition("The collision operator in units of the thermal velocity.")
-
-
-@derives("mup")
-def _mup() -> Derived:
-    return definition("Twice lambda(p) <c^(p+1)> by the weak form (sonine8).")
+defines(
+    {
+        "v0defi": "The root of <v^2>: sqrt(2) U for the Gaussian start.",
+        "thermo": "The mean energy; in the plane it is k_B T of a Gaussian.",
+        "if": "The collision operator in units of the thermal velocity.",
+        "mup": "Twice lambda(p) <c^(p+1)> by the weak form (sonine8).",
+    }
+)
 
 
 @derives("tdiff")
 def _tdiff() -> Derived:
-    exact = -2 * s.d * s.v0(s.t) * s.rho0 * s.lam(2) * Avg(s.c**3) * s.T(s.t)
-    return Derived(
-        eq(sp.Derivative(s.T(s.t), s.t), exact),
-        (
-            Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)", None),
-            Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
-        ),
-        "The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
+    exact = -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T
+    return result(
+        eq(sp.Derivative(_T, s.t), exact),
+        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)"),
+        Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
+        note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
         "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
-        Status.ASSUMPTION,
         holds=True,
-        numbers=tuple(
-            Number(f"{name} at e = {value}", float(number))
-            for value in (0.4, 0.6, 0.7, 0.9)
-            for name, number in (
-                ("rate at the Gaussian start", sp.sqrt(sp.pi) / 2 * (1 - sp.Float(value) ** 2)),
-                ("h in the scaling state", cooling_rate_value(value)),
-            )
+        numbers=numbers_at(
+            RESTITUTIONS,
+            {
+                "rate at the Gaussian start at e = {e}": lambda e: (
+                    sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
+                ),
+                "h in the scaling state at e = {e}": cooling_rate_value,
+            },
         ),
     )
 
@@ -74,118 +76,107 @@ def _tdiff() -> Derived:
 def _speed_equation(rate: sp.Expr) -> sp.Expr:
     """dv0/dt from dT/dt = rate and T = m v0^2/2."""
     slope = sp.Symbol("slope")
-    energy = s.m * s.v0(s.t) ** 2 / 2
-    balance = sp.diff(energy, s.v0(s.t)) * slope - rate.subs(s.T(s.t), energy)
+    energy = s.m * _V0**2 / 2
+    balance = sp.diff(energy, _V0) * slope - rate.subs(_T, energy)
     (solution,) = sp.solve(balance, slope)
     return solution
 
 
 @derives("vdiff")
 def _vdiff() -> Derived:
-    rate = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t)
-    return Derived(
-        eq(sp.Derivative(s.v0(s.t), s.t), _speed_equation(rate)),
-        (
-            Step("dT/dt", rate),
-            Step("T = m v0^2/2 inserted, solved for dv0/dt", _speed_equation(rate)),
-        ),
+    rate = _speed_equation(_ENERGY_LOSS)
+    return result(
+        eq(sp.Derivative(_V0, s.t), rate),
+        Step("dT/dt", _ENERGY_LOSS),
+        Step("T = m v0^2/2 inserted, solved for dv0/dt", rate),
     )
 
 
 @derives("veq")
 def _veq() -> Derived:
-    slope = _speed_equation(-2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t))
-    inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / s.v0(s.t) ** 2), (s.t, 0, s.t))
+    slope = _speed_equation(_ENERGY_LOSS)
+    inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     solution = 1 / inverse
-    if sp.simplify(sp.diff(solution, s.t) - slope.subs(s.v0(s.t), solution)) != 0:
+    if sp.simplify(sp.diff(solution, s.t) - slope.subs(_V0, solution)) != 0:
         raise ArithmeticError("the thermal velocity does not solve its equation")
-    return Derived(
-        eq(s.v0(s.t), solution),
-        (
-            Step("rate of 1/v0", sp.cancel(-slope / s.v0(s.t) ** 2)),
-            Step("1/v0, integrated from 0 to t", inverse),
-        ),
+    return result(
+        eq(_V0, solution),
+        Step("rate of 1/v0", sp.cancel(-slope / _V0**2)),
+        Step("1/v0, integrated from 0 to t", inverse),
     )
 
 
 @derives("hsimu")
 def _hsimu() -> Derived:
-    values = [
-        Number(f"exact h/(1 - e) at e = {value}", float(cooling_rate_value(value)) / (1 - value))
-        for value in (0.4, 0.6, 0.7, 0.9)
-    ]
-    limits = [
-        Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
-        Number("exact h/(1 - e) as e -> 1", 4 / 3),
-        Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
-    ]
-    return Derived(
+    ratio = {"exact h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
+    return result(
         eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
         note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
         "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
         "free path, which is shorter where disks do not overlap.",
         status=Status.FIT,
-        numbers=(*values, *limits),
+        numbers=(
+            *numbers_at(RESTITUTIONS, ratio),
+            Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
+            Number("exact h/(1 - e) as e -> 1", 4 / 3),
+            Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
+        ),
     )
 
 
 @derives("tdepend")
 def _tdepend() -> Derived:
-    return Derived(
+    return result(
         None,
-        (
-            Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
-            Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)", None),
-        ),
-        "Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows beyond "
-        "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-        Status.ASSUMPTION,
+        Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
+        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)"),
+        note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
+        "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
         holds=True,
     )
 
 
 def _second_moment_rate() -> sp.Expr:
     """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    return sp.cancel(_energy_rate() / (s.m * s.v0(s.t) ** 2 / 2)) * s.T(s.t)
+    return sp.cancel(_energy_rate() / (s.m * _V0**2 / 2)) * _T
 
 
 def _energy_rate() -> sp.Expr:
     """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
-    energy, rate = s.m / 2 * s.v0(s.t) ** 2, s.d * s.rho0 * s.v0(s.t)
-    density, volume = s.n / s.v0(s.t) ** 2, s.v0(s.t) ** 2
+    energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
+    density, volume = s.n / _V0**2, _V0**2
     return energy * rate * density * volume / s.n * (-s.M2)
 
 
 @derives("tdiff2")
 def _tdiff2() -> Derived:
-    return Derived(
-        eq(sp.Derivative(s.T(s.t), s.t), _second_moment_rate()),
-        (
-            Step(
-                "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
-                _energy_rate(),
-            ),
-            Step("m v0^2/2 = T", _second_moment_rate()),
+    return result(
+        eq(sp.Derivative(_T, s.t), _second_moment_rate()),
+        Step(
+            "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
+            _energy_rate(),
         ),
+        Step("m v0^2/2 = T", _second_moment_rate()),
     )
 
 
 @derives("compare2")
 def _compare2() -> Derived:
-    difference = -2 * s.d * s.v0(s.t) * s.rho0 * s.h * s.T(s.t) - _second_moment_rate()
+    difference = _ENERGY_LOSS - _second_moment_rate()
     (solution,) = sp.solve(difference, s.h)
-    return Derived(
+    return result(
         eq(s.h, solution),
-        (Step("difference of the two rates of T", difference),),
-        "Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
+        Step("difference of the two rates of T", difference),
+        note="Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
     )
 
 
 @derives("rearramu2")
 def _rearramu2() -> Derived:
-    return Derived(
-        eq(sp.Derivative(s.v0(s.t), s.t), speed_equation_by_moment()),
-        (Step("dT/dt", _second_moment_rate()), Step("T = m v0^2/2 inserted", None)),
+    return result(
+        eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
+        Step("dT/dt", _second_moment_rate()),
+        Step("T = m v0^2/2 inserted"),
     )
 
 
@@ -199,9 +190,9 @@ def _scaled_derivative() -> sp.Expr:
     """df/dt over (n d rho0/v0) for f = n/v0^2 Phi(v/v0): a combination of Phi and Phi'."""
     shape = sp.Function("Phi")
     slope = speed_equation_by_moment()
-    rate = sp.diff(s.n / s.v0(s.t) ** 2 * shape(s.v / s.v0(s.t)), s.t)
-    rate = rate.subs(sp.Derivative(s.v0(s.t), s.t), slope).doit()
-    return sp.simplify((rate * s.v0(s.t) / (s.n * s.d * s.rho0)).subs(s.v, s.c * s.v0(s.t)).doit())
+    rate = sp.diff(s.n / _V0**2 * shape(s.v / _V0), s.t)
+    rate = rate.subs(sp.Derivative(_V0, s.t), slope).doit()
+    return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
@@ -217,13 +208,11 @@ def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
 @derives("ifmu2")
 def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
-    return Derived(
-        eq(s.I_(s.F(s.bc)), plain * s.F(s.bc) + slope * dot(s.bc, Partial(s.F(s.bc), s.bc))),
-        (
-            Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
-            Step("factor of F", plain),
-            Step("factor of c.dF/dc", slope),
-        ),
+    return result(
+        eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
+        Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
+        Step("factor of F", plain),
+        Step("factor of c.dF/dc", slope),
     )
 
 
@@ -233,11 +222,9 @@ def _mueq() -> Derived:
     # int 2 pi c^(p+1) c F' dc = -(p + 2) int 2 pi c^(p+1) F dc
     by_parts = sp.simplify(-sp.diff(s.c ** (s.p + 2), s.c) / s.c ** (s.p + 1))
     factor = sp.factor(-(plain + slope * by_parts))
-    return Derived(
+    return result(
         eq(s.Mp, factor * Avg(s.c**s.p)),
-        (
-            Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
-            Step("M_p over <c^p>", factor),
-        ),
-        "Exact for every real p for which the boundary terms vanish.",
+        Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
+        Step("M_p over <c^p>", factor),
+        note="Exact for every real p for which the boundary terms vanish.",
     )

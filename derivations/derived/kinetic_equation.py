@@ -13,8 +13,10 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linear
 from ..premises import collision_matrix
-from .record import Derived, Status, Step, definition
-from .registry import derives
+from .record import Derived, Status, Step, defines, derives, result
+
+_P = s.pd(s.br, s.bv, s.t)
+_P_PRE = s.pd(s.br, s.bvs, s.t)
 
 
 @cache
@@ -37,118 +39,88 @@ def bounce(before: sp.Symbol) -> sp.Expr:
 
 @derives("vchange")
 def _vchange() -> Derived:
-    return Derived(
+    return result(
         eq(s.bv, bounce(s.bvs)),
-        (
-            Step("normal part of v*", dot(s.bvs, s.sigma) * s.sigma),
-            Step("the collision in (normal, tangential) components", collision_matrix()),
-            Step("tangential part kept, normal part times -e", bounce(s.bvs)),
-        ),
+        Step("normal part of v*", dot(s.bvs, s.sigma) * s.sigma),
+        Step("the collision in (normal, tangential) components", collision_matrix()),
+        Step("tangential part kept, normal part times -e", bounce(s.bvs)),
     )
 
 
 @derives("ad2")
 def _ad2() -> Derived:
-    return Derived(
-        eq(s.bvp, bounce(s.bv)), (Step("the collision rule with v before", bounce(s.bv)),)
-    )
+    return result(eq(s.bvp, bounce(s.bv)), Step("the collision rule with v before", bounce(s.bv)))
 
 
-@derives("dtchange")
-def _dtchange() -> Derived:
-    return definition("The balance that defines gain, loss and streaming.")
+defines(
+    {
+        "dtchange": "The balance that defines gain, loss and streaming.",
+        "rewrite": "Defines B(|v|, sigma).",
+    }
+)
 
 
 @cache
 def _streaming_change() -> sp.Expr:
     """What free flight does to p dr dv in a short time, to first order in that time."""
     shifted = sp.exp(-s.dt * dot(s.bv, s.nabla))
-    return (
-        s.dt
-        * sp.diff(shifted, s.dt).subs(s.dt, 0)
-        * s.pd(s.br, s.bv, s.t)
-        * Measure(s.br)
-        * Measure(s.bv)
-    )
+    return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
 
 
 @derives("gammaflow")
 def _gammaflow() -> Derived:
-    return Derived(
+    return result(
         eq(s.Gamma_flow, _streaming_change()),
-        (
-            Step(
-                "free flight: p(r, v, t + dt) = p(r - v dt, v, t)",
-                sp.exp(-s.dt * dot(s.bv, s.nabla)),
-            ),
-            Step("first order in dt", _streaming_change()),
+        Step(
+            "free flight: p(r, v, t + dt) = p(r - v dt, v, t)", sp.exp(-s.dt * dot(s.bv, s.nabla))
         ),
+        Step("first order in dt", _streaming_change()),
     )
 
 
 @derives("gamma-")
 def _gamma_minus() -> Derived:
-    return Derived(
+    return result(
         None,
-        (
-            Step(
-                "scatterers in the strip of width db and length |v| dt, all b from -d to d",
-                eq(
-                    sp.Integral(s.rho0 * s.v * s.dt, (s.b, -s.d, s.d)),
-                    2 * s.d * s.rho0 * s.v * s.dt,
-                ),
-            ),
+        Step(
+            "scatterers in the strip of width db and length |v| dt, all b from -d to d",
+            eq(sp.Integral(s.rho0 * s.v * s.dt, (s.b, -s.d, s.d)), 2 * s.d * s.rho0 * s.v * s.dt),
         ),
-        "Counts the scatterers in the strip that the tracer sweeps: uncorrelated scatterers. Its "
-        "rate 2 d rho_0 |v| makes the mean free path 1/(2 d rho_0).",
-        Status.DEFINITION,
+        note="Counts the scatterers in the strip that the tracer sweeps: uncorrelated scatterers. "
+        "Its rate 2 d rho_0 |v| makes the mean free path 1/(2 d rho_0).",
+        status=Status.DEFINITION,
     )
 
 
 @derives("gamma+")
 def _gamma_plus() -> Derived:
-    before = s.pd(s.br, s.bvs, s.t) * Measure(s.br) * s.rho0 * s.vs * s.dt
-    return Derived(
+    before = _P_PRE * Measure(s.br) * s.rho0 * s.vs * s.dt
+    return result(
         chain(
             s.Gamma_plus,
             Int(before * Measure(s.bvs), s.b),
             Int(before * volume_ratio() * Measure(s.bv), s.b),
         ),
-        (
-            Step("Jacobian matrix of the collision at fixed sigma", collision_matrix()),
-            Step("dv*/dv", volume_ratio()),
-        ),
-        "Holds at fixed sigma, where the Jacobian is 1/e. At fixed impact parameter it is 1/s^2 "
-        "with s the speed ratio: the second integral is to be read over sigma, as the paper then "
-        "does.",
+        Step("Jacobian matrix of the collision at fixed sigma", collision_matrix()),
+        Step("dv*/dv", volume_ratio()),
+        note="Holds at fixed sigma, where the Jacobian is 1/e. At fixed impact parameter it is "
+        "1/s^2 with s the speed ratio: the second integral is to be read over sigma, as the paper "
+        "then does.",
     )
 
 
 @derives("ftdiff")
 def _ftdiff() -> Derived:
     volume = Measure(s.br) * Measure(s.bv) * s.dt
-    gain = Int(
-        s.pd(s.br, s.bvs, s.t)
-        * Measure(s.br)
-        * volume_ratio()
-        * Measure(s.bv)
-        * s.rho0
-        * s.vs
-        * s.dt,
-        s.b,
-    )
-    loss = Int(s.pd(s.br, s.bv, s.t) * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
+    gain = Int(_P_PRE * Measure(s.br) * volume_ratio() * Measure(s.bv) * s.rho0 * s.vs * s.dt, s.b)
+    loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
     right = sp.expand(linear((gain - loss) / volume))
     flow = sp.cancel(_streaming_change() / volume)
-    return Derived(
-        eq(sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) - flow, right),
-        (Step("gain less loss, per dr dv dt", right), Step("streaming, per dr dv dt", flow)),
+    return result(
+        eq(sp.Derivative(_P, s.t) - flow, right),
+        Step("gain less loss, per dr dv dt", right),
+        Step("streaming, per dr dv dt", flow),
     )
-
-
-@derives("rewrite")
-def _rewrite() -> Derived:
-    return definition("Defines B(|v|, sigma).")
 
 
 def _rate(speed: sp.Symbol) -> sp.Expr:
@@ -172,74 +144,68 @@ def gain_rate() -> tuple[sp.Expr, sp.Expr]:
 
 @derives("bexpress")
 def _bexpress() -> Derived:
-    return Derived(
+    return result(
         chain(s.Brate(s.v, s.sigma), _rate(s.v), loss_rate()),
-        (Step("b = d sin(pi - psi), differentiated", _rate(s.v)),),
-        "The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
+        Step("b = d sin(pi - psi), differentiated", _rate(s.v)),
+        note="The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
     )
 
 
 @derives("bexpress2")
 def _bexpress2() -> Derived:
-    return Derived(
+    return result(
         chain(s.Brate(s.vs, s.sigma), _rate(s.vs), *gain_rate()),
-        (
-            Step("b = d sin(pi - psi), differentiated", _rate(s.vs)),
-            Step("v*.sigma = |v*| cos(psi)", gain_rate()[0]),
-            Step("v.sigma over v*.sigma", normal_factor()),
-        ),
+        Step("b = d sin(pi - psi), differentiated", _rate(s.vs)),
+        Step("v*.sigma = |v*| cos(psi)", gain_rate()[0]),
+        Step("v.sigma over v*.sigma", normal_factor()),
     )
 
 
 @cache
 def collision_term() -> sp.Expr:
     """The collision operator on p(r, v, t), over sigma."""
-    gain = gain_rate()[1] * volume_ratio() * s.pd(s.br, s.bvs, s.t)
-    return s.rho0 * Int(gain - loss_rate() * s.pd(s.br, s.bv, s.t), s.sigma, s.hemi)
+    gain = gain_rate()[1] * volume_ratio() * _P_PRE
+    return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
 @derives("inelaslorentz")
 def _inelaslorentz() -> Derived:
-    left = sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) + dot(s.bv, s.nabla) * s.pd(s.br, s.bv, s.t)
-    return Derived(
+    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
+    return result(
         eq(left, collision_term()),
-        (
-            Step("gain: rate times Jacobian", gain_rate()[1] * volume_ratio()),
-            Step("loss: rate", loss_rate()),
-            Step("mass: the weak form (ad1) with Y = 1 vanishes", weak_form(sp.Integer(1), 1)),
-        ),
+        Step("gain: rate times Jacobian", gain_rate()[1] * volume_ratio()),
+        Step("loss: rate", loss_rate()),
+        Step("mass: the weak form (ad1) with Y = 1 vanishes", weak_form(1, 1)),
     )
 
 
 @derives("inelaslorentz2")
 def _inelaslorentz2() -> Derived:
-    uniform = collision_term().subs(
-        {s.pd(s.br, s.bvs, s.t): s.f(s.bvs, s.t), s.pd(s.br, s.bv, s.t): s.f(s.bv, s.t)}
-    )
-    return Derived(
+    uniform = collision_term().subs({_P_PRE: s.f(s.bvs, s.t), _P: s.f(s.bv, s.t)})
+    return result(
         eq(sp.Derivative(s.f(s.bv, s.t), s.t), uniform),
-        (Step("integral over r: the streaming term is a surface term", uniform),),
+        Step("integral over r: the streaming term is a surface term", uniform),
     )
 
 
 @derives("diffuse1")
 def _diffuse1() -> Derived:
-    left = sp.Derivative(s.pd(s.br, s.bv, s.t), s.t) + dot(s.bv, s.nabla) * s.pd(s.br, s.bv, s.t)
-    return Derived(
-        eq(left, Lam(s.pd(s.br, s.bv, s.t))),
-        (Step("the inelastic Lorentz equation, its right-hand side named", collision_term()),),
+    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
+    return result(
+        eq(left, Lam(_P)),
+        Step("the inelastic Lorentz equation, its right-hand side named", collision_term()),
     )
 
 
 @derives("diffuse1.5")
 def _diffuse1_5() -> Derived:
-    return Derived(
-        eq(Lam(s.pd(s.br, s.bv, s.t)), collision_term()),
-        (Step("right-hand side of the inelastic Lorentz equation", collision_term()),),
+    return result(
+        eq(Lam(_P), collision_term()),
+        Step("right-hand side of the inelastic Lorentz equation", collision_term()),
     )
 
 
-def weak_form(after: sp.Expr, before: sp.Expr) -> sp.Expr:
+def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
     """The integral of Y Lambda X over v; ``after`` and ``before`` stand for Y(v') and Y(v).
 
     In the gain, v* becomes the variable v and v its postcollision velocity v'; then dv = dv*/ratio
@@ -254,27 +220,26 @@ def weak_form(after: sp.Expr, before: sp.Expr) -> sp.Expr:
 
 @derives("ad1")
 def _ad1() -> Derived:
-    return Derived(
+    return result(
         eq(Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv), weak_form(s.Y(s.bvp), s.Y(s.bv))),
-        (
-            Step("volume element dv*/dv", volume_ratio()),
-            Step("v.sigma over v*.sigma", normal_factor()),
-            Step("weight of the gain before the change", gain_rate()[1] * volume_ratio()),
-            Step(
-                "both changes together leave the weight (v.sigma)", weak_form(s.Y(s.bvp), s.Y(s.bv))
-            ),
-        ),
-        "With Y = 1 it vanishes: the operator keeps mass.",
+        Step("volume element dv*/dv", volume_ratio()),
+        Step("v.sigma over v*.sigma", normal_factor()),
+        Step("weight of the gain before the change", gain_rate()[1] * volume_ratio()),
+        Step("both changes together leave the weight (v.sigma)", weak_form(s.Y(s.bvp), s.Y(s.bv))),
+        note="With Y = 1 it vanishes: the operator keeps mass.",
     )
+
+
+@cache
+def mass_change() -> sp.Expr:
+    """The integral of the collision operator over v: its weak form with Y = 1, which vanishes."""
+    return weak_form(1, 1).replace(Int, lambda *args: Int(*args) if args[0] != 0 else args[0])
 
 
 @derives("beyond:mass")
 def _mass() -> Derived:
-    inner = weak_form(sp.Integer(1), sp.Integer(1))
-    kept = inner.replace(Int, lambda *args: sp.Integer(0) if args[0] == 0 else Int(*args))
-    return Derived(
-        eq(Int(Lam(s.X(s.bv)), s.bv), kept), (Step("weak form (ad1) with Y = 1", inner),)
-    )
+    operator = Int(Lam(s.X(s.bv)), s.bv)
+    return result(eq(operator, mass_change()), Step("weak form (ad1) with Y = 1", weak_form(1, 1)))
 
 
 @derives("beyond:angular-average")
@@ -284,14 +249,12 @@ def _angular_average() -> Derived:
         raise ArithmeticError("dy is not cos(theta) dtheta")
     total = sp.integrate(sp.cos(s.theta), (s.theta, -sp.pi / 2, sp.pi / 2))
     # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
-    return Derived(
+    return result(
         eq(Partial(Avg(s.v**s.p), s.t), -s.d * s.rho0 * total * s.lam(s.p) * Avg(s.v**s.p * s.v)),
-        (
-            Step("weak form with Y = |v|^p", weak_form(s.vs**s.p, s.v**s.p)),
-            Step("weight of all angles: the integral of cos(theta)", total),
-            Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)", None),
-        ),
-        "The deflection drops out for an isotropic VDF: only the speed ratio s is left.",
+        Step("weak form with Y = |v|^p", weak_form(s.vs**s.p, s.v**s.p)),
+        Step("weight of all angles: the integral of cos(theta)", total),
+        Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)"),
+        note="The deflection drops out for an isotropic VDF: only the speed ratio s is left.",
     )
 
 
@@ -299,8 +262,8 @@ def _angular_average() -> Derived:
 def _sonine8() -> Derived:
     weak = -weak_form(s.cp**s.p, s.c**s.p) / (s.d * s.rho0)
     scaled = weak.subs({s.X(s.bv): s.F(s.bc), s.hemi: s.hemi_c}).subs(s.bv, s.bc).replace(Dot, dot)
-    return Derived(
+    return result(
         eq(s.Mp, scaled),
-        (Step("weak form with X = F and Y = c^p, divided by d rho0", scaled),),
-        "Holds for every p for which <c^(p+1)> exists, with no Sonine expansion.",
+        Step("weak form with X = F and Y = c^p, divided by d rho0", scaled),
+        note="Holds for every p for which <c^(p+1)> exists, with no Sonine expansion.",
     )

@@ -15,35 +15,40 @@ from .quadrature_values import (
     log_loss_value,
     mean_scaled_speed_value,
 )
-from .record import Derived, Number, Status, Step, definition
-from .registry import derives
+from .record import RESTITUTIONS, Derived, Step, defines, derives, numbers_at, result
 
-
-@derives("ab")
-def _ab() -> Derived:
-    return definition("v0(t) = 1/(alpha + beta t).")
+defines(
+    {
+        "ab": "v0(t) = 1/(alpha + beta t).",
+        "scaledposi": "Defines G. That it depends on neither e nor time does not hold: it tends to "
+        "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
+    }
+)
 
 
 @derives("taun")
 def _taun() -> Derived:
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
-    numbers = []
-    for value in (0.4, 0.9):
-        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
-        numbers += [
-            Number(f"exact <c> at e = {value}", float(mean_scaled_speed_value(value))),
-            Number(f"dN/d ln t at e = {value}, printed", 1 / growth),
-            Number(f"dN/d ln t at e = {value}, exact", 1 / float(log_loss_value(value))),
-        ]
-    return Derived(
+    return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
-        (Step("v0 as solved, at the time of the last collision", speed),),
-        "The second equality follows from veq. The first is a guess: the rate of collisions is "
-        "<v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
-        Status.ASSUMPTION,
+        Step("v0 as solved, at the time of the last collision", speed),
+        note="The second equality follows from veq. The first is a guess: the rate of collisions "
+        "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
         holds=False,
-        numbers=tuple(numbers),
+        numbers=numbers_at(
+            (0.4, 0.9),
+            {
+                "exact <c> at e = {e}": mean_scaled_speed_value,
+                "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
+                "dN/d ln t at e = {e}, exact": lambda e: 1 / float(log_loss_value(e)),
+            },
+        ),
     )
+
+
+def _collisions_per_log_time(e: float) -> float:
+    """dN/d ln t of the random walk with the exact cooling rate, at l beta = h/2."""
+    return 1 / float(sp.log(1 + cooling_rate_value(e) / 2))
 
 
 @cache
@@ -62,16 +67,14 @@ def interval() -> sp.Expr:
 
 @derives("taun#2")
 def _taun_2() -> Derived:
-    return Derived(
+    return result(
         eq(s.tau(s.N), interval()),
-        (
-            Step(
-                "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
-                s.l * s.beta * s.tau(s.N),
-            ),
-            Step("tau_1, since t_0 = 0", s.l * s.alpha),
-            Step("the recursion solved", interval()),
+        Step(
+            "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
+            s.l * s.beta * s.tau(s.N),
         ),
+        Step("tau_1, since t_0 = 0", s.l * s.alpha),
+        Step("the recursion solved", interval()),
     )
 
 
@@ -87,9 +90,9 @@ def total_time() -> sp.Expr:
 
 @derives("tn")
 def _tn() -> Derived:
-    return Derived(
+    return result(
         chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()),
-        (Step("the geometric sum of the intervals", total_time()),),
+        Step("the geometric sum of the intervals", total_time()),
     )
 
 
@@ -110,42 +113,32 @@ def _n() -> Derived:
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
     if sp.simplify(elastic - time / (s.alpha * s.l)) != 0:
         raise ArithmeticError("the elastic limit is not t/(alpha l)")
-    return Derived(
+    return result(
         eq(s.N, collisions()),
-        (
-            Step("t_N solved for N", collisions()),
-            Step("its elastic limit beta -> 0", elastic),
-        ),
-        "Its limit beta -> 0 is t/(alpha l), as the paper states.",
+        Step("t_N solved for N", collisions()),
+        Step("its elastic limit beta -> 0", elastic),
+        note="Its limit beta -> 0 is t/(alpha l), as the paper states.",
     )
 
 
 @derives("msd")
 def _msd() -> Derived:
-    numbers = []
-    for value in (0.4, 0.6, 0.7, 0.9):
-        growth = float(sp.log(1 + cooling_rate_value(value) / 2))
-        fitted = 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - value)))
-        numbers += [
-            Number(f"slope at e = {value}, l^2 N with the exact h (l^2)", 1 / growth),
-            Number(f"slope at e = {value}, with the paper's l = 13.5 d (l^2)", fitted),
-            Number(f"slope at e = {value}, exact (l^2)", float(diffusion_slope_value(value))),
-        ]
-    return Derived(
+    def fitted(e: float) -> float:
+        return 13.5**2 / 12.5**2 / float(sp.log(1 + 13.5 * 0.058 * (1 - e)))
+
+    return result(
         chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
-        (Step("N as a function of time, inserted", collisions()),),
-        "<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
+        Step("N as a function of time, inserted", collisions()),
+        note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
         "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d "
         "makes up for a part.",
-        Status.ASSUMPTION,
         holds=False,
-        numbers=tuple(numbers),
-    )
-
-
-@derives("scaledposi")
-def _scaledposi() -> Derived:
-    return definition(
-        "Defines G. That it depends on neither e nor time does not hold: it tends to "
-        "2 R exp(-R^2), as slowly as 1/ln t, through shapes that depend on e.",
+        numbers=numbers_at(
+            RESTITUTIONS,
+            {
+                "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,
+                "slope at e = {e}, with the paper's l = 13.5 d (l^2)": fitted,
+                "slope at e = {e}, exact (l^2)": diffusion_slope_value,
+            },
+        ),
     )

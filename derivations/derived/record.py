@@ -1,13 +1,22 @@
-"""The records that a derivation leaves: a step, a derived formula, a check with its verdict."""
+"""What a derivation leaves, and the register of derivations by label.
+
+A derivation is a function without arguments under ``@derives(label)`` that returns
+``result(formula, step, ..., note=...)``. A label with nothing to derive has a note alone: it
+stands in a table under ``defines``.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache, partial
+from typing import SupportsFloat
 
 import sympy as sp
 
-from ..typesetting import latex
+RESTITUTIONS = (0.4, 0.6, 0.7, 0.9)
+"""The restitutions of the paper's figures, at which numbers stand beside its formulas."""
 
 
 class Status(StrEnum):
@@ -56,41 +65,53 @@ class Derived:
     numbers: tuple[Number, ...] = ()
 
 
-def definition(note: str) -> Derived:
-    """A row that defines: nothing to derive."""
-    return Derived(None, status=Status.DEFINITION, note=note)
+def result(
+    formula: sp.Basic | None,
+    *steps: Step,
+    note: str = "",
+    status: Status | None = None,
+    holds: bool | None = None,
+    numbers: Iterable[Number] = (),
+) -> Derived:
+    """A derived formula with its steps; a row that says whether it ``holds`` is an assumption."""
+    if holds is not None:
+        status = Status.ASSUMPTION
+    return Derived(formula, steps, note, status, holds, tuple(numbers))
 
 
-@dataclass(frozen=True)
-class Check:
-    """One row of the verdict: a labelled equation, as printed and as derived.
+def numbers_at(
+    restitutions: Iterable[float], values: Mapping[str, Callable[[float], SupportsFloat]]
+) -> tuple[Number, ...]:
+    """Each of the functions of e at each restitution; ``{e}`` in a name stands for its value."""
+    return tuple(
+        Number(name.format(e=e), float(value(e)))
+        for e in restitutions
+        for name, value in values.items()
+    )
 
-    ``printed`` and ``derived`` are sympy objects (an equation, a relation, or a Tuple of them for
-    a chain of equalities), None where there is nothing to compare. ``proof`` says how a verified
-    row was proved: ``exact`` (the difference is a symbolic zero) or ``numerical: <why>`` (it holds
-    at 50 digits at 20 random points). ``holds`` is, for an assumption, whether the exact theory
-    bears it out. The quantities are those of :mod:`derivations.symbols`.
+
+Derivation = Callable[[], Derived]
+REGISTRY: dict[str, Derivation] = {}
+
+
+def derives(*labels: str) -> Callable[[Derivation], Derivation]:
+    """Register a derivation for one or more labels (the paper repeats some formulas).
+
+    It runs at most once in a process. Raises ValueError for a label that has a derivation.
     """
 
-    label: str
-    title: str
-    section: str
-    printed: sp.Basic | None
-    derived: sp.Basic | None
-    status: Status
-    note: str
-    source: str = ""
-    proof: str = ""
-    holds: bool | None = None
-    numbers: tuple[Number, ...] = ()
-    steps: tuple[Step, ...] = field(default=(), repr=False)
+    def register(function: Derivation) -> Derivation:
+        once = cache(function)
+        for label in labels:
+            if label in REGISTRY:
+                raise ValueError(f"label {label!r} is derived twice")
+            REGISTRY[label] = once
+        return function
 
-    @property
-    def printed_latex(self) -> str:
-        """The printed formula as LaTeX (no delimiters); empty if there is none."""
-        return latex(self.printed)
+    return register
 
-    @property
-    def derived_latex(self) -> str:
-        """The derived formula as LaTeX (no delimiters); empty if there is none."""
-        return latex(self.derived)
+
+def defines(notes: Mapping[str, str], status: Status = Status.DEFINITION) -> None:
+    """Register labels with nothing to derive, each with its note: definitions, or sketches."""
+    for label, note in notes.items():
+        derives(label)(partial(Derived, None, note=note, status=status))

@@ -12,132 +12,10 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, eq
-from ..premises import gaussian_moment, loss, speed_ratio_squared
-from .closed_forms import (
-    coefficient_ratio,
-    loss_one,
-    loss_two,
-    mean_cosine,
-    mean_log_loss,
-    mean_ratio_power,
-)
+from ..premises import speed_ratio_squared
+from .closed_forms import loss_one, mean_log_loss
 from .quadrature_values import a2_value, diffusion_slope_value
-from .record import Derived, Number, Step
-from .registry import derives
-from .sonine import generating_function, polynomial
-
-
-@derives("beyond:loss-p")
-def _loss_p() -> Derived:
-    return Derived(
-        eq(s.lam(s.p), 1 - mean_ratio_power()),
-        (
-            Step("s^2 in powers of 1 - e^2", 1 - (1 - s.e**2) * (1 - s.y**2)),
-            Step("coefficient k + 1 over coefficient k of E[s^p]", coefficient_ratio()),
-            Step("the series with that ratio and first coefficient 1", mean_ratio_power()),
-        ),
-        "Converges for 0 < e <= 1. By Pfaff's transformation it is "
-        "1 - e^p 2F1(-p/2, 1/2; 3/2; -(1 - e^2)/e^2).",
-    )
-
-
-@derives("beyond:loss-even")
-def _loss_even() -> Derived:
-    # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
-    average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
-    term = (
-        sp.binomial(s.q, s.k)
-        * s.e ** (2 * (s.q - s.k))
-        * (1 - s.e**2) ** s.k
-        * sp.simplify(average)
-    )
-    for order in range(1, 5):
-        total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
-        if sp.expand(1 - total - loss(2 * order)) != 0:
-            raise ArithmeticError(f"the sum misses lambda({2 * order})")
-    return Derived(
-        eq(s.lam(2 * s.q), 1 - sp.Sum(term, (s.k, 0, s.q))),
-        (Step("average of y^(2k) over the impact parameter", average),),
-        "For q = 1 ... 4 it is also compared with the integrated polynomial.",
-    )
-
-
-@derives("beyond:loss-1")
-def _loss_1() -> Derived:
-    return Derived(
-        eq(s.lam(1), loss_one()),
-        (Step("E[s] by its antiderivative; asinh(b/e) = artanh(b)", loss_one()),),
-    )
-
-
-@derives("beyond:loss-2")
-def _loss_2() -> Derived:
-    return Derived(eq(s.lam(2), loss_two()), (Step("E[1 - s^2]", loss_two()),))
-
-
-@derives("beyond:log-loss")
-def _log_loss() -> Derived:
-    return Derived(
-        eq(s.klog, mean_log_loss()),
-        (Step("E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)", mean_log_loss()),),
-    )
-
-
-@derives("beyond:cosine")
-def _cosine() -> Derived:
-    return Derived(
-        eq(s.cos_chi, mean_cosine()),
-        (Step("E[(-e + (1 + e) y^2)/s] by its antiderivative", mean_cosine()),),
-    )
-
-
-@derives("beyond:collision-moment")
-def _collision_moment() -> Derived:
-    z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
-    weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
-    average = sum(
-        (
-            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
-            for (order,), factor in weight.terms()
-        ),
-        sp.Integer(0),
-    )
-    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
-    return Derived(
-        eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
-        (
-            Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
-            Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
-        ),
-        "p = 2 and p = 4 are sonine9 and sonine10.",
-    )
-
-
-@derives("beyond:sonine-n")
-def _sonine_n() -> Derived:
-    # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
-    inner = sp.binomial(s.N, s.N - s.k)
-    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
-        raise ArithmeticError("the binomial coefficient is not symmetric")
-    term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
-    for order in range(7):
-        total = sum(
-            (
-                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
-                for i in range(order + 1)
-            ),
-            sp.Integer(0),
-        )
-        if sp.expand(total - polynomial(order)) != 0:
-            raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
-    return Derived(
-        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
-        (
-            Step("generating function of orthogonal polynomials", generating_function()[0]),
-            Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
-            Step("Gram-Schmidt agrees with it for N = 0 ... 6", polynomial(6)),
-        ),
-    )
+from .record import Derived, Number, Step, derives, numbers_at, result
 
 
 @derives("beyond:moments")
@@ -148,16 +26,13 @@ def _moments() -> Derived:
     # p -> 0: p/lambda(p) -> 1/E[-ln s], since d(1 - s^p)/dp = -ln s there
     first = sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0)
     start = 1 / s.klog if first == -sp.log(s.s) else sp.nan
-    return Derived(
+    return result(
         sp.Tuple(eq(s.MY(1), start), eq(s.MY(s.p + 1), sp.simplify(following))),
-        (
-            Step(
-                "weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>", None
-            ),
-            Step("<v^p> = E[Y^p] t^(-p) inserted", sp.diff(scaled, s.t) - loss_term),
-            Step("d(1 - s^p)/dp at p = 0, whose mean is kappa", first),
-        ),
-        "Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < 1.",
+        Step("weak form of an isotropic VDF with l = 1: d<v^p>/dt = -lambda(p) <v^(p+1)>"),
+        Step("<v^p> = E[Y^p] t^(-p) inserted", sp.diff(scaled, s.t) - loss_term),
+        Step("d(1 - s^p)/dp at p = 0, whose mean is kappa", first),
+        note="Hence E[Y^n] = (n-1)!/(kappa lambda(1) ... lambda(n-1)): all moments exist for e < "
+        "1.",
     )
 
 
@@ -173,12 +48,10 @@ def moment(order: int) -> sp.Expr:
 @derives("beyond:cooling-rate")
 def _cooling_rate() -> Derived:
     third = moment(3) / moment(2) ** sp.Rational(3, 2)
-    return Derived(
+    return result(
         eq(s.h, sp.simplify(s.lam(2) * third)),
-        (
-            Step("h = M_2/2 = lambda(2) <c^3>", s.lam(2) * Avg(s.c**3)),
-            Step("<c^3> = E[Y^3]/E[Y^2]^(3/2)", third),
-        ),
+        Step("h = M_2/2 = lambda(2) <c^3>", s.lam(2) * Avg(s.c**3)),
+        Step("<c^3> = E[Y^3]/E[Y^2]^(3/2)", third),
     )
 
 
@@ -187,10 +60,10 @@ def _a2() -> Derived:
     fourth = moment(4) / moment(2) ** 2
     with mp.workdps(20):
         zero = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
-    return Derived(
+    return result(
         eq(s.a2, sp.simplify(fourth / 2 - 1)),
-        (Step("<c^4> = E[Y^4]/E[Y^2]^2", fourth),),
-        "Exists for every e in [0, 1).",
+        Step("<c^4> = E[Y^4]/E[Y^2]^2", fourth),
+        note="Exists for every e in [0, 1).",
         numbers=(Number("restitution at which a_2 = 0", float(zero)),),
     )
 
@@ -216,13 +89,11 @@ def _cooling_near_1() -> Derived:
         sp.diff(2 * sp.sqrt(kept), s.gap, order).subs(s.gap, 0) / sp.factorial(order) * s.gap**order
         for order in range(3)
     )
-    return Derived(
+    return result(
         eq(s.h / s.gap, sp.expand(series)),
-        (
-            Step("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
-            Step("lambda(1) in powers of w", _series_near_one(4)[1]),
-        ),
-        "With sqrt(2) at e = 0 it makes h nearly, not exactly, linear in 1 - e.",
+        Step("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
+        Step("lambda(1) in powers of w", _series_near_one(4)[1]),
+        note="With sqrt(2) at e = 0 it makes h nearly, not exactly, linear in 1 - e.",
     )
 
 
@@ -234,14 +105,12 @@ def _cooling_small_e() -> Derived:
     log_loss = sp.series(mean_log_loss(), s.e, 0, 3).removeO()
     first = sp.series(first, s.e, 0, 3).removeO()
     root = sp.series(sp.sqrt(sp.expand(4 * log_loss * first)), s.e, 0, 3).removeO()
-    return Derived(
+    return result(
         eq(s.h, sp.expand(root).subs(logarithm, sp.log(s.e))),
-        (
-            Step("kappa to order e^2", log_loss),
-            Step("lambda(1) to order e^2, with L = ln e; artanh(b) = ln(1 + b) - ln e", first),
-        ),
-        "Not analytic at e = 0: the second order holds e^2 ln e. Since pi/4 < 1, h/(1 - e) rises "
-        "with e at first: it is not monotonic.",
+        Step("kappa to order e^2", log_loss),
+        Step("lambda(1) to order e^2, with L = ln e; artanh(b) = ln(1 + b) - ln e", first),
+        note="Not analytic at e = 0: the second order holds e^2 ln e. Since pi/4 < 1, h/(1 - e) "
+        "rises with e at first: it is not monotonic.",
     )
 
 
@@ -255,13 +124,11 @@ def _a2_limits() -> Derived:
     cubic = sp.Rational(3, 2) * w * sp.integrate(1 - s.y**2, (s.y, 0, 1))  # 1 - (1 - w(..))^(3/2)
     second = w * sp.integrate(1 - s.y**2, (s.y, 0, 1))
     near_one = exact.subs({s.klog: log_loss, s.lam(1): first, s.lam(2): second, s.lam(3): cubic})
-    return Derived(
+    return result(
         sp.Tuple(eq(s.a2, at_zero), eq(s.a2, sp.limit(near_one, w, 0))),
-        (
-            Step("exact a_2", exact),
-            Step("e = 0: lambda(p) = p/(p + 1), kappa = 1", at_zero),
-            Step("w = 1 - e^2 -> 0, leading orders", near_one),
-        ),
+        Step("exact a_2", exact),
+        Step("e = 0: lambda(p) = p/(p + 1), kappa = 1", at_zero),
+        Step("w = 1 - e^2 -> 0, leading orders", near_one),
     )
 
 
@@ -279,16 +146,15 @@ def _tail() -> Derived:
     (exponent,) = sp.solve(ratio - extra, shift)
     scale = sp.sqrt(moment(2))  # c = Y/sqrt(E[Y^2])
     by_h = scale.subs(s.klog, s.h**2 / 4 / s.lam(1))
-    return Derived(
+    return result(
         sp.Tuple(eq(s.power, exponent - 2), eq(s.rate, sp.simplify(by_h))),
-        (
-            Step("-d ln s/dy at grazing incidence, with opposite sign", steepness),
-            Step("p E[s^p] for large p", order * large),
-            Step("E[Y^(p+1)]/E[Y^p] - p for large p", extra),
-            Step("density of Y: y^(a-1) exp(-y) with a", exponent),
-            Step("F(c): one power less for the line, one for the plane; c = Y/sqrt(E[Y^2])", scale),
-        ),
-        "Leading behaviour of the moments; F ~ c^power exp(-rate c) is exactly exponential in c.",
+        Step("-d ln s/dy at grazing incidence, with opposite sign", steepness),
+        Step("p E[s^p] for large p", order * large),
+        Step("E[Y^(p+1)]/E[Y^p] - p for large p", extra),
+        Step("density of Y: y^(a-1) exp(-y) with a", exponent),
+        Step("F(c): one power less for the line, one for the plane; c = Y/sqrt(E[Y^2])", scale),
+        note="Leading behaviour of the moments; F ~ c^power exp(-rate c) is exactly exponential in "
+        "c.",
     )
 
 
@@ -298,14 +164,12 @@ def _ring() -> Derived:
     variance = moment(2) / moment(1) ** 2 - 1
     log_loss, first = _series_near_one(4)
     near = sp.series(variance.subs({s.klog: log_loss, s.lam(1): first}), w, 0, 2).removeO()
-    return Derived(
+    return result(
         eq(s.width2, near.subs(w, 1 - s.e**2)),
-        (
-            Step("E[Y^2]/E[Y]^2 - 1", variance),
-            Step("to first order in w = 1 - e^2", near),
-        ),
-        "F tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5), not to a "
-        "Gaussian: fixed scatterers never thermalise a speed.",
+        Step("E[Y^2]/E[Y]^2 - 1", variance),
+        Step("to first order in w = 1 - e^2", near),
+        note="F tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5), not to "
+        "a Gaussian: fixed scatterers never thermalise a speed.",
     )
 
 
@@ -344,14 +208,12 @@ def _e_zero() -> Derived:
     if residual != 0:
         raise ArithmeticError(f"the scaled equation at e = 0 leaves {residual}")
     third = sp.integrate(2 * sp.pi * s.c**4 * e_zero_solution(), (s.c, 0, sp.oo))
-    return Derived(
+    return result(
         sp.Tuple(eq(s.F(s.bc), e_zero_solution()), eq(s.M2 / 2, sp.Rational(2, 3) * third)),
-        (
-            Step("moments of Y are n!: exp(-y), scaled", e_zero_solution()),
-            Step("gain", gain),
-            Step("loss", lost),
-            Step("gain - loss - (M_2/2)(2 + c d/dc) F", residual),
-        ),
+        Step("moments of Y are n!: exp(-y), scaled", e_zero_solution()),
+        Step("gain", gain),
+        Step("loss", lost),
+        Step("gain - loss - (M_2/2)(2 + c d/dc) F", residual),
     )
 
 
@@ -369,16 +231,11 @@ def _slope() -> Derived:
     flights = moment(1)  # d N/d ln t = <v> t/l
     if sp.simplify(per_flight * flights - 2 * solution) != 0:
         raise ArithmeticError("the flux hierarchy and the random flights disagree")
-    return Derived(
+    return result(
         eq(s.slope, 2 * solution),
-        (
-            Step("flux hierarchy at p = -1, where its left-hand side vanishes: A(0)", solution),
-            Step("second route: <r^2> per free flight, with persistence", per_flight),
-            Step("free flights per ln t: E[Y]", flights),
-            Step("both routes give", sp.simplify(per_flight * flights)),
-        ),
-        numbers=tuple(
-            Number(f"slope at e = {value}", float(diffusion_slope_value(value)))
-            for value in (0.2, 0.5, 0.9)
-        ),
+        Step("flux hierarchy at p = -1, where its left-hand side vanishes: A(0)", solution),
+        Step("second route: <r^2> per free flight, with persistence", per_flight),
+        Step("free flights per ln t: E[Y]", flights),
+        Step("both routes give", sp.simplify(per_flight * flights)),
+        numbers=numbers_at((0.2, 0.5, 0.9), {"slope at e = {e}": diffusion_slope_value}),
     )

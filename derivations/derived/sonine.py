@@ -8,15 +8,9 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Int, chain, eq
-from ..premises import (
-    collision_moment,
-    over_angle,
-    sonine_average,
-    speed_ratio_squared,
-)
+from ..premises import gaussian_average, gaussian_moment, loss, over_angle, speed_ratio_squared
 from .quadrature_values import a2_value
-from .record import Derived, Number, Status, Step
-from .registry import derives
+from .record import Derived, Number, Step, derives, result
 
 
 @cache
@@ -38,42 +32,53 @@ def polynomial(order: int) -> sp.Expr:
         terms = sp.Poly(sp.expand(one * other), s.x).terms()
         return sum((k * power_average().subs(s.p, i) for (i,), k in terms), sp.Integer(0))
 
-    result = s.x**order
+    monic = s.x**order
     for lower in range(order):
         basis = polynomial(lower)
-        result -= inner(s.x**order, basis) / inner(basis, basis) * basis
-    result = sp.expand(result)
-    return sp.expand(result / result.subs(s.x, 0))
+        monic -= inner(s.x**order, basis) / inner(basis, basis) * basis
+    return sp.expand(sp.expand(monic) / monic.subs(s.x, 0))
+
+
+@cache
+def sonine_average(order: int) -> sp.Expr:
+    """<c^order> over exp(-c^2)/pi (1 + a2 S_2(c^2)) in the plane."""
+    weight = 1 + s.a2 * polynomial(2).subs(s.x, s.c**2)
+    return sp.collect(sp.expand(gaussian_average(sp.expand(s.c**order * weight))), s.a2, sp.factor)
+
+
+@cache
+def collision_moment(order: int) -> sp.Expr:
+    """M_p for an even order p in the lowest Sonine approximation, as a function of e and a2."""
+    return sp.factor(2 * loss(order) * sonine_average(order + 1))
 
 
 @derives("sonine1")
 def _sonine1() -> Derived:
     rate, reach = sp.symbols("rate reach", positive=True)
     weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
-    return Derived(
+    return result(
         None,
-        (Step("F^2/phi for an exponential tail", weighted),),
-        "The coefficients a_p = <S_p> exist, but the series does not converge to F for any e in "
-        "[0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 the "
-        "VDF tends to a ring, not to the Gaussian that the series starts from.",
-        Status.ASSUMPTION,
+        Step("F^2/phi for an exponential tail", weighted),
+        note="The coefficients a_p = <S_p> exist, but the series does not converge to F for any e "
+        "in [0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 "
+        "the VDF tends to a ring, not to the Gaussian that the series starts from.",
         holds=False,
     )
 
 
 @derives("sonine1.5")
 def _sonine1_5() -> Derived:
-    return Derived(
+    return result(
         sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))),
-        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1)),),
+        Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1)),
     )
 
 
 @derives("sonine2")
 def _sonine2() -> Derived:
-    return Derived(
+    return result(
         eq(s.S(2, s.x), polynomial(2)),
-        (Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2)),),
+        Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2)),
     )
 
 
@@ -110,17 +115,15 @@ def _sonine3() -> Derived:
     for order in range(4):
         if sp.expand(series.coeff(u, order) - polynomial(order)) != 0:
             raise ArithmeticError(f"the generating function misses S_{order}")
-    return Derived(
+    return result(
         eq(
             Int(s.phi(s.bc) * s.S(s.p, s.c**2) * s.S(s.pprime, s.c**2), s.bc),
             squared_norm() * sp.KroneckerDelta(s.p, s.pprime),
         ),
-        (
-            Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-s.x)),
-            Step("generating function", single),
-            Step("product of two of them, integrated: a function of u w alone", product),
-        ),
-        "For all orders at once, by the generating function. The norm is 1 in the plane.",
+        Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-s.x)),
+        Step("generating function", single),
+        Step("product of two of them, integrated: a function of u w alone", product),
+        note="For all orders at once, by the generating function. The norm is 1 in the plane.",
     )
 
 
@@ -128,11 +131,11 @@ def _sonine3() -> Derived:
 def _sonine4() -> Derived:
     # int S_p phi sum_q a_q S_q = a_p norm
     norm = squared_norm()
-    return Derived(
+    return result(
         chain(
             s.a(s.p), Int(s.S(s.p, s.c**2) * s.F(s.bc), s.bc) / norm, Avg(s.S(s.p, s.c**2)) / norm
         ),
-        (Step("squared norm of S_p", norm),),
+        Step("squared norm of S_p", norm),
     )
 
 
@@ -147,27 +150,28 @@ def _averaged(order: int) -> sp.Expr:
 @derives("sonine4.5")
 def _sonine4_5() -> Derived:
     first = _averaged(1)
-    return Derived(
+    return result(
         chain(s.a1, first, first.subs(Avg(s.c**2), 1)),
-        (Step("<S_1>", first), Step("<c^2> = 1 by the definition of v0", None)),
+        Step("<S_1>", first),
+        Step("<c^2> = 1 by the definition of v0"),
     )
 
 
 @derives("sonine5")
 def _sonine5() -> Derived:
     second = _averaged(2)
-    return Derived(
+    return result(
         chain(s.a2, second, second.subs(Avg(s.c**2), 1)),
-        (Step("<S_2>", second), Step("<c^2> = 1 by the definition of v0", None)),
+        Step("<S_2>", second),
+        Step("<c^2> = 1 by the definition of v0"),
     )
 
 
 @derives("sonine6")
 def _sonine6() -> Derived:
     general = s.M2 / 2 * s.p * Avg(s.c**s.p)
-    return Derived(
-        eq(s.M4, general.subs(s.p, 4)),
-        (Step("moments of the scaled equation (mueq)", general),),
+    return result(
+        eq(s.M4, general.subs(s.p, 4)), Step("moments of the scaled equation (mueq)", general)
     )
 
 
@@ -197,16 +201,16 @@ def _moment_steps(order: int, symbol: sp.Symbol) -> tuple[Step, ...]:
 
 @derives("sonine9")
 def _sonine9() -> Derived:
-    return Derived(
+    return result(
         eq(s.M2, tidy(collision_moment(2))),
-        _moment_steps(2, s.M2),
-        "Exact in a_2; the next coefficient a_3 would add to it.",
+        *_moment_steps(2, s.M2),
+        note="Exact in a_2; the next coefficient a_3 would add to it.",
     )
 
 
 @derives("sonine10")
 def _sonine10() -> Derived:
-    return Derived(eq(s.M4, tidy(collision_moment(4))), _moment_steps(4, s.M4))
+    return result(eq(s.M4, tidy(collision_moment(4))), *_moment_steps(4, s.M4))
 
 
 @cache
@@ -218,12 +222,10 @@ def stationarity() -> sp.Expr:
 
 @derives("sonine7")
 def _sonine7() -> Derived:
-    return Derived(
+    return result(
         eq(stationarity(), sp.Integer(0)),
-        (
-            Step("M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation", None),
-            Step("<c^4> over the Gaussian times 1 + a_2 S_2", sonine_average(4)),
-        ),
+        Step("M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation"),
+        Step("<c^4> over the Gaussian times 1 + a_2 S_2", sonine_average(4)),
     )
 
 
@@ -255,14 +257,13 @@ def at_restitution(expression: sp.Expr, value: float) -> float:
 def _sonine11() -> Derived:
     lower, upper = roots()
     mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
-    return Derived(
+    return result(
         eq(s.a2, mean + s.pm * half),
-        (
-            Step("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
-            Step("lower root", lower),
-            Step("upper root", upper),
-        ),
-        "At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 there.",
+        Step("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
+        Step("lower root", lower),
+        Step("upper root", upper),
+        note="At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 "
+        "there.",
         numbers=(
             Number("lower root at e = 0.9", at_restitution(lower, 0.9)),
             Number("lower root as e -> 1", at_restitution(lower, 1)),
@@ -285,16 +286,14 @@ def _sonine12() -> Derived:
     spread = roots()[1] - roots()[0]
     signs = [sp.simplify(rate / spread) for rate in growths]
     (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
-    return Derived(
+    return result(
         eq(s.a2, chosen),
-        (
-            Step("growth rate H at the lower root", growths[0]),
-            Step("growth rate H at the upper root", growths[1]),
-            Step("H over the distance of the roots: lower, upper", sp.Tuple(*signs)),
-            Step("the root with H < 0 is the stable one", chosen),
-        ),
-        "The stable root of the truncated equation, but far from the exact a_2, which exists for "
-        "every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
+        Step("growth rate H at the lower root", growths[0]),
+        Step("growth rate H at the upper root", growths[1]),
+        Step("H over the distance of the roots: lower, upper", sp.Tuple(*signs)),
+        Step("the root with H < 0 is the stable one", chosen),
+        note="The stable root of the truncated equation, but far from the exact a_2, which exists "
+        "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
         numbers=(
             Number("Sonine a_2 at e = 0.9", at_restitution(chosen, 0.9)),
             Number("exact a_2 at e = 0.9", float(a2_value(0.9))),
@@ -308,3 +307,48 @@ def _sonine12() -> Derived:
 def sonine_cooling_rate() -> sp.Expr:
     """M_2/2 with symbolic a_2: the cooling rate of the first Sonine approximation."""
     return sp.factor(collision_moment(2) / 2)
+
+
+@derives("beyond:collision-moment")
+def _collision_moment() -> Derived:
+    z = sp.Symbol("z", positive=True)  # (p + 3)/2, so that <c^(p+1)> of the Gaussian is Gamma(z)
+    weight = sp.Poly(sp.expand((1 + s.a2 * polynomial(2)).subs(s.x, s.c**2)), s.c)
+    average = sum(
+        (
+            factor * gaussian_moment().subs(s.p, 2 * z - 2 + order)
+            for (order,), factor in weight.terms()
+        ),
+        sp.Integer(0),
+    )
+    ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
+    return result(
+        eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
+        Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
+        Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
+        note="p = 2 and p = 4 are sonine9 and sonine10.",
+    )
+
+
+@derives("beyond:sonine-n")
+def _sonine_n() -> Derived:
+    # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
+    inner = sp.binomial(s.N, s.N - s.k)
+    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
+        raise ArithmeticError("the binomial coefficient is not symmetric")
+    term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
+    for order in range(7):
+        total = sum(
+            (
+                (-s.x) ** i / sp.factorial(i) * sp.binomial(order, order - i)
+                for i in range(order + 1)
+            ),
+            sp.Integer(0),
+        )
+        if sp.expand(total - polynomial(order)) != 0:
+            raise ArithmeticError(f"the coefficients miss S_{order} of Gram-Schmidt")
+    return result(
+        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
+        Step("generating function of orthogonal polynomials", generating_function()[0]),
+        Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
+        Step("Gram-Schmidt agrees with it for N = 0 ... 6", polynomial(6)),
+    )

@@ -10,8 +10,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Second, chain, eq
 from .position import saddle_exponent
-from .record import Derived, Number, Status, Step
-from .registry import derives
+from .record import Derived, Number, Status, Step, derives, result
 
 
 @cache
@@ -27,13 +26,7 @@ def saddle() -> sp.Expr:
 @derives("csolu")
 def _csolu() -> Derived:
     slope = sp.diff(saddle_exponent(), s.V)
-    return Derived(
-        eq(s.Vs, saddle()),
-        (
-            Step("dp/dV", slope),
-            Step("its positive zero", saddle()),
-        ),
-    )
+    return result(eq(s.Vs, saddle()), Step("dp/dV", slope), Step("its positive zero", saddle()))
 
 
 _CURVATURE = Second(s.pd(s.V, s.R), s.V, s.Vs)
@@ -58,15 +51,12 @@ def _tailg() -> Derived:
         for radius in (1.0, 3.0)
         for name, ratio in zip(("printed", "derived"), _tail_ratios(radius, 0.25), strict=True)
     ]
-    return Derived(
+    return result(
         chain(s.G(s.R), leading, value),
-        (
-            Step("Gaussian integral about the saddle", gaussian_integral()),
-            Step("the factor R cancels against 1/R of the width", value),
-        ),
-        "The last expression is half of the Gaussian integral: the root should hold "
-        "2 pi/p'', not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma "
-        "absorbs the 2.",
+        Step("Gaussian integral about the saddle", gaussian_integral()),
+        Step("the factor R cancels against 1/R of the width", value),
+        note="The last expression is half of the Gaussian integral: the root should hold 2 pi/p'', "
+        "not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma absorbs the 2.",
         numbers=(
             *numbers,
             Number("integral of the printed form at eta = 1/2", _steepest_moment(0) / 2),
@@ -132,19 +122,15 @@ def _semig() -> Derived:
     bessel = sp.sqrt(sp.pi / 2) * 2 / s.eta * (s.eta / 2) ** sp.Rational(1, 4) * sp.sqrt(s.R)
     bessel = bessel * sp.exp(-sp.sqrt(2 / s.eta) * s.R)
     half = sp.simplify(tail() / bessel)
-    return Derived(
+    return result(
         eq(s.G(s.R), tail()),
-        (
-            Step("large R with the saddle, Gaussian integral as derived", tail()),
-            Step("the same from K_0(z) ~ sqrt(pi/(2 z)) exp(-z)", bessel),
-            Step("their ratio", half),
-            Step(
-                "integral of the derived form", sp.simplify(sp.integrate(tail(), (s.R, 0, sp.oo)))
-            ),
-            Step("its second moment", sp.simplify(sp.integrate(s.R**2 * tail(), (s.R, 0, sp.oo)))),
-        ),
-        "Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right for "
-        "the printed model; with eta = 1/2 it is 2.",
+        Step("large R with the saddle, Gaussian integral as derived", tail()),
+        Step("the same from K_0(z) ~ sqrt(pi/(2 z)) exp(-z)", bessel),
+        Step("their ratio", half),
+        Step("integral of the derived form", sp.simplify(sp.integrate(tail(), (s.R, 0, sp.oo)))),
+        Step("its second moment", sp.simplify(sp.integrate(s.R**2 * tail(), (s.R, 0, sp.oo)))),
+        note="Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right "
+        "for the printed model; with eta = 1/2 it is 2.",
         numbers=(
             Number("derived over printed", 2.0),
             Number("decay rate at eta = 1/4 (fitted)", float(sp.sqrt(8))),
@@ -156,7 +142,7 @@ def _semig() -> Derived:
 @derives("gammatailg")
 def _gammatailg() -> Derived:
     norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
-    return Derived(
+    return result(
         eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
         note="With the Gaussian integral put right, gamma is 2 for every eta and <R^2> = 1 fixes "
         "eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
@@ -175,17 +161,15 @@ def _gammatailg() -> Derived:
 @derives("peakg")
 def _peakg() -> Derived:
     form = s.R / (s.eta * s.Vbar**2) * sp.exp(-(s.R**2) / (2 * s.eta * s.Vbar**2))
-    return Derived(
+    return result(
         eq(s.G(s.R), form),
-        (
-            Step("posivel with V a constant", form),
-            Step("its integral", sp.integrate(form, (s.R, 0, sp.oo))),
-            Step("its second moment", sp.simplify(sp.integrate(s.R**2 * form, (s.R, 0, sp.oo)))),
-        ),
-        "The formula follows by substitution; eta = 0.75 is fitted and gives <R^2> = 0.75 where "
-        "R is scaled so that it is 1. A Gaussian of the right width has eta V^2 = 1/2. The paper's "
-        "own integral is not Gaussian at its peak: G/R diverges as -ln R.",
-        Status.FIT,
+        Step("posivel with V a constant", form),
+        Step("its integral", sp.integrate(form, (s.R, 0, sp.oo))),
+        Step("its second moment", sp.simplify(sp.integrate(s.R**2 * form, (s.R, 0, sp.oo)))),
+        note="The formula follows by substitution; eta = 0.75 is fitted and gives <R^2> = 0.75 "
+        "where R is scaled so that it is 1. A Gaussian of the right width has eta V^2 = 1/2. The "
+        "paper's own integral is not Gaussian at its peak: G/R diverges as -ln R.",
+        status=Status.FIT,
         numbers=(
             Number("eta fitted", 0.75),
             Number("eta for which <R^2> = 1 at V^2 = 1/2", 1.0),

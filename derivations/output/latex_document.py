@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from ..derived.record import Check
 from ..symbols import table
 from ..typesetting import latex
+from ..verdicts import Check
 from .text import counts
 
 _PREAMBLE = r"""\documentclass[a4paper,10pt]{article}

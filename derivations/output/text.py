@@ -6,10 +6,9 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
-import sympy as sp
-
-from ..derived.record import Check, Status
-from ..typesetting import latex
+from ..derived.record import Status
+from ..typesetting import latex, plain
+from ..verdicts import Check
 
 
 def to_json(checks: Iterable[Check]) -> dict[str, Any]:
@@ -36,29 +35,17 @@ def _row(check: Check) -> dict[str, Any]:
         "proof": check.proof,
         "holds": check.holds,
         "note": check.note,
-        "printed": _text(check.printed),
-        "derived": _text(check.derived),
+        "printed": plain(check.printed),
+        "derived": plain(check.derived),
         "printed_latex": check.printed_latex,
         "derived_latex": check.derived_latex,
         "source_latex": check.source,
         "numbers": [{"name": number.name, "value": number.value} for number in check.numbers],
         "steps": [
-            {"text": step.text, "formula": _text(step.formula), "latex": latex(step.formula)}
+            {"text": step.text, "formula": plain(step.formula), "latex": latex(step.formula)}
             for step in check.steps
         ],
     }
-
-
-def _text(formula: sp.Basic | None) -> str:
-    return "" if formula is None else _plain(formula)
-
-
-def _plain(formula: sp.Basic) -> str:
-    if isinstance(formula, sp.Tuple):
-        return "; ".join(_plain(part) for part in formula)
-    if isinstance(formula, sp.Eq):
-        return f"{sp.sstr(formula.lhs)} = {sp.sstr(formula.rhs)}"
-    return sp.sstr(formula)
 
 
 def to_text(check: Check) -> str:
@@ -70,9 +57,9 @@ def to_text(check: Check) -> str:
         lines.append(f"holds in the exact theory: {'yes' if check.holds else 'no'}")
     for name, formula in (("printed", check.printed), ("derived", check.derived)):
         if formula is not None:
-            lines.append(f"{name}: {_plain(formula)}")
+            lines.append(f"{name}: {plain(formula)}")
     for index, step in enumerate(check.steps, 1):
-        formula = "" if step.formula is None else f": {_plain(step.formula)}"
+        formula = "" if step.formula is None else f": {plain(step.formula)}"
         lines.append(f"  {index}. {step.text}{formula}")
     lines += [f"  {number.name} = {number.value:.7g}" for number in check.numbers]
     if check.note:

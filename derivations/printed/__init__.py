@@ -1,18 +1,21 @@
 """The paper as transcribed, and the other statements that are judged; nothing is corrected here.
 
-H.-D. Kim and H. Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". What the paper gets
-wrong is wrong here. A label that the paper uses twice has a number: ``taun#2`` is its second
-``taun``. ``beyond_the_paper`` states the results that the paper does not have, ``statements`` the
-paper's claims in words; their labels start with ``beyond:`` and ``statement:``.
+What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
+LaTeX of it; the files of the sections transcribe the same equations into sympy, and a test holds
+each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` states the results
+that the paper does not have.
 
 May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with
-``equation``, then any section of the paper.
+``paper.tex``.
 
-A new row: state it in the file of its section here, and derive it by a function under
-``@derives(label)`` in :mod:`derivations.derived`.
+A new row of derivations: state it here, in ``beyond_the_paper`` (its label starts with
+``beyond:``); or in ``paper.tex`` and in the file of its section, if the paper prints it. Then
+derive it by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 """
 
 from __future__ import annotations
+
+from importlib.resources import files
 
 from . import (
     appendix_a,
@@ -21,38 +24,36 @@ from . import (
     appendix_d,
     beyond_the_paper,
     cooling,
-    figures,
     position,
     random_walk,
     stability,
-    statements,
     transport,
 )
-from .equation import PrintedEquation, Section
+from .equation import PrintedEquation, read_equations
 
-_PAPER = (
-    cooling,
-    random_walk,
-    transport,
-    position,
-    appendix_a,
-    appendix_b,
-    stability,
-    appendix_c,
-    appendix_d,
-    figures,
+_FORMULAS = (
+    cooling.FORMULAS
+    | random_walk.FORMULAS
+    | transport.FORMULAS
+    | position.FORMULAS
+    | appendix_a.FORMULAS
+    | appendix_b.FORMULAS
+    | stability.FORMULAS
+    | appendix_c.FORMULAS
+    | appendix_d.FORMULAS
 )
+_PAPER = read_equations(
+    files(__name__).joinpath("paper.tex").read_text(encoding="utf-8"), _FORMULAS
+)
+_BY_LABEL = {equation.label: equation for equation in _PAPER}
 
-
-def _by_label(*sections: Section) -> dict[str, PrintedEquation]:
-    return {equation.label: equation for section in sections for equation in section.equations}
-
-
-PRINTED = _by_label(*(part.SECTION for part in _PAPER))
+PRINTED = {
+    label: equation for label, equation in _BY_LABEL.items() if not label.startswith("statement:")
+}
 """The paper's equations and figures, in its order."""
 
-ROWS = PRINTED | _by_label(beyond_the_paper.SECTION, statements.SECTION)
-"""Every row: the paper's labels in its order, what lies beyond it, and its statements."""
+ROWS = PRINTED | beyond_the_paper.EQUATIONS | _BY_LABEL
+"""Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 
 def printed_equation(label: str) -> PrintedEquation:

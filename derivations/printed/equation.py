@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
 
-from ..typesetting import latex, mathml
+from ..typesetting import latex, mathml, plain
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PrintedEquation:
     """An equation as it is stated, misprints included.
 
@@ -34,16 +36,26 @@ class PrintedEquation:
         """The transcription as MathML, one ``<math>`` element per equation; empty if none."""
         return mathml(self.formula)
 
+    def __repr__(self) -> str:
+        return f"PrintedEquation {self.label!r}: {self.title}: {plain(self.formula)}"
 
-class Section:
-    """Collects the equations of one part of the paper."""
+    def _repr_html_(self) -> str:
+        return self.mathml
 
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.equations: list[PrintedEquation] = []
 
-    def add(
-        self, label: str, title: str, source: str = "", formula: sp.Basic | None = None
-    ) -> None:
-        """Record one labelled equation."""
-        self.equations.append(PrintedEquation(label, title, self.name, source, formula))
+def read_equations(text: str, formulas: Mapping[str, sp.Basic]) -> Iterator[PrintedEquation]:
+    """The equations of a text in the form of ``paper.tex``, each with its transcription.
+
+    Raises ValueError for LaTeX without transcription, and the reverse.
+    """
+    section = ""
+    for block in re.split(r"\n(?=%%? )", text):
+        head, _, body = block.partition("\n")
+        if head.startswith("%% "):
+            section = head[3:]
+        elif section:
+            label, title = head[2:].split(": ", 1)
+            source = " ".join(body.split())
+            if bool(source) is not (label in formulas):
+                raise ValueError(f"label {label!r}: LaTeX and transcription must both be there")
+            yield PrintedEquation(label, title, section, source, formulas.get(label))

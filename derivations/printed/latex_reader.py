@@ -1,64 +1,19 @@
 """Reads the LaTeX of the paper's equations into sympy, apart from the transcriptions.
 
 A recursive descent over the small part of LaTeX that the paper uses. It exists so that a test can
-hold every hand transcription of :mod:`derivations.printed` against the source text beside it; no
-derivation uses it.
+hold every transcription of :mod:`derivations.printed` against its LaTeX; no derivation uses it.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Dt, Int, Lam, Measure, Partial, Second, dot
-
-_REWRITES: tuple[tuple[str, str], ...] = (
-    (r"\\begin\{[a-z]+\}|\\end\{[a-z]+\}|\\nonumber|\\quad|\\left|\\right|&", " "),
-    (r"\\mathrm\{if\}.*|\(\s*<\s*1\)", " "),
-    (r"\\frac\{dT\(\s*t\)\}\{dt\}", r"\\frac{\\diff T(t)}{\\diff t}"),
-    (r"\\mathrm\{d\}", r"\\diff "),
-    (r"\\mathrm\{e\}", r"\\eul "),
-    (r"\{\s*\\bf\s*\\hat\{\\sigma\}\s*\}", r"\\hsig "),
-    (r"\{\s*\\bf\s*\\hat\{v\}\s*\}", r"\\bvhat "),
-    (r"\{\s*\\bf\s*([vc])\s*\}\^\{\*\}", r"\\b\1s "),
-    (r"\{\s*\\bf\s*v\s*\}\^\{\\prime\}", r"\\bvp "),
-    (r"\{\s*\\bf\s*([vcrlBJ])\s*\}", r"\\b\1 "),
-    (r"\|\\bv \|", r"\\speed "),
-    (r"\|\\bvs \|", r"\\speeds "),
-    (r"\|\\bvhat \|", r"\\speedh "),
-    (r"\\Bigl\|(.*)\\Bigr\|", r"\\abs{\1}"),
-    (r"\\langle\s*\\br \^\{2\}\(t\)\\rangle_\{e\}", r"\\msd(t)"),
-    (r"\\langle\s*\\br \^\{2\}\(t\)\\rangle", r"\\msdel(t)"),
-    (r"\\simeq|\\equiv|\\sim", "="),
-    (r"\\partial_\{t\}\^\{\(([j0-9])\)\}", r"\\Dt{\1}"),
-    (r"\\nabla\^\{\(0\)\}", r"\\nabz "),
-    (r"\\nabla\^\{\(1\)\}", r"\\nabo "),
-    (
-        r"\\tau_\{1\}\+\\tau_\{2\}\+\\cdot\s*\\cdot\s*\\cdot\s*\+\\tau_\{N\}",
-        r"\\sum_{k=1}^{N}\\tau_{k}",
-    ),
-    (r"\+\\cdots", ""),
-    (r"\\delta a_\{2\}", r"\\da "),
-    (r"\\bar\{a\}_\{2\}", r"\\abar "),
-    (r"\\bar\{\s*V\s*\}", r"\\Vbar "),
-    (r"\\delta_\{pp\^\{\\prime\}\}", r"\\kron "),
-    (r"\\delta\s*\(", r"\\dirac("),
-    (r"\\delta\s*(\\mathit\{t\}|t)", r"\\dt "),
-    (
-        r"\\frac\{\\partial\^\{2\} p\(V,R\)\}\{\\partial V\^\{2\}\s*\}(\\big)?\|_\{V=V\^\{\*\}\}",
-        r"\\curv ",
-    ),
-    (r"\\tilde\{g\}_\{e\}", r"\\gtilde "),
-    (r"\\tilde\{G\}", r"\\Gtilde "),
-    (r"V\^\{\*\}\(R\)|V\^\{\*\}", r"\\Vs "),
-    (r"(?<![a-z])t\s*\^\{\\prime\}", r"\\tp "),
-    (r"c\^\{\\prime p\}", r"\\cp^{p}"),
-    (r"p\^\{\\prime\}", r"\\pprime "),
-    # ap19 lacks a closing parenthesis after the operator
-    (r"\(\\Lambda\\bB \(v\\bvhat ,T\(t\)\)\\cdot", r"(\\Lambda\\bB (v\\bvhat ,T(t)))\\cdot"),
-)
+from .latex_tokens import tokenize
 
 _PLAIN: dict[str, sp.Expr] = {
     "e": s.e, "d": s.d, "l": s.l, "m": s.m, "n": s.n, "t": s.t, "b": s.b, "v": s.v,
@@ -90,6 +45,11 @@ _MAGNITUDE = {s.bv: s.v, s.bc: s.c}
 _VECTORS = {s.bv, s.bvs, s.bvp, s.bvh, s.bc, s.sigma, s.nabla, s.nabla0, s.nabla1}
 _VECTOR_FUNCTIONS = {s.Bv, s.J, s.J0, s.J1, s.Jj, Lam}
 _LAMBDA = sp.Symbol("<Lambda>")
+_OF_BRACES: dict[str, Callable[..., sp.Expr]] = {r"\sqrt": sp.sqrt, r"\abs": sp.Abs}
+_OF_ATOM: dict[str, Callable[..., sp.Expr]] = {
+    r"\exp": sp.exp, r"\ln": sp.log, r"\cos": sp.cos, r"\diff": Measure,
+}  # fmt: skip
+_CLOSING = {"(": ")", "[": "]", r"\{": r"\}", "{": "}"}
 _STOP = {"+", "-", r"\pm", ")", "]", "}", r"\}", "=", ",", r"\rangle", r"\leq", ""}
 
 
@@ -102,7 +62,10 @@ class LatexError(ValueError):
 
 
 def read(source: str) -> list[list[sp.Expr]]:
-    """The statements of an equation, each as the list of its sides: ``a = b = c`` has three."""
+    """The statements of an equation, each as the list of its sides: ``a = b = c`` has three.
+
+    Raises LatexError for LaTeX that it does not know.
+    """
     reader = _Reader(tokenize(source))
     statements = [[reader.expression()]]
     while reader.peek():
@@ -116,30 +79,9 @@ def read(source: str) -> list[list[sp.Expr]]:
     return statements
 
 
-def tokenize(source: str) -> list[str]:
-    """The source without fonts and spacing, in tokens: commands, numbers, single characters."""
-    text = source
-    for pattern, replacement in _REWRITES[:4]:
-        text = re.sub(pattern, replacement, text)
-    text = _strip_fonts(text)
-    for pattern, replacement in _REWRITES[4:]:
-        text = re.sub(pattern, replacement, text)
-    return re.findall(r"\\[A-Za-z]+|\\[{}]|\d+(?:\.\d+)?|[^\s]", text)
-
-
-def _strip_fonts(text: str) -> str:
-    """Remove \\mathrm{...} and \\mathit{...} around anything but Euler's e."""
-    text = text.replace(r"\mathrm{e}", r"\eul ")
-    while match := re.search(r"\\math(?:rm|it)\{", text):
-        depth, end = 1, match.end()
-        while depth:
-            depth += {"{": 1, "}": -1}.get(text[end], 0)
-            end += 1
-        text = text[: match.start()] + " " + text[match.end() : end - 1] + " " + text[end:]
-    return text
-
-
 class _Reader:
+    """Reads tokens from left to right; ``read_int`` reads what follows the command ``\\int``."""
+
     def __init__(self, tokens: list[str]) -> None:
         self.tokens = tokens
         self.at = 0
@@ -168,15 +110,10 @@ class _Reader:
         return _parse(self.group())
 
     def expression(self) -> sp.Expr:
-        total: sp.Expr = sp.Integer(0)
-        sign: sp.Expr = sp.Integer(1)
-        if self.peek() == "-":
-            self.take()
-            sign = sp.Integer(-1)
-        total += sign * self.term()
-        while self.peek() in {"+", "-", r"\pm"}:
-            sign = {"+": sp.Integer(1), "-": sp.Integer(-1), r"\pm": s.pm}[self.take()]
-            total += sign * self.term()
+        signs = {"+": sp.Integer(1), "-": sp.Integer(-1), r"\pm": s.pm}
+        total: sp.Expr = sp.Integer(0) if self.peek() == "-" else self.term()
+        while self.peek() in signs:
+            total += signs[self.take()] * self.term()
         return total
 
     def term(self) -> sp.Expr:
@@ -190,10 +127,6 @@ class _Reader:
                 factors.append(1 / self.factor())
             elif token == r"\times":
                 self.take()
-            elif token == r"\int":
-                factors.append(self.integral())
-            elif token == r"\sum":
-                factors.append(self.summation())
             else:
                 factors.append(self.factor())
         return _apply_operators(factors)
@@ -206,8 +139,7 @@ class _Reader:
             right = self.factor()
         return scalars * (_Along(left, right) if isinstance(right, _Operator) else dot(left, right))
 
-    def integral(self) -> sp.Expr:
-        self.take(r"\int")
+    def read_int(self) -> sp.Expr:
         lower = upper = domain = None
         while self.peek() in {"_", "^"}:
             if self.take() == "^":
@@ -227,15 +159,15 @@ class _Reader:
         integrand = product / over[0]
         if lower is not None:
             return sp.Integral(integrand, (variable, lower, upper))
-        return Int(integrand, variable, domain) if domain is not None else Int(integrand, variable)
+        return Int(integrand, variable, *([domain] if domain else []))
 
-    def summation(self) -> sp.Expr:
-        self.take(r"\sum")
+    def read_sum(self) -> sp.Expr:
         self.take("_")
-        index, first = read_tokens(self.group())
+        below = self.group()
+        split = below.index("=")
         self.take("^")
-        last = self.braced()
-        return sp.Sum(self.term(), (index, first, last))
+        limits = (_parse(below[:split]), _parse(below[split + 1 :]), self.braced())
+        return sp.Sum(self.term(), limits)
 
     def factor(self) -> sp.Expr:
         base = self.atom()
@@ -248,10 +180,14 @@ class _Reader:
         token = self.take()
         if token.replace(".", "").isdigit():
             return sp.Rational(token)
-        if token in {"(", "[", r"\{", "{"}:
+        if token in _CLOSING:
             inside = self.expression()
-            self.take({"(": ")", "[": "]", r"\{": r"\}", "{": "}"}[token])
+            self.take(_CLOSING[token])
             return inside
+        if token in _OF_BRACES:
+            return _OF_BRACES[token](self.braced())
+        if token in _OF_ATOM:
+            return _OF_ATOM[token](self.atom())
         special = getattr(self, "read_" + token[1:], None) if token[0] == "\\" else None
         return special() if special else self.name(token)
 
@@ -265,27 +201,9 @@ class _Reader:
             return _derivative(_parse(above[1:]), variable)
         return _parse(above) / _parse(below)
 
-    def read_sqrt(self) -> sp.Expr:
-        return sp.sqrt(self.braced())
-
-    def read_abs(self) -> sp.Expr:
-        return sp.Abs(self.braced())
-
     def read_eul(self) -> sp.Expr:
         self.take("^")
         return sp.exp(self.braced())
-
-    def read_exp(self) -> sp.Expr:
-        return sp.exp(self.atom())
-
-    def read_ln(self) -> sp.Expr:
-        return sp.log(self.atom())
-
-    def read_cos(self) -> sp.Expr:
-        return sp.cos(self.atom())
-
-    def read_diff(self) -> sp.Expr:
-        return Measure(self.atom())
 
     def read_langle(self) -> sp.Expr:
         inside = self.expression()
@@ -305,39 +223,31 @@ class _Reader:
             self.take()
             subscript = "".join(x for x in self.group() if x not in "{}")
             key = f"{token}_{subscript}"
-        power: sp.Expr | None = None
+        power: sp.Expr = sp.Integer(1)
         if self.peek() == "^" and self.peek(1) == "{" and self.peek(2) == "(":
             self.take()
             key += "".join(self.group()).strip("()")
         elif self.peek() == "^" and self.is_power_before_arguments():
             self.take()
             power = self.braced()
-        return self.resolve(key, token, subscript) ** (1 if power is None else power)
+        return self.resolve(key, token, subscript) ** power
 
     def is_power_before_arguments(self) -> bool:
         """v_0^2(t): the power stands between the name and its arguments."""
-        return (
-            self.peek(1) == "{"
-            and self.peek(2).isdigit()
-            and self.peek(3) == "}"
-            and self.peek(4) == "("
-            and self.peek(5) == "t"
-            and self.peek(6) == ")"
-        )
+        following = "".join(self.tokens[self.at + 1 : self.at + 7])
+        return re.fullmatch(r"\{\d\}\(t\)", following) is not None
 
     def resolve(self, key: str, token: str, subscript: str) -> sp.Expr:
         if token in {"h", "H"}:
             self.arguments()
             return {"h": s.h, "H": s.H}[token]
         if token == "S":
-            order = _parse([subscript] if subscript != r"\pprime" else [r"\pprime"])
-            return s.S(order, *self.arguments())
+            return s.S(_parse([subscript]), *self.arguments())
         if key in _FUNCTIONS and self.peek() == "(" and (key != "a_2" or self.peek(1) == "t"):
             return _FUNCTIONS[key](*self.arguments())
-        if token == r"\tau" and subscript:
-            return s.tau(sp.sympify(subscript, locals={"N": s.N, "k": s.k}))
-        if token == "t" and subscript:
-            return s.tc(sp.sympify(subscript, locals={"N": s.N}))
+        if token in {r"\tau", "t"} and subscript:
+            index = sp.sympify(subscript, locals={"N": s.N, "k": s.k})
+            return s.tau(index) if token == r"\tau" else s.tc(index)
         if key in _PLAIN:
             return _PLAIN[key]
         raise LatexError(f"unknown name {key!r}")
@@ -370,12 +280,6 @@ def _parse(tokens: list[str]) -> sp.Expr:
     if reader.peek():
         raise LatexError(f"{reader.peek()!r} is left over")
     return result
-
-
-def read_tokens(tokens: list[str]) -> tuple[sp.Expr, sp.Expr]:
-    """``index = first`` below a sum."""
-    split = tokens.index("=")
-    return _parse(tokens[:split]), _parse(tokens[split + 1 :])
 
 
 def _derivative(what: sp.Expr, variable: sp.Expr) -> sp.Expr:

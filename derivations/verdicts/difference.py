@@ -19,15 +19,7 @@ from .. import symbols as s
 from ..formal import Formal, linear
 
 POINTS, DIGITS = 20, 50
-OPAQUE = (
-    sp.Symbol,
-    sp.Derivative,
-    sp.Integral,
-    sp.Sum,
-    sp.KroneckerDelta,
-    Formal,
-    AppliedUndef,
-)
+OPAQUE = (sp.Symbol, sp.Derivative, sp.Integral, sp.Sum, sp.KroneckerDelta, Formal, AppliedUndef)
 
 
 class Difference(Enum):

@@ -22,8 +22,8 @@ from kinetics.densities.harmonic import Profile, count_before_scaling, then_scal
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

@@ -1,8 +1,8 @@
 """The gain G of the collisions: G(z+1) = lambda(z) G(z), lambda(z) = 1 - E[s^z cos(m chi)].
 
 It takes the collisions out of the equation (:mod:`kinetics.densities.intertwining`). G is the
-principal solution of its ladder, the one that grows least: from Re z = _TOP on by the
-Euler-Maclaurin formula, and down from there by products.
+principal solution of its recurrence (:mod:`kinetics.numerics.recurrence`): on the line
+Re z = _TOP by the Euler-Maclaurin formula, and from there down to Re z = 0 by products.
 """
 
 from __future__ import annotations
@@ -14,44 +14,47 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics.gauss import gauss_legendre
+from kinetics.numerics.recurrence import log_growth, taylor_of_log
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-_TOP = 24
-# B_2j/(2j)! times (2j-1)!, j = 1 ... 4: for Taylor coefficients instead of derivatives
-_BERNOULLI = (1 / 12, -1 / 120, 1 / 252, -1 / 240)
-_BETWEEN = 3  # Gauss points between two wave numbers
-_NEGLIGIBLE = 1e-19  # weight of bounces that are left out
-
-_TOGETHER = 256  # wave numbers of a piece: what the caches hold
+# At this real part, with this many Taylor coefficients, the Euler-Maclaurin formula leaves
+# 2 * 8!/((2 pi)^10 24^9) = 3e-16 (see `log_growth`).
+_TOP, _ORDERS = 24, 8
+# Gauss points between two wave numbers, h < 0.5 apart: they leave (3!)^4/(7 (6!)^3) h^7 = 4e-9 of
+# the sixth derivative of ln lambda, which is about 5!/24^6 = 6e-7.
+_BETWEEN = 3
+_NEGLIGIBLE = 1e-19  # bounces of less weight than this are left out: it is below rounding
+_TOGETHER = 256  # wave numbers whose tables fit into the cache; it changes no result
 
 
 def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     """ln of z G(z), up to its limit at z = 0, for m = 0 and of G(z)/G(0) for others, at z = -i k.
 
-    k equidistant from 0 on, shape (n,), spaced by less than 0.5 for an error of 1e-13. Branches
-    are not followed: only exp of the result has a meaning. For e < 1.
+    k : equidistant from 0 on, shape (n,), spaced by less than 0.5 for an error of 1e-13
+
+    Shape (n,). Branches are not followed: only exp of the result has a meaning. For e < 1.
     """
     if m == 0 and law.restitution == 0.0:
         return np.zeros(k.size, dtype=complex)  # lambda = z/(1 + z), G = 1/z
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > _NEGLIGIBLE * q.weight.max()
     xi, weight, turned = q.log_loss[kept], q.weight[kept], q.harmonic(m)[kept]
-    rungs = np.arange(_TOP + 1.0)
-    powers = np.exp(-np.multiply.outer(xi, rungs))
+    steps = np.arange(_TOP + 1.0)
+    powers = np.exp(-np.multiply.outer(xi, steps))
     # between two wave numbers, z + d: 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d
     node, between = gauss_legendre(_BETWEEN)
     step = k[1] - k[0]
     onward = powers[:, -1:] * np.exp(1j * np.multiply.outer(xi, step * node))
-    orders = np.arange(1.0, 2 * len(_BERNOULLI))
+    orders = np.arange(1.0, _ORDERS)
     taylor = powers[:, -1:] * np.cumprod(-xi[:, None] / orders, axis=1)
     factors = (weight * turned)[:, None] * np.hstack([powers, onward.real, onward.imag, taylor])
     rate, real, imag, slopes = np.split(
-        _averages(k, xi, factors), np.cumsum([rungs.size, _BETWEEN, _BETWEEN]), axis=1
+        _averages(k, xi, factors), np.cumsum([steps.size, _BETWEEN, _BETWEEN]), axis=1
     )
     # lambda on the real axis, each relative to itself
-    on_axis = -weight @ np.expm1(-np.multiply.outer(xi, rungs))
+    on_axis = -weight @ np.expm1(-np.multiply.outer(xi, steps))
     if m:
         on_axis = on_axis + (1.0 - turned) @ (weight[:, None] * powers)
     rate = rate + on_axis
@@ -65,15 +68,12 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     half = np.multiply.outer(xi, 0.5 * step * node)
     short = 2.0 * np.sin(half) * (np.sin(half) - 1j * np.cos(half))  # 1 - s^d
     along = (real + 1j * imag)[:-1] + (weight * turned * powers[:, -1]) @ short + on_axis[-1]
-    value = np.zeros(k.size, dtype=complex)
-    value[1:] = -1j * step * np.cumsum(np.log(along) @ between)
+    integral = np.zeros(k.size, dtype=complex)
+    integral[1:] = -1j * step * np.cumsum(np.log(along) @ between)
     # lambda' = -E[s^z (-xi)], and so on, s^z = 1 - (1 - s^z)
     slopes = slopes - factors[:, -orders.size :].sum(axis=0)
-    end = _taylor_of_log([rate[:, -1], *slopes.T])
-    value -= 0.5 * (end[0] - end[0][0])
-    for bernoulli, coefficient in zip(_BERNOULLI, end[1::2], strict=True):
-        value += bernoulli * (coefficient - coefficient[0])
-    return np.asarray(value + np.log(below))
+    end = taylor_of_log([rate[:, -1], *slopes.T])
+    return np.asarray(log_growth(integral, [c[0] for c in end], end) + np.log(below))
 
 
 def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArray:
@@ -96,14 +96,3 @@ def _averages(k: FloatArray, xi: FloatArray, factors: FloatArray) -> ComplexArra
         out.real[rows] = (2.0 * sine * sine) @ factors
         out.imag[rows] = (-2.0 * sine * cosine) @ factors
     return out[: k.size]
-
-
-def _taylor_of_log(c: list[ComplexArray]) -> list[ComplexArray]:
-    """Taylor coefficients of the logarithm of a function with the coefficients c, each (n,)."""
-    d = [np.log(c[0])]
-    for n in range(1, len(c)):
-        total = n * c[n]
-        for i in range(1, n):
-            total = total - i * d[i] * c[n - i]
-        d.append(total / (n * c[0]))
-    return d

@@ -26,8 +26,8 @@ from kinetics.densities.stepping import stepped
 from kinetics.errors import InputError
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.tilted import band_of, window_of
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 

@@ -29,23 +29,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import PanelRule, PanelShifts
 
 FloatArray = NDArray[np.float64]
 
-_START = -2.0  # below X = -2 the power series in T converges within _TERMS terms
-_TERMS = 40
-_NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold
-_FEWEST_TERMS = 8
-# Beyond ln(1/kappa) + 38 corrections to the asymptote are below rounding.
+START = -2.0  # X where the panels begin; below it the power series in T is summed
+TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
+_NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
+_FEWEST_TERMS = 8  # kept in any case: the first four may vanish
+# Beyond ln(1/kappa) + 38 corrections to the asymptote, which fall as 1/T, are e^-38 = 3e-17.
 _SATURATION = 38.0
-_FEWEST, _MOST = 5, 48
 # Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
 _STEEPEST = 4.0
-# Errors over the last two Chebyshev coefficients, of 1822 solves with 6 to 17 nodes, e from 0 to
-# 1 - 1e-6: at most 1.4 times either the last or a tenth of the one before, and a quarter more is
-# for the initial state.
+# Errors over the last Chebyshev coefficient of a panel, or over the one before, are at most 1.4 and
+# 0.14, of which this allows a quarter more for the quadrature of the initial state:
+# tests/kinetics/measurements/moments.py
 _LAST, _BEFORE = 1.75, 0.175
+_LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 
 
 def panel_width(degree: float) -> float:
@@ -80,64 +80,15 @@ class Observable:
         return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
 
 
-# Nodes of a panel above 2 + the digits asked for + the first power of T, measured: over e, for
-# 2, 7 and 12 digits. Of v^2, and what each further power of the speed adds; of what depends on the
-# direction of the velocity; of moments of the displacement.
-_DIGITS = (2.0, 7.0, 12.0)
-_AT = (0.0, 0.4, 0.7, 0.9, 0.99, 1.0)
-_OF_SQUARE = np.array(
-    [
-        [-0.6, -0.6, -0.5, -0.2, 0.1, 0.7],
-        [-0.2, -0.5, -1.0, -0.9, -0.6, 0.0],
-        [0.7, 0.3, -1.2, -1.6, -1.6, -1.3],
-    ]
-)
-_OF_POWER = np.array(
-    [
-        [0.1, 0.1, 0.1, 0.15, 0.22, 0.26],
-        [-0.1, 0.0, 0.2, 0.3, 0.4, 0.5],
-        [0.0, 0.0, 0.2, 0.25, 0.55, 0.85],
-    ]
-)
-_DIRECTED = np.array(
-    [
-        [-0.3, 0.0, 0.0, -0.2, -0.3, -0.3],
-        [0.1, 0.6, 1.0, 0.2, 0.0, 0.0],
-        [1.4, 1.6, 2.6, 1.6, 1.1, 1.0],
-    ]
-)
-_DISPLACED = np.array(
-    [
-        [-0.4, -0.4, -0.4, -0.4, -0.4, -0.3],
-        [-0.6, -0.5, -0.5, -0.7, -0.7, -0.7],
-        [-0.4, 0.0, 0.4, -0.4, -0.8, -0.8],
-    ]
-)
-
-
-def nodes_for(rtol: float, y: Observable, restitution: float, width: float = 1.0) -> int:
-    """Chebyshev nodes of a panel at which the error estimate is about rtol: a first guess."""
-    digits = -math.log10(rtol)
-    power = width * abs(y.first_power)
-    if y.harmonic or (y.sources and y.degree):
-        table = _DIRECTED
-    elif y.sources:
-        table = _DISPLACED
-    else:
-        table = _OF_SQUARE + (power - 2.0) * _OF_POWER
-    more = np.interp(digits, _DIGITS, [np.interp(restitution, _AT, row) for row in table])
-    return int(min(_MOST, max(_FEWEST, math.ceil(2.0 + digits + power + float(more)))))
-
-
-MEAN_COLLISIONS = Observable(constant=1.0)
-DISPLACEMENT_ALONG_START = Observable(harmonic=1, constant=1.0)
-SQUARED_DISPLACEMENT = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
+MEAN_COLLISIONS: Observable = Observable(constant=1.0)
+DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
+SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
 # <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/position/scattering.py)
 _SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
 _THIRD_ORDER = Observable(
     harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
 )
-QUARTIC_DISPLACEMENT = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
+QUARTIC_DISPLACEMENT: Observable = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
@@ -146,7 +97,7 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 
 
 # d r^2/d ln t, driven by the velocity along the start
-MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
+MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
 
 
 def moment_series(
@@ -159,32 +110,53 @@ def moment_series(
     known = {} if known is None else known
     if y in known:
         return known[y]
-    drive = np.zeros(_TERMS)
+    drive = np.zeros(TERMS)
     drive[0] = y.constant
     for factor, other in y.sources:
         drive += factor * moment_series(law, other, known)[:-1]
-    rates = law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
-    a = np.zeros(_TERMS + 1)
+    rates = law.harmonic_decay_rate(y.degree + np.arange(TERMS), y.harmonic)
+    a = np.zeros(TERMS + 1)
     a[0] = 0.0 if y.constant or y.sources else 1.0
-    for k in range(_TERMS):
+    for k in range(TERMS):
         a[k + 1] = (drive[k] - rates[k] * a[k]) / (k + 1.0)
     known[y] = a
     return a
 
 
+def scale_of(y: Observable) -> Observable:
+    """The observable that errors are relative to: y, or m = 0 for a harmonic, which decays."""
+    alone = not (y.sources or y.constant)
+    return speed_power(y.degree) if y.harmonic and alone else y
+
+
+def left_out(last: FloatArray, before: FloatArray) -> FloatArray:
+    """Error of a Chebyshev series of which these are the sizes of the last two coefficients."""
+    return np.maximum(_LAST * last, _BEFORE * before)
+
+
+def smaller_ends(values: FloatArray) -> FloatArray:
+    """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
+
+    Powers rise as e^(p X) over a panel: there the relative error is the largest.
+    """
+    size = np.abs(values)
+    ends = np.minimum(size[:, 0], size[:, -1])
+    return np.maximum(np.maximum(ends, _LEAST_END * size.max(axis=1)), 1e-300)
+
+
 def _needed(series: FloatArray) -> FloatArray:
-    """The series without its end, which adds nothing up to T = exp(_START)."""
-    size = np.abs(series) * np.exp(_START * np.arange(series.size))
+    """The series without its end, which adds nothing up to T = exp(START)."""
+    size = np.abs(series) * np.exp(START * np.arange(series.size))
     below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
     return series[: max(_FEWEST_TERMS, int(below[-1]) + 1)]
 
 
 @dataclass(frozen=True)
 class _Panels:
-    """y on consecutive panels from _START on."""
+    """y on consecutive panels from START on."""
 
     values: FloatArray  # (n_panels, nodes)
-    series: FloatArray  # coefficients of T^k below _START
+    series: FloatArray  # coefficients of T^k below START
     degree: float
 
 
@@ -216,24 +188,26 @@ class BackwardEquation:
 
     Parameters
     ----------
-    law : the collision law, e < 1 (the elastic case is elementary: see evolve.py)
+    law : the collision law, e < 1 (the elastic case is elementary: see `velocity.py`)
     highest : largest X that will be asked for
     nodes : Chebyshev nodes of a panel
     width : of a panel in X, see `panel_width`
+    known : power series of observables; what is added to it is kept for other equations
     """
 
     law: CollisionLaw
     highest: float
     nodes: int
     width: float = 1.0
+    known: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
-    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
+    _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         limit = _SATURATION - math.log(self.law.mean_log_loss)
-        self.count = max(1, math.ceil((min(self.highest, limit) - _START) / self.width))
+        self.count = max(1, math.ceil((min(self.highest, limit) - START) / self.width))
 
     # -- discretisation -----------------------------------------------------------------------
 
@@ -251,7 +225,12 @@ class BackwardEquation:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
         if m not in self._kernels:
             rate = max(float(self.nodes), _STEEPEST / self.width)
-            loss, gain = self.rule.kernel(self.law, [m], rate)
+            q = self.law.quadrature_for(rate, m)
+            points = q.weight.size
+            if points not in self._shifts:  # most harmonics share one quadrature
+                self._shifts[points] = PanelShifts(self.rule, q.log_loss)
+            factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
+            loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
             self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 
@@ -261,13 +240,13 @@ class BackwardEquation:
         if y in self._solved:
             return self._solved[y]
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = _needed(moment_series(self.law, y, self._series))
+        series = _needed(moment_series(self.law, y, self.known))
         loss, gain = self._kernel(y.harmonic)
         n = self.nodes
         reach = gain.shape[1] // n
         # the panels below, and the point where the first one begins
-        x = _START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
-        below = np.append(x[:reach], _START)
+        x = START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
+        below = np.append(x[:reach], START)
         known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), series)
         table = np.empty((reach + self.count, n))
         table[:reach] = known[:-1].reshape(reach, n)
@@ -306,17 +285,10 @@ class BackwardEquation:
         return self._errors[observable]
 
     def _estimate(self, observable: Observable) -> float:
-        values = self._solve(observable).values
-        last, before = self.rule.last_coefficients(values)
-        if observable.harmonic and not observable.sources and not observable.constant:
-            scale = self._solve(speed_power(observable.degree)).values
-        else:
-            scale = values
-        # powers rise as e^(p X) over a panel: its lower end has the largest relative error
-        ends = np.minimum(np.abs(scale[:, 0]), np.abs(scale[:, -1]))
-        top = np.maximum(np.maximum(ends, 1e-3 * np.abs(scale).max(axis=1)), 1e-300)
+        last, before = self.rule.last_coefficients(self._solve(observable).values)
+        ends = smaller_ends(self._solve(scale_of(observable)).values)
         # errors of panels add up while an observable grows
-        return float(np.sum(np.maximum(_LAST * last, _BEFORE * before) / top))
+        return float(np.sum(left_out(last, before) / ends))
 
     def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
         """y(X) at X = x, any shape."""
@@ -329,7 +301,7 @@ class BackwardEquation:
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""
         flat = x.ravel()
-        level = (flat - _START) / self.width
+        level = (flat - START) / self.width
         low = level < 0.0
         level = level[~low]
         index = np.minimum(level.astype(int), self.count - 1)

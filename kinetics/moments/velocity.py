@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import (
+    START,
     BackwardEquation,
     Observable,
     Places,
-    nodes_for,
     panel_width,
     speed_power,
 )
+from kinetics.moments.resolution import Decay, decay_of
 from kinetics.numerics.panels import PanelRule
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
@@ -63,13 +64,29 @@ class Averages:
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _series: dict[Observable, FloatArray] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    _decays: dict[Observable, Decay] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    _powers: dict[tuple[float, int], NDArray[Any]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
     _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
         other = replace(self, nodes=nodes)
         other._measures.update(self._measures)
+        other._series.update(self._series)
         return other
+
+    def nodes_for(self, y: Observable, rtol: float) -> int:
+        """Nodes of a panel at which the error of y, relative to itself, is about rtol; e < 1."""
+        if y not in self._decays:
+            self._decays[y] = decay_of(self.law, y, self.width, self._series)
+        return self._decays[y].nodes_for(rtol)
 
     @property
     def elastic(self) -> bool:
@@ -117,13 +134,16 @@ class Averages:
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        nodes = self.nodes or nodes_for(
-            self.rtol, speed_power(self.degree), self.law.restitution, self.width
-        )
-        return BackwardEquation(self.law, max(highest, -2.0), nodes, self.width)
+        nodes = self.nodes or self.nodes_for(speed_power(self.degree), self.rtol)
+        return BackwardEquation(self.law, max(highest, START), nodes, self.width, self._series)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
+        if (p, m) not in self._powers:
+            self._powers[p, m] = self._power(p, m)
+        return self._powers[p, m]
+
+    def _power(self, p: float, m: int) -> NDArray[Any]:
         found = self.measure(m)
         if found is None:
             return np.zeros(self.times.shape)

@@ -1,4 +1,9 @@
-"""Numerical methods without physics: panels, quadrature, interpolation, the logarithmic grid.
+"""Numerical methods without physics.
 
-Imports nothing of this project. Begin with `panels.py`.
+- `chebyshev`: polynomials through Chebyshev points; `panels`: many of them side by side
+- `gauss`: Gauss-Legendre quadrature
+- `log_grid`: equidistant nodes in the logarithm of the speed, and Fourier sums on them
+- `recurrence`: solutions of G(z+1) = r(z) G(z)
+
+Imports nothing of this project. Begin with `chebyshev.py`.
 """

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.numerics.wave_panel import Indices, chebyshev_points, last_coefficients
 from kinetics.position.scattering import Waves, solve_waves
-from kinetics.states.isotropic import Profile, State
+from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasur
 
 
 def _panels_of(
-    state: State, profile: Profile, spacing: float, rtol: float
+    state: State, profile: SpeedFunction, spacing: float, rtol: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
     found = state.harmonic(0, rtol)
@@ -133,7 +133,7 @@ class Scattering:
         return out, waves.error_estimate
 
     def _on_panels(
-        self, waves: Waves, profile: Profile, stretch: FloatArray, tolerance: float
+        self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
     ) -> FloatArray | None:
         """The means over a smooth density, from the same X for all times; None if too many."""
         width = waves.rule.width
@@ -248,11 +248,10 @@ def _through_points(
         fastest = float(np.max(system.state.peaks[0]))
         nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
     if wave_numbers.size > 1.5 * nodes:
-        local, weights = chebyshev_points(math.ceil(nodes))
-        trial, error = system.whole(low + (high - low) * local, direction, 0.5 * tolerance)
-        left_out = last_coefficients(trial)
+        rule = FirstKind(math.ceil(nodes))
+        trial, error = system.whole(low + (high - low) * rule.local, direction, 0.5 * tolerance)
+        left_out = float(np.max(rule.last_coefficients(trial)))
         if left_out < 0.5 * tolerance:
-            places = (wave_numbers - low) / (high - low)
-            rows = interpolation_rows(places[:, None] - local, weights)
-            return np.asarray(trial @ rows.T), error + float(left_out)
+            rows = rule.rows((wave_numbers - low) / (high - low))
+            return np.asarray(trial @ rows.T), error + left_out
     return system.whole(wave_numbers, direction, tolerance)

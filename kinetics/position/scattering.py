@@ -25,19 +25,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import PanelRule, PanelShifts
 
 FloatArray = NDArray[np.float64]
 
-_TERMS = 40  # of the power series at the start
-_SERIES = 5.0  # (K + 2) T up to which the series loses two digits at most
-_SATURATION = 38.0  # beyond ln(1/kappa) + this, a_m falls as a power of T, to rounding
-_RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
-_TURNING = 3.5  # T at which flights along k are resolved worst
+# The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
+# than two digits, and the term after the last is 5^41/41! = 1e-21.
+_SERIES, _TERMS = 5.0, 40
+# Beyond X = ln(1/kappa) + _SATURATION, a_m falls as a power of T, to e^-38 = 3e-17.
+_SATURATION = 38.0
 _FEWEST_NODES, _MOST_NODES = 6, 20
-_MORE = 6  # harmonics that a panel may add
-_NOTHING = 0.1  # of the tolerance
-_FAR = 0.01  # of the tolerance, what comes from farther down than is looked at
+_NOTHING = 0.1  # of the tolerance: below, all that follows is 0
+_FAR = 0.01  # of the tolerance: share of the collisions, farthest below, whose gain is left out
+# Rules of `_rule`, `_harmonics` and `_panel_harmonics`, for the digits asked for (decimal digits of
+# the tolerance): all are measured again by tests/kinetics/measurements/position.py.
+_TURNING = 3.5  # T at which flights along k are resolved worst
+_NODES, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5  # nodes of a panel: some, for each digit, and turn
+_LATE, _LATE_FOR_DIGIT = 2.0, 0.45  # harmonics late, and for each digit; K more for each digit
+_EARLY, _EARLY_FOR_DIGIT = 4.0, 2.0  # harmonics early, beyond the K T of free flights
+_RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
+_MORE, _MOST_MORE = 4, 6  # harmonics that a panel adds, and further ones as flights reach
 
 
 @dataclass(frozen=True)
@@ -51,7 +58,7 @@ class Waves:
     start : X where the panels begin
     values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
     coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
-    ended : whether everything was below the tolerance at the last panel: 0 from there on
+    ended : whether everything is below the tolerance at the last panel, and 0 from there on
     error_estimate : absolute, of a_0 and of those kept
     systems : how many systems of rule.nodes - 1 equations were solved
     """
@@ -115,47 +122,32 @@ def solve_waves(
     if law.restitution < 1.0:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
-    # a_m beside a_0 must have ended themselves, not only what they give back
+    # where harmonics are kept, those left out must be negligible themselves; otherwise only what
+    # they give back to m = 0, which is their square
     top = _harmonics(largest, min(highest, limit), tolerance**2 if kept else tolerance)
-    return _sweep(law, wave_numbers, rule, start, count, top, tolerance, kept)
+    return Sweep(law, wave_numbers, rule, start, top).run(count, tolerance, kept)
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
-    """Panels that resolve exp(-T + i K T), the fastest that there is."""
-    # early, K T counts
+    """Panels that resolve exp(-T + i K T), which varies fastest of all."""
     turns = largest * min(1.0, math.exp(highest) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
-    # measured, for widths of up to 1.5/(K + 1)
-    nodes = math.ceil(2.0 + digits * (0.85 + 0.5 * turns * width))
+    nodes = math.ceil(_NODES + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
     return PanelRule(min(_MOST_NODES, max(_FEWEST_NODES, nodes)), width)
 
 
 def _harmonics(largest: float, highest: float, tolerance: float) -> int:
-    """m beyond which a_m is left out."""
+    """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    # measured at late times; early, free flights reach m = K T and no further
-    late = 2.0 + digits * (0.45 + largest)
-    early = 4.0 + 2.0 * digits + largest * math.exp(min(highest, 10.0))
+    late = _LATE + digits * (_LATE_FOR_DIGIT + largest)
+    # free flights reach m = K T and no further
+    early = _EARLY + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
     return _even(math.ceil(min(late, early)))
 
 
-def _coefficients(law: CollisionLaw, wave_numbers: FloatArray, top: int) -> FloatArray:
-    """Of T^j in a_m, shape (terms, top + 1, n_k)."""
-    q = law.quadrature_for(float(_TERMS), top)
-    cosine = np.stack([q.harmonic(m) for m in range(top + 1)]) * q.weight
-    loss = 1.0 - cosine @ np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
-    loss[0] = [law.decay_rate(float(j)) for j in range(_TERMS)]
-    out = np.zeros((_TERMS + 1, top + 1, wave_numbers.size))
-    out[0, 0] = 1.0
-    for j in range(_TERMS):
-        a = out[j]
-        coupled = np.zeros_like(a)
-        coupled[1:] += a[:-1]
-        coupled[:-1] -= a[1:]
-        coupled[0] -= a[1]
-        out[j + 1] = (0.5 * wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
-    return out
+def _even(m: int) -> int:
+    return m + m % 2
 
 
 def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
@@ -165,87 +157,182 @@ def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
     return np.tensordot(powers, coefficients, axes=1)
 
 
-def _sweep(
-    law: CollisionLaw,
-    wave_numbers: FloatArray,
-    rule: PanelRule,
-    start: float,
-    count: int,
-    top: int,
-    tolerance: float,
-    kept: int,
-) -> Waves:
-    """Panel after panel upwards, with as many harmonics as count there, ``top`` at most (even)."""
-    n, size = rule.nodes, wave_numbers.size
-    loss, gain = rule.kernel(law, list(range(top + 1)), rate=2.0 * n / rule.width)
-    recent = _shares(law, rule.width, gain.shape[2] // n)
-    # next to nothing comes from farther down, where e is about 0
-    far = np.count_nonzero(np.cumsum(recent) < _FAR * tolerance)
-    gain, recent = gain[:, :, far * n :], recent[far:]
-    reach = gain.shape[2] // n
-    # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
-    table = np.zeros((reach + count, top + 1, n, size))
-    local = rule.local * rule.width
-    series = _coefficients(law, wave_numbers, top)
-    if reach:
-        x = (start + (np.arange(reach) - reach)[:, None] * rule.width + local).ravel()
-        before = _sum(series, np.exp(x)).reshape(reach, n, top + 1, size)
-        table[:reach] = np.moveaxis(before, 2, 1)
-    largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
-    known = _sum(series, np.exp(np.array([start])))[0]
-    # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
-    closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
-    done, ended = count, False
-    used, left_out, systems = 0, 0.0, 0
-    # what comes back to m = 0 is the square at most; others are wanted as they are
-    rising = 0.1 * tolerance if kept else tolerance**_RISING
-    for j in range(count):
-        rate = np.exp(start + j * rule.width + local)
-        # free flights of T reach m = K T
-        more = 4 + int(min(_MORE, float(wave_numbers.max()) * (rate[-1] - rate[0])))
-        needed = max(_last_above(known, rising) + more, min(used, _last_above(known, tolerance)))
-        used = min(top, _even(needed))
-        drive = np.zeros((used + 1, n, size))
-        if reach:
-            below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
-            drive = rate[:, None] * (gain[: used + 1] @ below.reshape(used + 1, reach * n, size))
-        found = _panel(
-            rule, loss[: used + 1], rate, drive, known[: used + 1], wave_numbers, closure
+class Sweep:
+    """The equations of some wave numbers, solved on panel after panel upwards.
+
+    Parameters
+    ----------
+    law : the collision law
+    wave_numbers : K, shape (n_k,)
+    rule : the collocation
+    start : X where the panels begin
+    top : the last harmonic, even
+    """
+
+    def __init__(
+        self,
+        law: CollisionLaw,
+        wave_numbers: FloatArray,
+        rule: PanelRule,
+        start: float,
+        top: int,
+    ) -> None:
+        self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
+        self.start, self.top = start, top
+        q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
+        self._factor = np.stack([q.harmonic(m) for m in range(top + 1)])
+        lost = np.stack([q.harmonic_loss(m) for m in range(top + 1)])
+        shifts = PanelShifts(rule, q.log_loss)
+        self._loss, self._gain = shifts.kernel(q.weight, self._factor, lost)
+
+    def run(self, count: int, tolerance: float, kept: int) -> Waves:
+        """Up to ``count`` panels, each with as many harmonics as count there."""
+        n, size, local = self.rule.nodes, self.wave_numbers.size, self.rule.local * self.rule.width
+        gain, recent = self._near_gain(tolerance)
+        reach = gain.shape[2] // n
+        series = self._coefficients()
+        # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
+        table = np.zeros((reach + count, self.top + 1, n, size))
+        table[:reach] = self._below(series, reach)
+        largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
+        known = _sum(series, np.exp(np.array([self.start])))[0]
+        done, ended = count, False
+        used, left_out, systems = 0, 0.0, 0
+        for j in range(count):
+            rate = np.exp(self.start + j * self.rule.width + local)
+            used = self._panel_harmonics(known, used, rate, tolerance, kept)
+            drive = np.zeros((used + 1, n, size))
+            if reach:
+                below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
+                below = below.reshape(used + 1, reach * n, size)
+                drive = rate[:, None] * (gain[: used + 1] @ below)
+            found = self._solve_panel(rate, drive, known[: used + 1])
+            systems += (used + 1) * size
+            table[reach + j, : used + 1] = found
+            known = table[reach + j, :, -1]
+            # what the highest harmonic misses goes back to m = 0 as weakened as it came
+            miss = float(np.abs(found[used]).max())
+            left_out = max(left_out, miss if kept else miss**2)
+            largest[reach + j] = np.abs(found).max()
+            # nothing that follows is larger than the mean over what collisions lead to it from
+            if recent @ largest[reach + j + 1 - recent.size : reach + j + 1] < _NOTHING * tolerance:
+                done, ended = j + 1, True
+                break
+        values = table[reach : reach + done, : kept + 1].copy()
+        return Waves(
+            self.wave_numbers,
+            self.rule,
+            self.start,
+            values,
+            series[:, : kept + 1].copy(),
+            ended,
+            self._last_coefficient(values) + left_out,
+            systems,
         )
-        systems += (used + 1) * size
-        table[reach + j, : used + 1] = found
-        known = table[reach + j, :, -1]
-        # what the highest harmonic misses goes back to m = 0 as weakened as it came
-        miss = float(np.abs(found[used]).max())
-        left_out = max(left_out, miss if kept else miss**2)
-        largest[reach + j] = np.abs(found).max()
-        # nothing that follows is larger than the mean over what is collided out of
-        if recent @ largest[reach + j + 1 - recent.size : reach + j + 1] < _NOTHING * tolerance:
-            done, ended = j + 1, True
-            break
-    values = table[reach : reach + done]
-    last, before_last = rule.last_coefficients(np.moveaxis(values[:, : kept + 1], 2, 3))
-    fall = np.minimum(1.0, (last + 1e-17) / (before_last + 1e-17))
-    chebyshev = float((last * np.sqrt(fall)).max())
-    return Waves(
-        wave_numbers,
-        rule,
-        start,
-        values[:, : kept + 1].copy(),
-        series[:, : kept + 1].copy(),
-        ended,
-        chebyshev + left_out,
-        systems,
-    )
 
+    def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
+        """The gain from the panels that matter, and the shares of the collisions out of each.
 
-def _even(m: int) -> int:
-    return m + m % 2
+        Next to nothing comes from farther down, where e is about 0.
+        """
+        recent = _shares(self.law, self.rule.width, self._gain.shape[2] // self.rule.nodes)
+        far = np.count_nonzero(np.cumsum(recent) < _FAR * tolerance)
+        return self._gain[:, :, far * self.rule.nodes :], recent[far:]
 
+    def _coefficients(self) -> FloatArray:
+        """Of T^j in a_m, shape (terms, top + 1, n_k)."""
+        q = self.law.quadrature_for(float(_TERMS), self.top)
+        cosine = np.stack([q.harmonic(m) for m in range(self.top + 1)]) * q.weight
+        loss = 1.0 - cosine @ np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+        loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
+        out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
+        out[0, 0] = 1.0
+        for j in range(_TERMS):
+            a = out[j]
+            coupled = np.zeros_like(a)
+            coupled[1:] += a[:-1]
+            coupled[:-1] -= a[1:]
+            coupled[0] -= a[1]
+            out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
+        return out
 
-def _last_above(known: FloatArray, least: float) -> int:
-    """The last m whose a_m (m, n_k) is above."""
-    return int(np.flatnonzero(np.abs(known).max(axis=1) > least).max(initial=0))
+    def _below(self, series: FloatArray, reach: int) -> FloatArray:
+        """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
+        below = (np.arange(reach) - reach)[:, None] * self.rule.width
+        x = self.start + below + self.rule.local * self.rule.width
+        found = _sum(series, np.exp(x.ravel()))
+        return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
+
+    def _panel_harmonics(
+        self, known: FloatArray, used: int, rate: FloatArray, tolerance: float, kept: int
+    ) -> int:
+        """The last harmonic of a panel that begins with a_m = known (m, n_k): even.
+
+        used : that of the panel below; rate : T at the nodes
+        """
+        size = np.abs(known).max(axis=1)
+
+        def last_above(least: float) -> int:
+            return int(np.flatnonzero(size > least).max(initial=0))
+
+        # what comes back to m = 0 is the square at most; those that are kept matter themselves
+        rising = 0.1 * tolerance if kept else tolerance**_RISING
+        flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
+        more = _MORE + int(min(_MOST_MORE, flights))
+        needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
+        return min(self.top, _even(needed))
+
+    def _solve_panel(self, rate: FloatArray, drive: FloatArray, known: FloatArray) -> FloatArray:
+        """One panel: block elimination from both ends to the middle; shape (m, nodes, n_k).
+
+        rate : T at the nodes; drive : the gain from below, shape (m, nodes, n_k); known : a_m at
+        the first node, shape (m, n_k). The number of harmonics is odd.
+        """
+        count, wave_numbers = drive.shape[0], self.wave_numbers
+        n, size, pairs = self.rule.nodes - 1, wave_numbers.size, (count - 1) // 2
+        # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
+        closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
+        rate = rate[1:]
+        scale = 1.0 / np.maximum(1.0, rate)
+        turn = (0.5 * rate * scale * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
+        turn = np.concatenate([turn, -turn])
+        blocks: FloatArray = (
+            self.rule.derivative[1:] * scale[:, None]
+            + (rate * scale)[:, None] * self._loss[:count, 1:]
+        )
+        right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
+        right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)
+        blocks = blocks[:, None, :, 1:]
+        # from above a_m = part[0] (a_(m-1), 1), from below a_m = part[1] (a_(m+1), 1)
+        diagonal = np.arange(n)
+        both = np.zeros((2, size, n, n + 1))
+        both[:, :, diagonal, diagonal] = turn[..., 0]
+        both[1, :, diagonal, diagonal] *= 2.0
+        parts = np.zeros((pairs + 1, 2, size, n, n + 1))
+        parts[0, 0, :, diagonal, diagonal] = closure
+        for i in range(pairs):
+            ends = [-1 - i, i]
+            added = turn * parts[i]
+            both[..., n] = right[ends] - added[..., n]
+            parts[i + 1] = np.linalg.solve(blocks[ends] + added[..., :n], both)
+            if i == 0:  # a_1 stands for a_(-1) too
+                both[1, :, diagonal, diagonal] *= 0.5
+        added = (turn * parts[pairs]).sum(axis=0)
+        middle = (right[pairs] - added[..., n])[..., None]
+        a = np.linalg.solve(blocks[pairs] + added[..., :n], middle)
+        found = np.empty((count, size, n + 1))
+        found[:, :, 0] = known
+        found[pairs, :, 1:] = a[..., 0]
+        for i in range(pairs - 1, -1, -1):
+            a = parts[i + 1, ..., :n] @ a + parts[i + 1, ..., n:]
+            found[[-1 - i, i], :, 1:] = a[..., 0]
+        return np.moveaxis(found, 1, 2)
+
+    def _last_coefficient(self, values: FloatArray) -> float:
+        """What the Chebyshev coefficients of the panels leave out, by their last two."""
+        last, before = self.rule.last_coefficients(np.moveaxis(values, 2, 3))
+        fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
+        return float((last * np.sqrt(fall)).max())
 
 
 def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
@@ -255,56 +342,7 @@ def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
         return np.ones(1)
     with np.errstate(under="ignore"):
         ratio = np.exp(-width * np.arange(reach + 1))
-    # of the impact parameters up to y, collisions lose more than s(y)
+    # collisions with impact parameters up to y leave the speed ratio below s(y)
     impact = np.sqrt(np.maximum(0.0, ratio**2 - e * e) / (1.0 - e * e))
     impact[-1] = 0.0
     return -np.diff(impact)[::-1]
-
-
-def _panel(
-    rule: PanelRule,
-    loss: FloatArray,
-    rate: FloatArray,
-    drive: FloatArray,
-    known: FloatArray,
-    wave_numbers: FloatArray,
-    closure: FloatArray,
-) -> FloatArray:
-    """One panel: block elimination from both ends to the middle; shape (m, nodes, n_k).
-
-    The number of harmonics is odd. The first node is known, the others are solved for.
-    """
-    n, size, pairs = rule.nodes - 1, wave_numbers.size, (drive.shape[0] - 1) // 2
-    rate = rate[1:]
-    scale = 1.0 / np.maximum(1.0, rate)
-    turn = (0.5 * rate * scale * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
-    turn = np.concatenate([turn, -turn])
-    blocks: FloatArray = (
-        rule.derivative[1:] * scale[:, None] + (rate * scale)[:, None] * loss[:, 1:]
-    )
-    right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
-    right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)
-    blocks = blocks[:, None, :, 1:]
-    # from above a_m = part[0] (a_(m-1), 1), from below a_m = part[1] (a_(m+1), 1)
-    diagonal = np.arange(n)
-    both = np.zeros((2, size, n, n + 1))
-    both[:, :, diagonal, diagonal] = turn[..., 0]
-    both[1, :, diagonal, diagonal] *= 2.0
-    parts = np.zeros((pairs + 1, 2, size, n, n + 1))
-    parts[0, 0, :, diagonal, diagonal] = closure
-    for i in range(pairs):
-        ends = [-1 - i, i]
-        added = turn * parts[i]
-        both[..., n] = right[ends] - added[..., n]
-        parts[i + 1] = np.linalg.solve(blocks[ends] + added[..., :n], both)
-        if i == 0:  # a_1 stands for a_(-1) too
-            both[1, :, diagonal, diagonal] *= 0.5
-    added = (turn * parts[pairs]).sum(axis=0)
-    a = np.linalg.solve(blocks[pairs] + added[..., :n], (right[pairs] - added[..., n])[..., None])
-    found = np.empty((2 * pairs + 1, size, n + 1))
-    found[:, :, 0] = known
-    found[pairs, :, 1:] = a[..., 0]
-    for i in range(pairs - 1, -1, -1):
-        a = parts[i + 1, ..., :n] @ a + parts[i + 1, ..., n:]
-        found[[-1 - i, i], :, 1:] = a[..., 0]
-    return np.moveaxis(found, 1, 2)

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, check_restitution, short
 from kinetics.numerics.gauss import equal_panels
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -53,7 +54,7 @@ class _Line(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ScalingSolution:
+class ScalingSolution(Value):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
     Parameters

@@ -1,12 +1,13 @@
 r"""The scaled VDF below its bulk, by positive recursion downwards in speed.
 
-What drifts up past x was all lost past x from above:
+The density g of x = ln(kappa v t/l) drifts upwards; the flux that passes x is what collisions have
+brought below x from above:
 
     g(x) = e^x/kappa E[ (s^2 - e^2)/s^3 g(x + xi) ],     xi = -ln s,
 
-every term of one sign, and e^x small: g below is got from g above to rounding relative to itself,
-through hundreds of orders of magnitude. (The weight is the derivative of the flux: s^2 - e^2 over
-s^2 turns the average over the impact parameter into the integral of P(xi > u) over u.)
+All terms are positive and e^x is small, so that g below follows from g above with a rounding error
+relative to g itself, over hundreds of orders of magnitude. (The weight comes from the flux:
+(s^2 - e^2)/s^2 turns the average over the impact parameter into the integral of P(xi > u) over u.)
 """
 
 from __future__ import annotations
@@ -18,22 +19,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import FirstKind
 
 FloatArray = NDArray[np.float64]
 
-_WIDTH = 1.0  # of a panel in x; ln g is nearly quadratic over it
-_LEAST_NODES, _MOST_NODES = 6, 16  # 2 digits less than nodes (measured)
-_SWEEPS = 20
-_STEEPEST = 60.0  # slopes of ln g that the averages resolve: reached near ln g = -700 at e = 0.5
+# Nodes of a panel beyond the digits asked for, and the range of both together: measured again by
+# tests/kinetics/measurements/scaling.py.
+_MORE_NODES = 2
+_LEAST_NODES, _MOST_NODES = 6, 16
+_SWEEPS = 20  # of Newton's method, whose error is squared by each: never reached
+_DEEPEST = 700.0  # -ln g, where numbers end
 
 
 class LowSpeeds:
-    """Log g(x) for x below ``top``, on Chebyshev panels made downwards as they are asked for.
+    """ln g(x) for x below ``top``, on Chebyshev panels of length 1, made downwards when needed.
 
     Parameters
     ----------
-    law : the collision law, 0 <= e < 1
+    law : the collision law, 0 < e < 1
     top : where the recursion starts; e^top/kappa must be well below 1
     known : ln g above top, x (n,) -> (n,)
     rtol : accuracy relative to g
@@ -50,47 +53,40 @@ class LowSpeeds:
         self.top = top
         # the error left by Newton's method is the square of its last step
         self._last_step = 0.1 * math.sqrt(rtol)
-        nodes = 2 + math.ceil(-math.log10(rtol))
-        self._nodes = min(_MOST_NODES, max(_LEAST_NODES, nodes))
-        quadrature = law.quadrature_for(_STEEPEST)
+        nodes = _MORE_NODES + math.ceil(-math.log10(rtol))
+        self._rule = FirstKind(min(_MOST_NODES, max(_LEAST_NODES, nodes)))
+        # ln g falls as -x^2/(2 |ln e|): its slope is at most that at its end, and g rises as e^x
+        steepest = 1.0 + math.sqrt(2.0 * _DEEPEST / -math.log(law.restitution))
+        quadrature = law.quadrature_for(steepest)
         self._xi = quadrature.log_loss
         weight = quadrature.weight * (quadrature.ratio**2 - law.restitution**2)
         with np.errstate(divide="ignore"):
             log_weight = np.log(np.maximum(weight, 0.0)) - 3.0 * np.log(quadrature.ratio)
         self._log_weight = log_weight - math.log(law.mean_log_loss)
-        theta = (np.arange(self._nodes) + 0.5) * math.pi / self._nodes
-        self._local = 0.5 * (1.0 - np.cos(theta))  # rising in (0, 1)
-        self._barycentric: FloatArray = np.asarray(
-            (-1.0) ** np.arange(self._nodes) * np.sin(theta), float
-        )
         reach = float(self._xi.max())
-        # panel k covers [top - (k+1) width, top - k width]; negative k is above top
-        self._above = max(3, math.ceil(reach / _WIDTH) + 1)
-        x = top + (np.arange(self._above)[:, None] + self._local) * _WIDTH
+        # panel k covers [top - k - 1, top - k]; negative k is above top
+        self._above = max(3, math.ceil(reach) + 1)
+        x = top + np.arange(self._above)[:, None] + self._rule.local
         self._panels = list(known(x.ravel()).reshape(x.shape)[::-1])
         self._prepare()
 
-    def _interpolation(self, local: FloatArray) -> FloatArray:
-        """Rows of barycentric interpolation at local coordinates (n,): (n, nodes)."""
-        return interpolation_rows(local[:, None] - self._local, self._barycentric)
-
     def _prepare(self) -> None:
         """Where each point x_i + xi_k of a panel falls: the same for every panel."""
-        local = (self._local[:, None] + self._xi / _WIDTH).ravel()
+        local = (self._rule.local[:, None] + self._xi).ravel()
         panel = np.floor(local).astype(int)
-        rows = self._interpolation(local - panel)
+        rows = self._rule.rows(local - panel)
         self._inside = panel == 0
         self._rows_inside = rows[self._inside]
         self._rows_newton = np.where(self._inside[:, None], rows, 0.0).reshape(
-            self._nodes, -1, self._nodes
+            self._rule.nodes, -1, self._rule.nodes
         )
         self._outside = [(m, panel == m) for m in range(1, int(panel.max()) + 1)]
         self._rows_outside = [rows[mask] for _, mask in self._outside]
 
     def _add_panel(self) -> None:
         """One panel further down."""
-        x = self.bottom - _WIDTH + self._local * _WIDTH
-        terms = np.empty(self._nodes * self._xi.size)
+        x = self.bottom - 1.0 + self._rule.local
+        terms = np.empty(self._rule.nodes * self._xi.size)
         for (m, mask), rows in zip(self._outside, self._rows_outside, strict=True):
             terms[mask] = rows @ self._panels[-m]
         # what lies in the panel itself is not known yet, and weighs e^x: continue from above
@@ -98,7 +94,7 @@ class LowSpeeds:
         values = 3.0 * (first - second) + third
         for _ in range(_SWEEPS):
             terms[self._inside] = self._rows_inside @ values
-            log_terms = terms.reshape(self._nodes, -1) + self._log_weight
+            log_terms = terms.reshape(self._rule.nodes, -1) + self._log_weight
             largest = log_terms.max(axis=1, keepdims=True)
             share = np.exp(log_terms - largest)
             total = share.sum(axis=1, keepdims=True)
@@ -106,7 +102,7 @@ class LowSpeeds:
             # Newton: the shares of the terms are the derivatives by what they are made of
             share /= total
             slope = (share[:, None, :] @ self._rows_newton)[:, 0, :]
-            step = np.linalg.solve(np.eye(self._nodes) - slope, residual)
+            step = np.linalg.solve(np.eye(self._rule.nodes) - slope, residual)
             values = values + step
             if float(np.abs(step).max()) < self._last_step:
                 break
@@ -115,11 +111,11 @@ class LowSpeeds:
     @property
     def bottom(self) -> float:
         """Lowest x reached so far."""
-        return self.top - (len(self._panels) - self._above) * _WIDTH
+        return self.top - (len(self._panels) - self._above)
 
     @property
     def log_at_bottom(self) -> float:
-        """Log g at the lowest node."""
+        """ln g at the lowest node."""
         return float(self._panels[-1][0])
 
     def extend(self, x: float) -> None:
@@ -128,10 +124,10 @@ class LowSpeeds:
             self._add_panel()
 
     def log_density(self, x: FloatArray) -> FloatArray:
-        """Log g(x), x (n,) with bottom <= x <= top."""
-        level = (self.top - x) / _WIDTH
+        """ln g(x), x (n,) with bottom <= x <= top."""
+        level = self.top - x
         index = np.minimum(np.floor(level).astype(int), len(self._panels) - self._above - 1)
         index = np.maximum(index, 0)
         local = index + 1 - level
         table = np.array(self._panels)[self._above + index]
-        return np.asarray(np.sum(self._interpolation(local) * table, axis=1))
+        return np.asarray(np.sum(self._rule.rows(local) * table, axis=1))

@@ -1,5 +1,7 @@
-"""Initial states: the contract of a State, isotropic and directed ones, and their quadrature.
+"""Initial states: what a scene starts from, as weighted points on the axis of ln v.
 
-A state gives weighted points on the axis of ln v for each angular harmonic. May import
-`kinetics.numerics` and the checks. Begin with `isotropic.py`, the class State.
+May import `kinetics.numerics`, `kinetics.values` and `kinetics.errors`. Begin with `state.py`: it
+says what an initial state must provide. `isotropic.py` and `directed.py` hold the states of the
+package, `quadrature.py` the rules by which they become points, `checks.py` what their arguments
+must be.
 """

@@ -5,25 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, short
-from kinetics.states import quadrature as measure
-from kinetics.states.isotropic import (
-    Profile,
-    SpeedDensity,
-    State,
-    as_state,
-    check_norm,
-    not_negative,
-    rising,
-)
+from kinetics.states import quadrature
+from kinetics.states.checks import check_norm, finite_array, not_negative, rising_speeds
+from kinetics.states.isotropic import SpeedDensity, as_state
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
+
+_ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
 
 @dataclass(frozen=True)
@@ -43,17 +40,12 @@ class VelocitySamples(State):
     highest_harmonic = None
 
     def __post_init__(self) -> None:
-        try:
-            v = np.asarray(self.velocity, dtype=float)
-        except (TypeError, ValueError):
-            v = np.empty(0)
-        if v.ndim != 2 or v.shape[1] != 2 or v.shape[0] == 0 or not np.all(np.isfinite(v)):
-            raise InputError(
-                f"velocity: got {short(self.velocity)}; it must be finite, of shape (n, 2)"
-            )
+        v = finite_array("velocity", self.velocity, "of shape (n, 2)", dimensions=2)
+        if v.shape[0] == 0 or v.shape[1] != 2:
+            raise InputError(f"velocity: got shape {v.shape}; it must be of shape (n, 2), n >= 1")
         if np.any(np.hypot(v[:, 0], v[:, 1]) == 0.0):
             raise InputError("velocity: got a velocity of 0; a tracer at rest never collides")
-        object.__setattr__(self, "velocity", v)
+        self.store(velocity=v)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
@@ -62,11 +54,11 @@ class VelocitySamples(State):
         v = np.asarray(self.velocity)
         x = np.log(np.hypot(v[:, 0], v[:, 1]))
         phase = np.exp(-1j * m * np.arctan2(v[:, 1], v[:, 0])) if m else np.ones(x.size)
-        return measure.samples(x, phase / x.size)
+        return quadrature.samples(x, phase / x.size)
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """The speed of every sample."""
+        """Every sample is a peak."""
         v = np.asarray(self.velocity)
         return np.hypot(v[:, 0], v[:, 1]), np.full(v.shape[0], 1.0 / v.shape[0])
 
@@ -91,41 +83,41 @@ class Beam(State):
             raise InputError(f"speeds: got {short(self.speeds)}; it must be an isotropic state")
         if not isinstance(self.direction, int | float) or not math.isfinite(self.direction):
             raise InputError(f"direction: got {short(self.direction)}; it must be a finite angle")
-        object.__setattr__(self, "speeds", speeds)
+        self.store(speeds=speeds, direction=float(self.direction))
 
     @property
     def smooth(self) -> bool:  # type: ignore[override]
-        """Whether the speeds are."""
+        """Whether the speed density of the beam is smooth."""
         return bool(self.speeds.smooth)
 
     @property
     def lowest_moment(self) -> float:  # type: ignore[override]
-        """That of the speeds."""
+        """The speeds alone decide which <v^p> exist."""
         return float(self.speeds.lowest_moment)
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray] | None:
-        """Those of the speeds."""
+        """The delta peaks of the speeds."""
         found: tuple[FloatArray, FloatArray] | None = self.speeds.peaks
         return found
 
     @property
     def kinks(self) -> FloatArray:
-        """Those of the speeds."""
+        """Where the speed density of the beam is not smooth."""
         return np.asarray(self.speeds.kinks)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
-        """The speeds with the weight exp(-i m phi_0)."""
+        """The points of the speeds, with their weights times exp(-i m phi_0)."""
         found = self.speeds.harmonic(0, rtol, lowest, highest)
         if m == 0:
             return found
         return LogMeasure(found.x, found.weight * np.exp(-1j * m * self.direction))
 
-    def profile(self, m: int) -> Profile | None:
-        """That of the speeds, turned."""
-        profile = self.speeds.profile(0)
+    def profile(self, m: int) -> SpeedFunction | None:
+        """The speed density times exp(-i m phi_0)."""
+        profile: SpeedFunction | None = self.speeds.profile(0)
         if profile is None or m == 0:
             return profile
         turn = np.exp(-1j * m * self.direction)
@@ -160,6 +152,7 @@ class AngularHarmonics(State):
             raise InputError(
                 f"terms: got orders {short(orders)}; whole m >= 0, and m = 0 is needed"
             )
+        self.store(terms=dict(self.terms))
 
     @property
     def highest_harmonic(self) -> int | None:  # type: ignore[override]
@@ -169,16 +162,19 @@ class AngularHarmonics(State):
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
-        """Adaptive Gauss panels in ln v."""
+        """Adaptive Gauss panels in ln v; None for a term that is zero everywhere."""
         if m == 0:
             return SpeedDensity(self.terms[0]).harmonic(0, rtol, lowest, highest)
-        return measure.function(self.terms[m], rtol, lowest, highest) if m in self.terms else None
+        return (
+            quadrature.function(self.terms[m], rtol, lowest, highest) if m in self.terms else None
+        )
 
-    def profile(self, m: int) -> Profile | None:
+    def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
         if m not in self.terms:
             return None
-        return lambda v: measure.evaluate_density(self.terms[m], v)
+        term = self.terms[m]
+        return lambda v: quadrature.evaluate_density(term, v)
 
 
 @dataclass(frozen=True)
@@ -200,63 +196,65 @@ class PolarGrid(State):
     values: ArrayLike
 
     def __post_init__(self) -> None:
-        v = rising(self.speed)
-        allowed = f"it must be finite, of shape ({v.size}, n_phi)"
-        try:
-            f = np.asarray(self.values, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError(f"values: got {short(self.values)}; {allowed}") from None
-        if f.ndim != 2 or f.shape[0] != v.size or f.shape[1] < 1 or not np.all(np.isfinite(f)):
-            raise InputError(f"values: got shape {f.shape}, or not finite; {allowed}")
+        v = rising_speeds(self.speed)
+        f = finite_array("values", self.values, f"of shape ({v.size}, n_phi)", dimensions=2)
+        if f.shape[0] != v.size or f.shape[1] < 1:
+            raise InputError(f"values: got shape {f.shape}; it must be ({v.size}, n_phi)")
         not_negative(f, "values")
-        spectrum = np.fft.fft(f, axis=1) * (2.0 * math.pi / f.shape[1]) * v[:, None]
-        radial = spectrum[:, 0].real
-        total = check_norm(float(np.sum(0.5 * (radial[1:] + radial[:-1]) * np.diff(v))), "values")
-        object.__setattr__(self, "speed", v)
-        object.__setattr__(self, "values", spectrum / total)
+        self.store(speed=v, values=f)
+        check_norm(self._integral, "values")
+
+    @cached_property
+    def _unscaled(self) -> NDArray[Any]:
+        """f_m of the values as they were given, at the speeds of the grid: shape (n_v, n_phi)."""
+        v, f = np.asarray(self.speed), np.asarray(self.values)
+        found = np.fft.fft(f, axis=1) * (2.0 * math.pi / f.shape[1]) * v[:, None]
+        found.flags.writeable = False
+        return np.asarray(found)
+
+    @cached_property
+    def _integral(self) -> float:
+        radial = self._unscaled[:, 0].real
+        return float(np.sum(0.5 * (radial[1:] + radial[:-1]) * np.diff(self.speed)))
 
     @property
     def highest_harmonic(self) -> int | None:  # type: ignore[override]
-        """What the angles resolve."""
+        """The highest m that so many angles resolve."""
         return (np.asarray(self.values).shape[1] - 1) // 2
 
     @property
     def lowest_moment(self) -> float:  # type: ignore[override]
-        """From the first piece, if that begins at speed 0."""
-        if np.asarray(self.speed)[0] > 0.0:
-            return -math.inf
-        # the columns hold v f, which is 0 at v = 0
-        return -2.0
+        """The first piece decides, if it begins at speed 0: v f rises there in proportion to v."""
+        return -math.inf if np.asarray(self.speed)[0] > 0.0 else -2.0
 
-    def _of_order(self, m: int) -> NDArray[Any] | None:
+    def _harmonic_values(self, m: int) -> NDArray[Any] | None:
+        """f_m at the speeds of the grid, shape (n_v,); None where it is zero to rounding."""
         highest = self.highest_harmonic
         assert highest is not None
         if m > highest:
             return None
-        column = np.asarray(self.values)[:, m]
-        return np.asarray(column.real) if m == 0 else column
+        values = self._unscaled[:, m] / self._integral
+        if m == 0:
+            return np.asarray(values.real)
+        largest = float(np.abs(self._unscaled[:, 0]).max()) / self._integral
+        return None if float(np.abs(values).max()) < _ZERO * largest else values
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """Gauss points on the linear pieces."""
-        column = self._of_order(m)
-        return None if column is None else measure.table(np.asarray(self.speed), column)
+        values = self._harmonic_values(m)
+        if values is None:
+            return None
+        return quadrature.table(np.asarray(self.speed), values, 0.1 * rtol, lowest)
 
-    def profile(self, m: int) -> Profile | None:
+    def profile(self, m: int) -> SpeedFunction | None:
         """Linear interpolation."""
-        column = self._of_order(m)
-        if column is None:
+        values = self._harmonic_values(m)
+        if values is None:
             return None
         speed = np.asarray(self.speed)
-
-        def value(v: FloatArray) -> NDArray[Any]:
-            real = np.interp(v, speed, column.real, left=0.0, right=0.0)
-            if not np.iscomplexobj(column):
-                return np.asarray(real)
-            return np.asarray(real + 1j * np.interp(v, speed, column.imag, left=0.0, right=0.0))
-
-        return value
+        return lambda v: quadrature.interpolate(v, speed, values)
 
     @property
     def kinks(self) -> FloatArray:

@@ -1,12 +1,6 @@
-"""Initial states: what a Scene may start from. Directed ones are in `directed.py`.
+"""Isotropic initial states, and the Gaussian with two temperatures.
 
-A state answers two questions. ``harmonic(m, ...)`` gives the angular harmonic
-
-    f_m(v) = integral of exp(-i m phi) v f(v, phi) over phi
-
-as weighted points (:mod:`kinetics.states.quadrature`); f_0 is the speed density. ``profile(m)``
-gives it as a function of v where it is one, for the solvers that need one; None where it is
-singular.
+Directed ones are in `directed.py`; what a state must provide is said in `state.py`.
 """
 
 from __future__ import annotations
@@ -20,52 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, check_positive, short
-from kinetics.states import quadrature as measure
+from kinetics.states import quadrature
+from kinetics.states.checks import check_norm, finite_array, not_negative, rising_speeds
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
-Profile = Callable[[FloatArray], NDArray[Any]]
 
-_FAR_BESSEL = 3e4  # root of q from which exp(-q) I(q) is its asymptotic series
-_NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
-
-
-class State:
-    """An initial state.
-
-    Attributes
-    ----------
-    highest_harmonic : largest m that is not zero; None where they do not end
-    smooth : whether its densities are smooth in ln v
-    lowest_moment : <v^p> exists for p above it
-    """
-
-    highest_harmonic: int | None = 0
-    smooth: bool = False
-    lowest_moment: float = -math.inf
-
-    @property
-    def peaks(self) -> tuple[FloatArray, FloatArray] | None:
-        """Speeds of delta peaks and their shares, (n,) each; None for densities."""
-        return None
-
-    @property
-    def kinks(self) -> FloatArray:
-        """Speeds where the density is not smooth, (n,)."""
-        return np.empty(0)
-
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """f_m as weighted points that give averages to about rtol; None where it is zero.
-
-        ``lowest`` and ``highest`` are the powers of the speed that will be averaged.
-        """
-        raise NotImplementedError
-
-    def profile(self, m: int) -> Profile | None:
-        """f_m as a function of v/U; None where it is no function (delta peaks, samples)."""
-        return None
+# square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it
+# leave 1/q^3 = 1e-27
+_FAR_BESSEL = 3e4
+_NORM_RTOL = 1e-7  # a tenth of what the norm of a density may be off: the quadrature is not seen
 
 
 @dataclass(frozen=True)
@@ -86,8 +45,8 @@ class Gaussian(State):
     deviation_y: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "deviation_x", check_positive("deviation_x", self.deviation_x))
-        object.__setattr__(self, "deviation_y", check_positive("deviation_y", self.deviation_y))
+        for name in ("deviation_x", "deviation_y"):
+            self.store(**{name: check_positive(name, getattr(self, name))})
 
     smooth = True
     lowest_moment = -2.0
@@ -103,7 +62,7 @@ class Gaussian(State):
 
     @property
     def _ratio(self) -> float:
-        """Of the wider deviation to the other."""
+        """The wider deviation over the other."""
         return self._wide / min(self.deviation_x, self.deviation_y)
 
     def _factor(self, m: int) -> Callable[[Any], Any] | None:
@@ -141,9 +100,9 @@ class Gaussian(State):
         if (m and self.highest_harmonic == 0) or m % 2:
             return None
         factor = self._factor(m)
-        return measure.gaussian(rtol, lowest, highest, self._wide, factor, self._ratio)
+        return quadrature.gaussian(rtol, lowest, highest, self._wide, factor, self._ratio)
 
-    def profile(self, m: int) -> Profile | None:
+    def profile(self, m: int) -> SpeedFunction | None:
         """v exp(-v^2/2 D^2)/D^2 times the Bessel factor."""
         m = abs(m)
         if (m and self.highest_harmonic == 0) or m % 2:
@@ -166,7 +125,7 @@ class Monoenergetic(State):
     speed: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "speed", check_positive("speed", self.speed))
+        self.store(speed=check_positive("speed", self.speed))
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
@@ -176,7 +135,7 @@ class Monoenergetic(State):
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """One."""
+        """One peak, which holds all tracers."""
         return np.array([self.speed]), np.ones(1)
 
 
@@ -198,14 +157,13 @@ class SpeedTable(State):
     density: ArrayLike
 
     def __post_init__(self) -> None:
-        v = rising(self.speed)
-        f = column("density", self.density)
+        v = rising_speeds(self.speed)
+        f = finite_array("density", self.density)
         if v.size != f.size:
             raise InputError(f"density: got {f.size} values for {v.size} speeds")
         not_negative(f)
         total = check_norm(float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))))
-        object.__setattr__(self, "speed", v)
-        object.__setattr__(self, "density", f / total)
+        self.store(speed=v, density=f / total)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
@@ -214,24 +172,24 @@ class SpeedTable(State):
         if m:
             return None
         speed, density = np.asarray(self.speed), np.asarray(self.density)
-        found = measure.table(speed, density, 0.1 * rtol, lowest)
+        found = quadrature.table(speed, density, 0.1 * rtol, lowest)
         # knots that are close lose digits in ln v
         return LogMeasure(found.x, found.weight / found.weight.sum())
 
     @property
     def lowest_moment(self) -> float:  # type: ignore[override]
-        """From the first piece, if that begins at speed 0."""
+        """The first piece decides, if it begins at speed 0."""
         speed, density = np.asarray(self.speed), np.asarray(self.density)
         if speed[0] > 0.0:
             return -math.inf
         return -1.0 if density[0] > 0.0 else -2.0
 
-    def profile(self, m: int) -> Profile | None:
+    def profile(self, m: int) -> SpeedFunction | None:
         """Linear interpolation."""
         if m:
             return None
         speed, values = np.asarray(self.speed), np.asarray(self.density)
-        return lambda v: np.asarray(np.interp(v, speed, values, left=0.0, right=0.0))
+        return lambda v: quadrature.interpolate(v, speed, values)
 
     @property
     def kinks(self) -> FloatArray:
@@ -255,10 +213,10 @@ class SpeedSamples(State):
     speed: ArrayLike
 
     def __post_init__(self) -> None:
-        v = column("speed", self.speed)
+        v = finite_array("speed", self.speed)
         if v.size == 0 or np.any(v <= 0.0):
             raise InputError(f"speed: got {short(self.speed)}; samples must be above 0, at least 1")
-        object.__setattr__(self, "speed", v)
+        self.store(speed=v)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
@@ -267,11 +225,11 @@ class SpeedSamples(State):
         if m:
             return None
         x = np.log(np.asarray(self.speed))
-        return measure.samples(x, np.full(x.size, 1.0 / x.size))
+        return quadrature.samples(x, np.full(x.size, 1.0 / x.size))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Every sample."""
+        """Every sample is a peak."""
         speed = np.asarray(self.speed)
         return speed, np.full(speed.size, 1.0 / speed.size)
 
@@ -295,15 +253,17 @@ class SpeedDensity(State):
         """Adaptive Gauss panels in ln v."""
         if m:
             return None
-        found = measure.function(self.function, min(rtol, 1e-7), lowest, highest)
+        found = quadrature.function(self.function, min(rtol, _NORM_RTOL), lowest, highest)
+        if found is None:
+            raise InputError(quadrature.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
             raise InputError("initial: the speed density is complex; it must be real")
         not_negative(found.weight)
         return LogMeasure(found.x, found.weight / check_norm(float(found.weight.sum())))
 
-    def profile(self, m: int) -> Profile | None:
+    def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        return None if m else lambda v: measure.evaluate_density(self.function, v)
+        return None if m else lambda v: quadrature.evaluate_density(self.function, v)
 
 
 NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic()}
@@ -321,41 +281,3 @@ def as_state(initial: Any, name: str = "initial") -> State:
         f"{name}: got {short(initial)}; it must be one of {', '.join(NAMED)}, a function of v "
         "or a state (SpeedTable, SpeedSamples, Beam, ...)"
     )
-
-
-def column(name: str, values: ArrayLike) -> FloatArray:
-    """A finite 1-dimensional float array; InputError that names it otherwise."""
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c":
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: got {short(values)}; it must be an array of numbers") from None
-    if array.ndim != 1 or not np.all(np.isfinite(array)):
-        raise InputError(f"{name}: got {short(values)}; it must be 1-dimensional and finite")
-    return array
-
-
-def rising(speed: ArrayLike) -> FloatArray:
-    """Speeds that rise from 0 or more, at least two; InputError otherwise."""
-    v = column("speed", speed)
-    if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
-        raise InputError(f"speed: got {short(speed)}; it must rise, from 0 or more, 2 at least")
-    return v
-
-
-def not_negative(f: NDArray[Any], name: str = "density") -> None:
-    """InputError where a density is negative."""
-    if f.size and float(f.min()) < 0.0:
-        raise InputError(f"{name}: got a value of {f.min():.3g}; it must not be negative")
-
-
-def check_norm(total: float, name: str = "density") -> float:
-    """The norm if it is 1 within 1e-6; InputError otherwise."""
-    if not abs(total - 1.0) < _NORM:
-        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
-        raise InputError(
-            f"{name}: its integral over the velocities is {total:.6g}; it must be 1{narrow}"
-        )
-    return total

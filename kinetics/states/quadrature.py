@@ -18,20 +18,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError
-from kinetics.numerics.barycentric import interpolation_rows
+from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 
-_MOST_POINTS = 400  # samples up to this number are kept as they are
-_CLOSE = 512  # points of a panel of the scan where narrow peaks are looked for
-_LOWEST = -700.0  # ln v
-_FAR = 60.0  # e-folds above the bulk
-_MOST_PIECES = 5000  # of an integral that go on being halved
+# Samples: as many as this are kept as they are, because the grid of more has about so many points.
+_MOST_POINTS = 400
+# Interpolation by 12 points of spacing h leaves (1 3 5 7 9 11/2^6)^2 h^12/12! times the twelfth
+# derivative of a function: 2e-19 times it.
+_SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
+# The scan of a function: panels of this width in ln v, from the least to the largest number of
+# which the square is in the range of doubles.
+_SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 32
+_LOWEST = -700.0  # ln v: the smallest number is e^-708
+# Narrow peaks are looked for within so many e-folds of U, at so many points of a panel: ones that
+# are wider than a thousandth of their speed are found.
+_NEAR, _CLOSE_POINTS = 20.0, 512
+_FAR = 60.0  # e-folds above the bulk: a density that goes on so far is a power law
+_MOST_PIECES = 5000  # of an integral that go on being halved, so that a noisy density ends
+_MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
+
+NO_INTEGRAL = (
+    "initial: the density has no finite integral over the speed, or a peak too narrow to find; "
+    "it must be 1, and narrow peaks need a SpeedTable"
+)
 
 
 @dataclass(frozen=True)
-class LogMeasure:
+class LogMeasure(Value):
     """A distribution of speeds: weight w_k at ln v = x_k.
 
     Attributes
@@ -61,8 +77,10 @@ def gaussian(
     """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
     Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
-    the powers of v. The left end is where v^(2 + lowest) is below rtol. ``factor`` multiplies the
-    density, as a function of v/D; it is at most ``ratio``, and at most D/v.
+    the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is where
+    v^(2 + lowest) is below rtol/e^2, the right one where exp(-v^2/2) is so far below rtol.
+    ``factor`` multiplies the density, as a function of v/D; it is at most ``ratio``, and at most
+    D/v. tests/kinetics/measurements/states.py measures the error that is left.
     """
     depth = math.log(1.0 / rtol)
     spacing = 0.5 * math.pi**2 / (depth + 8.0 + 1.5 * highest)
@@ -100,12 +118,15 @@ def table(
     ]
     x, w = panels_between(np.concatenate([*parts, knots[-1:]]), 6)
     v = np.exp(x)
-    values: NDArray[Any] = np.interp(v, speed, density.real)
-    if np.iscomplexobj(density):
-        values = values + 1j * np.interp(v, speed, density.imag)
-    weight = w * v * values
-    keep = weight != 0.0
-    return LogMeasure(x[keep], weight[keep])
+    return _without_zeros(x, w * v * interpolate(v, speed, density))
+
+
+def interpolate(v: FloatArray, speed: FloatArray, density: NDArray[Any]) -> NDArray[Any]:
+    """A density, real or complex, linear between the points and zero outside them."""
+    real = np.interp(v, speed, density.real, left=0.0, right=0.0)
+    if not np.iscomplexobj(density):
+        return np.asarray(real)
+    return np.asarray(real + 1j * np.interp(v, speed, density.imag, left=0.0, right=0.0))
 
 
 def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
@@ -116,7 +137,7 @@ def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
     """
     if x.size <= _MOST_POINTS:
         return LogMeasure(x, weight)
-    spacing, width = 1.0 / 16.0, 12
+    spacing, width = _SAMPLE_SPACING, _SAMPLE_WIDTH
     start = spacing * (math.floor(float(x.min()) / spacing) - width)
     cells = math.ceil((float(x.max()) - start) / spacing) + width
     total = np.zeros(cells + 1, dtype=weight.dtype)
@@ -128,8 +149,7 @@ def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
         first = np.floor(level).astype(int) - width // 2 + 1
         rows = interpolation_rows((level - first)[:, None] - nodes, barycentric)
         np.add.at(total, first[:, None] + np.arange(width), rows * part[:, None])
-    keep = total != 0.0
-    return LogMeasure((start + spacing * np.arange(cells + 1))[keep], total[keep])
+    return _without_zeros(start + spacing * np.arange(cells + 1), total)
 
 
 def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
@@ -158,10 +178,11 @@ def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[An
 
 def function(
     density: Callable[[Any], Any], rtol: float, lowest: float, highest: float
-) -> LogMeasure:
+) -> LogMeasure | None:
     """A speed density, or a harmonic of one, given as a function: adaptive panels in ln v.
 
-    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice.
+    They reach as far as powers of the speed from ``lowest`` to ``highest`` notice. None for a
+    function that is zero wherever it was looked at.
 
     Raises InputError where it is NaN, has no finite integral or no second moment.
     """
@@ -170,23 +191,12 @@ def function(
         v = np.exp(x)
         return np.asarray(evaluate_density(density, v) * v)
 
-    edges = np.arange(-360.0, 700.5, 0.5)
-    x, w = panels_between(edges, 32)
-    with np.errstate(all="ignore"):
-        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, 32).sum(axis=1)
-    # within e^20 of U, where states usually are, narrow peaks are looked for as well
-    middle = slice(int(np.searchsorted(edges, -20.0)), int(np.searchsorted(edges, 20.0)))
-    close = np.linspace(-20.0, 20.0, _CLOSE * (middle.stop - middle.start), endpoint=False)
-    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE).sum(axis=1) * (close[1] - close[0])
-    narrow = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
-    mass[middle] = np.maximum(found, mass[middle])
-    narrow_at = np.zeros(mass.shape, dtype=bool)
-    narrow_at[middle] = narrow
-    if not np.all(np.isfinite(mass)) or mass.sum() <= 0.0:
-        raise InputError(
-            "initial: the density has no finite integral over the speed, or a peak too narrow to "
-            "find; it must be 1, and narrow peaks need a SpeedTable"
-        )
+    edges = np.arange(_SCAN_LOWEST, _SCAN_HIGHEST + _SCAN_WIDTH, _SCAN_WIDTH)
+    mass, narrow = _scan(per_log_speed, edges)
+    if not np.all(np.isfinite(mass)):
+        raise InputError(NO_INTEGRAL)
+    if not mass.any():
+        return None
     if not _converges(mass, edges, 2.0):
         raise InputError("initial: the density has no second moment; <v^2> must be finite")
     if not _converges(mass, edges, highest):
@@ -195,15 +205,35 @@ def function(
         )
     live = np.zeros(mass.shape, dtype=bool)
     for p in {0.0, 2.0, min(lowest, 0.0), max(highest, 2.0)}:
-        live |= _weight(mass, edges, p) > 1e-3 * rtol
+        live |= _weight(mass, edges, p) > 1e-3 * rtol  # a thousand such panels add up to rtol
     first, last = np.nonzero(live)[0][[0, -1]]
+    # two more panels on both sides, because what is left out falls from panel to panel
+    first, last = max(first - 2, 0), min(last + 2, mass.size - 1)
     cuts = [
-        np.linspace(edges[i], edges[i + 1], 129 if narrow_at[i] else 2)[:-1]
-        for i in range(max(first - 2, 0), min(last + 3, mass.size))
+        np.linspace(edges[i], edges[i + 1], 129 if narrow[i] else 2)[:-1]
+        for i in range(first, last + 1)
     ]
-    span = np.append(np.concatenate(cuts), edges[min(last + 3, mass.size)])
+    span = np.append(np.concatenate(cuts), edges[last + 1])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
     return _refine(per_log_speed, pieces, 0.1 * rtol * float(mass.sum()))
+
+
+def _scan(
+    per_log_speed: Callable[[FloatArray], NDArray[Any]], edges: FloatArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Integral of the size of a density over each panel, and in which panels a peak is narrow."""
+    x, w = panels_between(edges, _SCAN_POINTS)
+    with np.errstate(all="ignore"):
+        mass = (np.abs(per_log_speed(x)) * w).reshape(-1, _SCAN_POINTS).sum(axis=1)
+    middle = slice(int(np.searchsorted(edges, -_NEAR)), int(np.searchsorted(edges, _NEAR)))
+    close = np.linspace(-_NEAR, _NEAR, _CLOSE_POINTS * (middle.stop - middle.start), endpoint=False)
+    found = np.abs(per_log_speed(close)).reshape(-1, _CLOSE_POINTS).sum(axis=1)
+    found *= close[1] - close[0]
+    narrow = np.zeros(mass.shape, dtype=bool)
+    # where the two sums are a percent apart, neither of them resolves the density
+    narrow[middle] = np.abs(found - mass[middle]) > 0.01 * np.maximum(found, mass[middle])
+    mass[middle] = np.maximum(found, mass[middle])
+    return mass, narrow
 
 
 def _weight(mass: FloatArray, edges: FloatArray, p: float) -> FloatArray:
@@ -226,10 +256,10 @@ def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
 def _refine(
     per_log_speed: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
 ) -> LogMeasure:
-    """Halve intervals (n, 2) until twelve points and twice twelve agree; at most 40 times."""
+    """Halve intervals (n, 2) until 12 points and twice 12 points give the same integral."""
     points: list[FloatArray] = []
     weights: list[NDArray[Any]] = []
-    for depth in range(41):
+    for depth in range(_MOST_HALVINGS + 1):
         middle = ends.mean(axis=1)
         halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
         coarse_x, coarse_w = panels_of(ends, 12)
@@ -237,13 +267,18 @@ def _refine(
         coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
         fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
         difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
-        good = (difference <= tolerance) | (depth == 40) | (ends.shape[0] > _MOST_PIECES)
+        good = (
+            (difference <= tolerance) | (depth == _MOST_HALVINGS) | (ends.shape[0] > _MOST_PIECES)
+        )
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())
         ends = halves[~both]
         if ends.size == 0:
             break
-    x, weight = np.concatenate(points), np.concatenate(weights)
+    return _without_zeros(np.concatenate(points), np.concatenate(weights))
+
+
+def _without_zeros(x: NDArray[Any], weight: NDArray[Any]) -> LogMeasure:
     keep = weight != 0.0
     return LogMeasure(x[keep], weight[keep])

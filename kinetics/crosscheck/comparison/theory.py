@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample, StartBins
-from kinetics.states.isotropic import State
 from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
 
 if TYPE_CHECKING:
     from kinetics import Solution

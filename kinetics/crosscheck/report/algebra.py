@@ -19,7 +19,6 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
     ValueError for a label that does not exist.
     """
     from derivations import verify
-    from derivations.typesetting import mathml
 
     return [
         {
@@ -31,8 +30,8 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
             "derived": _text(check.derived),
             "note": check.note,
             "numbers": {number.name: float(number.value) for number in check.numbers},
-            "printed_mathml": mathml(check.printed),
-            "derived_mathml": mathml(check.derived),
+            "printed_mathml": check.printed_mathml,
+            "derived_mathml": check.derived_mathml,
         }
         for check in verify(labels)
     ]

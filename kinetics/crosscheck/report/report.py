@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from kinetics import sonine
+from kinetics import __version__, sonine
 from kinetics.crosscheck.files import write_together
 from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.algebra import AlgebraProcess
@@ -126,8 +126,8 @@ def _sentences(block: str, **values: Any) -> str:
 
 
 def _versions() -> dict[str, str]:
-    names = ("inelastic-lorentz", "numpy", "scipy", "numba", "sympy", "matplotlib")
-    return {name: version(name) for name in names}
+    names = ("numpy", "scipy", "numba", "sympy", "matplotlib")
+    return {"inelastic-lorentz": __version__} | {name: version(name) for name in names}
 
 
 def _case(case: Case) -> dict[str, Any]:

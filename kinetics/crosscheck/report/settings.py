@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from kinetics.errors import InputError, check_positive, check_restitution, check_rtol
+from kinetics.errors import InputError
+from kinetics.validation import check_positive, check_restitution, check_rtol, refuse
 
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of inelasticposi and scalev)."""
@@ -86,7 +87,7 @@ def final_time(restitution: float) -> float:
 def check_whole(name: str, value: Any, least: int) -> int:
     """A whole number not below `least`; InputError otherwise."""
     if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise InputError(f"{name}: got {value!r}; it must be a whole number, at least {least}")
+        refuse(name, value, f"it must be a whole number, at least {least}")
     return value
 
 

@@ -11,7 +11,7 @@ import sympy as sp
 from scipy.integrate import quad
 
 from derivations import symbols as sy
-from derivations.verdicts.checks import ROWS
+from derivations.printed import ROWS
 from kinetics import sonine
 
 ABOVE_THRESHOLD = np.array([0.59, 0.6, 0.7, 0.8, 0.9, 0.99])

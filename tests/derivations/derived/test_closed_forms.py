@@ -12,8 +12,8 @@ from derivations.derived import closed_form_values as exact_values
 from derivations.derived import closed_forms, position, scaling_state
 from derivations.derived import quadrature_values as quadrature
 from derivations.formal import Second
+from derivations.printed import ROWS
 from derivations.symbols import R, e, eta, p
-from derivations.verdicts.checks import ROWS
 from kinetics import CollisionLaw, ScalingSolution
 from kinetics import sonine as printed_numbers
 

@@ -5,8 +5,7 @@ import sympy as sp
 
 from derivations import Status
 from derivations import symbols as sy
-from derivations.derived.record import Derived
-from derivations.derived.registry import REGISTRY
+from derivations.derived.record import REGISTRY, Derived
 from derivations.formal import Int, eq
 from derivations.verdicts.checks import check
 from derivations.verdicts.difference import Difference, compare, is_zero, judge

@@ -9,7 +9,8 @@ import pytest
 import sympy as sp
 
 from derivations import Status, verify
-from derivations.verdicts.checks import ROWS, check
+from derivations.printed import ROWS
+from derivations.verdicts.checks import check
 
 Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
 VERIFIED = [row.label for row in verify() if row.status is Status.VERIFIED]

@@ -7,7 +7,8 @@ import pytest
 
 import derivations
 from derivations import Status, report_subset, verify
-from derivations.verdicts.checks import ROWS, check
+from derivations.printed import ROWS
+from derivations.verdicts.checks import check
 
 CHECKS = {row.label: row for row in verify()}
 

@@ -24,11 +24,11 @@ from kinetics.moments.backward import (
     SQUARED_DISPLACEMENT,
     BackwardEquation,
     Observable,
-    nodes_for,
     panel_width,
     speed_power,
 )
-from kinetics.states.isotropic import State
+from kinetics.moments.resolution import decay_of
+from kinetics.states.state import State
 
 OBSERVABLES = (
     speed_power(-0.25),
@@ -73,7 +73,7 @@ def test_the_first_guess_of_nodes_is_nearly_right(e: float) -> None:
     law = CollisionLaw(e)
     for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
         for y in OBSERVABLES:
-            nodes = nodes_for(rtol, y, e)
+            nodes = decay_of(law, y).nodes_for(rtol)
             assert BackwardEquation(law, 22.0, nodes + 1).error_estimate(y) <= rtol, (rtol, y)
             if nodes > 8:
                 assert BackwardEquation(law, 22.0, nodes - 3).error_estimate(y) > rtol, (rtol, y)

@@ -26,9 +26,9 @@ from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import equal_panels
 from kinetics.numerics.panels import PanelRule
-from kinetics.position.density import solve_displacement
 from kinetics.position.intermediate_scattering import Scattering
-from kinetics.position.scattering import _sweep, solve_waves
+from kinetics.position.scattering import Sweep, solve_waves
+from kinetics.position.solve_density import solve_displacement
 from kinetics.states.isotropic import Monoenergetic
 
 FloatArray = NDArray[np.float64]
@@ -385,7 +385,7 @@ def test_the_harmonics_left_out_are_replaced_by_steady_flights() -> None:
     law, k, rule = CollisionLaw(0.6), np.array([4.0]), PanelRule(16, 0.125)
     x = np.linspace(-3.0, 5.0, 80)
     start = 0.125 * math.floor(math.log(5.0 / 6.0) / 0.125)
-    few, many = (_sweep(law, k, rule, start, 50, top, 1e-16, 0)(x) for top in (16, 60))
+    few, many = (Sweep(law, k, rule, start, top).run(50, 1e-16, 0)(x) for top in (16, 60))
     assert np.abs(few - many).max() < 3e-5
 
 

@@ -1,0 +1,120 @@
+"""Polynomials through Chebyshev points on [0, 1]: the one place for points, rows and derivatives.
+
+Source of the barycentric formulas: Berrut and Trefethen, SIAM Review 46, 501 (2004).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def interpolation_rows(difference: FloatArray, weights: FloatArray) -> FloatArray:
+    """Rows that take values at any nodes to the values of their polynomial at some points.
+
+    difference : point minus node, shape (..., n_nodes), exactly 0 where they coincide
+    weights : barycentric weights of the nodes, shape (n_nodes,)
+    """
+    exact = difference == 0.0
+    rows = weights / np.where(exact, 1.0, difference)
+    rows /= rows.sum(axis=-1, keepdims=True)
+    hit = exact.any(axis=-1)
+    rows[hit] = exact[hit]
+    return np.asarray(rows)
+
+
+@dataclass(frozen=True)
+class _Chebyshev:
+    """What both kinds of points share. ``nodes`` is their number, 2 at least."""
+
+    nodes: int
+
+    @cached_property
+    def local(self) -> FloatArray:
+        """The points on [0, 1], rising, shape (nodes,)."""
+        return np.asarray(0.5 * (1.0 - np.cos(self._angle)))
+
+    @cached_property
+    def _angle(self) -> FloatArray:
+        raise NotImplementedError
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Barycentric weights, shape (nodes,)."""
+        raise NotImplementedError
+
+    @cached_property
+    def _last_two(self) -> FloatArray:
+        """Columns that give the last Chebyshev coefficient and the one before, (nodes, 2)."""
+        raise NotImplementedError
+
+    def rows(self, local: FloatArray) -> FloatArray:
+        """Interpolation from the points to local (n,) in [0, 1]: shape (n, nodes)."""
+        return interpolation_rows(local[:, None] - self.local, self.weights)
+
+    def last_coefficients(self, values: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+        """Sizes of the last Chebyshev coefficient and of the one before it.
+
+        values : at the points, shape (..., nodes); the results have the shape (...).
+        """
+        return np.abs(values @ self._last_two[:, 0]), np.abs(values @ self._last_two[:, 1])
+
+
+@dataclass(frozen=True)
+class FirstKind(_Chebyshev):
+    """The zeros of a Chebyshev polynomial: the ends of the interval are not among them."""
+
+    @cached_property
+    def _angle(self) -> FloatArray:
+        return np.asarray((np.arange(self.nodes) + 0.5) * math.pi / self.nodes)
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Barycentric weights, shape (nodes,)."""
+        return np.asarray((-1.0) ** np.arange(self.nodes) * np.sin(self._angle))
+
+    @cached_property
+    def _last_two(self) -> FloatArray:
+        order = np.array([self.nodes - 1, self.nodes - 2])
+        return np.asarray(np.cos(np.outer(self._angle, order)) * (2.0 / self.nodes))
+
+
+@dataclass(frozen=True)
+class SecondKind(_Chebyshev):
+    """The extrema of a Chebyshev polynomial: both ends of the interval are among them."""
+
+    @cached_property
+    def _angle(self) -> FloatArray:
+        return np.asarray(np.arange(self.nodes) * math.pi / (self.nodes - 1))
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Barycentric weights, shape (nodes,)."""
+        w = (-1.0) ** np.arange(self.nodes)
+        w[[0, -1]] *= 0.5
+        return np.asarray(w)
+
+    @cached_property
+    def _last_two(self) -> FloatArray:
+        last = self.nodes - 1
+        halves = np.where(np.isin(np.arange(self.nodes), (0, last)), 0.5, 1.0)[:, None]
+        order = np.array([last, last - 1])
+        # the last coefficient has half the weight of the others
+        return np.asarray(halves * np.cos(np.outer(self._angle, order)) * [1.0, 2.0] / last)
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """Derivative on [0, 1] at the points, shape (nodes, nodes)."""
+        difference = self.local[:, None] - self.local
+        np.fill_diagonal(difference, 1.0)
+        matrix = self.weights / self.weights[:, None] / difference
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return np.asarray(matrix)

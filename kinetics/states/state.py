@@ -1,0 +1,110 @@
+"""The contract of an initial state: what a new one must provide.
+
+To add an initial state, write a class as follows, in this folder or in your own script:
+``Scene(initial=...)`` takes any object of a subclass of :class:`State`.
+
+1. Declare it ``@dataclass(frozen=True) class MyState(State)``. Its fields are what the user gives.
+   State provides ``==``, ``hash``, ``pickle`` and ``repr``, also where fields are arrays.
+2. In ``__post_init__`` check the arguments (`kinetics.states.checks`; raise InputError, one line
+   that names the argument) and store arrays with ``self.store(name=array)``, which keeps read-only
+   copies of them. Speeds are in units of U, densities in 1/U.
+3. Write ``harmonic(m, rtol, lowest, highest)``. It returns the angular harmonic
+
+       f_m(v) = integral of exp(-i m phi) v f(v, phi) over phi
+
+   as points ln v with weights (`kinetics.states.quadrature.LogMeasure`), so that the sum of the
+   weights times v^p exp(smooth function of ln v) is right to about ``rtol`` for all powers p from
+   ``lowest`` to ``highest``. f_0 is the speed density: its weights sum to 1. Return None where f_m
+   is zero. `quadrature` has rules for Gaussians, tables, functions and samples.
+4. Write ``profile(m)`` if f_m is a function of v: it returns one that maps speeds, shape (n,), to
+   f_m, shape (n,). The densities of the velocity and position need it, the averages do not. Leave
+   it out for delta peaks and samples.
+5. Set the attributes below where their defaults do not fit, as class attributes or properties:
+   ``highest_harmonic``, ``smooth``, ``lowest_moment``, ``peaks``, ``kinks``.
+6. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
+   ``tests/kinetics/states/test_contract.py``, which tests every rule of this list. A state that
+   has a short name goes to NAMED in `kinetics.states.isotropic`.
+
+The shortest example is :class:`kinetics.states.isotropic.Monoenergetic`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.states.quadrature import LogMeasure
+from kinetics.values import Value, frozen
+
+FloatArray = NDArray[np.float64]
+SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
+
+
+class State(Value):
+    """An initial state; see the module's docstring for what a subclass must provide.
+
+    Attributes
+    ----------
+    highest_harmonic : largest m for which f_m is not zero, 0 for an isotropic state; None where
+        all m may be there
+    smooth : whether f_m are smooth functions of ln v, so that the spectral method can be used
+    lowest_moment : <v^p> exists for p above it
+    """
+
+    highest_harmonic: int | None = 0
+    smooth: bool = False
+    lowest_moment: float = -math.inf
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        cls.__repr__ = State.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        shown = (f"{f.name}={_summary(getattr(self, f.name))}" for f in fields(cast(Any, self)))
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+    def store(self, **values: Any) -> None:
+        """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
+        for name, value in values.items():
+            object.__setattr__(self, name, frozen(value))
+
+    @property
+    def peaks(self) -> tuple[FloatArray, FloatArray] | None:
+        """Speeds of delta peaks and shares of tracers in them, (n,) each; None for densities."""
+        return None
+
+    @property
+    def kinks(self) -> FloatArray:
+        """Speeds at which the density is not smooth, rising, shape (n,)."""
+        return np.empty(0)
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """f_m as weighted points that give averages to about rtol; None where f_m is zero.
+
+        ``lowest`` and ``highest`` are the powers of the speed that will be averaged.
+        """
+        raise NotImplementedError
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """f_m in 1/U as a function of v/U; None where it is no function (delta peaks, samples)."""
+        return None
+
+
+def _summary(value: Any) -> str:
+    """A field in a few words: arrays by their sizes and ranges, functions by their names."""
+    if isinstance(value, np.ndarray):
+        return (
+            f"<{' x '.join(map(str, value.shape))} numbers, {value.min():.6g} to {value.max():.6g}>"
+        )
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key!r}: {_summary(item)}" for key, item in value.items()) + "}"
+    if callable(value):
+        return str(getattr(value, "__qualname__", type(value).__name__))
+    return repr(value)
