@@ -74,7 +74,7 @@ def compare(
 ) -> None:
     """Compare particle data, from any code, with the kinetic equation.
 
-    What is not told of restitution, density and start is found in the data. Prints, for each
+    Restitution, density and start are found in the data where they are not given. Prints, for each
     observable and time, the data with their standard error, the theory, the difference in standard
     errors and a verdict; a chi-square with its p-value for each observable; and what explains a
     difference.

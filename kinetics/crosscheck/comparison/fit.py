@@ -1,6 +1,6 @@
 """Least squares with the covariance of the data: restitution and free path from a sample.
 
-The same function finds what was not told and tests what may explain a difference: a hypothesis
+The same function finds what was not given and tests what may explain a difference: a hypothesis
 is a theory with one parameter, and what it explains is by how much it lowers the chi-square.
 """
 

@@ -1,7 +1,7 @@
 """What explains a difference: tested hypotheses, and what data and theory show by themselves.
 
 Tracers at rest, tracers that are missing, a start that is not forgotten and tails too thin to judge
-are told whether or not there is a difference.
+are named whether or not there is a difference.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""From data to a comparison: what was not told (restitution, density, start) is found in the data.
+"""From data to a comparison: what is not given (restitution, density, start) is found in the data.
 
 `compare_data` is what the command `lorentz compare` does.
 """
@@ -75,7 +75,7 @@ def compare_data(
     Raises
     ------
     InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
-        cannot tell what was not told
+        cannot tell what was not given
     """
     if isinstance(data, (str, PathLike)):
         data = [data]
@@ -141,14 +141,10 @@ def _densities(
 
 
 def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
-    """The numbers of the scene, with standard errors where they were fitted."""
+    """The numbers of the scene that were fitted, with standard errors."""
     known = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
     fitted, density = "fitted to the averages over time", 1 / (2 * path)
-    parameters = {
-        "restitution": Parameter(restitution, None, "told"),
-        "number_density": Parameter(density, None, "told"),
-        "mean_free_path": Parameter(path, None, "1/(2dρ₀)"),
-    }
+    parameters = {}
     if "restitution" in known:
         parameters["restitution"] = Parameter(restitution, known["restitution"], fitted)
     if (error := known.get("log_path")) is not None:

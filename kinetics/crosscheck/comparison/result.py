@@ -62,7 +62,7 @@ OUTCOMES = {
     "does not": "does not explain it",
     "noted": "noted",
 }
-"""What an explanation comes to, in words; in the order in which they are told."""
+"""What an explanation comes to, in words; in the order in which they are shown."""
 _REPR_WIDTH, _REPR_LINES = 100, 9
 
 
@@ -117,7 +117,7 @@ class ComparisonTest:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the theory needed: told (error None) or found in the data."""
+    """A number that the theory needed: given (error None) or found in the data."""
 
     value: float
     error: float | None

@@ -260,7 +260,7 @@ def test_a_theory_from_the_data_s_own_start_is_exact_at_time_0() -> None:
     solution = solve(scene)
     for k, name in enumerate(names):
         np.testing.assert_allclose(values[k, 1:], getattr(solution, name)[1:], rtol=3e-4)
-        # nobody has collided yet: all that is left is the theory's own error
+        # at t = 1e-9 no tracer has collided: what is left is the theory's own error
         assert values[k, 1] == pytest.approx(getattr(solution, name)[1], rel=1e-6)
     without = Scene(
         0.7, 0.04, initial=SpeedSamples(np.delete(speeds, 17)), times=times, outputs=names
@@ -303,7 +303,7 @@ def test_one_group_has_no_error() -> None:
 
 
 class Flights:
-    """Stands for a solution in a medium so dilute that nobody collides: r = v t."""
+    """Stands for a solution in a medium so dilute that no tracer collides: r = v t."""
 
     def __init__(self, scene: Scene, stretch: float = 1.0) -> None:
         self.scene, self.times, self._stretch = scene, np.asarray(scene.times), stretch
