@@ -2,16 +2,25 @@
 
 Units: lengths in scatterer diameters d, speeds in U, times in d/U. Names are loaded at first use,
 so that `lorentz --help` costs neither numpy nor scipy.
+
+Rooms, each of which imports only those before it: `numerics` (no physics), `collision` (the law of
+one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
+(averages), `densities` (of the velocity) and `position` (of the displacement). Then the modules of
+this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
+answer. `values`, `storage`, `status`, `errors` and `validation` serve all of them. `sonine` holds
+the paper's approximations; `crosscheck` compares with particles and algebra. Begin reading with
+`solver.solve`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kinetics import sonine
     from kinetics.collision import CollisionLaw
     from kinetics.errors import InputError, ToleranceWarning
     from kinetics.scaling.closed_form import ScalingSolution
-    from kinetics.scaling.scaled_vdf import ScaledVDF, SolverStatus, solve_scaled
+    from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
     from kinetics.scene import Scene
     from kinetics.solution import Solution
     from kinetics.solver import solve
@@ -23,12 +32,14 @@ if TYPE_CHECKING:
         SpeedSamples,
         SpeedTable,
     )
+    from kinetics.status import SolverStatus
+    from kinetics.storage import load
 
 _HOMES = {
     "collision": ("CollisionLaw",),
     "errors": ("InputError", "ToleranceWarning"),
     "scaling.closed_form": ("ScalingSolution",),
-    "scaling.scaled_vdf": ("ScaledVDF", "SolverStatus", "solve_scaled"),
+    "scaling.scaled_vdf": ("ScaledVDF", "solve_scaled"),
     "scene": ("Scene",),
     "solution": ("Solution",),
     "solver": ("solve",),
@@ -40,6 +51,8 @@ _HOMES = {
         "SpeedSamples",
         "SpeedTable",
     ),
+    "status": ("SolverStatus",),
+    "storage": ("load",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -61,17 +74,35 @@ __all__ = [
     "SpeedTable",
     "ToleranceWarning",
     "VelocitySamples",
+    "__version__",
+    "load",
     "solve",
     "solve_scaled",
+    "sonine",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME_OF:
+    value: Any
+    if name == "__version__":
+        value = _version()
+    elif name == "sonine":
+        value = import_module("kinetics.sonine")
+    elif name in _HOME_OF:
+        value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
     globals()[name] = value
     return value
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("inelastic-lorentz")
+    except PackageNotFoundError:
+        return "0+unknown"
 
 
 def __dir__() -> list[str]:

@@ -57,15 +57,18 @@ class ImpactQuadrature:
         """cos(chi), shape (n_nodes,)."""
         return np.clip(self.parallel / self.ratio, -1.0, 1.0)
 
+    @cached_property
+    def deflection(self) -> FloatArray:
+        """chi, from 0 to pi, shape (n_nodes,)."""
+        return np.arccos(self.cosine)
+
     def harmonic(self, m: int) -> FloatArray:
         """cos(m chi), shape (n_nodes,): what angular harmonic m keeps of itself in a bounce."""
-        if m == 0:
-            return np.ones_like(self.weight)
-        return np.asarray(np.cos(m * np.arccos(self.cosine)))
+        return np.cos(m * self.deflection)
 
     def harmonic_loss(self, m: int) -> FloatArray:
         """1 - cos(m chi) = 2 sin^2(m chi/2), shape (n_nodes,), accurate where it is small."""
-        return np.asarray(2.0 * np.sin(0.5 * m * np.arccos(self.cosine)) ** 2)
+        return np.asarray(2.0 * np.sin(0.5 * m * self.deflection) ** 2)
 
 
 def impact_quadrature(restitution: float, longest: float = 1.0) -> ImpactQuadrature:

@@ -3,42 +3,32 @@
 from __future__ import annotations
 
 import difflib
+import html
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, check_positive, check_restitution, short
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError, short
+from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
+from kinetics.validation import check_positive, check_restitution, finite_line, refuse, whole_number
+from kinetics.values import Value, read_only
 
 FloatArray = NDArray[np.float64]
 
-OUTPUTS = {
-    "thermal_speed": "sqrt(<v^2>), in U (paper, label v0defi)",
-    "temperature": "<v^2>/2, in m U^2 (paper, label thermo)",
-    "a2": "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5)",
-    "collisions": "mean number of collisions per tracer since t = 0",
-    "msd": "<r^2>, in d^2",
-    "kurtosis": "<r^4>/<r^2>^2: 2 for a Gaussian in the plane",
-    "velocity_autocorrelation": "<v(0).v(t)>, in U^2",
-    "diffusion_coefficient": "D = (1/4) d<r^2>/dt, in d U; and msd_slope = d<r^2>/d ln t, in d^2",
-    "mean_displacement": "(<x>, <y>), in d, shape (n_times, 2)",
-    "position_density": "radial density g(r, t) of the displacement, and the scaled G(R)",
-    "intermediate_scattering": "F(k, t) = <exp(i k.r)>",
-    "mean_velocity": "(<v_x>, <v_y>), in U, shape (n_times, 2)",
-    "velocity_tensor": "<v_i v_j>, in U^2, shape (n_times, 2, 2)",
-    "speed_density": "density of the speed, normalised over v",
-    "velocity_density": "f(v, phi) in the velocity plane, from its angular harmonics",
-}
+MOST_HARMONICS = 256
 
 
 @dataclass(frozen=True)
-class Scene:
-    """One question to the solver.
+class Scene(Value):
+    """One question to the solver: a value, which can be compared, hashed, pickled and saved.
 
     Parameters
     ----------
@@ -49,83 +39,111 @@ class Scene:
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
     times : in d/U, shape (n_times,), not falling, not negative
-    outputs : names from OUTPUTS
+    outputs : names from `kinetics.outputs.OUTPUTS`
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
 
     Raises
     ------
     InputError (a ValueError) : one line that names the argument, its value and what is allowed
+
+    A scene whose initial state is a Python function can neither be saved to a file nor, if the
+    function is a lambda, be pickled: give the density as a SpeedTable where that is needed. Two
+    scenes are equal if their systems, initial states, times and outputs are.
     """
 
     restitution: float
     number_density: float = 0.04
     diameter: float = 1.0
-    initial: Any = "gaussian"
+    initial: Any = field(default="gaussian", compare=False)
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
     harmonics: int = 8
-    state: State = field(init=False, repr=False, compare=False)
+    state: State = field(init=False)
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "restitution", check_restitution(self.restitution))
-        set_(self, "number_density", check_positive("number_density", self.number_density))
-        set_(self, "diameter", check_positive("diameter", self.diameter))
-        area = 2.0 * self.diameter * self.number_density
+        checked: dict[str, Any] = {
+            "restitution": check_restitution(self.restitution),
+            "number_density": check_positive("number_density", self.number_density),
+            "diameter": check_positive("diameter", self.diameter),
+        }
+        area = 2.0 * checked["diameter"] * checked["number_density"]
         if not (0.0 < area < math.inf and 1.0 / area < math.inf):
             raise InputError(
                 f"number_density: got {short(self.number_density)} at diameter "
                 f"{short(self.diameter)}; the mean free path 1/(2 diameter number_density) must be "
                 "a finite number above 0"
             )
-        set_(self, "state", as_state(self.initial))
-        set_(self, "times", _check_times(self.times))
-        set_(self, "outputs", _check_outputs(self.outputs))
-        if isinstance(self.harmonics, bool) or not 0 <= _whole(self.harmonics) <= 256:
-            raise InputError(
-                f"harmonics: got {short(self.harmonics)}; it must be a whole number from 0 to 256"
-            )
+        checked["state"] = as_state(self.initial)
+        checked["times"] = _check_times(self.times)
+        checked["outputs"] = _check_outputs(self.outputs)
+        checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
     @property
     def mean_free_path(self) -> float:
         """l = 1/(2 d rho_0), in d."""
         return 1.0 / (2.0 * self.diameter * self.number_density)
 
+    @cached_property
+    def law(self) -> CollisionLaw:
+        """The collision law of this restitution."""
+        return CollisionLaw(self.restitution)
 
-def _whole(value: Any) -> int:
-    return int(value) if isinstance(value, int | np.integer) else -1
+    def _system(self) -> str:
+        """The arguments without the outputs, for texts."""
+        initial = self.initial if isinstance(self.initial, str) else self.state
+        return (
+            f"restitution={self.restitution!r}, number_density={self.number_density!r}, "
+            f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
+        )
+
+    def __repr__(self) -> str:
+        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
+            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+        )
+        return (
+            f"<p>Scene: {html.escape(self._system())}</p>"
+            f"<table><tr><th>output</th><th>unit</th><th>what it is</th></tr>{rows}</table>"
+        )
+
+    @classmethod
+    def _from_storage(cls, parts: dict[str, Any]) -> Scene:
+        return cls(**parts)
+
+
+def _span(times: ArrayLike) -> str:
+    """How many times there are, and the first and the last."""
+    array = np.asarray(times)
+    if array.size == 1:
+        return f"[{array[0]:g}]"
+    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
 
 
 def _check_times(times: Any) -> FloatArray:
+    """The times as a read-only array; InputError if they cannot be used."""
     allowed = "times must be real, finite, not negative and not falling, at least one"
-    try:
-        array = np.atleast_1d(np.asarray(times))
-        if array.dtype.kind == "c":
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        raise InputError(f"times: got {short(times)}; {allowed}") from None
-    if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
-        raise InputError(f"times: got {short(times)}; {allowed}")
-    if array[0] < 0.0 or np.any(np.diff(array) < 0.0):
-        raise InputError(f"times: got {short(times)}; {allowed}")
-    array.flags.writeable = False
-    return array
+    array = finite_line("times", times, allowed)
+    if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
+        refuse("times", times, allowed)
+    return read_only(array)
 
 
 def _check_outputs(outputs: Any) -> tuple[str, ...]:
+    """The names without repetitions; InputError, with the nearest name, for an unknown one."""
     if isinstance(outputs, str) or not isinstance(outputs, Iterable):
         outputs = (outputs,)
     names = tuple(dict.fromkeys(outputs))
+    known = ", ".join(OUTPUTS)
     if not names:
-        raise InputError(f"outputs: got {short(outputs)}; name at least one of {_known()}")
+        refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
         if name not in OUTPUTS:
             near = difflib.get_close_matches(str(name), OUTPUTS, n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"outputs: got {name!r}; {hint}known are {_known()}")
+            raise InputError(f"outputs: got {name!r}; {hint}known are {known}")
     return names
-
-
-def _known() -> str:
-    return ", ".join(OUTPUTS)

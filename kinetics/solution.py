@@ -1,39 +1,47 @@
-"""Solution: the frozen answer to a Scene."""
+"""Solution: the answer to a Scene, a value with units and a status."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import html
+import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinetics.averaging import averages_of, power_of_speed
 from kinetics.densities.harmonic import Profile
 from kinetics.densities.marginal import component_density
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.outputs import OUTPUTS, UNITS
+from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
-from kinetics.scaling.scaled_vdf import SolverStatus
+from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
+from kinetics.status import SolverStatus
+from kinetics.validation import (
+    finite_line,
+    not_negative_line,
+    real_number,
+    refuse,
+    speeds,
+)
+from kinetics.values import Value, frozen, read_only
 
 FloatArray = NDArray[np.float64]
 
-_FAST = 1e100  # typical speeds, that none has
-_BEYOND = 1e6  # R from which G is nothing, and r may overflow
+_FASTEST = 1e100  # in typical speeds: no tracer is as fast
+_BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
 @dataclass(frozen=True)
-class PlanStep:
-    """One part of the work: what, whether it was done, and why."""
-
-    part: str
-    solved: bool
-    reason: str
-
-
-@dataclass(frozen=True)
-class Solution:
+class Solution(Value):
     """What :func:`kinetics.solve` found. Time is the first axis of every array.
+
+    A value: its arrays and dictionaries are read-only, it can be compared, hashed and pickled, and
+    :meth:`save` writes it to a file from which :func:`kinetics.load` makes an equal one.
 
     Attributes
     ----------
@@ -41,6 +49,8 @@ class Solution:
     rtol : the relative accuracy asked for
     values : output name -> array whose first axis is time; also as attributes, ``solution.msd``
     status : SolverStatus; its text says what to change
+    message : the status of this solution in words: which part misses its tolerance, by how much,
+        and what to change
     error_estimate : largest relative error that the solver saw
     plan : what was solved and what was skipped, and why
     stats : numbers about the work (nodes, panels, points of the initial state)
@@ -48,23 +58,26 @@ class Solution:
 
     scene: Scene
     rtol: float
-    values: dict[str, FloatArray]
+    values: Mapping[str, FloatArray]
     status: SolverStatus
+    message: str
     error_estimate: float
     plan: tuple[PlanStep, ...]
-    stats: dict[str, Any]
-    _profiles: Mapping[int, Profile] = field(default_factory=dict, repr=False)
-    _harmonic: Callable[[float, int], NDArray[Any]] | None = field(default=None, repr=False)
-    _displacement: Displacement | None = field(default=None, repr=False)
-    _scattering: Callable[[FloatArray, float | None], NDArray[Any]] | None = field(
-        default=None, repr=False
-    )
-    _typical: FloatArray = field(default_factory=lambda: np.ones(0), repr=False)
+    stats: Mapping[str, Any]
+    _profiles: Mapping[int, Profile] = field(repr=False)
+    _displacement: Displacement | None = field(repr=False)
+    _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
+
+    def __post_init__(self) -> None:
+        for name in ("values", "stats", "_profiles", "_typical_speed"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def times(self) -> FloatArray:
         """Output times in d/U, shape (n_times,)."""
         return np.asarray(self.scene.times)
+
+    # -- how it shows itself ------------------------------------------------------------------
 
     def __getattr__(self, name: str) -> FloatArray:
         values = self.__dict__.get("values", {})
@@ -76,57 +89,98 @@ class Solution:
             f"{name!r} was not asked for; this solution has {', '.join(values) or 'no arrays'}"
         )
 
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
+
+    def _shown(self) -> list[tuple[str, str, str]]:
+        """Name, shape and unit of every array, and of every output that is a method."""
+        found = [(name, str(a.shape), UNITS.get(name, "1")) for name, a in self.values.items()]
+        for name in self.scene.outputs:
+            if OUTPUTS[name].values is None:
+                shape = f"({', '.join(OUTPUTS[name].shape)})"
+                found.append((name, shape.replace("n_times", str(self.times.size)), UNITS[name]))
+        return found
+
+    def __repr__(self) -> str:
+        shown = ", ".join(
+            f"{name} {shape}" + ("" if unit == "1" else f" in {unit}")
+            for name, shape, unit in self._shown()
+        )
+        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
+        lines = [f"Solution of {self.scene._system()}", about]
+        lines += [f"error estimate {self.error_estimate:.1e}"]
+        lines += textwrap.wrap(shown, 96)
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{shape}</td><td>{unit}</td></tr>"
+            for name, shape, unit in self._shown()
+        )
+        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
+        return (
+            f"<p>Solution of {html.escape(self.scene._system())}<br>{html.escape(about)}</p>"
+            f"<table><tr><th>output</th><th>shape</th><th>unit</th></tr>{rows}</table>"
+        )
+
+    def _storage_units(self) -> dict[str, str]:
+        units = {f"values/{name}": UNITS[name] for name in self.values}
+        return {"scene/times": "d/U", "_typical_speed": "U", **units}
+
+    # -- moments ------------------------------------------------------------------------------
+
     def moment(self, p: float) -> FloatArray:
         """<v^p>(t) in U^p for real p, shape (n_times,); InputError where it does not exist."""
-        return np.asarray(self.harmonic(p, 0).real)
+        return np.asarray(power_of_speed(self.scene, self.rtol, p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
         """<v^p exp(-i m phi)>(t) in U^p, complex for m > 0, shape (n_times,); solved when asked.
 
         Raises InputError for p or m out of range.
         """
-        assert self._harmonic is not None
-        return self._harmonic(p, m)
+        return power_of_speed(self.scene, self.rtol, p, m)
+
+    # -- velocity -----------------------------------------------------------------------------
 
     def speed_density(self, v: ArrayLike) -> FloatArray:
         """Density of the speed at v (in U), shape (n_times, n_v), in 1/U; integral over v is 1.
 
-        Without the delta peak of the tracers of a monoenergetic start that have not collided: see
-        :attr:`uncollided`. Right to rtol of its maximum above 1e-2 of the thermal speed; below it
-        is the density of ln v that is. Raises InputError for v negative or not finite, or if
-        "speed_density" was not among the outputs.
+        The delta peak of the tracers of a monoenergetic start that have not collided is left out:
+        see :attr:`uncollided`. The error is at most rtol of the maximum for v above 1e-2 of the
+        thermal speed; at lower speeds that holds for the density of ln v. Raises InputError for v
+        negative or not finite, or if "speed_density" was not among the outputs.
         """
-        return np.asarray(self._profile(0, "speed_density").continuous(_speeds(v)).real)
+        return np.asarray(self._speed_profile().continuous(speeds(v)).real)
 
     @property
     def uncollided(self) -> FloatArray:
         """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
 
-        For e < 1 those that have not collided; at e = 1 all of them.
-
-        Zero for other starts, whose uncollided tracers are part of :meth:`speed_density`.
+        For e < 1 these are the tracers that have not collided; at e = 1 they are all tracers. It is
+        zero for other starts, whose uncollided tracers are part of :meth:`speed_density`.
         """
-        peak = self._profile(0, "speed_density").peak_weight
-        return np.zeros(self.times.shape) if peak is None else np.asarray(peak.real)
+        peak = self._speed_profile().peak_weight
+        return np.zeros(self.times.shape) if peak is None else read_only(peak.real)
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
-        To 1e-8 of the maximum for smooth densities, to a percent near the steps of rough ones.
-        With c_x = v_x/v0 the marginal F(c_x) of the paper's figure scalev; integral over v_x is 1.
+        The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
+        ones. As a function of c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure
+        ``scalev``; its integral over v_x is 1.
         Raises InputError as :meth:`speed_density` does (v_x may be negative).
         """
-        profile = self._profile(0, "speed_density")
-        x = np.abs(_finite("v_x", v_x))
+        profile = self._speed_profile()
+        x = np.abs(finite_line("v_x", v_x))
         out = np.empty((self.times.size, x.size))
         for i in range(self.times.size):
-            unit = float(self._typical[i])
+            unit = float(self._typical_speed[i])
 
             def plane(v: FloatArray, i: int = i, unit: float = unit) -> FloatArray:
                 # times the square of a typical speed, or it overflows late
                 return np.asarray(profile.at(i, v).real * unit * (unit / v) / (2.0 * np.pi))
 
-            out[i] = component_density(plane, np.minimum(x, _FAST * unit), unit) / unit / unit
+            out[i] = component_density(plane, np.minimum(x, _FASTEST * unit), unit) / unit / unit
         if profile.peak_speed is not None and profile.peak_weight is not None:
             room = profile.peak_speed**2 - np.minimum(x, 2.0 * profile.peak_speed) ** 2
             shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)
@@ -140,10 +194,8 @@ class Solution:
         peaks in the speed are left out; v must be above 0. Raises InputError for bad v or phi, or
         if "velocity_density" was not among the outputs.
         """
-        v_, phi_ = _speeds(v), _finite("phi", phi)
-        if np.any(v_ == 0.0):
-            raise InputError(f"v: got {short(v)}; speeds must be above 0 here")
-        self._profile(0, "velocity_density")
+        v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
+        self._require("velocity_density")
         out = np.zeros((self.times.size, v_.size, phi_.size))
         for m, profile in self._profiles.items():
             turn = np.exp(1j * m * phi_) * (1.0 if m == 0 else 2.0)
@@ -154,13 +206,13 @@ class Solution:
 
     @property
     def ballistic_front(self) -> tuple[FloatArray, FloatArray]:
-        """Tracers of a start of sharp speeds that have not collided: radius in d, and share.
+        """Where tracers of a start of sharp speeds are that have not collided, and how many.
 
-        Shape (n_times, n_speeds) each: delta peaks, which :meth:`position_density` leaves out.
-        n_speeds is 0 for a start that has a speed density.
+        Radius in d and share of all tracers, shape (n_times, n_speeds) each. They are delta peaks,
+        which :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
         found = self._position()
-        return found.front_radius, found.front_weight
+        return read_only(found.front_radius), read_only(found.front_weight)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
         """g(r, t), the radial density of the displacement (paper, fig. ``inelasticposi``), in 1/d.
@@ -169,7 +221,7 @@ class Solution:
         absolute error is max(rtol, 1e-8) over sqrt(<r^2>). Raises InputError for negative radii,
         or if "position_density" was not among the outputs.
         """
-        found, r_ = self._position(), _not_negative("r", r)
+        found, r_ = self._position(), not_negative_line("r", r)
         return np.array([found.density(i, r_) for i in range(self.times.size)])
 
     def scaled_position_density(self, scaled_radii: ArrayLike) -> FloatArray:
@@ -177,7 +229,7 @@ class Solution:
 
         NaN at t = 0, where all tracers are at the origin. Raises InputError for negative R.
         """
-        found, x = self._position(), _not_negative("scaled_radii", scaled_radii)
+        found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
         out = np.full((self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root > 0.0:
@@ -190,9 +242,9 @@ class Solution:
         For histograms: the ballistic front is in it, in (low, high]. Raises InputError for edges
         that are negative or do not rise.
         """
-        found, r = self._position(), _not_negative("edges", edges)
+        found, r = self._position(), not_negative_line("edges", edges)
         if r.size < 2 or np.any(np.diff(r) <= 0.0):
-            raise InputError(f"edges: got {short(edges)}; they must rise, two at least")
+            refuse("edges", edges, "they must rise, two at least")
         return np.array([np.diff(found.within(i, r)) for i in range(self.times.size)])
 
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -203,7 +255,7 @@ class Solution:
         Tracers that have not collided are left out. NaN where p is below its error. Raises
         InputError as :meth:`scaled_position_density` does.
         """
-        found, x = self._position(), _not_negative("scaled_radii", scaled_radii)
+        found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
         exponent = np.full((self.times.size, x.size), np.nan)
         rate = np.full_like(exponent, np.nan)
         for i, root in enumerate(found.root_mean_square):
@@ -228,52 +280,24 @@ class Solution:
         wave numbers that are none, negative, not finite or larger than can be solved for, or if
         "intermediate_scattering" was not among the outputs.
         """
-        if self._scattering is None:
+        self._require("intermediate_scattering")
+        k = not_negative_line("wave_numbers", wave_numbers)
+        if direction is not None:
+            direction = real_number("direction", direction, allowed="it must be a finite angle")
+        return scattering_function(averages_of(self.scene, self.rtol), k, direction)
+
+    def _require(self, *outputs: str) -> None:
+        """Raise InputError unless one of these outputs was asked for."""
+        if not set(outputs) & set(self.scene.outputs):
             raise InputError(
-                "outputs: 'intermediate_scattering' was not asked for; name it among the scene's "
-                "outputs"
+                f"outputs: {outputs[0]!r} was not asked for; name it among the scene's outputs"
             )
-        k = _not_negative("wave_numbers", wave_numbers)
-        if direction is not None and not np.isfinite(direction):
-            raise InputError(f"direction: got {short(direction)}; it must be a finite angle")
-        return self._scattering(k, direction)
 
     def _position(self) -> Displacement:
-        if self._displacement is None:
-            raise InputError(
-                "outputs: 'position_density' was not asked for; name it among the scene's outputs"
-            )
+        self._require("position_density")
+        assert self._displacement is not None
         return self._displacement
 
-    def _profile(self, m: int, output: str) -> Profile:
-        if output not in self.scene.outputs and not (
-            output == "speed_density" and "velocity_density" in self.scene.outputs
-        ):
-            raise InputError(
-                f"outputs: {output!r} was not asked for; name it among the scene's outputs"
-            )
-        return self._profiles[m]
-
-
-def _finite(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        array = np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        array = np.array([np.nan])
-    if array.ndim != 1 or not np.all(np.isfinite(array)):
-        raise InputError(f"{name}: got {short(values)}; it must be finite numbers, 1-dimensional")
-    return array
-
-
-def _not_negative(name: str, values: ArrayLike) -> FloatArray:
-    array = _finite(name, values)
-    if array.size == 0 or np.any(array < 0.0):
-        raise InputError(f"{name}: got {short(values)}; give at least one, none negative")
-    return array
-
-
-def _speeds(v: ArrayLike) -> FloatArray:
-    array = _finite("v", v)
-    if np.any(array < 0.0):
-        raise InputError(f"v: got {short(v)}; speeds must not be negative")
-    return array
+    def _speed_profile(self) -> Profile:
+        self._require("speed_density", "velocity_density")
+        return self._profiles[0]

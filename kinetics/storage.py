@@ -24,7 +24,8 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, BinaryIO
+from io import BufferedRandom, BufferedReader
+from typing import TYPE_CHECKING, Any
 
 from kinetics.errors import InputError, short
 
@@ -36,19 +37,36 @@ VERSION = 1
 _HEADER = 512  # bytes of the user block, the smallest that HDF5 allows
 
 HOMES = {
-    "AngularHarmonics": "kinetics.states.directed",
-    "Beam": "kinetics.states.directed",
+    # what a user saves, and what these are made of
     "CollisionLaw": "kinetics.collision",
-    "Gaussian": "kinetics.states.isotropic",
-    "Monoenergetic": "kinetics.states.isotropic",
-    "PolarGrid": "kinetics.states.directed",
+    "PlanStep": "kinetics.plan",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",
     "Scene": "kinetics.scene",
+    "Solution": "kinetics.solution",
+    "SolverStatus": "kinetics.status",
+    # initial states
+    "AngularHarmonics": "kinetics.states.directed",
+    "Beam": "kinetics.states.directed",
+    "Gaussian": "kinetics.states.isotropic",
+    "Monoenergetic": "kinetics.states.isotropic",
+    "PolarGrid": "kinetics.states.directed",
     "SpeedDensity": "kinetics.states.isotropic",
     "SpeedSamples": "kinetics.states.isotropic",
     "SpeedTable": "kinetics.states.isotropic",
     "VelocitySamples": "kinetics.states.directed",
+    # densities of the velocity
+    "ElasticDensity": "kinetics.densities.elastic",
+    "GridDensity": "kinetics.densities.grid_density",
+    "LogGrid": "kinetics.numerics.log_grid",
+    "NodeMasses": "kinetics.densities.conservative",
+    "Profile": "kinetics.densities.harmonic",
+    "ThenScaling": "kinetics.densities.harmonic",
+    # density of the displacement
+    "Displacement": "kinetics.position.density",
+    "PowerTail": "kinetics.position.tail",
+    "UncollidedDensity": "kinetics.position.ballistic_front",
+    "WavePanel": "kinetics.position.wave_panel",
 }
 """Name of a class in a file -> the module that defines it. Names stay, modules may move."""
 
@@ -130,7 +148,7 @@ def _damaged(path: str, why: str) -> InputError:
     return InputError(f"path: got {path!r}; it is damaged, or from another program ({why})")
 
 
-def _header(file: BinaryIO) -> bytes:
+def _header(file: BufferedReader | BufferedRandom) -> bytes:
     """The first bytes of a file: its format, its version and the digest of all the rest."""
     file.seek(_HEADER)
     digest = hashlib.file_digest(file, "sha256").hexdigest()

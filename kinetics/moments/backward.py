@@ -79,15 +79,15 @@ class Observable:
         return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
 
 
-MEAN_COLLISIONS = Observable(constant=1.0)
-DISPLACEMENT_ALONG_START = Observable(harmonic=1, constant=1.0)
-SQUARED_DISPLACEMENT = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
+MEAN_COLLISIONS: Observable = Observable(constant=1.0)
+DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
+SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
 # <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/position/scattering.py)
 _SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
 _THIRD_ORDER = Observable(
     harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
 )
-QUARTIC_DISPLACEMENT = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
+QUARTIC_DISPLACEMENT: Observable = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
@@ -96,7 +96,7 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 
 
 # d r^2/d ln t, driven by the velocity along the start
-MSD_SLOPE = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
+MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
 
 
 def moment_series(

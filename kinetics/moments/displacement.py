@@ -34,15 +34,6 @@ from kinetics.moments.velocity import Averages
 
 FloatArray = NDArray[np.float64]
 
-# what each output is made of, and how often the relative error of that enters its own
-OBSERVABLES: dict[str, tuple[tuple[float, Observable], ...]] = {
-    "msd": ((1.0, SQUARED_DISPLACEMENT),),
-    "kurtosis": ((2.0, SQUARED_DISPLACEMENT), (1.0, QUARTIC_DISPLACEMENT)),
-    "velocity_autocorrelation": ((1.0, speed_power(1.0, 1)),),
-    "diffusion_coefficient": ((1.0, MSD_SLOPE),),
-    "mean_displacement": ((1.0, DISPLACEMENT_ALONG_START),),
-}
-
 _FREE = math.log(1e-50)  # of v_rms t/l: below, nobody collides, and its fourth power is in range
 _EARLY = 1.0  # T below which elastic moments are summed as power series, of 40 terms
 

@@ -72,6 +72,9 @@ class Averages:
     _decays: dict[Observable, Decay] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _powers: dict[tuple[float, int], NDArray[Any]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def with_nodes(self, nodes: int) -> Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
@@ -137,6 +140,11 @@ class Averages:
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
+        if (p, m) not in self._powers:
+            self._powers[p, m] = self._power(p, m)
+        return self._powers[p, m]
+
+    def _power(self, p: float, m: int) -> NDArray[Any]:
         found = self.measure(m)
         if found is None:
             return np.zeros(self.times.shape)

@@ -32,7 +32,7 @@ def interpolation_rows(difference: FloatArray, weights: FloatArray) -> FloatArra
 
 @dataclass(frozen=True)
 class _Chebyshev:
-    """What both kinds of points share. ``nodes`` is their number, 2 at least."""
+    """What both kinds of points share. ``nodes`` is their number, 3 at least."""
 
     nodes: int
 

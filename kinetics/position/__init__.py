@@ -1,5 +1,9 @@
 """The distribution of the displacement: F(k, t), g(r, t) and G(R).
 
+- `scattering`: one system of equations for each wave number; `intermediate_scattering`: F(k, t)
+- `density`: g(r, t) as a result; `solve_density`: which wave numbers it takes
+- `tail`, `ballistic_front`: how F ends in k, and tracers that have not collided
+
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
-Begin with `scattering.py`: one system of equations for each wave number.
+Begin with `scattering.py`.
 """

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
+from kinetics.position.wave_panel import make_read_only
 from kinetics.states.state import State
 
 FloatArray = NDArray[np.float64]
 
 _NODES = 16  # of a polynomial for a piece of the initial density
-_LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum
-_HALVINGS = 45  # at a jump nobody knows of, 2^-45 of the axis is left for a wrong polynomial
+_LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum; and
+# the share of tracers that may be faster than all pieces
+_HALVINGS = 100  # of the axis towards speed 0, where a density may be a root of v
+_JUMP = 2.0**-45  # width of a piece, relative to its speed, that is left for a jump
 _MOST_PIECES = 4000  # where a density is rough everywhere: half a million numbers
 _NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
 
@@ -36,6 +39,9 @@ class UncollidedDensity:
     times: FloatArray
     edges: FloatArray
     values: FloatArray
+
+    def __post_init__(self) -> None:
+        make_read_only(self.times, self.edges, self.values)
 
     @property
     def is_zero(self) -> bool:
@@ -76,13 +82,24 @@ class UncollidedDensity:
         return np.interp(near, edges, np.concatenate([[0.0], np.cumsum(share)]))
 
 
-def uncollided_density(state: State, mean_free_path: float, times: FloatArray) -> UncollidedDensity:
-    """The uncollided of a start: its speed density in pieces, each a polynomial to rounding."""
+def uncollided_density(
+    state: State, mean_free_path: float, times: FloatArray, fastest: float
+) -> UncollidedDensity:
+    """The uncollided of a start: its speed density in pieces, each a polynomial to rounding.
+
+    fastest : see :func:`fastest_speed`
+    """
     profile = state.profile(0)
     if profile is None:
         return UncollidedDensity(mean_free_path, times, np.zeros(0), np.zeros((0, _NODES)))
     kinks = np.asarray(state.kinks, dtype=float)
-    top = float(kinks[-1]) if kinks.size else _fastest(state, 1e-12)
+    if kinks.size:
+        top = float(kinks[-1])
+    else:
+        # where a function ends is not known: go on from somewhat above the fastest
+        above = fastest * 2.0 ** np.arange(0.25, 20.0, 0.25)
+        there = np.nonzero(np.abs(profile(above)) * above > _LEFT_OUT)[0]
+        top = float(above[min(there.max(initial=-1) + 1, above.size - 1)])
     edges = np.union1d([0.0, top], kinks[(kinks >= 0.0) & (kinks <= top)])
     rule = FirstKind(_NODES)
     starts, kept = [], []
@@ -92,6 +109,7 @@ def uncollided_density(state: State, mean_free_path: float, times: FloatArray) -
         f = np.asarray(profile(v.ravel()).real).reshape(v.shape)
         left_out = np.maximum(*rule.last_coefficients(f))
         done = left_out <= _LEFT_OUT * np.abs(f).max(axis=1)
+        done |= ends[:, 1] - ends[:, 0] <= _JUMP * ends[:, 1]
         done |= (halving == _HALVINGS) | (ends.shape[0] > _MOST_PIECES)
         starts.append(ends[done, 0])
         kept.append(f[done])
@@ -119,19 +137,13 @@ def fronts(state: State, mean_free_path: float, times: FloatArray) -> tuple[Floa
         return radius, share * np.exp(-radius / mean_free_path)
 
 
-def reach(state: State, times: FloatArray, rtol: float) -> FloatArray:
-    """The largest radius there can be, in d, (n_times,): no tracer outruns its initial speed.
-
-    For densities, up to the speed that all but about rtol of the tracers keep below.
+def fastest_speed(state: State, rtol: float) -> float:
+    """The largest of sharp speeds; for densities, one that all but about rtol of the tracers keep
+    below.
     """
     peaks = state.peaks
-    fastest = _fastest(state, rtol) if peaks is None else float(np.max(peaks[0]))
-    with np.errstate(over="ignore"):
-        return np.asarray(times * fastest)
-
-
-def _fastest(state: State, rtol: float) -> float:
-    """The speed that all but about rtol of the tracers keep below."""
+    if peaks is not None:
+        return float(np.max(peaks[0]))
     found = state.harmonic(0, rtol)
     assert found is not None  # harmonic 0 is never zero
     return float(np.exp(found.x.max()))

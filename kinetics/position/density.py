@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.tail import PowerTail
-from kinetics.position.wave_panel import WavePanel
+from kinetics.position.wave_panel import WavePanel, make_read_only
 
 FloatArray = NDArray[np.float64]
 
@@ -57,6 +57,10 @@ class Displacement:
     reach: FloatArray
     error_estimate: float
     systems: dict[int, int]
+
+    def __post_init__(self) -> None:
+        make_read_only(self.times, self.root_mean_square, self.cut, self.reach)
+        make_read_only(self.front_radius, self.front_weight)
 
     @property
     def wave_numbers(self) -> int:

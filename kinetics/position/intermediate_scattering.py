@@ -22,20 +22,22 @@ from kinetics.states.state import SpeedFunction, State
 
 FloatArray = NDArray[np.float64]
 
-_POINTS = 10  # Gauss points of a panel of initial speeds
-_HALVINGS = 6
-_LARGEST = 200.0  # K, or K T, that can be asked for
-_BEST = 1e-12
-_WIDEST = 0.5  # K up to which panels are as wide as they get
-_FREE = math.log(40.0)  # X beyond which exp(-T) is nothing
-_MOST_PIECES = 4000  # of the panels, for averages over them
+# Gauss points of a panel of initial speeds, no wider than a panel of the waves: measured again by
+# tests/kinetics/measurements/position.py.
+_POINTS = 10
+_HALVINGS = 6  # of the panels of a density whose norm they do not give
+_LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
+_BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
+_WIDEST = 0.5  # K up to which panels do not get narrower with K
+_FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
+_MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
 
 
 def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
     """The initial speeds as points that resolve functions varying over ``spacing`` in ln v.
 
-    Peaks and samples are the points that they are; densities get Gauss panels no wider than
-    spacing, with an edge at each kink.
+    Peaks and samples are points already; densities get Gauss panels no wider than the spacing, with
+    an edge at each kink.
     """
     profile = state.profile(0)
     if profile is None:
@@ -82,12 +84,13 @@ def _panels_of(
 
 @dataclass(frozen=True)
 class Scattering:
-    """F for one system and start.
+    """Solves for F(k, t) of one system and start.
 
     Parameters
     ----------
-    law, mean_free_path : of the medium, l in d
-    state : the start
+    law : the collision law
+    mean_free_path : l, in d
+    state : the initial state
     times : in d/U, shape (n_times,)
     systems : how many systems of so many equations have been solved, by their size
     """
@@ -99,17 +102,17 @@ class Scattering:
     systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
 
     def log_stretch(self, which: Indices) -> FloatArray:
-        """ln(t/l) of some of the times."""
+        """ln(t/l) of some of the times, -inf at t = 0, shape of their indices (n_which,)."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.times[which]) - math.log(self.mean_free_path))
 
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
     ) -> Waves:
-        """What the backward equation gives for K = k l, up to the largest T of the times."""
+        """Solve the backward equation for K = k l, up to the largest T of the times."""
         speeds = points_of(self.state, 1.0, tolerance)
         highest = float(speeds.x.max() + self.log_stretch(which).max())
-        # of the directions each harmonic that is kept has its own share of the error
+        # where directions count, each harmonic that is kept adds its own error
         share = 0.1 if kept else 0.3
         found = solve_waves(self.law, wave_numbers, highest, share * tolerance, kept)
         self.systems[found.rule.nodes - 1] += found.systems
@@ -118,9 +121,9 @@ class Scattering:
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
     ) -> tuple[FloatArray, float]:
-        """F without the tracers that have not collided, (n_which, n_k), and its error.
+        """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
 
-        wave_numbers : K = k l, of similar size, shape (n_k,)
+        wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
         """
         waves, stretch = self._waves(wave_numbers, which, tolerance), self.log_stretch(which)
         profile = self.state.profile(0)
@@ -135,11 +138,14 @@ class Scattering:
     def _on_panels(
         self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
     ) -> FloatArray | None:
-        """The means over a smooth density, from the same X for all times; None if too many."""
+        """The means over a smooth density, from the same points X for all times, (n_which, n_k).
+
+        None where that takes too many points.
+        """
         width = waves.rule.width
         edges, _, weight = _panels_of(self.state, profile, width, tolerance)
         norm, bottom, top = float(weight.sum()), float(edges[0]), float(edges[-1])
-        # nothing has collided below, and nothing is left above if the waves end
+        # below, nothing has collided; above the end of the waves, nothing is left
         low = max(bottom + float(stretch.min()), math.log(tolerance) - 3.0)
         high = top + float(stretch.max())
         if waves.ended:
@@ -188,7 +194,7 @@ class Scattering:
 
 
 def _collided(waves: Waves, x: FloatArray) -> FloatArray:
-    """a_0 less exp(-T) J_0(K T), at X = x (n_x,): shape (n_x, n_k)."""
+    """a_0 - exp(-T) J_0(K T), the part of those that have collided, at X = x: (n_x, n_k)."""
     from scipy.special import j0
 
     left = waves(x)
@@ -236,9 +242,9 @@ def scattering_function(
 def _through_points(
     system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
 ) -> tuple[NDArray[Any], float]:
-    """F (n_times, n_k) and its error.
+    """F (n_times, n_k) and its error, absolute.
 
-    By a polynomial where the wave numbers are many more than it needs.
+    From a polynomial in K where that takes fewer wave numbers than are asked for.
     """
     low, high = float(wave_numbers.min()), float(wave_numbers.max())
     nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)

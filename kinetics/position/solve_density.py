@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics.chebyshev import FirstKind
-from kinetics.position.ballistic_front import fronts, reach, uncollided_density
+from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
@@ -59,21 +59,24 @@ def solve_displacement(
     sweep = _Sweep(system, root_mean_square / mean_free_path, rtol)
     sweep.run()
     radius, weight = fronts(state, mean_free_path, times)
-    found = Displacement(
+    fastest = fastest_speed(state, 0.1 * rtol)
+    with np.errstate(over="ignore"):
+        # no tracer outruns its initial speed
+        reach = np.minimum(times * fastest, _FAR * root_mean_square)
+    return Displacement(
         mean_free_path=mean_free_path,
         times=times,
         root_mean_square=root_mean_square,
         panels=tuple(sweep.panels),
         tails=tuple(sweep.tails),
         cut=sweep.cut(),
-        uncollided=uncollided_density(state, mean_free_path, times),
+        uncollided=uncollided_density(state, mean_free_path, times, fastest),
         front_radius=radius,
         front_weight=weight,
-        reach=np.minimum(reach(state, times, 0.1 * rtol), _FAR * root_mean_square),
+        reach=reach,
         error_estimate=float(sweep.missed.max(initial=0.0)),
         systems=dict(system.systems),
     )
-    return found
 
 
 class _Sweep:

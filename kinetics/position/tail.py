@@ -13,22 +13,32 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.position.wave_panel import make_read_only
+
 FloatArray = NDArray[np.float64]
 
-TERMS = 8
+TERMS = 8  # of the sum: with more, errors of F are raised instead of fitted
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PowerTail:
     """sum_j c_j (q^2 + 1)^(-nu - 1), nu = (1 + j)/2, q = K/scale, K = k l.
 
         integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
 
     (DLMF 10.22.46).
+
+    Attributes
+    ----------
+    coefficients : c_j, shape (n_terms,)
+    scale : K where the powers begin
     """
 
     coefficients: FloatArray
     scale: float
+
+    def __post_init__(self) -> None:
+        make_read_only(self.coefficients)
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
@@ -37,7 +47,7 @@ class PowerTail:
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
         whole = self.scale * rho
-        x = np.clip(whole, 1e-12, 700.0)
+        x = np.clip(whole, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
         macdonald = _macdonald(x, self.coefficients.size + 2)
         out = np.zeros(rho.shape)
         for j, c in enumerate(self.coefficients):
@@ -66,15 +76,15 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
 
 
 def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, float]:
-    """The tail of F through f at K = k (n_k,), and how far off it is.
+    """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    Errors count relative to K^-3; ``scale`` is where the powers begin. The terms are judged by the
-    upper part of the range, after a fit to the rest; infinite where there are too few points.
+    ``scale`` is where the powers begin. The error is seen in the upper part of the range, after a
+    fit to the lower 60 %; it is infinite where there are too few points.
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
         return PowerTail(np.zeros(0), scale), np.inf
-    # what one number of terms misses may happen to vanish
+    # the error of one number of terms may vanish by accident: a mean over three of them
     missed = [
         float(np.abs(_fit(k[below], f[below], scale, terms).at(k) - f).max())
         for terms in (TERMS - 2, TERMS - 1, TERMS)
@@ -84,6 +94,7 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
 
 
 def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:
+    """Least squares of the errors relative to K^-3."""
     weight = k**3
     found = np.linalg.lstsq(_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13)
     return PowerTail(np.asarray(found[0]), scale)

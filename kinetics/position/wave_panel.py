@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,9 @@ class WavePanel:
     which: Indices
     values: FloatArray
 
+    def __post_init__(self) -> None:
+        make_read_only(self.which, self.values)
+
     @property
     def nodes(self) -> FloatArray:
         """K at the points, shape (nodes,)."""
@@ -50,6 +54,12 @@ class WavePanel:
     def at_zero(self, f: FloatArray) -> float:
         """The polynomial f at K = 0, for a panel that begins there."""
         return float((FirstKind(f.size).rows(np.zeros(1)) @ f)[0])
+
+
+def make_read_only(*arrays: NDArray[Any]) -> None:
+    """For the fields of results: nobody can change them by mistake."""
+    for array in arrays:
+        array.flags.writeable = False
 
 
 def points_between(low: float, high: float, nodes: int) -> FloatArray:

@@ -1,8 +1,8 @@
-"""Log g on the whole axis: the tilts that a question needs, glued, and the recursion below them.
+"""ln g on the whole axis: the tilts that a question needs, joined, and the recursion below them.
 
-Each tilt (:mod:`kinetics.scaling.tilted`) resolves g around its own peak. Two neighbours are glued
-where both still do, and the recursion of :mod:`kinetics.scaling.low_speeds` goes on below the
-lowest. ln g is then accurate relative to g, and moments are sums of positive terms.
+Each tilt (:mod:`kinetics.scaling.tilted`) resolves g around its own peak. Two neighbours are joined
+where both of them resolve it, and the recursion of :mod:`kinetics.scaling.low_speeds` continues
+below the lowest. ln g is then accurate relative to g, and moments are sums of positive terms.
 """
 
 from __future__ import annotations
@@ -14,31 +14,26 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.scaling.low_speeds import LowSpeeds
-from kinetics.scaling.tilted import BULK_MARGIN, Tilt, next_tilt, solve_tilt
+from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
 
 FloatArray = NDArray[np.float64]
 
 # The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
-# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just above 0,
-# it serves the moments 0 to 4 alone: noise is no worse in moments above the tilt, but below.
-_FIRST_TILT = 0.1
-# At small e the norm itself would lack the long tail to low speeds.
-_FIRST_TILT_LOW, _LONG_TAIL = -0.05, 0.35
-_LOWEST_LOG = -690.0  # F below e^-690 is 0
-# ln g this far below its peak, above and below the bulk, falls so steeply that an error of the
-# unit of speed counts too much.
-_FAR_ABOVE, _FAR_BELOW = 75.0, 150.0
-_FAR = 15.0  # g below e^-_FAR rtol does not matter to the recursion
-_NEGLIGIBLE = 4.0  # what lies beyond the lowest speeds weighs e^-_NEGLIGIBLE rtol
-# A tilt's noise at the ends of its window, and how much of rtol it may cost a moment (measured).
-_NOISE_LEFT, _NOISE_RIGHT = 1.0, 0.05
-_MOMENT_SHARE = 0.15
-_SPACING = 1.4  # the trapezoid rule needs half the points that resolve the density
-_PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0
+# lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at
+# small e the norm needs the long tail to low speeds, and the moments 0 to 4 need no other tilt.
+_FIRST_TILT = -0.05
+_LOWEST_LOG = -690.0  # F below e^-690 = 1e-300 is 0
+_PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0  # trapezoid rule over two half periods
+_NEGLIGIBLE = 4.0  # e^-4 = 2 % of rtol: what lies beyond the speeds that are solved may weigh that
+# The two constants below are measured again by tests/kinetics/measurements/scaling.py.
+_NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of its peak
+# ln g this far below its peak is so steep that the error of the unit of speed counts too much, and
+# the bulk is solved again.
+_FAR = 75.0
 
 
 class SpeedAxis:
-    """Log g(x), x = ln(kappa v t/l), as far as it was asked for; up to its norm.
+    """ln g(x), x = ln(kappa v t/l), as far as it was asked for; up to its norm.
 
     Parameters
     ----------
@@ -49,26 +44,25 @@ class SpeedAxis:
     Attributes
     ----------
     tilts : those solved so far, upwards
-    scales : what to add to the log of each; 0 for the first one solved, the bulk's
-    refined : whether the bulk was solved again, for densities far out
-    unresolved : whether there were too few nodes to go on: part of the axis is missing
+    scales : what to add to the logarithm of each; 0 for the first one solved, that of the bulk
+    refined : whether the bulk was solved again, for densities far from it
+    unresolved : whether part of the axis is missing, because too few nodes were asked for
     """
 
     def __init__(self, law: CollisionLaw, rtol: float, nodes: int | None = None) -> None:
         self.law = law
         self.rtol = rtol
         self.requested_nodes = nodes
-        first = _FIRST_TILT_LOW if law.restitution < _LONG_TAIL else _FIRST_TILT
-        self.tilts = [solve_tilt(law, first, rtol, nodes, BULK_MARGIN)]
+        self.tilts = [solve_tilt(law, _FIRST_TILT, rtol, nodes, bulk=True)]
         self.scales = [0.0]
-        self._bulk = 0  # which of them was the first
-        self._seams: list[float] = []  # where neighbours meet
-        self._disagreements: list[float] = []  # of them there
+        self._bulk = 0  # index of the first one solved
+        self._seams: list[float] = []  # x where neighbours meet
+        self._disagreements: list[float] = []  # relative difference of neighbours there
         self._low: LowSpeeds | None = None
         self._low_scale = 0.0
         self.refined = False
         self.unresolved = False
-        self._lost = 0.0  # by moments that reach beyond all that can be solved
+        self._lost = 0.0  # relative error of moments that reach beyond all that can be solved
         self._sampled: tuple[FloatArray, FloatArray, float] | None = None
 
     @property
@@ -80,8 +74,8 @@ class SpeedAxis:
     # -- moments ------------------------------------------------------------------------------
 
     def log_sum(self, p: float, share: float = 1.0) -> float:
-        """Log of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
-        self._extend_for_moment(p, _MOMENT_SHARE * share * self.rtol)
+        """ln of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
+        self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
         if self.law.restitution == 0.0:
             # there g ~ e^x: the grid goes on below what is solved until e^((1+p) x) is negligible
@@ -101,7 +95,7 @@ class SpeedAxis:
         """Solve further up and down until the noise of the last tilts is negligible."""
         while True:
             high = self.tilts[-1]
-            lost = self._lost_by(high, self.scales[-1], p, high.grid.end, _NOISE_RIGHT)
+            lost = self._lost_by(high, self.scales[-1], p, high.grid.end)
             if p <= high.theta or lost < accepted:
                 break
             if not self._add_above():
@@ -117,12 +111,12 @@ class SpeedAxis:
             low = self.tilts[0]
             if p >= low.theta or self.law.restitution == 0.0:
                 break
-            lost = self._lost_by(low, self.scales[0], p, low.grid.start, _NOISE_LEFT)
+            lost = self._lost_by(low, self.scales[0], p, low.grid.start)
             if lost < accepted or not self._add_below():
                 break
 
     def _peak(self, p: float) -> float:
-        """Log of the maximum of e^(p x) g, nearly."""
+        """ln of the maximum of e^(p x) g, nearly."""
         return max(
             t.landmarks[1]
             + scale
@@ -131,11 +125,11 @@ class SpeedAxis:
             for t, scale in zip(self.tilts, self.scales, strict=True)
         )
 
-    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float, level: float) -> float:
+    def _lost_by(self, tilt: Tilt, scale: float, p: float, x: float) -> float:
         """What the noise of a tilt at x adds to moment p, relative to it."""
         peak = tilt.landmarks[1] + tilt.theta * tilt.centre + scale
         log_lost = peak + (p - tilt.theta) * x - self._peak(p)
-        return level * tilt.noise * math.exp(min(log_lost, 600.0))
+        return _NOISE * tilt.noise * math.exp(min(log_lost, 600.0))
 
     def _samples(self) -> tuple[FloatArray, FloatArray, float]:
         """Equidistant x over all that is solved, ln g there, and the spacing."""
@@ -151,9 +145,9 @@ class SpeedAxis:
             if not top > bottom:  # too few nodes
                 self.unresolved = True
                 top = bottom + 1.0
-            spacing = _SPACING * min(t.grid.spacing for t in self.tilts)
+            spacing = min(t.grid.spacing for t in self.tilts)
             x = np.linspace(bottom, top, math.ceil((top - bottom) / spacing) + 1)
-            self._sampled = (x, self._glued(x), float(x[1] - x[0]))
+            self._sampled = (x, self._joined(x), float(x[1] - x[0]))
         return self._sampled
 
     # -- the axis, piece by piece -------------------------------------------------------------
@@ -179,7 +173,7 @@ class SpeedAxis:
         if not np.all(np.isfinite(gap)):
             return x, float(gap[2]), 1.0
         inner = gap[1:-1]
-        # both have a part in it
+        # each of the two has half of it
         return x, float(_PERIOD @ gap), 0.5 * float(inner.max() - inner.min())
 
     def _add_above(self) -> bool:
@@ -238,10 +232,10 @@ class SpeedAxis:
                 return
 
     def _log_density_above(self, x: FloatArray) -> FloatArray:
-        """Log g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
-        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _FAR)
+        """ln g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
+        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _NEGLIGIBLE)
         top = self.tilts[-1].top
-        out = self._glued(np.minimum(x, top))
+        out = self._joined(np.minimum(x, top))
         above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
         out = out - above / self.law.mean_log_loss
         if not np.all(np.isfinite(out)):
@@ -251,24 +245,24 @@ class SpeedAxis:
         )
 
     def log_density(self, x: FloatArray) -> FloatArray:
-        """Log g at x, shape (n,), up to the norm; -inf where it is negligible."""
+        """ln g at x, shape (n,), up to the norm; -inf where it is negligible."""
         if x.size == 0:
             return np.zeros(0)
         self.cover_above(float(x.max()))
         lowest = float(x.min())
         while self._bottom > lowest and self._add_below():
             pass
-        out = self._glued(x)
+        out = self._joined(x)
         if not self.refined and self.requested_nodes is None:
             bulk = self.tilts[self._bulk]
             drop = np.where(np.isfinite(out), bulk.landmarks[1] - out, 0.0)
-            if np.any(drop > np.where(x > bulk.centre, _FAR_ABOVE, _FAR_BELOW)):
+            if np.any(drop > _FAR):
                 self._refine()
-                return self._glued(x)
+                return self._joined(x)
         return out
 
     def _refine(self) -> None:
-        """The bulk again, with the margin of the others, in its place between them."""
+        """Solve the bulk again with the margin of the others, and join it to its neighbours."""
         i = self._bulk
         known = self.tilts[i]
         fine = solve_tilt(self.law, known.theta, self.rtol)
@@ -289,8 +283,8 @@ class SpeedAxis:
         self._sampled = None
         self.refined = True
 
-    def _glued(self, x: FloatArray) -> FloatArray:
-        """The same from what is solved."""
+    def _joined(self, x: FloatArray) -> FloatArray:
+        """ln g at x, shape (n,), from what is solved so far; -inf elsewhere."""
         out = np.full(x.shape, -math.inf)
         chosen = np.searchsorted(self._seams, x)
         if self._low is not None:
@@ -311,6 +305,6 @@ class SpeedAxis:
         return out
 
     def _below_at_zero(self, x: FloatArray) -> FloatArray:
-        """Log g below the lowest tilt at e = 0, where g = e^x (integral of g from x upwards)."""
+        """ln g below the lowest tilt at e = 0, where g = e^x (integral of g from x upwards)."""
         base = self.tilts[0].bottom
         return np.asarray(self._log_at_bottom() + (x - base) - (np.exp(x) - math.exp(base)))

@@ -23,10 +23,7 @@ from kinetics.numerics.chebyshev import FirstKind
 
 FloatArray = NDArray[np.float64]
 
-# Nodes of a panel beyond the digits asked for, and the range of both together: measured again by
-# tests/kinetics/measurements/scaling.py.
-_MORE_NODES = 2
-_LEAST_NODES, _MOST_NODES = 6, 16
+_MORE_NODES = 3  # than digits: measured again by tests/kinetics/measurements/scaling.py
 _SWEEPS = 20  # of Newton's method, whose error is squared by each: never reached
 _DEEPEST = 700.0  # -ln g, where numbers end
 
@@ -53,8 +50,7 @@ class LowSpeeds:
         self.top = top
         # the error left by Newton's method is the square of its last step
         self._last_step = 0.1 * math.sqrt(rtol)
-        nodes = _MORE_NODES + math.ceil(-math.log10(rtol))
-        self._rule = FirstKind(min(_MOST_NODES, max(_LEAST_NODES, nodes)))
+        self._rule = FirstKind(_MORE_NODES + math.ceil(-math.log10(rtol)))
         # ln g falls as -x^2/(2 |ln e|): its slope is at most that at its end, and g rises as e^x
         steepest = 1.0 + math.sqrt(2.0 * _DEEPEST / -math.log(law.restitution))
         quadrature = law.quadrature_for(steepest)

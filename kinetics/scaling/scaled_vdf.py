@@ -6,7 +6,6 @@ solves the parts of the speed axis that they need and holds ln g, accurate relat
 
 from __future__ import annotations
 
-import enum
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,27 +15,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, check_restitution, check_rtol, short
+from kinetics.errors import InputError
 from kinetics.scaling.log_density import SpeedAxis
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
+from kinetics.status import SolverStatus, explain, status_of
+from kinetics.validation import check_restitution, check_rtol, exponent, refuse, whole_number
+from kinetics.values import Value
 
 _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
 _TAIL_POINTS = 9
-
-
-class SolverStatus(enum.Enum):
-    """How a solve ended; the text says what to change."""
-
-    CONVERGED = "the error estimate meets rtol"
-    TOLERANCE_NOT_REACHED = "the error estimate exceeds rtol: ask for a larger rtol or more nodes"
+_LARGEST_POWER = 300.0
+_LARGEST_LOG = 709.0  # ln of the largest number of double precision
 
 
 @dataclass(frozen=True)
-class ScaledVDF:
+class ScaledVDF(Value):
     """The scaled velocity distribution as the discretised solver finds it.
 
     Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 and <c^2> = 1. Built by
     :func:`solve_scaled`; only the part of the speed axis that a question needs is solved.
+
+    A value: equal to another one if it was asked for with the same arguments. A file that
+    :meth:`save` writes holds these arguments, h and a2; what else is asked of the loaded one is
+    solved again, and ``nodes`` and ``error_estimate`` are of what was solved since.
 
     Attributes
     ----------
@@ -70,17 +71,12 @@ class ScaledVDF:
 
     def moment(self, p: float) -> float:
         """<c^p> for real p (p > -1 at e = 0); InputError elsewhere or where it overflows."""
-        try:
-            number = float(p)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not abs(number) <= 300.0:
-            raise InputError(f"p: got {short(p)}; it must be a real number of size up to 300")
+        number = exponent("p", p, _LARGEST_POWER)
         if self.restitution == 0.0 and number <= -1.0:
-            raise InputError(f"p: got {short(p)}; at restitution 0 moments exist for p > -1 only")
+            refuse("p", p, "at restitution 0 moments exist for p > -1 only")
         log_moment = self._log_moment(number) - 0.5 * number * self._log_second
-        if log_moment > 709.0:
-            raise InputError(f"p: got {short(p)}; <c^p> overflows double precision there")
+        if log_moment > _LARGEST_LOG:
+            refuse("p", p, "<c^p> overflows double precision there")
         return math.exp(log_moment)
 
     def vdf(self, c: ArrayLike) -> Any:
@@ -92,7 +88,7 @@ class ScaledVDF:
         """
         c_ = np.asarray(c, dtype=float)
         if not np.all(np.isfinite(c_)) or np.any(c_ < 0.0):
-            raise InputError(f"c: got {short(c)}; a scaled speed must be finite and not negative")
+            refuse("c", c, "a scaled speed must be finite and not negative")
         flat = c_.ravel()
         out = np.full(flat.shape, math.inf if self.restitution == 0.0 else 0.0)
         inside = flat > 0.0
@@ -150,9 +146,54 @@ class ScaledVDF:
     @property
     def status(self) -> SolverStatus:
         """Whether :attr:`error_estimate` meets rtol."""
-        if self.error_estimate <= self.rtol:
-            return SolverStatus.CONVERGED
-        return SolverStatus.TOLERANCE_NOT_REACHED
+        return status_of({"F(c)": self.error_estimate}, {"F(c)": self.rtol})
+
+    @property
+    def message(self) -> str:
+        """The status in words: by how much the tolerance is missed, and what to change."""
+        errors, allowed = {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
+        return explain(errors, allowed, self.requested_nodes)
+
+    def __repr__(self) -> str:
+        nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
+        return (
+            f"ScaledVDF(restitution={self.restitution!r}, rtol={self.rtol!r}{nodes}): "
+            f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
+            f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
+        )
+
+    def _repr_html_(self) -> str:
+        figures = {
+            "restitution": self.restitution,
+            "cooling rate h": f"{self.cooling_rate:.12g}",
+            "a2": f"{self.a2:.12g}",
+            "status": self.status.name.lower(),
+            "error estimate": f"{self.error_estimate:.1e}",
+        }
+        rows = "".join(f"<tr><td>{name}</td><td>{v}</td></tr>" for name, v in figures.items())
+        return f"<table>{rows}</table>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        # with what has been solved: a copy in another process need not solve it again
+        return dict(self.__dict__)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    def _to_storage(self) -> dict[str, Any]:
+        arguments = {
+            "restitution": self.restitution,
+            "rtol": self.rtol,
+            "requested_nodes": self.requested_nodes,
+        }
+        return arguments | {"cooling_rate": self.cooling_rate, "a2": self.a2}
+
+    @classmethod
+    def _from_storage(cls, parts: dict[str, Any]) -> ScaledVDF:
+        known = {name: parts.pop(name) for name in ("cooling_rate", "a2")}
+        found = cls(**parts)
+        found.__dict__.update(known)  # as if they had been asked for
+        return found
 
     @cached_property
     def _log_second(self) -> float:
@@ -208,14 +249,8 @@ def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = No
             f"restitution: got {restitution!r}; elastic tracers approach no scaling state, "
             "it must be below 1"
         )
-    if nodes is not None and (
-        isinstance(nodes, bool)
-        or not isinstance(nodes, int | np.integer)
-        or not SMALLEST_NODES <= nodes <= MAX_NODES
-    ):
-        raise InputError(
-            f"nodes: got {short(nodes)}; it must be an integer from {SMALLEST_NODES} to {MAX_NODES}"
-        )
-    solution = ScaledVDF(e, check_rtol(rtol), None if nodes is None else int(nodes))
-    solution._axis  # noqa: B018
+    if nodes is not None:
+        nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
+    solution = ScaledVDF(e, check_rtol(rtol), nodes)
+    solution._axis  # noqa: B018  (an error of the arguments must be raised here)
     return solution

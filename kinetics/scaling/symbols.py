@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 
-_MANY = 3000  # exponentials
-_LITTLE_LOST = 0.8  # restitution above which 1 - E[s^z] cancels
+_MANY = 3000  # exponentials from which products of matrices are faster; both give the same
+_LITTLE_LOST = 0.8  # restitution above which 1 - E[s^z], up to lambda(2) = 0.24, loses a digit
 
 
 def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
-    """lambda(z) = 1 - E[s^z], shape of z; no range checks, for the solvers' inner loops."""
+    """lambda(z) = 1 - E[s^z], shape of z; without range checks, for inner loops."""
     if law.restitution == 0.0:
         return np.asarray(z / (1.0 + z))
     q = law.quadrature_for(float(np.abs(z).max()))
@@ -31,8 +31,8 @@ def decay_symbol_on_line(
 ) -> NDArray[Any]:
     """lambda(theta - i k) for equidistant k from 0, shape of k.
 
-    Where the average over the impact parameter takes many points, exp(i k xi) is made of two
-    factors: of n exponentials a point 2 sqrt(n) are left, and a product of matrices.
+    Where the average over the impact parameter takes many points, exp(i k xi) is a product of two
+    factors: instead of n exponentials for each point, 2 sqrt(n) of them and a product of matrices.
     """
     z = theta - 1j * wave_numbers
     if law.restitution == 0.0 or law.restitution > _LITTLE_LOST:
@@ -71,7 +71,7 @@ def flux_symbol(
 def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     """rho(z) = ln(kappa z/lambda(z)) = ln A(z+1) - ln A(z), A(z) = E[(kappa v t/l)^z]; z real.
 
-    An estimate that only sizes windows: at large |z| the plain quadrature leaves a percent.
+    An estimate for the sizes of windows: at large |z| the plain quadrature is a percent off.
     """
     if law.restitution == 0.0:
         return np.asarray(np.log1p(z))
@@ -88,7 +88,7 @@ def peak_position(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     The mean of x is the derivative of ln A, rho(z - 1/2) up to third differences of rho.
     """
     if law.restitution == 0.0:
-        # the digamma function at 1 + z, nearly
+        # nearly the digamma function at 1 + z, the derivative of ln Gamma(1 + z)
         return np.asarray(np.log(z + 1.5) - 1.0 / (z + 1.0))
     return drift_log(law, z - 0.5)
 

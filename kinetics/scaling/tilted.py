@@ -4,15 +4,16 @@ The paper's scaled equation (label ``ifmu2``), for the density g of x = ln(kappa
 
     dg/dx = -e^x g/kappa + E[ e^(x+xi) g(x+xi) ]/kappa,     xi = -ln s >= 0 :
 
-a constant drift to larger v t against the losses at bounces. Integrated once it says that the flux
-upwards, g, equals the flux of losses downwards past x. For G = e^(theta x) g on a periodic window
-of equidistant x this is a convolution W (symbol lambda(z)/(kappa z), z = theta - i k):
+a constant drift to larger v t against the losses at bounces. Integrated once it says that g, the
+flux upwards past x, equals the flux downwards past x that the losses make. For G = e^(theta x) g on
+a periodic window of equidistant x this is a convolution W (symbol lambda(z)/(kappa z),
+z = theta - i k):
 
     G = W (e^x G).
 
-G is the null vector of a dense matrix of 50 to 200 rows. The tilt theta moves the weight of the
-unknown along the axis: each tilt resolves g, to rounding relative to g itself, around the peak of
-e^(theta x) g.
+G is the null vector of a dense matrix of 50 to 200 rows. The tilt theta moves the peak of the
+unknown along the axis: each tilt resolves g around the peak of e^(theta x) g, with rounding errors
+relative to g itself.
 """
 
 from __future__ import annotations
@@ -31,28 +32,30 @@ from kinetics.scaling.symbols import decay_symbol_on_line, drift_log, flux_symbo
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-MAX_NODES = 4096
+MAX_NODES = 4096  # a matrix of 130 MB
 SMALLEST_NODES = 8
-# A tilt's error is e^-depth of its peak within a factor of ten (measured), if its window ends
-# where the density weighs e^(1-depth) and its highest mode is e^-(depth+1): depth is ln(1/rtol)
-# and a margin. The tilt of the bulk decides the error of most answers. The others have the better
-# margin: they serve more of the axis each, and so are fewer.
-BULK_MARGIN = 4.3
-MARGIN = 7.0
+# The constants up to _BULK_DROP are measured again by tests/kinetics/measurements/scaling.py.
+# The error of a tilt is about e^-depth of its peak, if its window ends where the density weighs
+# e^(1-depth) and its highest mode is e^-(depth + _MORE_MODES): depth is ln(1/rtol) and a margin.
+# The tilt of the bulk decides the error of most answers. The others have a larger margin: each
+# serves more of the axis, so that there are fewer.
+_BULK_MARGIN, _MARGIN = 4.3, 7.0
 _MORE_MODES = 1.0
-# Wide densities are moved as a whole by what the highest modes miss, and high moments show it.
-_MORE_WHERE_WIDE, _WIDE = 2.3, 1.2
-_MISSED = 20.0  # the factor of an error estimate above which a tilt is solved again
-# Relative to the peak; wide windows and low speeds are the worst.
-_ROUNDING = 1e-14
-_NARROW_ROUNDING = 2e-15  # nearly elastic tracers: over the deviation (measured)
-_NARROWEST = 2.2  # standard deviations
-# Below this restitution few bounces carry a tracer from the bulk (x near 0) to low speeds, and a
-# tilt that leaves the bulk at e^-_BULK_DROP of its peak loses that much of its accuracy.
-_FEW_BOUNCES = 0.65
-_BULK_DROP = 3.5
-_SIZING = 0.6  # of the points that a symbol takes to rounding will do to size a grid
-_ELASTIC = 1.0 - 1e-6  # the tilted state is nearly a ring above it
+# The highest modes left out move a wide density as a whole, which high moments notice: more modes
+# for each unit of its deviation.
+_MORE_WHERE_WIDE = 2.3
+_MISSED = 20.0  # a tilt whose estimate is this far above its error is solved again
+# Rounding of a tilt relative to its peak; over its deviation for nearly elastic tracers.
+_ROUNDING, _NARROW_ROUNDING = 1e-14, 2e-15
+_NARROWEST = 2.2  # deviations that a tilt serves on either side, at least
+# Error over estimate: of the unknown that makes the equation regular, some and more for narrow
+# densities, and of the highest modes.
+_DEFECT, _NARROW_DEFECT, _SPECTRUM = 30.0, 1.3, 0.3
+# Below _FEW_BOUNCES, few bounces carry a tracer from the bulk (x near 0) to low speeds, and a tilt
+# there loses as much of its accuracy as the bulk is below its peak: e^-_BULK_DROP at most.
+_FEW_BOUNCES, _BULK_DROP = 0.65, 3.5
+_SIZING = 0.6  # of the exponent that sets the points of lambda: less accuracy will size a grid
+_ELASTIC = 1.0 - 1e-6  # above it 1 - E[s^z] loses more digits than sizes of grids can bear
 
 
 @dataclass(frozen=True)
@@ -66,9 +69,9 @@ class Tilt:
     values : e^(theta x) g(x)/A(theta) at the nodes, shape (nodes,); sums to 1/h
     centre, deviation : mean and standard deviation of x under that density
     span : how many deviations from the centre it is used where a neighbour takes over
-    noise : what its error relative to the maximum was chosen to be
-    defect, edges, spectrum : three estimates of what it is: from what the discrete equation is
-        short of being singular, from the values at the ends, and from the highest modes
+    noise : the error relative to the maximum for which its grid was chosen
+    defect, edges, spectrum : three estimates of that error: from the unknown that makes the
+        discrete equation regular, from the values at the ends, and from the highest modes
     """
 
     theta: float
@@ -89,7 +92,7 @@ class Tilt:
 
     @property
     def discretisation_error(self) -> float:
-        """Estimate of the part of it that more nodes would make smaller."""
+        """Estimate of the part of the error that more nodes would make smaller."""
         return max(self.defect, self.edges, self.spectrum)
 
     @cached_property
@@ -131,7 +134,7 @@ class Tilt:
 def _variance(law: CollisionLaw, theta: float) -> float:
     """Of x under the tilt, nearly: the second derivative of ln E[(kappa v t/l)^z] at theta."""
     if law.restitution > _ELASTIC:
-        # E[xi^2]/(2 kappa), which differences of logarithms close to 0 do not hold
+        # E[xi^2]/(2 kappa): differences of logarithms close to 0 would have no digits
         q = law.quadrature
         return float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss)
     around = theta + np.array([-0.01, 0.01])
@@ -141,7 +144,7 @@ def _variance(law: CollisionLaw, theta: float) -> float:
 def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, float, float]:
     """Ends of the window beyond which the tilted density weighs e^-depth, and its width.
 
-    Chernoff's bound on either side. The cumulants K(theta + n) it needs are sums of
+    Chernoff's bound on either side. The logarithms of moments that it needs are sums of
     rho(z) = ln(kappa z/lambda(z)), taken in steps of about half a standard deviation.
     """
     deviation = math.sqrt(_variance(law, theta))
@@ -172,10 +175,10 @@ def _left_at_zero(theta: float, depth: float) -> float:
 def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
     """The wave number at which the transform A(theta + i k) has fallen to e^-depth.
 
-    From Re z >= 1/2 upwards ln A turns as rho(z - 1/2) does, rho = ln(kappa z/lambda(z)); what
-    lies lower is carried there by ln A(z) = ln A(z + 1) - rho(z).
+    For Re z >= 1/2 the derivative of ln A is nearly rho(z - 1/2), rho = ln(kappa z/lambda(z));
+    lower lines are taken there by ln A(z) = ln A(z + 1) - rho(z).
     """
-    # lower down only wide densities need the care: the branches are unwrapped
+    # lower down only wide densities need this: the branches are followed step by step
     shift = max(0, math.ceil(1.0 - theta)) if deviation > 0.4 else 0
     for reach in (14.0, 60.0, 300.0) if deviation < 0.6 else (45.0, 300.0):
         k = np.linspace(0.0, reach / deviation, 32)
@@ -197,7 +200,7 @@ def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> 
 
 
 def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> ComplexArray:
-    """ln[lambda(z)/(kappa z)] at z = real + i k, shape (n_real, n_k); to size grids with.
+    """ln[lambda(z)/(kappa z)] at z = real + i k, shape (n_real, n_k), accurate enough for sizes.
 
     real (n_real,), k (n_k,) equidistant from 0. The lines share the exponentials of k.
     """
@@ -229,11 +232,11 @@ def _span(rtol: float, margin: float) -> float:
 def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> float | None:
     """The tilt that takes over, up or down, where a known one ends.
 
-    None where there is none: at low e the cascade to low speeds starts in the bulk, which the
-    tilt must still resolve.
+    None where there is none: at low e tracers get to low speeds from the bulk in few bounces, and
+    the tilt must still resolve the bulk.
     """
     sign = 1.0 if above else -1.0
-    span = _span(rtol, MARGIN)
+    span = _span(rtol, _MARGIN)
     # s^z must not overflow, half a unit below the tilt either
     deepest = float(law.quadrature.log_loss.max())
     lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
@@ -257,9 +260,14 @@ def solve_tilt(
     theta: float,
     rtol: float,
     nodes: int | None = None,
-    margin: float = MARGIN,
+    *,
+    bulk: bool = False,
 ) -> Tilt:
-    """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
+    """Solve the scaled equation for e^(theta x) g, with the margin of the bulk or of the others.
+
+    ``nodes`` overrides the choice of spacing.
+    """
+    margin = _BULK_MARGIN if bulk else _MARGIN
     span = _span(rtol, margin)
     depth = math.log(1.0 / rtol) + margin
     if nodes is not None:
@@ -277,7 +285,7 @@ def solve_tilt(
 
 def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
     left, right, deviation = window_of(law, theta, depth - 1.0)
-    more = _MORE_MODES + _MORE_WHERE_WIDE * min(deviation, _WIDE)
+    more = _MORE_MODES + _MORE_WHERE_WIDE * deviation
     band = band_of(law, theta, depth + more, deviation)
     # an odd number: at an even one the highest mode is half missing, and its error ten times that
     nodes = min(MAX_NODES, max(SMALLEST_NODES, math.ceil((right - left) * band / math.pi))) | 1
@@ -288,8 +296,8 @@ def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
     nodes = grid.nodes
     decay = decay_symbol_on_line(law, theta, grid.wave_numbers)
     flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers, decay))
-    # bordered, so that it is regular: the last row fixes the sum, the last column takes up what
-    # the discrete equation is short of being singular
+    # one more row and column make it regular: the row fixes the sum, and the unknown of the column
+    # is what the discrete equation lacks to have a solution
     matrix = np.empty((nodes + 1, nodes + 1))
     np.multiply(flux, -np.exp(grid.x), out=matrix[:nodes, :nodes])
     matrix.ravel()[: nodes * (nodes + 1) : nodes + 2] += 1.0
@@ -316,8 +324,7 @@ def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
         deviation=deviation,
         span=_NARROWEST,
         noise=0.0,
-        # the factors were measured
-        defect=abs(float(solution[nodes])) / top * (30.0 + 1.3 / deviation),
+        defect=abs(float(solution[nodes])) / top * (_DEFECT + _NARROW_DEFECT / deviation),
         edges=max(first, last) / top,
-        spectrum=0.3 * float(spectrum[-2:].max()) / float(spectrum[0]),
+        spectrum=_SPECTRUM * float(spectrum[-2:].max()) / float(spectrum[0]),
     )

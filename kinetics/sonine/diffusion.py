@@ -11,10 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError, short
-from kinetics.sonine._checks import Array, not_negative, positive, real, restitutions
 from kinetics.sonine.first_order import THERMAL_SPEED_START, a2
 from kinetics.sonine.random_walk import FITTED_FREE_PATH, alpha
+from kinetics.validation import Array, not_negative, positive, real_array, refuse, restitutions
 
 
 def _rho(number_density: float, diameter: float) -> Array:
@@ -29,7 +28,10 @@ def diffusion_from_rates(
     T/m = v0^2/2 in U^2, nu_D in U/d (see :func:`diffusion_rate`), and xi = 2 d v0 rho0 h(e), the
     rate at which the temperature falls, in U/d. NaN where nu_D <= xi/2.
     """
-    rate = real("diffusion_rate", diffusion_rate) - real("energy_loss_rate", energy_loss_rate) / 2
+    rate = (
+        real_array("diffusion_rate", diffusion_rate)
+        - real_array("energy_loss_rate", energy_loss_rate) / 2
+    )
     square = not_negative("temperature_over_mass", temperature_over_mass)
     return square / np.where(rate > 0, rate, np.nan)
 
@@ -44,7 +46,7 @@ def diffusion_rate(
     """nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
     factor = _rho(number_density, diameter) * (1 + restitutions(restitution)) / 2
     speed = math.sqrt(math.pi) * not_negative("thermal_speed", thermal_speed)
-    return factor * speed * (2 + 3 / 4 * real("a2", a2))
+    return factor * speed * (2 + 3 / 4 * real_array("a2", a2))
 
 
 def diffusion_coefficient(
@@ -57,7 +59,7 @@ def diffusion_coefficient(
     """D_e(t) of the first Sonine approximation (eq. ad7), with 2 T/m = v0^2, in d U."""
     e = restitutions(restitution)
     speed = not_negative("thermal_speed", thermal_speed) / math.sqrt(math.pi)
-    correction = 1 + 3 / 8 * real("a2", a2)
+    correction = 1 + 3 / 8 * real_array("a2", a2)
     return speed / _rho(number_density, diameter) / ((e + 1) ** 2 * correction)
 
 
@@ -72,9 +74,7 @@ def msd_of_diffusion(
     from scipy.integrate import quad
 
     if not callable(coefficient):
-        raise InputError(
-            f"coefficient: got {short(coefficient)}; it must be a function of the time"
-        )
+        refuse("coefficient", coefficient, "it must be a function of the time")
     times = not_negative("time", time)
     if as_printed:
         values = [float(coefficient(float(t))) for t in times.flat]

@@ -30,8 +30,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import check_restitution
-from kinetics.sonine._checks import whole
 from kinetics.sonine.series import (
     ROUNDING_LIMIT,
     FloatArray,
@@ -39,6 +37,7 @@ from kinetics.sonine.series import (
     laguerre_products,
     scaled_state,
 )
+from kinetics.validation import check_restitution, whole_number
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def diffusion_of_order(restitution: float, order: int) -> SonineDiffusion:
     InputError for bad arguments. Where the scaled state has no real solution, neither has D_e, and
     the status says so.
     """
-    e, n = check_restitution(restitution), whole("order", order, 1, 40)
+    e, n = check_restitution(restitution), whole_number("order", order, 1, 40)
     if e == 1.0:
         rate, a, status = 0.0, np.array([1.0]), SeriesStatus.REAL
     else:

@@ -10,8 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError, short
-from kinetics.sonine._checks import Array, not_negative, positive, real, restitutions
+from kinetics.validation import Array, not_negative, one_of, positive, real_array, restitutions
 
 THERMAL_SPEED_START = math.sqrt(2.0)
 """v0(0) of the paper's Gaussian start, in U (eq. v0defi)."""
@@ -28,8 +27,7 @@ def a2(restitution: ArrayLike, root: str = "stable") -> Array:
 
     NaN below `THRESHOLD_RESTITUTION`, where the printed formula is complex.
     """
-    if root not in ("stable", "unstable"):
-        raise InputError(f"root: got {short(root)}; it must be 'stable' or 'unstable'")
+    one_of("root", root, ("stable", "unstable"))
     e2 = np.square(restitutions(restitution))
     sign = -1.0 if root == "stable" else 1.0
     return (1 + 30 * e2 + sign * _discriminant_root(e2)) / 24
@@ -44,14 +42,14 @@ def _discriminant_root(e2: Array) -> Array:
 def m2(restitution: ArrayLike, a2: ArrayLike) -> Array:
     """Second moment of the collision integral for given a2 (eq. sonine9)."""
     e = restitutions(restitution)
-    return math.sqrt(math.pi) * (1 - e**2) * (1 + 3 / 8 * real("a2", a2))
+    return math.sqrt(math.pi) * (1 - e**2) * (1 + 3 / 8 * real_array("a2", a2))
 
 
 def m4(restitution: ArrayLike, a2: ArrayLike) -> Array:
     """Fourth moment of the collision integral for given a2 (eq. sonine10)."""
     e = restitutions(restitution)
     factor = math.sqrt(math.pi) * (1 - e**2) * (3 + 2 * e**2)
-    return factor * (1 + 15 / 8 * real("a2", a2))
+    return factor * (1 + 15 / 8 * real_array("a2", a2))
 
 
 def cooling_rate(restitution: ArrayLike) -> Array:
@@ -79,7 +77,7 @@ def vdf(c: ArrayLike, a2: ArrayLike) -> Array:
     """
     x = np.square(not_negative("c", c))
     with np.errstate(under="ignore"):
-        return np.exp(-x) / math.pi * (1 + real("a2", a2) * (x**2 / 2 - 2 * x + 1))
+        return np.exp(-x) / math.pi * (1 + real_array("a2", a2) * (x**2 / 2 - 2 * x + 1))
 
 
 def thermal_speed(
@@ -91,5 +89,5 @@ def thermal_speed(
 ) -> Array:
     """v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
     rate = positive("diameter", diameter) * positive("number_density", number_density)
-    slowing = rate * real("cooling_rate", cooling_rate) * not_negative("time", time)
+    slowing = rate * real_array("cooling_rate", cooling_rate) * not_negative("time", time)
     return 1 / (1 / positive("start", start) + slowing)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.errors import InputError, short
-from kinetics.sonine._checks import Array, not_negative
+from kinetics.errors import InputError
 from kinetics.sonine.position import position_far_tail, position_integral, position_peak
 from kinetics.sonine.position import position_tail as _tail
+from kinetics.validation import Array, not_negative, one_of, refuse
 
 _FORMS: dict[str, tuple[Callable[[Array, float], Array], bool]] = {
     "tail": (lambda r, eta: _tail(r, eta, 1.0), True),
@@ -70,18 +70,8 @@ def fit_position(
     """
     from scipy.optimize import minimize_scalar
 
-    if form not in _FORMS:
-        raise InputError(f"form: got {short(form)}; it must be one of {', '.join(_FORMS)}")
-    radii, values = np.ravel(not_negative("r", r)), np.ravel(not_negative("density", density))
-    if radii.shape != values.shape:
-        raise InputError(f"density: got {values.size} values; r has {radii.size}")
-    low, high = region
-    used = (radii > 0) & (radii >= low) & (radii <= high)
-    x, g = radii[used], values[used]
-    if x.size < 3:
-        raise InputError(f"region: got {short(region)}; it holds {x.size} points, 3 are needed")
-    if not np.all(g > 0):
-        raise InputError("density: got values that are 0; it must be above 0 within the region")
+    one_of("form", form, _FORMS)
+    x, g = _points(r, density, region)
     shape, scalable = _FORMS[form]
 
     def logarithm(log_eta: float) -> tuple[Array, float]:
@@ -112,3 +102,18 @@ def fit_position(
         int(x.size),
         bounded,
     )
+
+
+def _points(r: ArrayLike, density: ArrayLike, region: tuple[float, float]) -> tuple[Array, Array]:
+    """R > 0 inside the region and G there, shape (n_points,) each; InputError if too few."""
+    radii, values = np.ravel(not_negative("r", r)), np.ravel(not_negative("density", density))
+    if radii.shape != values.shape:
+        raise InputError(f"density: got {values.size} values; r has {radii.size}")
+    low, high = region
+    used = (radii > 0) & (radii >= low) & (radii <= high)
+    x, g = radii[used], values[used]
+    if x.size < 3:
+        refuse("region", region, f"it holds {x.size} points, 3 are needed")
+    if not np.all(g > 0):
+        raise InputError("density: got values that are 0; it must be above 0 within the region")
+    return x, g

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.sonine._checks import Array, not_negative, positive
+from kinetics.validation import Array, not_negative, positive
 
 TAIL_ETA = 0.25
 """eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""

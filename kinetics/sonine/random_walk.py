@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.sonine._checks import Array, not_negative, positive
 from kinetics.sonine.first_order import THERMAL_SPEED_START, cooling_rate_fitted
+from kinetics.validation import Array, not_negative, positive
 
 FITTED_FREE_PATH = 13.5
 """Mean free path in d that the paper puts into eq. msd in place of 1/(2 d rho0) = 12.5 d."""

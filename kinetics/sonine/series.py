@@ -38,8 +38,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, check_positive, check_restitution, check_rtol, short
-from kinetics.sonine._checks import not_negative, whole
+from kinetics.errors import InputError
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    check_rtol,
+    not_negative,
+    one_of,
+    refuse,
+    whole_number,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -152,7 +160,7 @@ def scaled_state(restitution: float, order: int) -> SonineState:
     """
     from scipy.linalg import eig
 
-    e, n = check_restitution(restitution), whole("order", order, 1, HIGHEST_ORDER)
+    e, n = check_restitution(restitution), whole_number("order", order, 1, HIGHEST_ORDER)
     if e == 1.0:
         raise InputError("restitution: got 1.0; the scaled state exists for 0 <= e < 1 only")
     collide, scale = _matrices(e, n + 2)
@@ -189,7 +197,7 @@ def exact_coefficients(restitution: float, count: int) -> FloatArray:
     a Sonine expansion would have to find. The sum cancels; its error is some 1e-15 of its largest
     term. InputError for bad arguments.
     """
-    e, n = check_restitution(restitution), whole("count", count, 1, 60)
+    e, n = check_restitution(restitution), whole_number("count", count, 1, 60)
     if e == 1.0:
         raise InputError("restitution: got 1.0; the scaled state exists for 0 <= e < 1 only")
     law = CollisionLaw(e)
@@ -247,13 +255,12 @@ def cooling(
     """
     from scipy.integrate import solve_ivp
 
-    e, n = check_restitution(restitution), whole("order", order, 1, HIGHEST_ORDER)
+    e, n = check_restitution(restitution), whole_number("order", order, 1, HIGHEST_ORDER)
     path, rtol = check_positive("mean_free_path", mean_free_path), check_rtol(rtol)
     t = np.atleast_1d(not_negative("times", times))
     if t.ndim != 1 or t.size == 0 or np.any(np.diff(t) < 0.0):
-        raise InputError(f"times: got {short(times)}; they must not fall, at least one")
-    if initial not in ("gaussian", "monoenergetic"):
-        raise InputError(f"initial: got {short(initial)}; it must be 'gaussian' or 'monoenergetic'")
+        refuse("times", times, "they must not fall, at least one")
+    one_of("initial", initial, ("gaussian", "monoenergetic"))
     collide, scale = _matrices(e, n + 2)
     a = np.zeros(n + 2)
     a[0] = 1.0

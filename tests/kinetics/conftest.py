@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))  # for example_values.py, which several test files import
 
 
 @pytest.fixture(scope="session")

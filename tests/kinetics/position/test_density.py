@@ -25,9 +25,7 @@ from kinetics.collision import ImpactQuadrature
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import equal_panels
-from kinetics.numerics.panels import PanelRule
 from kinetics.position.intermediate_scattering import Scattering
-from kinetics.position.scattering import Sweep, solve_waves
 from kinetics.position.solve_density import solve_displacement
 from kinetics.states.isotropic import Monoenergetic
 
@@ -378,25 +376,3 @@ def test_a_table_is_the_mixture_of_its_speeds() -> None:
     scene = Scene(0.6, initial="monoenergetic", times=t * v, outputs=outputs)
     parts = solve(scene, rtol=1e-11).intermediate_scattering(k)
     assert np.abs(whole.intermediate_scattering(k)[0] - share @ parts).max() < 1e-9
-
-
-def test_the_harmonics_left_out_are_replaced_by_steady_flights() -> None:
-    """They cost accuracy: with 16 of them it is 1e-5 at K = 4, and 7e-5 with nothing there."""
-    law, k, rule = CollisionLaw(0.6), np.array([4.0]), PanelRule(16, 0.125)
-    x = np.linspace(-3.0, 5.0, 80)
-    start = 0.125 * math.floor(math.log(5.0 / 6.0) / 0.125)
-    few, many = (Sweep(law, k, rule, start, top).run(50, 1e-16, 0)(x) for top in (16, 60))
-    assert np.abs(few - many).max() < 3e-5
-
-
-def test_waves_meet_the_accuracy_asked_for() -> None:
-    """Against many more nodes and harmonics, over what a density uses."""
-    x = np.linspace(-3.0, 6.0, 120)
-    for e in (0.0, 0.5, 1.0):
-        law = CollisionLaw(e)
-        for k in (0.3, 2.0, 6.0):
-            best = solve_waves(law, np.array([k]), 6.0, 1e-12)(x)
-            for tolerance in (1e-4, 1e-7):
-                found = solve_waves(law, np.array([k]), 6.0, tolerance)
-                assert np.abs(found(x) - best).max() < tolerance
-                assert found.error_estimate < 10.0 * tolerance

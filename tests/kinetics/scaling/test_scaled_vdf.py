@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from kinetics import InputError, ScaledVDF, ScalingSolution, SolverStatus, solve_scaled
 from kinetics.collision import CollisionLaw
-from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.symbols import decay_symbol, decay_symbol_on_line
 
-# issue: h, a2, moments to 1e-12 and F(c) to 1e-9 on this list
+# what is promised: h, a2, moments to 1e-12 and F(c) to 1e-9 at these restitutions
 TABLE = [0.0, 1e-3, *np.round(np.arange(0.05, 0.951, 0.05), 2).tolist(), 0.99, 0.999]
 EXTREME = [1e-12, 1e-8, 1e-6, 1e-5, 1e-4, 1 - 1e-6, 1 - 1e-10]
 
@@ -107,7 +106,7 @@ def test_convergence_is_exponential_in_the_nodes(e: float, formulas: ModuleType)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.1, 0.5, 0.9, 0.99])
-def test_what_is_asked_is_what_comes(e: float, formulas: ModuleType) -> None:
+def test_the_error_is_below_what_is_asked_for(e: float, formulas: ModuleType) -> None:
     """Never less accurate than asked without a status, and not 1000 times more work."""
     exact = Exact(e, formulas)
     nodes = []
@@ -161,26 +160,10 @@ def test_far_out_the_bulk_is_solved_again(e: float) -> None:
         assert vdf.moment(3.0) == pytest.approx(ScalingSolution(e).moment(3.0), rel=rtol)
 
 
-def test_nearly_elastic_rounding_is_owned_up_to() -> None:
+def test_the_status_tells_of_rounding_in_nearly_elastic_gases() -> None:
     """At 1 - e = 1e-6 the ring is so narrow that 1e-12 is lost in its tails."""
     assert solve_scaled(1.0 - 1e-6, 1e-12).status is SolverStatus.TOLERANCE_NOT_REACHED
     assert solve_scaled(1.0 - 1e-6, 1e-9).status is SolverStatus.CONVERGED
-
-
-@pytest.mark.parametrize("nodes", [50, 51])
-def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
-    grid = LogGrid(-3.0, 6.0 / nodes, nodes)
-    x = np.linspace(-2.9, 2.8, 40)
-
-    def wave(at: np.ndarray) -> np.ndarray:
-        turn = 2.0 * math.pi * (at - grid.start) / 6.0
-        return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(((nodes - 1) // 2) * turn))
-
-    np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
-    # the convolution matrix multiplies each mode by its symbol
-    symbol = np.exp(-0.1 * grid.wave_numbers) + 0.0j
-    shrunk = np.fft.irfft(symbol * np.fft.rfft(wave(grid.x)), nodes)
-    np.testing.assert_allclose(grid.circulant(symbol) @ wave(grid.x), shrunk, atol=1e-13)
 
 
 @pytest.mark.parametrize("e", [0.0, 1e-3, 0.3, 0.79, 1 - 1e-8])
@@ -194,7 +177,7 @@ def test_symbol_on_a_line(e: float, theta: float) -> None:
 
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.9, 0.99])
 @pytest.mark.parametrize("nodes", [8, 12, 16, 24, 32, 48])
-def test_too_few_nodes_are_owned_up_to(e: float, nodes: int, formulas: ModuleType) -> None:
+def test_the_status_tells_of_too_few_nodes(e: float, nodes: int, formulas: ModuleType) -> None:
     vdf = solve_scaled(e, rtol=1e-12, nodes=nodes)
     try:
         error = Exact(e, formulas).worst(vdf, highest=4)

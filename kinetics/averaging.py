@@ -1,0 +1,105 @@
+"""The averages of a scene, with as many nodes as the accuracy asked for takes.
+
+Between the questions (`kinetics.scene`, `kinetics.outputs`) and the backward equation
+(`kinetics.moments`); the solver and the methods of a Solution start here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.errors import InputError, warn_missed
+from kinetics.moments.backward import speed_power
+from kinetics.moments.velocity import Averages
+from kinetics.outputs import OUTPUTS, Part, parts
+from kinetics.scene import Scene
+from kinetics.validation import exponent, whole_number
+
+ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
+_ELASTIC_ROUNDING = 1e-15
+_LOWEST_AT_ZERO = -0.25  # at e = 0 bounces to s < e^-40, of weight s^(1 + p), are left out
+_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
+_MORE_NODES = 4  # how often one more node of a panel is tried
+
+Asked = Sequence[tuple[Part, ...]]
+
+
+def averages_of(scene: Scene, rtol: float, degree: float = 2.0, lowest: float = 0.0) -> Averages:
+    """The averages of a scene, for powers of the speed from ``lowest`` to ``degree``."""
+    times = np.asarray(scene.times)
+    return Averages(scene.law, scene.mean_free_path, scene.state, times, rtol, degree, lowest)
+
+
+def asked_for(averages: Averages, outputs: Sequence[str]) -> Asked:
+    """What must be solved for each output; a part that the initial state makes zero is left out."""
+    return [
+        tuple(part for part in OUTPUTS[name].parts if averages.measure(part.start) is not None)
+        for name in sorted(outputs)
+    ]
+
+
+def with_enough_nodes(averages: Averages, asked: Asked) -> Averages:
+    """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
+    if averages.elastic:
+        return averages
+    guesses = [
+        averages.nodes_for(part.observable, averages.rtol / part.factor)
+        for needed in asked
+        for part in needed
+    ]
+    if not guesses:
+        return averages
+    nodes = max(guesses)
+    for more in range(_MORE_NODES):
+        averages = averages.with_nodes(nodes + more)
+        if error_of(averages, asked) <= averages.rtol:
+            break
+    return averages
+
+
+def error_of(averages: Averages, asked: Asked) -> float:
+    """The largest relative error estimate of the outputs that are made of these parts."""
+    if averages.elastic:
+        return _ELASTIC_ROUNDING
+    solved = averages.equation.error_estimate
+    return max([ROUNDING, *(sum(f * solved(y) for f, y, _ in needed) for needed in asked)])
+
+
+def in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
+    """The value; InputError where it is beyond the largest number of double precision."""
+    if not np.all(np.isfinite(value)):
+        raise InputError(
+            f"times: {name} overflows double precision there; ask for other times, speeds or powers"
+        )
+    return value
+
+
+def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
+    """<v^p exp(-i m phi)> in U^p, shape (n_times,), complex for m > 0.
+
+    Raises InputError for p or m out of range, or where the moment does not exist; warns
+    (ToleranceWarning) where the error estimate exceeds rtol.
+    """
+    p = exponent("p", p, _HIGHEST_POWER)
+    m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
+    at_rest = scene.restitution == 0.0
+    lowest = max(scene.state.lowest_moment, -1.0 if at_rest else -math.inf)
+    if p <= lowest:
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    if at_rest and p < _LOWEST_AT_ZERO:
+        raise InputError(f"p: got {p!r}; at restitution 0 they are solved for p >= -0.25")
+    averages = averages_of(scene, rtol, p, p)
+    if averages.measure(m) is not None:
+        asked = [parts((1.0, speed_power(p, m)))]
+        averages = with_enough_nodes(averages, asked)
+        error = error_of(averages, asked)
+        if error > rtol * (1.0 + 1e-9):
+            warn_missed(f"<v^{p:g}>", error, rtol)
+    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+        found = averages.power(p, m) * np.exp(p * averages.log_reference)
+    return in_range(f"<v^{p:g}>", found)

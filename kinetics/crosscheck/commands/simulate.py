@@ -1,0 +1,186 @@
+"""The command `simulate`: follows particles and prints estimates with their errors."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kinetics.crosscheck.commands.options import (
+    UNITS,
+    density_option,
+    initial_option,
+    json_option,
+    names_in,
+    print_json,
+    restitution_option,
+    seed_option,
+    times_option,
+    workers_option,
+)
+
+if TYPE_CHECKING:
+    from particles import Ensemble, Medium
+
+# name in the result -> head of its column
+_ESTIMATES = {
+    "thermal_speed": "v0 [U]",
+    "a2": "a2",
+    "msd": "<r^2> [d^2]",
+    "kurtosis": "kurtosis",
+    "collisions": "collisions",
+}
+_ENDS = ("finished", "collision_cap", "trapped", "escaped")
+_OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
+
+
+@click.command(epilog=UNITS, short_help="Follow particles from collision to collision.")
+@click.option(
+    "--medium",
+    type=click.Choice(["hard-disks", "poisson", "boltzmann-grad"]),
+    default="hard-disks",
+    help="Disks that do not overlap, disks that may, or none: random free paths.",
+)
+@restitution_option
+@density_option
+@click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
+@click.option(
+    "--box",
+    type=click.Choice(["periodic", "none"]),
+    default="periodic",
+    help="A periodic box, or the unbounded plane, made where a tracer goes.",
+)
+@click.option(
+    "--positions",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="CSV",
+    help="Scatterers where this file says: columns x and y. Needs --box-side.",
+)
+@click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
+@click.option("--media", type=int, default=100, help="Configurations of scatterers.")
+@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@click.option(
+    "--max-collisions", type=int, default=None, help="Stop a tracer after so many collisions."
+)
+@initial_option
+@times_option
+@click.option(
+    "--observables",
+    default="",
+    metavar="NAMES",
+    help="What to save beside the averages, separated by commas: speed_histogram, "
+    "velocity_component_histogram, displacement_histogram, free_path_histogram, positions, "
+    "velocities, finals.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="HDF5",
+    help="Save here, configuration by configuration.",
+)
+@click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
+@seed_option
+@workers_option
+@json_option
+def simulate(
+    number_density: float,
+    times: tuple[float, ...],
+    observables: str,
+    as_json: bool,
+    **arguments: Any,
+) -> None:
+    """Follow particles from collision to collision; every estimate with its standard error.
+
+    With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
+    """
+    from tqdm import tqdm
+
+    import particles
+
+    described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
+    scatterers = make_medium(number_density, **described)
+    with tqdm(
+        total=arguments["media"], desc="configurations", file=sys.stderr, disable=None, leave=False
+    ) as bar:
+        run = particles.simulate(
+            scatterers,
+            times=times or None,
+            observables=names_in(observables) or None,
+            progress=lambda done, total: bar.update(done - bar.n),
+            **arguments,
+        )
+    ends = {name: getattr(run.statuses, name) for name in _ENDS}
+    if as_json:
+        kind = described["medium"] if described["positions"] is None else "positions"
+        asked = {name: arguments[name] for name in ("initial", "max_collisions", "seed")}
+        print_json(_document(run, kind, asked, ends))
+    else:
+        click.echo(_table(run))
+        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends.items()))
+
+
+def make_medium(
+    number_density: float,
+    medium: str,
+    count: int,
+    box: str,
+    positions: Path | None,
+    box_side: float | None,
+) -> Medium:
+    """The medium that the options describe. Raises ValueError where they do not fit."""
+    from particles import BoltzmannGrad, HardDisks, Poisson, Positions
+
+    if (positions is None) != (box_side is None):
+        raise ValueError("--positions and --box-side: give both or neither")
+    if positions is not None and box_side is not None:
+        return Positions.from_csv(positions, box_side)
+    if medium == "boltzmann-grad":
+        return BoltzmannGrad(number_density)
+    disks = HardDisks if medium == "hard-disks" else Poisson
+    return disks(number_density, count, box=None if box == "none" else "periodic")
+
+
+def _document(
+    run: Ensemble, medium: str, asked: dict[str, Any], ends: dict[str, int]
+) -> dict[str, Any]:
+    """The JSON document: the arguments, how tracers ended, and every estimate with its error."""
+    return {
+        "medium": medium,
+        "restitution": run.restitution,
+        "number_density": run.number_density,
+        "initial": asked["initial"],
+        "media": run.media,
+        "tracers": run.tracers,
+        "max_collisions": asked["max_collisions"],
+        "seed": asked["seed"],
+        "statuses": ends,
+        "times": run.times,
+        "samples": run.samples,
+        "missing": run.missing,
+        "trapped": run.trapped,
+        "mean_free_path": _value_and_error(run.mean_free_path),
+        **{name: _value_and_error(getattr(run, name)) for name in _ESTIMATES},
+    }
+
+
+def _table(run: Ensemble) -> str:
+    """The estimates as a table, one row for each time, and the mean free path."""
+    from kinetics.crosscheck.text import columns
+
+    path = run.mean_free_path
+    line = f"mean free path: {path.value:.6g} +- {path.error:.2g} d"
+    if not run.times.size:
+        return line
+    heads, values = ["t [d/U]"], [run.times]
+    for name, head in _ESTIMATES.items():
+        estimate = getattr(run, name)
+        heads += [head, "+-"]
+        values += [estimate.value, estimate.error]
+    return f"{columns(heads, values)}\n{line}"
+
+
+def _value_and_error(estimate: Any) -> dict[str, Any]:
+    return {"value": estimate.value, "error": estimate.error}

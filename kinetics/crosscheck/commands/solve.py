@@ -1,0 +1,150 @@
+"""The command `solve`: prints what the kinetic equation gives for a scene."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.commands.options import (
+    UNITS,
+    Numbers,
+    density_option,
+    initial_option,
+    json_option,
+    names_in,
+    print_json,
+    restitution_option,
+    times_option,
+)
+from kinetics.errors import InputError, short
+from kinetics.outputs import OUTPUTS
+
+HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
+"""Outputs that are one number for each time -> heads of their columns."""
+
+
+@click.command(epilog=UNITS, short_help="Solve the kinetic equation.")
+@restitution_option
+@density_option
+@initial_option
+@times_option
+@click.option(
+    "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
+)
+@click.option(
+    "--outputs",
+    default="thermal_speed,a2,msd",
+    help=f"Averages, separated by commas, of {', '.join(HEADS)}.",
+)
+@click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
+@click.option("--wave-numbers", type=Numbers(), default="", help="k in 1/d at which to print F.")
+@click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked for.")
+@json_option
+def solve(
+    scaled: bool,
+    outputs: str,
+    radii: tuple[float, ...],
+    wave_numbers: tuple[float, ...],
+    rtol: float,
+    as_json: bool,
+    **system: Any,
+) -> None:
+    """Solve the kinetic equation: averages over time, G(R) and F(k, t)."""
+    if scaled:
+        found = scaled_document(system["restitution"], rtol)
+        text = scaled_text
+    else:
+        found = solve_document(system, outputs, radii, wave_numbers, rtol)
+        text = solve_text
+    if as_json:
+        print_json(found)
+    else:
+        click.echo(text(found))
+
+
+def scaled_document(restitution: float, rtol: float) -> dict[str, Any]:
+    """The JSON document of the scaled equation: h, a2 and the moments <c> to <c^6>."""
+    from kinetics import solve_scaled
+
+    state = solve_scaled(restitution=restitution, rtol=rtol)
+    return {
+        "restitution": restitution,
+        "cooling_rate": state.cooling_rate,
+        "a2": state.a2,
+        "moments": {str(p): state.moment(p) for p in range(1, 7)},
+        "error_estimate": state.error_estimate,
+        "nodes": state.nodes,
+        "status": state.status.name.lower(),
+    }
+
+
+def scaled_text(found: dict[str, Any]) -> str:
+    """The same, one line for each figure."""
+    lines = [f"{name:15} {value}" for name, value in found.items() if name != "moments"]
+    lines += [f"<c^{p}>{'':11}{value}" for p, value in found["moments"].items()]
+    return "\n".join(lines)
+
+
+def named(outputs: str) -> tuple[str, ...]:
+    """Output names from text with commas; InputError for one that has no number per time."""
+    names = names_in(outputs)
+    for name in names:
+        if name not in HEADS:
+            raise InputError(f"outputs: got {name!r}; it must be among {', '.join(HEADS)}")
+    if not names:
+        raise InputError(f"outputs: got {short(outputs)}; name at least one of {', '.join(HEADS)}")
+    return names
+
+
+def solve_document(
+    system: dict[str, Any],
+    outputs: str,
+    radii: tuple[float, ...],
+    wave_numbers: tuple[float, ...],
+    rtol: float,
+) -> dict[str, Any]:
+    """The JSON document: arguments of the scene, its arrays, G(R) and F(k) where asked for."""
+    from kinetics import Scene
+    from kinetics import solve as solve_scene
+
+    names = named(outputs)
+    wanted = list(names)
+    wanted += ["position_density"] if radii else []
+    wanted += ["intermediate_scattering"] if wave_numbers else []
+    for name, values in (("radii", radii), ("wave_numbers", wave_numbers)):
+        if not all(0.0 <= x < math.inf for x in values):  # refused before minutes of work
+            raise InputError(f"{name}: got {short(values)}; they must be finite, none negative")
+    solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
+    found: dict[str, Any] = {
+        name: system[name] for name in ("restitution", "number_density", "initial")
+    }
+    found |= {"rtol": rtol, "status": solution.status.name.lower(), "message": solution.message}
+    found |= {"times": solution.times, **{name: getattr(solution, name) for name in names}}
+    if radii:
+        found["scaled_radii"] = radii
+        found["scaled_position_density"] = solution.scaled_position_density(radii)
+    if wave_numbers:
+        found["wave_numbers"] = wave_numbers
+        found["intermediate_scattering"] = solution.intermediate_scattering(wave_numbers)
+    return found
+
+
+def solve_text(found: dict[str, Any]) -> str:
+    """The same as tables, one row per time, and the status."""
+    from kinetics.crosscheck.text import columns
+
+    names = [name for name in HEADS if name in found]
+    heads, values = ["t [d/U]"], [found["times"]]
+    heads += [HEADS[name] for name in names]
+    values += [found[name] for name in names]
+    tables = [columns(heads, values)]
+    for head, at, name in (
+        ("G({:g})", "scaled_radii", "scaled_position_density"),
+        ("F({:g}/d)", "wave_numbers", "intermediate_scattering"),
+    ):
+        if name in found:
+            heads = ["t [d/U]", *(head.format(x) for x in found[at])]
+            tables.append(columns(heads, [found["times"], *found[name].T]))
+    return "\n".join([*tables, f"status: {found['message']}"])

@@ -1,0 +1,124 @@
+"""The command `report`. What it needs is imported when it runs: --help stays quick."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.commands.options import (
+    UNITS,
+    density_option,
+    json_option,
+    print_json,
+    seed_option,
+    workers_option,
+)
+
+
+@click.command(epilog=UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    default=Path("lorentz-report"),
+    help="Folder for report.html and report.json.",
+)
+@click.option("--quick", is_flag=True, help="A tenth of the samples.")
+@click.option(
+    "-e",
+    "--restitution",
+    "restitutions",
+    type=float,
+    multiple=True,
+    help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
+)
+@click.option(
+    "-t",
+    "--until",
+    "final_times",
+    type=float,
+    multiple=True,
+    help="Last time in d/U: once for all, or once per restitution. "
+    "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
+)
+@density_option
+@click.option("--count", type=int, default=40_000, help="Hard disks in the periodic box.")
+@click.option("--media", type=int, default=100, help="Configurations of hard disks.")
+@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@click.option(
+    "--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run."
+)
+@click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
+@click.option(
+    "--figures",
+    multiple=True,
+    type=click.Choice(("pdf", "png", "svg")),
+    help="Write each figure as a file beside the page; may be repeated.",
+)
+@seed_option
+@workers_option
+@json_option
+def report(
+    output: Path,
+    quick: bool,
+    figures: tuple[str, ...],
+    restitutions: tuple[float, ...],
+    final_times: tuple[float, ...],
+    as_json: bool,
+    **system: Any,
+) -> None:
+    """Compare the kinetic equation, the particles and the algebra on the paper's system.
+
+    Writes report.html, which needs nothing beside it, and report.json with every number in it, and
+    prints a verdict per comparison.
+    """
+    # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from kinetics.crosscheck.files import require_writable_folder
+    from kinetics.crosscheck.report.settings import ReportSettings, final_time
+
+    restitutions = restitutions or ReportSettings().restitutions
+    if not final_times:
+        final_times = tuple(final_time(e) for e in restitutions)
+    elif len(final_times) == 1:
+        final_times *= len(restitutions)
+    settings = ReportSettings(restitutions, final_times, **system)
+    if quick:
+        settings = settings.quick()
+    require_writable_folder(output)
+
+    from kinetics.crosscheck.report import report as work
+    from kinetics.crosscheck.text import verdict_table
+
+    with _Bar(work.stages(settings)) as tell:
+        document = work.make_report(settings, tell)
+        written = work.write_report(document, output, tell, figures)
+    if as_json:
+        print_json(document)
+    else:
+        click.echo(verdict_table(document))
+        click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+
+
+class _Bar:
+    """A progress bar on standard error if that is a terminal; gives a function that moves it on."""
+
+    def __init__(self, total: int) -> None:
+        from tqdm import tqdm
+
+        self._bar = tqdm(total=total, file=sys.stderr, disable=None, leave=False)
+
+    def __enter__(self) -> Callable[[str], None]:
+        return self._tell
+
+    def _tell(self, stage: str) -> None:
+        self._bar.set_description(stage, refresh=False)
+        self._bar.update(1)
+
+    def __exit__(self, *exception: object) -> None:
+        self._bar.close()

@@ -1,0 +1,63 @@
+"""Outputs that are made of averages of powers of the speed, and the number of collisions.
+
+Each function takes the :class:`kinetics.moments.velocity.Averages` of a scene; the powers that it
+needs are solved once, whichever function asks first.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.moments.backward import MEAN_COLLISIONS
+from kinetics.moments.velocity import Averages
+
+FloatArray = NDArray[np.float64]
+
+
+def _reference(averages: Averages) -> FloatArray:
+    """The speed, in U, that is the unit of Averages.power, shape (n_times,)."""
+    return np.asarray(np.exp(averages.log_reference))
+
+
+def thermal_speed(averages: Averages) -> FloatArray:
+    """v0 = sqrt(<v^2>) in U, shape (n_times,) (paper, label ``v0defi``)."""
+    return np.asarray(_reference(averages) * np.sqrt(averages.power(2.0)))
+
+
+def temperature(averages: Averages) -> FloatArray:
+    """<v^2>/2 in m U^2, shape (n_times,) (paper, label ``thermo``)."""
+    return np.asarray(0.5 * _reference(averages) ** 2 * averages.power(2.0))
+
+
+def a2(averages: Averages) -> FloatArray:
+    """<v^4>/(2 <v^2>^2) - 1, shape (n_times,) (paper, label ``sonine5``)."""
+    return np.asarray(0.5 * averages.power(4.0) / averages.power(2.0) ** 2 - 1.0)
+
+
+def mean_velocity(averages: Averages) -> FloatArray:
+    """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1 of the velocity."""
+    along = _reference(averages) * averages.power(1.0, 1)
+    return np.stack([along.real, -along.imag], axis=-1)
+
+
+def velocity_tensor(averages: Averages) -> FloatArray:
+    """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2 of the velocity."""
+    square = _reference(averages) ** 2
+    trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
+    xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
+    xy = -0.5 * second.imag
+    return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+
+
+def collisions(averages: Averages) -> FloatArray:
+    """Mean number of collisions of a tracer since t = 0, shape (n_times,)."""
+    if not averages.elastic:
+        return np.asarray(averages.average(MEAN_COLLISIONS))
+    speed = _reference(averages) * averages.power(1.0)
+    # speed times time, or over length, may leave the range of doubles when all three do not
+    root = np.sqrt(averages.times) / math.sqrt(averages.mean_free_path)
+    with np.errstate(over="ignore", under="ignore"):
+        return np.asarray(speed * root * root)

@@ -1,0 +1,214 @@
+"""What a Scene may ask for: one table. To add an output, add one row to :data:`OUTPUTS`.
+
+`Scene` checks names against this table; the solver makes the arrays, and the plan says what was
+solved, from the same rows; `lorentz solve --help` and the printed tables read names and units.
+Reading the table costs no NumPy: the modules that its functions need are imported at first use.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from kinetics.moments import backward, displacement, formulas
+    from kinetics.moments.backward import Observable
+    from kinetics.moments.velocity import Averages
+else:
+
+    class _Later:
+        """A module that is imported when one of its names is used."""
+
+        def __init__(self, name: str) -> None:
+            self._name = name
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(sys.modules.get(self._name) or import_module(self._name), name)
+
+    backward = _Later("kinetics.moments.backward")
+    displacement = _Later("kinetics.moments.displacement")
+    formulas = _Later("kinetics.moments.formulas")
+
+VELOCITY = "moments of the velocity"
+COLLISIONS = "collision number"
+DISPLACEMENT = "displacement"
+POSITION = "position density"
+SCATTERING = "intermediate scattering"
+DENSITIES = "densities"
+
+
+class Part(NamedTuple):
+    """One observable of the backward equation that an output is made of.
+
+    Attributes
+    ----------
+    factor : how often the relative error of the observable enters that of the output
+    observable : what is solved
+    start : harmonic of the initial state over which it is averaged
+    """
+
+    factor: float
+    observable: Observable
+    start: int
+
+
+def parts(*pairs: tuple[float, Observable], start: int | None = None) -> tuple[Part, ...]:
+    """Parts from (factor, observable) pairs, averaged over the observable's own harmonic."""
+    return tuple(Part(f, y, y.harmonic if start is None else start) for f, y in pairs)
+
+
+class Output(NamedTuple):
+    """One row of the table.
+
+    Attributes
+    ----------
+    name : in ``Scene.outputs``, and of the attribute or method of the Solution
+    step : the step of the plan that makes it
+    symbol, unit : for heads of columns; the unit is "1" for dimensionless quantities
+    shape : of the array, n_times first; the arguments of the method, for those that are functions
+    description : in words, with the paper's label
+    made_of : the observables that must be solved, see :class:`Part`
+    values : makes the array, or a tuple of arrays, one for each of ``names``
+    also : name and unit of a second array that comes with it
+    """
+
+    name: str
+    step: str
+    symbol: str
+    unit: str
+    shape: tuple[str, ...]
+    description: str
+    made_of: Callable[[], tuple[Part, ...]] = tuple
+    values: Callable[[Averages], Any] | None = None
+    also: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """What ``made_of`` says, made once."""
+        return _made_once(self.made_of)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its arrays."""
+        return (self.name, *(name for name, _ in self.also))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Name -> unit of its arrays."""
+        return {self.name: self.unit, **dict(self.also)}
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is one number for each time."""
+        return self.values is not None and self.shape == ("n_times",)
+
+    @property
+    def head(self) -> str:
+        """Symbol and unit, as the head of a column."""
+        return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"
+
+
+@cache
+def _made_once(made_of: Callable[[], tuple[Part, ...]]) -> tuple[Part, ...]:
+    return made_of()
+
+
+_PER_TIME = ("n_times",)
+
+_ROWS = (
+    Output(
+        "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
+        "sqrt(<v^2>) (paper, label v0defi)",
+        lambda: parts((0.5, backward.speed_power(2.0))),
+        lambda averages: formulas.thermal_speed(averages),
+    ),
+    Output(
+        "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
+        "<v^2>/2 (paper, label thermo)",
+        lambda: parts((1.0, backward.speed_power(2.0))),
+        lambda averages: formulas.temperature(averages),
+    ),
+    Output(
+        "a2", VELOCITY, "a2", "1", _PER_TIME,
+        "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5)",
+        lambda: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
+        lambda averages: formulas.a2(averages),
+    ),
+    Output(
+        "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
+        "mean number of collisions per tracer since t = 0",
+        lambda: parts((1.0, backward.MEAN_COLLISIONS)),
+        lambda averages: formulas.collisions(averages),
+    ),
+    Output(
+        "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
+        "mean square displacement (paper, label msd)",
+        lambda: parts((1.0, backward.SQUARED_DISPLACEMENT)),
+        lambda averages: displacement.mean_square_displacement(averages),
+    ),
+    Output(
+        "kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
+        "<r^4>/<r^2>^2: 2 for a Gaussian in the plane",
+        lambda: parts(
+            (2.0, backward.SQUARED_DISPLACEMENT), (1.0, backward.QUARTIC_DISPLACEMENT)
+        ),
+        lambda averages: displacement.kurtosis(averages),
+    ),
+    Output(
+        "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
+        "<v(0).v(t)>",
+        # over all initial velocities: v(0) itself takes the direction out
+        lambda: parts((1.0, backward.speed_power(1.0, 1)), start=0),
+        lambda averages: displacement.velocity_autocorrelation(averages),
+    ),
+    Output(
+        "diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
+        "D = (1/4) d<r^2>/dt; and msd_slope = d<r^2>/d ln t, in d^2",
+        lambda: parts((1.0, backward.MSD_SLOPE)),
+        lambda averages: displacement.diffusion_coefficient(averages),
+        also=(("msd_slope", "d^2"),),
+    ),
+    Output(
+        "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "2"),
+        "(<x>, <y>)",
+        lambda: parts((1.0, backward.DISPLACEMENT_ALONG_START)),
+        lambda averages: displacement.mean_displacement(averages),
+    ),
+    Output(
+        "position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
+        "radial density g(r, t) of the displacement, and the scaled G(R) (paper, Section 3.3)",
+    ),
+    Output(
+        "intermediate_scattering", SCATTERING, "F", "1", ("n_times", "n_k"),
+        "F(k, t) = <exp(i k.r)>",
+    ),
+    Output(
+        "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "2"),
+        "(<v_x>, <v_y>)",
+        lambda: parts((1.0, backward.speed_power(1.0, 1))),
+        lambda averages: formulas.mean_velocity(averages),
+    ),
+    Output(
+        "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "2", "2"),
+        "<v_i v_j>",
+        lambda: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
+        lambda averages: formulas.velocity_tensor(averages),
+    ),
+    Output(
+        "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
+        "density of the speed, normalised over v",
+    ),
+    Output(
+        "velocity_density", DENSITIES, "f", "1/U^2", ("n_times", "n_v", "n_phi"),
+        "f(v, phi) in the velocity plane, from its angular harmonics",
+    ),
+)  # fmt: skip
+
+OUTPUTS: dict[str, Output] = {row.name: row for row in _ROWS}
+"""Name -> row, in the order in which outputs are listed."""
+
+UNITS: dict[str, str] = {name: unit for row in _ROWS for name, unit in row.units.items()}
+"""Name of an array of a Solution -> its unit."""

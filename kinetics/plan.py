@@ -1,0 +1,116 @@
+"""What a solve did: the steps, which of them the scene needed, and why; and figures of the work."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from kinetics.densities.harmonic import Profile
+from kinetics.moments.velocity import Averages
+from kinetics.outputs import (
+    COLLISIONS,
+    DENSITIES,
+    DISPLACEMENT,
+    OUTPUTS,
+    POSITION,
+    SCATTERING,
+    VELOCITY,
+)
+from kinetics.position.density import Displacement
+
+NOT_ASKED = "not asked for"
+
+
+@dataclass(frozen=True)
+class PlanStep:
+    """One part of the work: what, whether it was done, and why."""
+
+    part: str
+    solved: bool
+    reason: str
+
+
+def powers_of(outputs: Iterable[str]) -> list[tuple[float, int]]:
+    """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
+    rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
+    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.parts}
+    return sorted(found)
+
+
+def make_plan(
+    averages: Averages,
+    outputs: Iterable[str],
+    profiles: Mapping[int, Profile],
+    displacement: Displacement | None,
+) -> tuple[PlanStep, ...]:
+    """What was solved, what was skipped, and why."""
+    pairs = powers_of(outputs)
+    solved = sorted({m for _, m in pairs} | set(profiles))
+    isotropic = averages.state.highest_harmonic == 0
+    others = "the start is isotropic" if isotropic else "no output needs more"
+    points = averages.speeds.x.size
+    return (
+        _moments_step(averages, pairs),
+        PlanStep("initial state", True, f"{points} weighted speeds represent it"),
+        _asked_step(COLLISIONS, outputs, "asked for"),
+        _displacement_step(averages, outputs),
+        PlanStep(
+            POSITION,
+            displacement is not None,
+            f"{displacement.wave_numbers} wave numbers" if displacement else NOT_ASKED,
+        ),
+        _asked_step(SCATTERING, outputs, "solved for the wave numbers that are asked for"),
+        PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
+        _densities_step(profiles),
+    )
+
+
+def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:
+    asked = any(OUTPUTS[name].step == step for name in outputs)
+    return PlanStep(step, asked, reason if asked else NOT_ASKED)
+
+
+def _moments_step(averages: Averages, pairs: list[tuple[float, int]]) -> PlanStep:
+    if not pairs:
+        return PlanStep(VELOCITY, False, "no output needs them")
+    if averages.elastic:
+        why = "elastic: speeds are kept, harmonics relax at their own rates"
+        return PlanStep(VELOCITY, False, why)
+    moments = ", ".join(f"v^{p:g}" + (f" (m = {m})" if m else "") for p, m in pairs)
+    return PlanStep(VELOCITY, True, f"backward equation for {moments}")
+
+
+def _displacement_step(averages: Averages, outputs: Iterable[str]) -> PlanStep:
+    asked = set(outputs)
+    rows = [row for row in OUTPUTS.values() if row.name in asked and row.step == DISPLACEMENT]
+    if not rows:
+        return PlanStep(DISPLACEMENT, False, NOT_ASKED)
+    count = len({y for row in rows for _, y, _ in row.parts})
+    how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
+    return PlanStep(DISPLACEMENT, True, f"{', '.join(row.name for row in rows)}: {how}")
+
+
+def _densities_step(profiles: Mapping[int, Profile]) -> PlanStep:
+    if not profiles:
+        return PlanStep(DENSITIES, False, NOT_ASKED)
+    kinds = sorted({profile.method for profile in profiles.values()})
+    return PlanStep(DENSITIES, True, f"{len(profiles)} harmonics, {', '.join(kinds)}")
+
+
+def make_stats(
+    averages: Averages, profiles: Mapping[int, Profile], displacement: Displacement | None
+) -> dict[str, Any]:
+    """Numbers about the work: points of the initial state, panels, nodes, wave numbers."""
+    stats: dict[str, Any] = {"initial_points": int(averages.speeds.x.size)}
+    if not averages.elastic:
+        stats["panels"] = averages.equation.count
+        stats["nodes_per_panel"] = averages.equation.nodes
+    for m, profile in profiles.items():
+        stats[f"density_nodes_m{m}"] = profile.nodes
+    if displacement is not None:
+        stats["wave_numbers"] = displacement.wave_numbers
+        stats["position_density_error"] = displacement.error_estimate
+        # how many systems of so many equations were solved for F(k)
+        stats["systems"] = {str(size): count for size, count in displacement.systems.items()}
+    return stats

@@ -1,0 +1,47 @@
+"""How a solve ended, in words that say what to change."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+
+_LARGEST_RTOL = 0.1  # that can be asked for
+
+
+class SolverStatus(enum.Enum):
+    """How a solve ended; the text of each says which argument to change, and in which direction."""
+
+    CONVERGED = "the error estimate meets rtol"
+    TOLERANCE_NOT_REACHED = (
+        "the error estimate exceeds rtol: raise rtol; where nodes was given, "
+        "give more nodes or leave it out"
+    )
+
+
+def status_of(errors: Mapping[str, float], allowed: Mapping[str, float]) -> SolverStatus:
+    """Whether the error estimate of each part is at most what is allowed for it."""
+    good = all(error <= allowed[part] for part, error in errors.items())
+    return SolverStatus.CONVERGED if good else SolverStatus.TOLERANCE_NOT_REACHED
+
+
+def explain(
+    errors: Mapping[str, float], allowed: Mapping[str, float], nodes: int | None = None
+) -> str:
+    """The status as a sentence: which parts miss their tolerance, and what to change.
+
+    Parameters
+    ----------
+    errors : part of the result -> its error estimate
+    allowed : part of the result -> the largest error estimate that counts as converged
+    nodes : the number of nodes that the user gave; None where the solver chose it
+    """
+    missed = [part for part, error in errors.items() if not error <= allowed[part]]
+    if not missed:
+        return SolverStatus.CONVERGED.value
+    found = ", ".join(f"{part}: {errors[part]:.1e} against {allowed[part]:.1e}" for part in missed)
+    needed = 1.1 * max(errors[part] for part in missed)
+    advice = [f"raise rtol to {needed:.1e}"] if needed <= _LARGEST_RTOL else []
+    if nodes is not None:
+        advice.append(f"give more nodes than {nodes}, or leave nodes out")
+    what_to_do = ", or ".join(advice) or "ask for other times or outputs"
+    return f"the error estimate exceeds what was asked for ({found}): {what_to_do}"

@@ -1,0 +1,161 @@
+"""Checks of arguments. All raise InputError with one line, `name: got VALUE; what is allowed`.
+
+Each returns the argument as the type that the callers work with. ``allowed`` says what is allowed
+where the default text is not precise enough.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.errors import InputError, short
+
+Array = NDArray[np.float64]
+
+
+def refuse(name: str, value: Any, allowed: str) -> NoReturn:
+    """Raise InputError for the argument of this name and value."""
+    raise InputError(f"{name}: got {short(value)}; {allowed}")
+
+
+# -- single numbers and names ---------------------------------------------------------------------
+
+
+def real_number(
+    name: str,
+    value: Any,
+    low: float = -math.inf,
+    high: float = math.inf,
+    allowed: str | None = None,
+) -> float:
+    """A finite number from low to high, as a float."""
+    allowed = allowed or f"it must be a number from {low:g} to {high:g}"
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        refuse(name, value, allowed)
+    if not (math.isfinite(number) and low <= number <= high):
+        refuse(name, value, allowed)
+    return number
+
+
+def check_restitution(value: Any) -> float:
+    """The coefficient of restitution, a number from 0 to 1."""
+    allowed = "it must be a number from 0 (all normal velocity lost) to 1 (elastic)"
+    return real_number("restitution", value, 0.0, 1.0, allowed)
+
+
+def check_positive(name: str, value: Any) -> float:
+    """A finite number above zero."""
+    smallest = math.nextafter(0.0, 1.0)
+    return real_number(name, value, smallest, math.inf, "it must be a finite number above 0")
+
+
+def check_rtol(value: Any) -> float:
+    """A relative tolerance, a number from 1e-14 to 0.1."""
+    return real_number("rtol", value, 1e-14, 0.1)
+
+
+def exponent(name: str, value: Any, limit: float) -> float:
+    """A real number whose size is at most ``limit``."""
+    allowed = f"it must be a real number of size up to {limit:g}"
+    return real_number(name, value, -limit, limit, allowed)
+
+
+def whole_number(name: str, value: Any, low: int, high: int) -> int:
+    """An int from low to high; True and 2.0 are refused."""
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not whole or not low <= value <= high:
+        refuse(name, value, f"it must be a whole number from {low} to {high}")
+    return int(value)
+
+
+def one_of(name: str, value: Any, names: Iterable[str]) -> str:
+    """One of these names."""
+    known = list(names)
+    if not isinstance(value, str) or value not in known:
+        refuse(name, value, f"it must be one of {', '.join(known)}")
+    return value
+
+
+# -- arrays of any shape --------------------------------------------------------------------------
+
+
+def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
+    """Real numbers in an array of any shape; NaN is let through."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "iuf":
+            raise TypeError
+    except (TypeError, ValueError):
+        refuse(name, value, allowed)
+    return array.astype(float)
+
+
+def restitutions(value: ArrayLike) -> Array:
+    """Coefficients of restitution from 0 to 1, in an array of any shape."""
+    allowed = "it must be numbers from 0 to 1 (elastic)"
+    array = real_array("restitution", value, allowed)
+    if not np.all((array >= 0.0) & (array <= 1.0)):
+        refuse("restitution", value, allowed)
+    return array
+
+
+def not_negative(name: str, value: ArrayLike) -> Array:
+    """Finite numbers, none below zero, in an array of any shape."""
+    allowed = "it must be finite numbers, not negative"
+    array = real_array(name, value, allowed)
+    if not np.all((array >= 0.0) & (array < np.inf)):
+        refuse(name, value, allowed)
+    return array
+
+
+def positive(name: str, value: ArrayLike) -> Array:
+    """Finite numbers above zero, in an array of any shape."""
+    allowed = "it must be finite numbers above 0"
+    array = real_array(name, value, allowed)
+    if not np.all((array > 0.0) & (array < np.inf)):
+        refuse(name, value, allowed)
+    return array
+
+
+# -- one-dimensional arrays -----------------------------------------------------------------------
+
+
+def finite_line(
+    name: str, values: ArrayLike, allowed: str = "it must be finite numbers, 1-dimensional"
+) -> Array:
+    """Finite real numbers as a new array of shape (n,); a single number gives n = 1."""
+    try:
+        array = np.atleast_1d(np.asarray(values))
+        if array.dtype.kind == "c":
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError):
+        refuse(name, values, allowed)
+    if array.ndim != 1 or not np.all(np.isfinite(array)):
+        refuse(name, values, allowed)
+    return array
+
+
+def not_negative_line(name: str, values: ArrayLike) -> Array:
+    """At least one number, none below zero, shape (n,)."""
+    array = finite_line(name, values)
+    if array.size == 0 or np.any(array < 0.0):
+        refuse(name, values, "give at least one number, none negative")
+    return array
+
+
+def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
+    """Speeds v in U, none negative, shape (n,)."""
+    array = finite_line("v", values)
+    if np.any(array < 0.0):
+        refuse("v", values, "speeds must not be negative")
+    if not zero_allowed and np.any(array == 0.0):
+        refuse("v", values, "speeds must be above 0 here")
+    return array

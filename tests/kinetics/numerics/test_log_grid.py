@@ -1,0 +1,39 @@
+"""Fourier sums on equidistant nodes: exact for the waves that the nodes resolve."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kinetics.numerics.log_grid import LogGrid
+
+
+@pytest.mark.parametrize("nodes", [50, 51])
+def test_trigonometric_interpolation_of_even_and_odd_nodes(nodes: int) -> None:
+    grid = LogGrid(-3.0, 6.0 / nodes, nodes)
+    x = np.linspace(-2.9, 2.8, 40)
+
+    def wave(at: np.ndarray) -> np.ndarray:
+        turn = 2.0 * math.pi * (at - grid.start) / 6.0
+        return np.asarray(0.3 + np.cos(3.0 * turn) - 2.0 * np.sin(((nodes - 1) // 2) * turn))
+
+    np.testing.assert_allclose(grid.interpolate(wave(grid.x), x), wave(x), atol=1e-13)
+    # the convolution matrix multiplies each mode by its symbol
+    symbol = np.exp(-0.1 * grid.wave_numbers) + 0.0j
+    shrunk = np.fft.irfft(symbol * np.fft.rfft(wave(grid.x)), nodes)
+    np.testing.assert_allclose(grid.circulant(symbol) @ wave(grid.x), shrunk, atol=1e-13)
+
+
+def test_the_highest_mode_of_an_even_grid_is_a_cosine() -> None:
+    grid = LogGrid(0.0, 0.5, 8)
+    values = np.cos(math.pi * grid.x / grid.spacing)
+    np.testing.assert_allclose(grid.interpolate(values, grid.x), values, atol=1e-13)
+    assert grid.end == 4.0
+
+
+def test_several_rows_at_once() -> None:
+    grid = LogGrid(1.0, 0.2, 20)
+    rows = np.stack([np.cos(grid.wave_numbers[k] * (grid.x - 1.0)) for k in (0, 2, 5)])
+    x = np.array([1.03, 4.4])
+    exact = np.stack([np.cos(grid.wave_numbers[k] * (x - 1.0)) for k in (0, 2, 5)])
+    np.testing.assert_allclose(grid.interpolate(rows, x), exact, atol=1e-13)
