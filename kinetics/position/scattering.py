@@ -34,17 +34,18 @@ FloatArray = NDArray[np.float64]
 _SERIES, _TERMS = 5.0, 40
 # Beyond X = ln(1/kappa) + _SATURATION, a_m falls as a power of T, to e^-38 = 3e-17.
 _SATURATION = 38.0
-_FEWEST_NODES, _MOST_NODES = 6, 20
-_NOTHING = 0.1  # of the tolerance: below, all that follows is 0
-_FAR = 0.01  # of the tolerance: share of the collisions, farthest below, whose gain is left out
-# Rules of `_rule`, `_harmonics` and `_panel_harmonics`, for the digits asked for (decimal digits of
-# the tolerance): all are measured again by tests/kinetics/measurements/position.py.
+_FEWEST_NODES = 6
+_NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
+# The constants below are measured again by tests/kinetics/measurements/position.py. For each
+# decimal digit of the tolerance there are so many nodes, and more for each turn of K T on a panel.
+_SOME, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5
 _TURNING = 3.5  # T at which flights along k are resolved worst
-_NODES, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5  # nodes of a panel: some, for each digit, and turn
-_LATE, _LATE_FOR_DIGIT = 2.0, 0.45  # harmonics late, and for each digit; K more for each digit
-_EARLY, _EARLY_FOR_DIGIT = 4.0, 2.0  # harmonics early, beyond the K T of free flights
+# Harmonics for each digit: late, besides K for each, and early, besides the K T of free flights.
+_LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
-_MORE, _MOST_MORE = 4, 6  # harmonics that a panel adds, and further ones as flights reach
+# Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
+# starts they decide the error estimate, which the waves of the measurement do not show.
+_MORE, _MOST_MORE = 4, 6
 
 
 @dataclass(frozen=True)
@@ -133,16 +134,16 @@ def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     turns = largest * min(1.0, math.exp(highest) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
-    nodes = math.ceil(_NODES + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
-    return PanelRule(min(_MOST_NODES, max(_FEWEST_NODES, nodes)), width)
+    nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
+    return PanelRule(max(_FEWEST_NODES, nodes), width)
 
 
 def _harmonics(largest: float, highest: float, tolerance: float) -> int:
     """m beyond which a_m is left out: even."""
     digits = math.log10(1.0 / tolerance)
-    late = _LATE + digits * (_LATE_FOR_DIGIT + largest)
+    late = _SOME + digits * (_LATE_FOR_DIGIT + largest)
     # free flights reach m = K T and no further
-    early = _EARLY + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
+    early = _SOME + _EARLY_FOR_DIGIT * digits + largest * math.exp(min(highest, 10.0))
     return _even(math.ceil(min(late, early)))
 
 
@@ -215,7 +216,10 @@ class Sweep:
             left_out = max(left_out, miss if kept else miss**2)
             largest[reach + j] = np.abs(found).max()
             # nothing that follows is larger than the mean over what collisions lead to it from
-            if recent @ largest[reach + j + 1 - recent.size : reach + j + 1] < _NOTHING * tolerance:
+            if (
+                recent @ largest[reach + j + 1 - recent.size : reach + j + 1]
+                < _NEGLIGIBLE * tolerance
+            ):
                 done, ended = j + 1, True
                 break
         values = table[reach : reach + done, : kept + 1].copy()
@@ -236,7 +240,7 @@ class Sweep:
         Next to nothing comes from farther down, where e is about 0.
         """
         recent = _shares(self.law, self.rule.width, self._gain.shape[2] // self.rule.nodes)
-        far = np.count_nonzero(np.cumsum(recent) < _FAR * tolerance)
+        far = np.count_nonzero(np.cumsum(recent) < _NEGLIGIBLE * tolerance)
         return self._gain[:, :, far * self.rule.nodes :], recent[far:]
 
     def _coefficients(self) -> FloatArray:

@@ -7,6 +7,7 @@ work is the number of nodes solved for. Takes some minutes; names of constants a
 from __future__ import annotations
 
 import itertools
+from functools import lru_cache
 
 import numpy as np
 from scan import Constant, Outcome, scan
@@ -50,14 +51,18 @@ def moments(solution: ScalingSolution | ScaledVDF) -> np.ndarray:
     )
 
 
-EXACT = {e: (moments(ScalingSolution(e)), ScalingSolution(e).vdf(SPEEDS)) for e in RESTITUTIONS}
+@lru_cache(maxsize=len(RESTITUTIONS))
+def exact(e: float) -> tuple[np.ndarray, np.ndarray]:
+    """The moments, and F at SPEEDS."""
+    solution = ScalingSolution(e)
+    return moments(solution), solution.vdf(SPEEDS)
 
 
 def measure() -> Outcome:
     """All restitutions and tolerances, as the constants are now."""
     of_moments, of_density, work, unsaid = [], [], 0, 0
     for e, rtol in itertools.product(RESTITUTIONS, TOLERANCES):
-        numbers, f = EXACT[e]
+        numbers, f = exact(e)
         seen = f > 1e-290
         first, second = solve_scaled(e, rtol), solve_scaled(e, rtol)
         of_moments.append(np.abs(moments(first) / numbers - 1.0).max() / rtol)
