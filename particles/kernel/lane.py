@@ -16,8 +16,8 @@ from particles.compiled.decorators import inlined
 from particles.kernel.records import Records
 from particles.streams import START, open_stream, uniform
 
-# Tracers that one thread follows in turns. On a two-core cloud processor 16 was the best of 4, 8,
-# 16, 32 and 64 (tests/particles/measurements/lanes.py).
+# Tracers that one thread follows in turns: enough to hide the time that a square root takes.
+# tests/particles/measurements/kernel_speed.py compares other numbers.
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
