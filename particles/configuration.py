@@ -96,7 +96,8 @@ class Tally:
 def time_scales(times: np.ndarray) -> np.ndarray:
     """Return the power of 2 by which velocities are multiplied in sums at each time.
 
-    v t stays near the mean free path for ever; v^4 alone would underflow.
+    times (n_times,) in d/U. The product v t stays near the mean free path at all times, while v^4
+    alone would underflow.
     """
     return 2.0 ** np.round(np.log2(np.maximum(times, 1.0)))
 

@@ -3,8 +3,8 @@
 The path of a tracer does not depend on its speed (`particles.events`), so a lane holds a place, a
 unit direction and, apart from them, the slowness 1/speed. Lengths are in d, times in d/U.
 
-A tracer slows for ever. So that neither slowness nor time overflows, both are kept times 2**-64k;
-`shifts` is k and `unit` is 2**-64k.
+A tracer slows down without end. So that neither slowness nor time overflows, both are kept times
+2**-64k; `shifts` is k and `unit` is 2**-64k.
 """
 
 from math import cos, log, pi, sin, sqrt
