@@ -12,8 +12,8 @@ types and shapes, and then the arrays.
 
 A process that is killed while it appends leaves the beginning of a record at the end of the file.
 That part is cut off, and its configuration is run again, to the same bits. Any other difference
-from what was written is damage, and the journal is refused. Only the file of the run is safe against a
-loss of power: records are not forced to the disk.
+from what was written is damage, and the journal is refused. Only the file of the run is safe
+against a loss of power: records are not forced to the disk.
 """
 
 import json

@@ -92,7 +92,7 @@ class Rates:
 def _table_of_cells() -> Any:
     """Slots of 64 cells with five scatterers each, the others empty, as the simulator has them."""
     from particles.grid.cells import EMPTY
-    from particles.grid.vectors import SLOTS
+    from particles.compiled.search import SLOTS
 
     slots = np.full((64, 2 * SLOTS), EMPTY)
     rng = np.random.default_rng(1)
@@ -110,7 +110,7 @@ def _compiled() -> tuple[Any, Any]:
     from numba import njit
 
     from particles.events import scatter, touch
-    from particles.grid.vectors import strike
+    from particles.compiled.search import strike
 
     @njit(error_model="numpy")
     def search(slots: Any, turns: int) -> float:
