@@ -91,8 +91,8 @@ class Rates:
 
 def _table_of_cells() -> Any:
     """Slots of 64 cells with five scatterers each, the others empty, as the simulator has them."""
-    from particles.grid.cells import EMPTY
     from particles.compiled.search import SLOTS
+    from particles.grid.cells import EMPTY
 
     slots = np.full((64, 2 * SLOTS), EMPTY)
     rng = np.random.default_rng(1)
@@ -109,8 +109,8 @@ def _compiled() -> tuple[Any, Any]:
     """
     from numba import njit
 
-    from particles.events import scatter, touch
     from particles.compiled.search import strike
+    from particles.events import scatter, touch
 
     @njit(error_model="numpy")
     def search(slots: Any, turns: int) -> float:
