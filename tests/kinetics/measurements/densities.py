@@ -5,23 +5,20 @@ Run as a script: python tests/kinetics/measurements/densities.py (a minute).
 
 from __future__ import annotations
 
-import json
 import math
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from kinetics import CollisionLaw, Gaussian, Monoenergetic, Scene, SpeedDensity, solve
+from kinetics.crosscheck.references import load
 from kinetics.densities import conservative, intertwining, marginal, spectral
 from kinetics.densities.grid_density import GridDensity
 from kinetics.densities.harmonic import Profile
 from kinetics.densities.spectral import solve_spectral
 
-REFERENCES = json.loads(
-    (Path(__file__).parents[1] / "density_references.json").read_text(encoding="utf-8")
-)
+REFERENCES = load()["speed_density"]
 STARTS = {"gaussian": Gaussian(), "gamma": SpeedDensity(lambda v: 0.5 * v**2 * np.exp(-v))}
 
 

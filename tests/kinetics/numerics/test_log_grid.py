@@ -1,6 +1,7 @@
 """Fourier sums on equidistant nodes: exact for the waves that the nodes resolve."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -37,3 +38,20 @@ def test_several_rows_at_once() -> None:
     x = np.array([1.03, 4.4])
     exact = np.stack([np.cos(grid.wave_numbers[k] * (x - 1.0)) for k in (0, 2, 5)])
     np.testing.assert_allclose(grid.interpolate(rows, x), exact, atol=1e-13)
+
+
+@pytest.mark.parametrize("start", [-45.3, -43.0, 17.9])
+def test_nodes_near_zero_keep_their_digits(start: float) -> None:
+    """Steps between nodes there are exact to their own rounding, not to that of the far end.
+
+    The densities of nearly elastic tracers lost two digits by it: v t/l is of order 1 near x = 0.
+    """
+    grid = LogGrid(start, 0.057, 1600 if start < 0 else 8)
+    if start > 0.0:
+        assert abs(float(grid.x[0]) - start) <= 4e-15
+        return
+    near = np.nonzero(np.abs(grid.x) < 1.0)[0]
+    exact = [Fraction(grid.spacing) * int(j - near[0]) for j in near]
+    apart = [Fraction(float(grid.x[j])) - Fraction(float(grid.x[near[0]])) for j in near]
+    assert max(abs(float(a - b)) for a, b in zip(apart, exact, strict=True)) < 4e-16
+    assert abs(float(grid.x[0]) - start) <= 1.5e-14
