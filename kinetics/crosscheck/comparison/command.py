@@ -98,7 +98,7 @@ def compare(
     if as_json:
         click.echo(result.to_json(), nl=False)
     else:
-        from kinetics.crosscheck.comparison.text import tables
+        from kinetics.crosscheck.comparison.page import tables
 
         click.echo(tables(result))
         if written:

@@ -1,14 +1,16 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory, side_by_side
+from kinetics.crosscheck.comparison.data_and_theory import (
+    DataAndTheory,
+    Histogram,
+    side_by_side,
+)
 from kinetics.crosscheck.comparison.fit import Fit
-from kinetics.crosscheck.comparison.histograms import Histogram
 from kinetics.crosscheck.comparison.result import (
     OUTCOMES,
     Comparison,
@@ -106,7 +108,7 @@ def _explained(
 ) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
     """What explains a difference, what helps most first; and the data of the figures."""
     from kinetics.crosscheck.comparison.figures import figures_of
-    from kinetics.crosscheck.comparison.notes import explanations_of
+    from kinetics.crosscheck.comparison.hypotheses import explanations_of
 
     def place(item: Explanation) -> tuple[int, float]:
         return list(OUTCOMES).index(item.outcome), item.chi_square_after or 0.0
@@ -117,53 +119,46 @@ def _explained(
 def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
     """One row per observable and time, and per bin of a density."""
     sample = both.sample
-    effective = effective_groups(both.flat_replicates).reshape(both.error.shape)
+    effective = effective_groups(both.replicates)
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
         for k in np.flatnonzero(both.compared[i]).tolist():
             value, theory = float(both.expectation.values[i, k]), float(both.theory[i, k])
-            row = ComparisonRow(
-                name, float(sample.times[k]), value, float(both.error[i, k]), theory, None,
-                Verdict.UNDEFINED, None, int(sample.samples[k]),
-            )  # fmt: skip
+            sigmas, corrected, error = None, None, 0.0
             if both.usable[i, k]:
-                sigmas = float(both.difference[i, k] / both.error[i, k])
-                yield _judged(row, sigmas, float(effective[i, k]), looks)
+                error = float(both.error[i, k])
+                sigmas = float(both.difference[i, k] / error)
+                corrected = corrected_sigmas(sigmas, float(effective[i, k]), looks)
+                verdict = judge_sigmas(corrected)
+            elif sample.groups < 3:  # one tracer is always like itself
+                verdict = Verdict.UNDEFINED
             else:
-                yield replace(row, error=0.0, verdict=_without_spread(value, theory, sample.groups))
-    for name in dict.fromkeys(histogram.name for histogram in both.histograms):
+                same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
+                verdict = Verdict.AGREES if same else Verdict.DIFFERS
+            yield ComparisonRow(
+                name, float(sample.times[k]), value, error, theory, sigmas, verdict, corrected,
+                int(sample.samples[k]),
+            )  # fmt: skip
+    for name in both.densities:
         mine = [histogram for histogram in both.histograms if histogram.name == name]
         looks = sum(histogram.share.size for histogram in mine)
         for histogram in mine:
             yield from _bin_rows(histogram, looks)
 
 
-def _without_spread(value: float, theory: float, groups: int) -> Verdict:
-    if groups < 3:  # one tracer is always like itself
-        return Verdict.UNDEFINED
-    same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
-    return Verdict.AGREES if same else Verdict.DIFFERS
-
-
-def _judged(row: ComparisonRow, sigmas: float, groups: float, looks: int) -> ComparisonRow:
-    corrected = corrected_sigmas(sigmas, groups, looks)
-    return replace(row, sigmas=sigmas, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
-
-
 def _bin_rows(found: Histogram, looks: int) -> Iterator[ComparisonRow]:
     for k in range(found.share.size):
-        low, high = float(found.edges[k]), float(found.edges[k + 1])
-        closed = bool(np.isfinite(high))
-        width = high - low if closed else 1.0
+        low, high = found.edges[k : k + 2].tolist()
+        width = high - low if np.isfinite(high) else 1.0
         value, error, theory = (
             float(part[k] / width) for part in (found.share, found.error, found.theory)
         )
-        row = ComparisonRow(
-            found.name, found.time, value, error, theory, None, Verdict.UNDEFINED, None,
-            found.samples, low, high if closed else None,
-        )  # fmt: skip
         sigmas = float((found.share[k] - found.theory[k]) / found.error[k])
-        yield _judged(row, sigmas, found.groups, looks)
+        corrected = corrected_sigmas(sigmas, found.groups, looks)
+        yield ComparisonRow(
+            found.name, found.time, value, error, theory, sigmas, judge_sigmas(corrected),
+            corrected, found.samples, low, high if np.isfinite(high) else None,
+        )  # fmt: skip
 
 
 def tests_of(both: DataAndTheory) -> list[ComparisonTest]:

@@ -26,7 +26,6 @@ from kinetics.crosscheck.comparison.theory import (
     SPEED,
     Expectation,
     SampledStart,
-    sampled_start,
     solved,
 )
 from kinetics.errors import InputError, check_positive, check_restitution
@@ -170,7 +169,7 @@ def _start(sample: Sample, initial: str) -> Any:
             return "monoenergetic"
         if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
             return "gaussian"
-    return sampled_start(sample)
+    return SampledStart(sample.start)
 
 
 def gaussian_p_value(sample: Sample) -> float:
@@ -193,8 +192,7 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
     wanted = " and ".join(words)
     expectation = Expectation(sample, AVERAGES)
     groups = sample.groups
-    flat = expectation.replicates.reshape(groups, -1)
-    spread = errors(flat).reshape(expectation.values.shape)
+    spread = errors(expectation.replicates)
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
@@ -208,8 +206,7 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
     def model(at: Array) -> tuple[Array, Array]:
         e = float(at[0]) if restitution is None else restitution
         length = float(np.exp(at[-1])) if path is None else path
-        values, moved = expectation.theory(e, length, start)
-        return values.ravel(), moved.reshape(*moved.shape[:-2], -1)
+        return expectation.theory(e, length, start)
 
     guess = _early_log_path(sample)
     starts: list[list[float]] = [[e] for e in _SCAN]
@@ -217,7 +214,7 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
         starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
         if restitution is None:
             starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-    found = fit(unknowns, model, (expectation.values.ravel(), flat), components, starts)
+    found = fit(unknowns, model, (expectation.values, expectation.replicates), components, starts)
     if found is None or not np.all(np.isfinite(found.errors)):
         raise InputError(f"data: {wanted} could not be fitted; give it as an option")
     return found

@@ -43,12 +43,6 @@ class SampledStart(State):
         return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
 
 
-def sampled_start(sample: Sample) -> SampledStart:
-    """The start as the sample has it at time 0."""
-    assert sample.start is not None
-    return SampledStart(sample.start)
-
-
 def solved(
     restitution: float,
     free_path: float,

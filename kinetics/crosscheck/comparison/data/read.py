@@ -69,25 +69,22 @@ class _Files:
         from tqdm import tqdm
 
         hidden = None if self._show_progress else True  # None: shown on a terminal
-        with tqdm(
-            file=sys.stderr, disable=hidden, leave=False, unit=" rows", unit_scale=True
-        ) as bar:
-            for number, path in enumerate(self._paths):
-                count = 0
-                for rows in read_rows(path):
-                    found = frozenset(name for name in LABELS if getattr(rows, name) is not None)
-                    if number == count == 0:
-                        self._labels = found
-                    elif found != self._labels:
-                        odd = ", ".join(sorted(found ^ self._labels))
-                        raise InputError(
-                            f"{shown(path)}: column {odd} must be in all files or in none"
-                        )
-                    count += rows.time.size
-                    bar.update(rows.time.size)
-                    yield number, rows
-                if not count:
-                    raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
+        bar = tqdm(disable=hidden, leave=False, unit=" rows", unit_scale=True)
+        for number, path in enumerate(self._paths):
+            count = 0
+            for rows in read_rows(path):
+                found = frozenset(name for name in LABELS if getattr(rows, name) is not None)
+                if number == count == 0:
+                    self._labels = found
+                elif found != self._labels:
+                    odd = ", ".join(sorted(found ^ self._labels))
+                    raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
+                count += rows.time.size
+                bar.update(rows.time.size)
+                yield number, rows
+            if not count:
+                raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
+        bar.close()
 
     def sample(self, positions: str) -> Sample:
         """The sample; positions as in read_sample."""
