@@ -246,17 +246,10 @@ def _at_rest(averages: _Averages) -> Iterator[Explanation]:
 
 def _thinned(values: Array, names: Sequence[str], share: float) -> Array:
     """Averages (..., n_names, n_times) of all tracers, where a share of them is at rest."""
-    left, out = 1 - share, values.copy()
-    for k, name in enumerate(names):
-        if name == "thermal_speed":
-            out[..., k, :] *= np.sqrt(left)
-        elif name == "msd":
-            out[..., k, :] *= left
-        elif name == "a2":
-            out[..., k, :] = (1 + out[..., k, :]) / left - 1
-        else:
-            out[..., k, :] /= left
-    return out
+    left = 1 - share
+    factor = {"thermal_speed": np.sqrt(left), "msd": left, "a2": 1 / left, "kurtosis": 1 / left}
+    shift = np.array([1 / left - 1 if name == "a2" else 0.0 for name in names])
+    return np.asarray(values * np.array([factor[name] for name in names])[:, None] + shift[:, None])
 
 
 def _traps(both: DataAndTheory) -> Iterator[Explanation]:

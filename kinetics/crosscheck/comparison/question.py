@@ -28,7 +28,8 @@ from kinetics.crosscheck.comparison.theory import (
     SampledStart,
     solved,
 )
-from kinetics.errors import InputError, check_positive, check_restitution
+from kinetics.errors import InputError
+from kinetics.validation import check_positive, check_restitution, one_of
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -153,9 +154,7 @@ def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str,
 
 
 def _start(sample: Sample, initial: str) -> Any:
-    if initial not in STARTS:
-        raise InputError(f"initial: got {initial!r}; it must be one of {', '.join(STARTS)}")
-    if initial in ("gaussian", "monoenergetic"):
+    if one_of("initial", initial, STARTS) in ("gaussian", "monoenergetic"):
         return initial
     if sample.start is None:
         if initial == "data":

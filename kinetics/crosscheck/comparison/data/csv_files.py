@@ -98,7 +98,8 @@ class _Table:
         label = pa.int64() if self._numbered else pa.dictionary(pa.int32(), pa.string())
         kinds = {name: pa.float64() if name in NUMBERS else label for name in self._found}
         if not text or text.isspace():
-            return Rows(**dict.fromkeys(kinds, np.empty(0)))
+            none: Any = np.empty(0, np.int64)
+            return Rows(**dict.fromkeys(kinds, none))
         try:
             table = arrow_csv.read_csv(
                 pa.BufferReader(text),
@@ -110,7 +111,7 @@ class _Table:
             )
         except pa.ArrowInvalid:
             return None
-        values = {}
+        values: dict[str, Any] = {}
         for name in kinds:
             chunks, is_text = table.column(name).chunks, name in LABELS and not self._numbered
             # pyarrow's own to_numpy imports pandas.

@@ -105,7 +105,12 @@ class _Files:
             grouping = by_tracer  # one configuration shows no spread between configurations
         if sample.groups < 2:
             raise InputError(f"{', '.join(self._names)}: has one tracer; at least two are needed")
-        return replace(sample, warnings=(*warnings, *self._about_groups(grouping)))
+        if grouping == by_tracer:
+            known = "medium" in self._labels
+            warnings.append(said("one_configuration" if known else "unknown_configurations"))
+        if grouping == "row":
+            warnings.append(said("unknown_tracers"))
+        return replace(sample, warnings=tuple(warnings))
 
     def _reduced(self, grouping: str, origins: Origins | None) -> Reduction:
         reduction = Reduction(grouping)
@@ -142,14 +147,6 @@ class _Files:
             raise InputError(f"{where}: absolute positions need rows at time 0; {allowed}")
         return Origins(pieces)
 
-    def _about_groups(self, grouping: str) -> list[str]:
-        """What the reader should know of the standard errors, a warning each."""
-        if grouping == "medium":
-            return []
-        known = "medium" in self._labels
-        out = [said("one_configuration" if known else "unknown_configurations")]
-        return out + ([said("unknown_tracers")] if grouping == "row" else [])
-
 
 def _in_range(sample: Sample) -> Sample:
     """The sample; InputError where fourth powers would overflow, or a start vanish."""
@@ -164,15 +161,14 @@ def _in_range(sample: Sample) -> Sample:
 
 
 def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:
-    if speed_unit != "data":
-        return sample.rescaled(float(speed_unit), diameter)
-    if sample.start is None:
-        raise InputError("speed_unit: 'data' needs velocities at time 0; give U as a number")
-    count = sample.start.counts
-    size = float(np.sqrt(sample.start.squares @ count / max(count.sum(), 1) / 2))
-    if not size > 0:
-        raise InputError("speed_unit: all speeds at time 0 are zero; there is nothing to scale by")
-    return replace(
-        sample.rescaled(size, diameter),
-        warnings=(*sample.warnings, f"U is {size:.6g} of the data's unit, from <v²> at time 0."),
-    )
+    warnings, start = sample.warnings, sample.start
+    if speed_unit == "data":
+        if start is None:
+            raise InputError("speed_unit: 'data' needs velocities at time 0; give U as a number")
+        if not start.squares.size:
+            raise InputError(
+                "speed_unit: all speeds at time 0 are zero; there is nothing to scale by"
+            )
+        speed_unit = float(np.sqrt(start.squares @ start.counts / start.counts.sum() / 2))
+        warnings += (f"U is {speed_unit:.6g} of the data's unit, from <v²> at time 0.",)
+    return replace(sample.rescaled(float(speed_unit), diameter), warnings=warnings)
