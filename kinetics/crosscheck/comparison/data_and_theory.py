@@ -2,9 +2,9 @@
 histograms in bins wide enough to be judged.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,10 +133,14 @@ def side_by_side(
     replicates = expectation.replicates - moved
     if found is not None:
         # Data that were fitted move the theory with them.
-        shift = found.moved(replicates.reshape(sample.groups, -1))
-        replicates = replicates - (shift @ found.slope.T).reshape(replicates.shape)
-    error = errors(replicates.reshape(sample.groups, -1)).reshape(difference.shape)
-    compared = np.isfinite(difference) & _meaningful(names, sample, solution)
+        shift = found.moved(replicates) @ found.slope.T
+        replicates = replicates - shift.reshape(replicates.shape)
+    error = errors(replicates)
+    compared = np.isfinite(difference)
+    own_start = isinstance(solution.scene.state, SampledStart)
+    for k, name in enumerate(names):
+        if own_start or name in ("msd", "kurtosis"):  # known at time 0
+            compared[k] &= sample.times > 0
     with np.errstate(invalid="ignore"):
         size = np.maximum(np.abs(expectation.values), np.abs(theory))
         usable = compared & (error > NO_SPREAD * size) & np.isfinite(error)
@@ -186,24 +190,12 @@ def _in_common(
 def _theory(
     solution: "Solution", expectation: Expectation, index: list[int]
 ) -> tuple[Array, Array]:
-    scene = solution.scene
-    if not expectation.names:
-        nothing = np.empty((0, len(index)))
-        return nothing, nothing
-    if isinstance(scene.state, SampledStart) and expectation.sample.start is not None:
+    scene, names = solution.scene, expectation.names
+    if names and isinstance(scene.state, SampledStart) and expectation.sample.start is not None:
         return expectation.theory(scene.restitution, scene.mean_free_path, scene.state)
-    values = np.stack([np.asarray(getattr(solution, name))[index] for name in expectation.names])
-    return values, values
-
-
-def _meaningful(names: Sequence[str], sample: Sample, solution: "Solution") -> Any:
-    """Not the displacement at time 0, nor speeds there if the theory starts from them."""
-    out = np.ones((len(names), sample.times.size), dtype=bool)
-    own_start = isinstance(solution.scene.state, SampledStart)
-    for k, name in enumerate(names):
-        if own_start or name in ("msd", "kurtosis"):
-            out[k] = sample.times > 0
-    return out
+    values = [np.asarray(getattr(solution, name))[index] for name in names]
+    found = np.array(values).reshape(len(names), len(index))
+    return found, found
 
 
 def compare_histogram(

@@ -288,8 +288,7 @@ def _missing(both: DataAndTheory) -> Iterator[Explanation]:
     results = []
     for times in (complete, ~complete):
         chosen = choose_components(both.usable & times, both.sample.groups, 1)
-        difference, replicates = both.difference.ravel()[chosen], both.flat_replicates[:, chosen]
-        results.append(hotelling(difference, replicates) if chosen.size else None)
+        results.append(hotelling(both.difference.ravel()[chosen], both.flat_replicates[:, chosen]))
     whole, part = results
     off = None
     if "thermal_speed" in both.names:

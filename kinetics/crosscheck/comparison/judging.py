@@ -167,9 +167,9 @@ def tests_of(both: DataAndTheory) -> list[ComparisonTest]:
     for i, name in enumerate(both.names):
         times = np.flatnonzero(both.usable[i])
         times = times[spread_out(times.size, most_freedom(both.sample.groups))]
-        if times.size:
-            difference, replicates = both.difference[i, times], both.replicates[:, i, times]
-            found.append((name, None, hotelling(difference, replicates)))
+        found.append(
+            (name, None, hotelling(both.difference[i, times], both.replicates[:, i, times]))
+        )
     found += [(h.name, h.time, h.chi_square) for h in both.histograms]
     known = [(name, time, c) for name, time, c in found if c is not None]
     return [
@@ -191,10 +191,8 @@ def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> V
     """The worst verdict of the tests, and of rows without spread, which no test can hold."""
     words = [test.verdict for test in tests]
     words += [row.verdict for row in rows if row.sigmas is None]
-    for verdict in (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES):
-        if verdict in words:
-            return verdict
-    return Verdict.UNDEFINED
+    order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES)
+    return next((verdict for verdict in order if verdict in words), Verdict.UNDEFINED)
 
 
 def _summary(both: DataAndTheory, tests: Sequence[ComparisonTest], verdict: Verdict) -> str:

@@ -2,7 +2,7 @@
 tables for the terminal.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +75,11 @@ def render(result: Comparison, json_name: str) -> str:
                 PARAMETERS[k]: parameter_text(p) for k, p in document["parameters"].items()
             },
             tests=[
-                cells_of_test(test) | {"observable": OBSERVABLES[test["observable"]].short}
+                cells_of_test(test)
+                | {
+                    "observable": OBSERVABLES[test["observable"]].short,
+                    "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
+                }
                 for test in document["tests"]
             ],
             groups=[
@@ -96,7 +100,7 @@ def cells_of_test(test: Plain) -> dict[str, str]:
     """The cells of one chi-square, from the document of a comparison."""
     return {
         "observable": test["observable"],
-        "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
+        "time": "all" if test["time"] is None else f"{test['time']:.4g}",
         "chi_square": f"{test['chi_square']:.4g}",
         "dof": str(test["dof"]),
         "p_value": f"{test['p_value']:.2g}",
@@ -136,17 +140,13 @@ def tables(result: Comparison) -> str:
     told.append(f"start: {result.initial}")
     told.append(f"errors: from {result.groups} groups, by {result.grouping}")
     parts.append("\n".join(told))
-    heads = ["chi-square", "t [d/U]", "value", "dof", "p", "verdict"]
-    cells = [cells_of_test(test) for test in document["tests"]]
-    for cell in cells:
-        cell["at"] = cell["at"].removeprefix("t = ").removesuffix(" times")
-    wanted: tuple[str, ...] = ("observable", "at", "chi_square", "dof", "p_value", "verdict")
-    parts.append(aligned([heads, *([cell[name] for name in wanted] for cell in cells)]))
+    names: tuple[str, ...] = ("observable", "time", "chi_square", "dof", "p_value", "verdict")
+    heads: tuple[str, ...] = ("chi-square", "t [d/U]", "value", "dof", "p", "verdict")
+    parts.append(_table(names, heads, map(cells_of_test, document["tests"])))
     shown = [r for r in document["rows"] if r["low"] is None or r["verdict"] != "agrees"]
-    heads = ["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]
-    wanted = ("observable", "time", "bin", "value", "theory", "sigmas", "verdict")
-    cells = [cells_of_row(row) for row in shown]
-    text = aligned([heads, *([cell[name] for name in wanted] for cell in cells)])
+    names = ("observable", "time", "bin", "value", "theory", "sigmas", "verdict")
+    heads = ("observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict")
+    text = _table(names, heads, map(cells_of_row, shown))
     if hidden := len(document["rows"]) - len(shown):
         text += f"\n({hidden} bins of densities that agree are left out; --json has them)"
     parts.append(text)
@@ -154,3 +154,7 @@ def tables(result: Comparison) -> str:
         f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}" for item in result.explanations
     ]
     return "\n\n".join(parts)
+
+
+def _table(names: Sequence[str], heads: Sequence[str], lines: Iterable[Mapping[str, str]]) -> str:
+    return aligned([heads, *([cells[name] for name in names] for cells in lines)])

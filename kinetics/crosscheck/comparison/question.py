@@ -142,14 +142,17 @@ def _densities(
 
 def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
     """The numbers of the scene that were fitted, with standard errors."""
-    known = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
-    fitted, density = "fitted to the averages over time", 1 / (2 * path)
-    parameters = {}
-    if "restitution" in known:
-        parameters["restitution"] = Parameter(restitution, known["restitution"], fitted)
-    if (error := known.get("log_path")) is not None:
-        parameters["number_density"] = Parameter(density, error * density, f"1/(2dl), l {fitted}")
-        parameters["mean_free_path"] = Parameter(path, error * path, fitted)
+    parameters: dict[str, Parameter] = {}
+    source, density = "fitted to the averages over time", 1 / (2 * path)
+    for name, error in (
+        () if found is None else zip(found.names, found.errors.tolist(), strict=True)
+    ):
+        if name == "restitution":
+            parameters[name] = Parameter(restitution, error, source)
+        else:
+            of_density = Parameter(density, error * density, f"1/(2dl), l {source}")
+            parameters |= {"number_density": of_density}
+            parameters |= {"mean_free_path": Parameter(path, error * path, source)}
     return parameters
 
 
@@ -181,14 +184,13 @@ def gaussian_p_value(sample: Sample) -> float:
 
 def _fitted(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
     """Restitution and ln l, whichever is None, by a fit. InputError where the data cannot tell."""
-    unknowns, words = [], []
+    unknowns = []
     if restitution is None:
         unknowns.append(Unknown("restitution", 0.0, 1.0))
-        words.append("restitution")
     if path is None:
         unknowns.append(Unknown("log_path", -20.0, float(np.log(_LONGEST_PATH))))
-        words.append("number density")
-    wanted = " and ".join(words)
+    words = {"restitution": "restitution", "log_path": "number density"}
+    wanted = " and ".join(words[one.name] for one in unknowns)
     expectation = Expectation(sample, AVERAGES)
     groups = sample.groups
     spread = errors(expectation.replicates)

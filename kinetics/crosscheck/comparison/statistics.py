@@ -86,6 +86,8 @@ def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
     from scipy.special import betainc
 
     groups = len(replicates)
+    if difference.size == 0:
+        return None
     axes = whitening(covariance(replicates))
     white = axes @ difference
     freedom = white.size
