@@ -34,7 +34,7 @@ from kinetics.crosscheck.verdicts import Verdict, corrected_sigmas, judge_sigmas
 from kinetics.errors import short
 
 if TYPE_CHECKING:
-    from kinetics import Solution
+    from kinetics import Scene, Solution
     from particles import Ensemble
 
 _SAME = 1e-6
@@ -47,7 +47,6 @@ def compare(
     ensemble: "Ensemble | Sample",
     explain: bool = True,
     densities: "Mapping[str, Solution] | None" = None,
-    parameters: Mapping[str, Parameter] | None = None,
     found: Fit | None = None,
 ) -> Comparison:
     """Compare particles with a solution of the kinetic equation.
@@ -60,7 +59,7 @@ def compare(
     explain : test what may explain a difference, and prepare figures; False is quicker
     densities : solutions of the same scene for "speed_density" and "position_density", at some of
         the times; without them `solution` is asked
-    parameters, found : where the scene's numbers come from, if they were fitted to these data
+    found : the fit that the scene's numbers come from, if they were fitted to these data
 
     Returns
     -------
@@ -80,20 +79,14 @@ def compare(
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
     explanations, figures = _explained(both, verdict) if explain else ((), {})
-    scene = solution.scene
-    told = {
-        "restitution": Parameter(scene.restitution, None, "told"),
-        "number_density": Parameter(scene.number_density, None, "told"),
-        "mean_free_path": Parameter(scene.mean_free_path, None, "1/(2dρ₀)"),
-    }
     return Comparison(
         verdict=verdict,
         summary=_summary(both, tests, verdict),
         rows=tuple(rows),
         tests=tuple(tests),
         explanations=explanations,
-        parameters=told | dict(parameters or {}),
-        initial=start_in_words(scene.initial),
+        parameters=_parameters(solution.scene, found),
+        initial=start_in_words(solution.scene.initial),
         samples=int(sample.samples.max()),
         groups=sample.groups,
         grouping=sample.grouping,
@@ -101,6 +94,25 @@ def compare(
         names=sample.names,
         figures=figures,
     )
+
+
+def _parameters(scene: "Scene", found: Fit | None) -> dict[str, Parameter]:
+    """The numbers of the scene; those that were fitted have standard errors."""
+    e, density, path = scene.restitution, scene.number_density, scene.mean_free_path
+    errors = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
+    fitted = "fitted to the averages over time"
+    of_density = Parameter(density, None, "told"), Parameter(path, None, "1/(2dρ₀)")
+    if (error := errors.get("log_path")) is not None:
+        of_density = (
+            Parameter(density, error * density, f"1/(2dl), l {fitted}"),
+            Parameter(path, error * path, fitted),
+        )
+    error = errors.get("restitution")
+    return {
+        "restitution": Parameter(e, error, "told" if error is None else fitted),
+        "number_density": of_density[0],
+        "mean_free_path": of_density[1],
+    }
 
 
 def _explained(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
 from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
 from kinetics.crosscheck.comparison.judging import compare
-from kinetics.crosscheck.comparison.result import Comparison, Parameter
+from kinetics.crosscheck.comparison.result import Comparison
 from kinetics.crosscheck.comparison.sample import R2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
@@ -117,8 +117,7 @@ def compare_sample(
         path = float(np.exp(values["log_path"])) if path is None else path
     solution = solved(restitution, path, start, sample.times, AVERAGES, RTOL)
     densities = _densities(restitution, path, start, sample)
-    parameters = _parameters(restitution, path, found)
-    return compare(solution, sample, explain, densities, parameters, found)
+    return compare(solution, sample, explain, densities, found)
 
 
 def _densities(
@@ -138,22 +137,6 @@ def _densities(
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
             found[DISPLACEMENT] = known
     return found
-
-
-def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
-    """The numbers of the scene that were fitted, with standard errors."""
-    parameters: dict[str, Parameter] = {}
-    source, density = "fitted to the averages over time", 1 / (2 * path)
-    for name, error in (
-        () if found is None else zip(found.names, found.errors.tolist(), strict=True)
-    ):
-        if name == "restitution":
-            parameters[name] = Parameter(restitution, error, source)
-        else:
-            of_density = Parameter(density, error * density, f"1/(2dl), l {source}")
-            parameters |= {"number_density": of_density}
-            parameters |= {"mean_free_path": Parameter(path, error * path, source)}
-    return parameters
 
 
 def _start(sample: Sample, initial: str) -> Any:
