@@ -2,13 +2,19 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
 
 
 def plain(value: Any) -> Any:
-    """The value with arrays as lists, NumPy's numbers as Python's, and None for non-finite ones."""
+    """The value with arrays as lists, NumPy's numbers as Python's, and None for non-finite ones.
+
+    Dataclasses become dictionaries of their fields.
+    """
+    if is_dataclass(value):
+        return plain(vars(value))
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (np.ndarray, np.generic)):

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
-
-if TYPE_CHECKING:
-    from kinetics.crosscheck.comparison.sample import Sample
 
 COLUMNS = (
     "DATA is .npz, .csv or .h5 with columns time, x, y, vx, vy and, where known, tracer and medium "
@@ -88,9 +83,11 @@ def compare(
         from kinetics.crosscheck.files import write_together
 
         prepare(output, data)
-    sample = _read(data, positions, _speed_unit(speed_unit), diameter)
-
+    from kinetics.crosscheck.comparison.data.read import read_sample
     from kinetics.crosscheck.comparison.question import compare_sample
+
+    unit = _speed_unit(speed_unit)
+    sample = read_sample(data, positions, unit, diameter, show_progress=True)
 
     if number_density is not None:
         number_density *= diameter**2
@@ -101,7 +98,7 @@ def compare(
     if as_json:
         click.echo(result.to_json(), nl=False)
     else:
-        from kinetics.crosscheck.comparison.text import tables
+        from kinetics.crosscheck.comparison.page import tables
 
         click.echo(tables(result))
         if written:
@@ -115,23 +112,6 @@ def _speed_unit(text: str) -> float | str:
         return float(text)
     except ValueError:
         raise click.BadParameter(f"{text!r}: it must be a number, or data") from None
-
-
-def _read(
-    data: tuple[Path, ...], positions: str, speed_unit: float | str, diameter: float
-) -> Sample:
-    """The sample; a progress bar on a terminal."""
-    from tqdm import tqdm
-
-    from kinetics.crosscheck.comparison.data.read import read_sample
-
-    with tqdm(total=100, file=sys.stderr, disable=None, leave=False, unit="%") as bar:
-
-        def tell(share: float) -> None:
-            bar.n = int(100 * share)
-            bar.refresh()
-
-        return read_sample(data, positions, speed_unit, diameter, tell)
 
 
 if __name__ == "__main__":

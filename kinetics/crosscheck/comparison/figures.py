@@ -4,8 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
-from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED
+from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.result import OBSERVABLES
 from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
 from kinetics.crosscheck.report.figures import Data, axis, series

@@ -22,7 +22,7 @@ from kinetics.crosscheck.comparison.statistics import (
 Array = NDArray[np.float64]
 
 Model = Callable[[Array], tuple[Array, Array]]
-"""Parameters (k,) to theory (p,), and its replicates (p,) or (G, p)."""
+"""Parameters (k,) to theory, and its replicates: of that shape or (G, ...)."""
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's relative error of 1e-7 is 1e-3 of a slope of
 order 1, the step's own error far less."""
@@ -56,8 +56,8 @@ class Fit:
     components: NDArray[np.int64]
 
     def moved(self, replicates: Array) -> Array:
-        """The parameters' shift in each replicate of the data (G, p_all): (G, k)."""
-        chosen = replicates[:, self.components]
+        """The parameters' shift in each replicate of the data (G, ...): (G, k)."""
+        chosen = replicates.reshape(len(replicates), -1)[:, self.components]
         return np.asarray((chosen - chosen.mean(axis=0)) @ self.influence.T)
 
 
@@ -85,35 +85,37 @@ def fit(
 ) -> Fit | None:
     """Least squares from the best starts; None where nothing converges.
 
-    data: values (p_all,) and replicates (G, p_all), of which `components` are fitted; model gives
-    the same p_all.
+    data: values of any shape, p_all in all, and replicates (G, ...), of which `components` are
+    fitted; model gives the same shape.
     """
     values, replicates = data
     low, high = np.array([(one.low, one.high) for one in unknowns]).T
 
     def left(at: Array) -> tuple[Array, Array]:
         theory, moved = model(at)
-        return (values - theory)[components], (replicates - moved)[..., components]
+        rest = (replicates - moved).reshape(len(replicates), -1)
+        return (values - theory).ravel()[components], rest[:, components]
 
-    candidates = []
+    tried = []
     for start in starts:
         at = np.clip(np.asarray(start, float), low, high)
         difference, moved = left(at)
         white = whitening(covariance(moved))
-        candidates.append((float(np.sum((white @ difference) ** 2)), at, white))
-    candidates.sort(key=lambda found: found[0])
+        tried.append((float(np.sum((white @ difference) ** 2)), at, white))
+    found = []
+    for _, at, white in sorted(tried, key=lambda one: one[0])[:_TRIED]:
 
-    def descended(start: Array, white: Array) -> tuple[float, Array] | None:
-        return _descended(lambda at: white @ left(at)[0], start, low, high)
+        def residual(p: Array, white: Array = white) -> Array:
+            return np.asarray(white @ left(p)[0])
 
-    found = [descended(start, white) for _, start, white in candidates[:_TRIED]]
+        found.append(_descended(residual, at, low, high))
     best = min((one for one in found if one is not None), key=lambda one: one[0], default=None)
     if best is None:
         return None
     at = best[1]
     difference, moved = left(at)
     white = whitening(covariance(moved))
-    every = _slopes(lambda p: model(p)[0], at, low, high)
+    every = _slopes(lambda p: model(p)[0].ravel(), at, low, high)
     slope = every[components]
     influence = np.linalg.pinv(white @ slope) @ white
     spread = np.linalg.pinv((white @ slope).T @ (white @ slope))

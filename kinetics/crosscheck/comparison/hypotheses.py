@@ -1,7 +1,9 @@
-"""What may explain a difference, tested: each hypothesis is fitted to the same averages.
+"""What explains a difference: tested hypotheses, and what data and theory show by themselves.
 
-A hypothesis that is right lowers the chi-square to what chance allows. One that only helps says by
-how much.
+Each hypothesis is fitted to the same averages. One that is right lowers the chi-square to what
+chance allows; one that only helps says by how much. Tracers at rest, tracers that are missing, a
+start that is not forgotten and tails too thin to judge are named whether or not there is a
+difference.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -11,12 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
+from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
 from kinetics.crosscheck.comparison.result import Explanation, said
 from kinetics.crosscheck.comparison.statistics import ChiSquare, hotelling
-from kinetics.crosscheck.comparison.theory import Expectation, sampled_start
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, chance
+from kinetics.crosscheck.comparison.theory import (
+    SPEED,
+    Expectation,
+    SampledStart,
+    bin_shares,
+)
+from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, Verdict, chance
 
 Array = NDArray[np.float64]
 
@@ -25,6 +32,18 @@ AGREES_ABOVE = chance(AGREES_BELOW)
 _LEAST_GAIN = 16.0
 """Of chi-square by one parameter, 4 sigma, and at least a tenth of it: less is no explanation."""
 _SPEED_AVERAGES = ("thermal_speed", "a2")
+_FAR_SLOWER = 8.0
+"""A trapped tracer is that many times slower than the upper end of the lowest bin: a wrong
+restitution, density or start, which shift all speeds a little, cannot put a tracer there."""
+_FEWEST_TRAPPED = 5
+
+
+def explanations_of(both: DataAndTheory, verdict: Verdict) -> Iterator[Explanation]:
+    """Hypotheses, where there is a difference; and what is to be noted in any case."""
+    if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
+        yield from tested_hypotheses(both)
+    for note in (_traps, _missing, _own_start, _not_forgotten, _tails, _few_samples):
+        yield from note(both)
 
 
 def tested_hypotheses(both: DataAndTheory) -> Iterator[Explanation]:
@@ -76,15 +95,9 @@ class _Averages:
         components: Any = None,
     ) -> _Fitted | None:  # fmt: skip
         """The best value of one parameter of a model of all averages; None where there is none."""
-        expectation, groups = self.both.expectation, self.both.sample.groups
-
-        def flat(at: Array) -> tuple[Array, Array]:
-            values, moved = model(float(at[0]))
-            return values.ravel(), moved.reshape(*moved.shape[:-2], -1)
-
-        data = expectation.values.ravel(), expectation.replicates.reshape(groups, -1)
         chosen = self.components if components is None else components
-        found = fit([unknown], flat, data, chosen, [[start]])
+        data = self.both.expectation.values, self.both.expectation.replicates
+        found = fit([unknown], lambda at: model(float(at[0])), data, chosen, [[start]])
         if found is None or found.chi_square is None:
             return None
         return _Fitted(float(found.values[0]), float(found.errors[0]), found.chi_square, found)
@@ -154,7 +167,7 @@ def _recollisions(averages: _Averages) -> Iterator[Explanation]:
     theory, moved = averages.theory(free_path=found.value)
     expectation = both.expectation
     slope = found.fit.slope.reshape(*theory.shape, 1)[k, last, 0]
-    shift = found.fit.moved(expectation.replicates.reshape(both.sample.groups, -1))[:, 0]
+    shift = found.fit.moved(expectation.replicates)[:, 0]
     replicates = expectation.replicates[:, k, last] - moved[..., k, last] - shift * slope
     difference = np.array([expectation.values[k, last] - theory[k, last]])
     result = hotelling(difference, replicates[:, None])
@@ -190,7 +203,7 @@ def _start(averages: _Averages) -> Iterator[Explanation]:
         told = both.solution.scene.initial
         starts = [(words, name) for name, words in named if name != told]
     elif not both.own_start:
-        starts = [("the data's own speeds at time 0", sampled_start(both.sample))]
+        starts = [("the data's own speeds at time 0", SampledStart(both.sample.start))]
     for words, start in starts:
         theory, moved = averages.theory(start=start)
         difference = (both.expectation.values - theory).ravel()[averages.components]
@@ -233,14 +246,115 @@ def _at_rest(averages: _Averages) -> Iterator[Explanation]:
 
 def _thinned(values: Array, names: Sequence[str], share: float) -> Array:
     """Averages (..., n_names, n_times) of all tracers, where a share of them is at rest."""
-    left, out = 1 - share, values.copy()
-    for k, name in enumerate(names):
-        if name == "thermal_speed":
-            out[..., k, :] *= np.sqrt(left)
-        elif name == "msd":
-            out[..., k, :] *= left
-        elif name == "a2":
-            out[..., k, :] = (1 + out[..., k, :]) / left - 1
-        else:
-            out[..., k, :] /= left
-    return out
+    left = 1 - share
+    factor = {"thermal_speed": np.sqrt(left), "msd": left, "a2": 1 / left, "kurtosis": 1 / left}
+    shift = np.array([1 / left - 1 if name == "a2" else 0.0 for name in names])
+    return np.asarray(values * np.array([factor[name] for name in names])[:, None] + shift[:, None])
+
+
+def _traps(both: DataAndTheory) -> Iterator[Explanation]:
+    """Tracers at the last time that are far slower than the theory's slowest."""
+    for found in [h for h in both.histograms if h.name == SPEED][-1:]:
+        binned, density = both.sample.speeds, both.densities[SPEED]
+        assert binned is not None
+        edges = binned.edges[found.index]
+        cut = int(np.searchsorted(edges, found.edges[1] / _FAR_SLOWER))
+        at = int(np.argmin(np.abs(density.times - found.time)))
+        count = int(binned.totals[found.index, : cut + 1].sum())
+        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * found.samples
+        excess = count - expected
+        if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * np.sqrt(max(expected, count)):
+            break
+        share, error = excess / found.samples, float(np.sqrt(count)) / found.samples
+        text = said(
+            "traps", time=found.time, count=count, speed=edges[cut], expected=expected,
+            share=share, error=error, rest=int(both.sample.at_rest[found.index]),
+        )  # fmt: skip
+        yield Explanation("traps", "found", text, True, share, error)
+        return
+    rest = int(both.sample.at_rest.max())
+    if rest:
+        share = rest / int(both.sample.samples.max())
+        yield Explanation("traps", "found", said("zero_speeds", rest=rest), True, share)
+
+
+def _missing(both: DataAndTheory) -> Iterator[Explanation]:
+    """Fewer tracers at later times: what is left is biased, and the complete times tell."""
+    samples = both.sample.samples
+    most, least = int(samples.max()), int(np.argmin(samples))
+    complete = samples == most
+    if np.all(complete):
+        return
+    results = []
+    for times in (complete, ~complete):
+        chosen = choose_components(both.usable & times, both.sample.groups, 1)
+        results.append(hotelling(both.difference.ravel()[chosen], both.flat_replicates[:, chosen]))
+    whole, part = results
+    off = None
+    if "thermal_speed" in both.names:
+        i = both.names.index("thermal_speed")
+        if both.usable[i, least]:
+            off = both.difference[i, least] / both.theory[i, least]
+    missing = most - int(samples[least])
+    text = said(
+        "missing", capped=both.sample.capped, most=most, missing=missing,
+        time=both.sample.times[least], whole=whole, part=part, off=off,
+    )  # fmt: skip
+    if part is None:
+        yield Explanation("missing tracers", "noted", text, False)
+        return
+    outcome, agrees = "does not", chance(AGREES_BELOW)
+    if part.p_value < agrees:
+        outcome = "explains" if whole is None or whole.p_value >= agrees else "in part"
+    yield Explanation(
+        "missing tracers", outcome, text, True, value=missing / most,
+        chi_square_before=part.value, chi_square_after=None if whole is None else whole.value,
+        dof=None if whole is None else whole.freedom,
+        p_value=None if whole is None else whole.p_value,
+    )  # fmt: skip
+
+
+def _own_start(both: DataAndTheory) -> Iterator[Explanation]:
+    """A density that started from the data's own speeds cannot differ much from them early."""
+    if both.own_start and both.histograms:
+        yield Explanation("own start", "noted", said("own_start"), False)
+
+
+def _not_forgotten(both: DataAndTheory) -> Iterator[Explanation]:
+    """Whether the theory itself is still on its way to the scaling state."""
+    from kinetics import ScalingSolution
+
+    e = both.solution.scene.restitution
+    if e >= 1 or "a2" not in both.names:
+        return
+    i = both.names.index("a2")
+    exact, last = ScalingSolution(e).a2, float(both.theory[i, -1])
+    away = last - exact
+    # Written so that a theory that is not finite is left out.
+    if not abs(away) >= max(0.01 * (1 + exact), float(both.error[i, -1])):
+        return
+    text = said("not_forgotten", last=last, exact=exact)
+    yield Explanation("start not forgotten", "noted", text, False, away)
+
+
+def _tails(both: DataAndTheory) -> Iterator[Explanation]:
+    """What is too rare to be judged."""
+    for found in both.histograms[-1:]:
+        edge, count = float(found.edges[-2]), found.share[-1] * found.samples
+        text = said(
+            "tails", least=LEAST_EXPECTED, time=found.time, edge=edge, count=count,
+            unit="U" if found.name == SPEED else "d",
+        )  # fmt: skip
+        yield Explanation("tails", "noted", text, False, edge)
+
+
+def _few_samples(both: DataAndTheory) -> Iterator[Explanation]:
+    """Fourth moments that are hardly known at the last time."""
+    for i, name in enumerate(both.names):
+        if name not in ("a2", "kurtosis") or not both.usable[i, -1]:
+            continue
+        scale = 1 + both.theory[i, -1] if name == "a2" else both.theory[i, -1]
+        relative = float(both.error[i, -1] / scale)
+        if relative > 0.1:
+            text = said("few_samples", name=name, relative=relative)
+            yield Explanation("few samples", "noted", text, False, relative)

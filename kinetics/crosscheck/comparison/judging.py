@@ -1,14 +1,16 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory, side_by_side
+from kinetics.crosscheck.comparison.data_and_theory import (
+    DataAndTheory,
+    Histogram,
+    side_by_side,
+)
 from kinetics.crosscheck.comparison.fit import Fit
-from kinetics.crosscheck.comparison.histograms import Histogram
 from kinetics.crosscheck.comparison.result import (
     OUTCOMES,
     Comparison,
@@ -32,7 +34,7 @@ from kinetics.crosscheck.verdicts import Verdict, corrected_sigmas, judge_sigmas
 from kinetics.errors import short
 
 if TYPE_CHECKING:
-    from kinetics import Solution
+    from kinetics import Scene, Solution
     from particles import Ensemble
 
 _SAME = 1e-6
@@ -45,7 +47,6 @@ def compare(
     ensemble: "Ensemble | Sample",
     explain: bool = True,
     densities: "Mapping[str, Solution] | None" = None,
-    parameters: Mapping[str, Parameter] | None = None,
     found: Fit | None = None,
 ) -> Comparison:
     """Compare particles with a solution of the kinetic equation.
@@ -58,7 +59,7 @@ def compare(
     explain : test what may explain a difference, and prepare figures; False is quicker
     densities : solutions of the same scene for "speed_density" and "position_density", at some of
         the times; without them `solution` is asked
-    parameters, found : where the scene's numbers come from, if they were fitted to these data
+    found : the fit that the scene's numbers come from, if they were fitted to these data
 
     Returns
     -------
@@ -78,20 +79,14 @@ def compare(
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
     explanations, figures = _explained(both, verdict) if explain else ((), {})
-    scene = solution.scene
-    told = {
-        "restitution": Parameter(scene.restitution, None, "told"),
-        "number_density": Parameter(scene.number_density, None, "told"),
-        "mean_free_path": Parameter(scene.mean_free_path, None, "1/(2dρ₀)"),
-    }
     return Comparison(
         verdict=verdict,
         summary=_summary(both, tests, verdict),
         rows=tuple(rows),
         tests=tuple(tests),
         explanations=explanations,
-        parameters=told | dict(parameters or {}),
-        initial=start_in_words(scene.initial),
+        parameters=_parameters(solution.scene, found),
+        initial=start_in_words(solution.scene.initial),
         samples=int(sample.samples.max()),
         groups=sample.groups,
         grouping=sample.grouping,
@@ -101,12 +96,31 @@ def compare(
     )
 
 
+def _parameters(scene: "Scene", found: Fit | None) -> dict[str, Parameter]:
+    """The numbers of the scene; those that were fitted have standard errors."""
+    e, density, path = scene.restitution, scene.number_density, scene.mean_free_path
+    errors = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
+    fitted = "fitted to the averages over time"
+    of_density = Parameter(density, None, "told"), Parameter(path, None, "1/(2dρ₀)")
+    if (error := errors.get("log_path")) is not None:
+        of_density = (
+            Parameter(density, error * density, f"1/(2dl), l {fitted}"),
+            Parameter(path, error * path, fitted),
+        )
+    error = errors.get("restitution")
+    return {
+        "restitution": Parameter(e, error, "told" if error is None else fitted),
+        "number_density": of_density[0],
+        "mean_free_path": of_density[1],
+    }
+
+
 def _explained(
     both: DataAndTheory, verdict: Verdict
 ) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
     """What explains a difference, what helps most first; and the data of the figures."""
     from kinetics.crosscheck.comparison.figures import figures_of
-    from kinetics.crosscheck.comparison.notes import explanations_of
+    from kinetics.crosscheck.comparison.hypotheses import explanations_of
 
     def place(item: Explanation) -> tuple[int, float]:
         return list(OUTCOMES).index(item.outcome), item.chi_square_after or 0.0
@@ -117,53 +131,46 @@ def _explained(
 def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
     """One row per observable and time, and per bin of a density."""
     sample = both.sample
-    effective = effective_groups(both.flat_replicates).reshape(both.error.shape)
+    effective = effective_groups(both.replicates)
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
         for k in np.flatnonzero(both.compared[i]).tolist():
             value, theory = float(both.expectation.values[i, k]), float(both.theory[i, k])
-            row = ComparisonRow(
-                name, float(sample.times[k]), value, float(both.error[i, k]), theory, None,
-                Verdict.UNDEFINED, None, int(sample.samples[k]),
-            )  # fmt: skip
+            sigmas, corrected, error = None, None, 0.0
             if both.usable[i, k]:
-                sigmas = float(both.difference[i, k] / both.error[i, k])
-                yield _judged(row, sigmas, float(effective[i, k]), looks)
+                error = float(both.error[i, k])
+                sigmas = float(both.difference[i, k] / error)
+                corrected = corrected_sigmas(sigmas, float(effective[i, k]), looks)
+                verdict = judge_sigmas(corrected)
+            elif sample.groups < 3:  # one tracer is always like itself
+                verdict = Verdict.UNDEFINED
             else:
-                yield replace(row, error=0.0, verdict=_without_spread(value, theory, sample.groups))
-    for name in dict.fromkeys(histogram.name for histogram in both.histograms):
+                same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
+                verdict = Verdict.AGREES if same else Verdict.DIFFERS
+            yield ComparisonRow(
+                name, float(sample.times[k]), value, error, theory, sigmas, verdict, corrected,
+                int(sample.samples[k]),
+            )  # fmt: skip
+    for name in both.densities:
         mine = [histogram for histogram in both.histograms if histogram.name == name]
         looks = sum(histogram.share.size for histogram in mine)
         for histogram in mine:
             yield from _bin_rows(histogram, looks)
 
 
-def _without_spread(value: float, theory: float, groups: int) -> Verdict:
-    if groups < 3:  # one tracer is always like itself
-        return Verdict.UNDEFINED
-    same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
-    return Verdict.AGREES if same else Verdict.DIFFERS
-
-
-def _judged(row: ComparisonRow, sigmas: float, groups: float, looks: int) -> ComparisonRow:
-    corrected = corrected_sigmas(sigmas, groups, looks)
-    return replace(row, sigmas=sigmas, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
-
-
 def _bin_rows(found: Histogram, looks: int) -> Iterator[ComparisonRow]:
     for k in range(found.share.size):
-        low, high = float(found.edges[k]), float(found.edges[k + 1])
-        closed = bool(np.isfinite(high))
-        width = high - low if closed else 1.0
+        low, high = found.edges[k : k + 2].tolist()
+        width = high - low if np.isfinite(high) else 1.0
         value, error, theory = (
             float(part[k] / width) for part in (found.share, found.error, found.theory)
         )
-        row = ComparisonRow(
-            found.name, found.time, value, error, theory, None, Verdict.UNDEFINED, None,
-            found.samples, low, high if closed else None,
-        )  # fmt: skip
         sigmas = float((found.share[k] - found.theory[k]) / found.error[k])
-        yield _judged(row, sigmas, found.groups, looks)
+        corrected = corrected_sigmas(sigmas, found.groups, looks)
+        yield ComparisonRow(
+            found.name, found.time, value, error, theory, sigmas, judge_sigmas(corrected),
+            corrected, found.samples, low, high if np.isfinite(high) else None,
+        )  # fmt: skip
 
 
 def tests_of(both: DataAndTheory) -> list[ComparisonTest]:
@@ -172,9 +179,9 @@ def tests_of(both: DataAndTheory) -> list[ComparisonTest]:
     for i, name in enumerate(both.names):
         times = np.flatnonzero(both.usable[i])
         times = times[spread_out(times.size, most_freedom(both.sample.groups))]
-        if times.size:
-            difference, replicates = both.difference[i, times], both.replicates[:, i, times]
-            found.append((name, None, hotelling(difference, replicates)))
+        found.append(
+            (name, None, hotelling(both.difference[i, times], both.replicates[:, i, times]))
+        )
     found += [(h.name, h.time, h.chi_square) for h in both.histograms]
     known = [(name, time, c) for name, time, c in found if c is not None]
     return [
@@ -196,10 +203,8 @@ def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> V
     """The worst verdict of the tests, and of rows without spread, which no test can hold."""
     words = [test.verdict for test in tests]
     words += [row.verdict for row in rows if row.sigmas is None]
-    for verdict in (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES):
-        if verdict in words:
-            return verdict
-    return Verdict.UNDEFINED
+    order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES)
+    return next((verdict for verdict in order if verdict in words), Verdict.UNDEFINED)
 
 
 def _summary(both: DataAndTheory, tests: Sequence[ComparisonTest], verdict: Verdict) -> str:

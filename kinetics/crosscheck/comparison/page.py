@@ -1,18 +1,23 @@
-"""A comparison as files: one page with nothing beside it, its numbers as JSON, its figures."""
+"""A comparison as files (one page with nothing beside it, its numbers as JSON, its figures), and as
+tables for the terminal.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES, Comparison, said
-from kinetics.crosscheck.comparison.text import cells_of_row, cells_of_test, parameter_text
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_file, svg
-from kinetics.crosscheck.report.templates import environment
+from kinetics.crosscheck.report.templates import environment, number
+from kinetics.crosscheck.text_tables import aligned
 from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
+
+Plain = Mapping[str, Any]
 
 PARAMETERS = {
     "restitution": "restitution e",
@@ -70,7 +75,11 @@ def render(result: Comparison, json_name: str) -> str:
                 PARAMETERS[k]: parameter_text(p) for k, p in document["parameters"].items()
             },
             tests=[
-                cells_of_test(test) | {"observable": OBSERVABLES[test["observable"]].short}
+                cells_of_test(test)
+                | {
+                    "observable": OBSERVABLES[test["observable"]].short,
+                    "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
+                }
                 for test in document["tests"]
             ],
             groups=[
@@ -85,3 +94,67 @@ def render(result: Comparison, json_name: str) -> str:
             },
         )
     )
+
+
+def cells_of_test(test: Plain) -> dict[str, str]:
+    """The cells of one chi-square, from the document of a comparison."""
+    return {
+        "observable": test["observable"],
+        "time": "all" if test["time"] is None else f"{test['time']:.4g}",
+        "chi_square": f"{test['chi_square']:.4g}",
+        "dof": str(test["dof"]),
+        "p_value": f"{test['p_value']:.2g}",
+        "sigmas": f"{test['sigmas']:.1f}",
+        "verdict": test["verdict"],
+    }
+
+
+def cells_of_row(row: Plain) -> dict[str, str]:
+    """The cells of one row, from the document of a comparison."""
+    where = ""
+    if row["low"] is not None:
+        where = f"{row['low']:.4g} to " + ("∞" if row["high"] is None else f"{row['high']:.4g}")
+    sigmas, corrected = row["sigmas"], row["corrected_sigmas"]
+    return {
+        "observable": row["observable"],
+        "time": f"{row['time']:.4g}",
+        "bin": where,
+        "value": number(row["value"], row["error"]),
+        "theory": number(row["theory"]),
+        "sigmas": "" if sigmas is None else f"{sigmas:+.1f}",
+        "corrected": "" if corrected is None else f"{corrected:.1f}",
+        "verdict": row["verdict"],
+    }
+
+
+def parameter_text(parameter: Plain) -> str:
+    """A parameter with its error and where it comes from."""
+    return f"{number(parameter['value'], parameter['error'])} ({parameter['source']})"
+
+
+def tables(result: Comparison) -> str:
+    """Parameters, tests, averages over time, densities that do not agree, and explanations."""
+    document = result.document()
+    parts = [result.summary, *(f"note: {warning}" for warning in result.warnings)]
+    told = [f"{name}: {parameter_text(p)}" for name, p in document["parameters"].items()]
+    told.append(f"start: {result.initial}")
+    told.append(f"errors: from {result.groups} groups, by {result.grouping}")
+    parts.append("\n".join(told))
+    names: tuple[str, ...] = ("observable", "time", "chi_square", "dof", "p_value", "verdict")
+    heads: tuple[str, ...] = ("chi-square", "t [d/U]", "value", "dof", "p", "verdict")
+    parts.append(_table(names, heads, map(cells_of_test, document["tests"])))
+    shown = [r for r in document["rows"] if r["low"] is None or r["verdict"] != "agrees"]
+    names = ("observable", "time", "bin", "value", "theory", "sigmas", "verdict")
+    heads = ("observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict")
+    text = _table(names, heads, map(cells_of_row, shown))
+    if hidden := len(document["rows"]) - len(shown):
+        text += f"\n({hidden} bins of densities that agree are left out; --json has them)"
+    parts.append(text)
+    parts += [
+        f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}" for item in result.explanations
+    ]
+    return "\n\n".join(parts)
+
+
+def _table(names: Sequence[str], heads: Sequence[str], lines: Iterable[Mapping[str, str]]) -> str:
+    return aligned([heads, *([cells[name] for name in names] for cells in lines)])

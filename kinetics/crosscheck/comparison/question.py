@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
 from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
 from kinetics.crosscheck.comparison.judging import compare
-from kinetics.crosscheck.comparison.result import Comparison, Parameter
+from kinetics.crosscheck.comparison.result import Comparison
 from kinetics.crosscheck.comparison.sample import R2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
@@ -26,10 +26,10 @@ from kinetics.crosscheck.comparison.theory import (
     SPEED,
     Expectation,
     SampledStart,
-    sampled_start,
     solved,
 )
-from kinetics.errors import InputError, check_positive, check_restitution
+from kinetics.errors import InputError
+from kinetics.validation import check_positive, check_restitution, one_of
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -117,8 +117,7 @@ def compare_sample(
         path = float(np.exp(values["log_path"])) if path is None else path
     solution = solved(restitution, path, start, sample.times, AVERAGES, RTOL)
     densities = _densities(restitution, path, start, sample)
-    parameters = _parameters(restitution, path, found)
-    return compare(solution, sample, explain, densities, parameters, found)
+    return compare(solution, sample, explain, densities, found)
 
 
 def _densities(
@@ -140,23 +139,8 @@ def _densities(
     return found
 
 
-def _parameters(restitution: float, path: float, found: Fit | None) -> dict[str, Parameter]:
-    """The numbers of the scene that were fitted, with standard errors."""
-    known = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
-    fitted, density = "fitted to the averages over time", 1 / (2 * path)
-    parameters = {}
-    if "restitution" in known:
-        parameters["restitution"] = Parameter(restitution, known["restitution"], fitted)
-    if (error := known.get("log_path")) is not None:
-        parameters["number_density"] = Parameter(density, error * density, f"1/(2dl), l {fitted}")
-        parameters["mean_free_path"] = Parameter(path, error * path, fitted)
-    return parameters
-
-
 def _start(sample: Sample, initial: str) -> Any:
-    if initial not in STARTS:
-        raise InputError(f"initial: got {initial!r}; it must be one of {', '.join(STARTS)}")
-    if initial in ("gaussian", "monoenergetic"):
+    if one_of("initial", initial, STARTS) in ("gaussian", "monoenergetic"):
         return initial
     if sample.start is None:
         if initial == "data":
@@ -170,7 +154,7 @@ def _start(sample: Sample, initial: str) -> Any:
             return "monoenergetic"
         if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
             return "gaussian"
-    return sampled_start(sample)
+    return SampledStart(sample.start)
 
 
 def gaussian_p_value(sample: Sample) -> float:
@@ -183,18 +167,16 @@ def gaussian_p_value(sample: Sample) -> float:
 
 def _fitted(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
     """Restitution and ln l, whichever is None, by a fit. InputError where the data cannot tell."""
-    unknowns, words = [], []
+    unknowns = []
     if restitution is None:
         unknowns.append(Unknown("restitution", 0.0, 1.0))
-        words.append("restitution")
     if path is None:
         unknowns.append(Unknown("log_path", -20.0, float(np.log(_LONGEST_PATH))))
-        words.append("number density")
-    wanted = " and ".join(words)
+    words = {"restitution": "restitution", "log_path": "number density"}
+    wanted = " and ".join(words[one.name] for one in unknowns)
     expectation = Expectation(sample, AVERAGES)
     groups = sample.groups
-    flat = expectation.replicates.reshape(groups, -1)
-    spread = errors(flat).reshape(expectation.values.shape)
+    spread = errors(expectation.replicates)
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
@@ -208,8 +190,7 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
     def model(at: Array) -> tuple[Array, Array]:
         e = float(at[0]) if restitution is None else restitution
         length = float(np.exp(at[-1])) if path is None else path
-        values, moved = expectation.theory(e, length, start)
-        return values.ravel(), moved.reshape(*moved.shape[:-2], -1)
+        return expectation.theory(e, length, start)
 
     guess = _early_log_path(sample)
     starts: list[list[float]] = [[e] for e in _SCAN]
@@ -217,7 +198,7 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
         starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
         if restitution is None:
             starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-    found = fit(unknowns, model, (expectation.values.ravel(), flat), components, starts)
+    found = fit(unknowns, model, (expectation.values, expectation.replicates), components, starts)
     if found is None or not np.all(np.isfinite(found.errors)):
         raise InputError(f"data: {wanted} could not be fitted; give it as an option")
     return found

@@ -103,10 +103,9 @@ class Reduction:
 
     def _time_indices(self, rows: Rows) -> Any:
         """The index of the time of each row among the known times, (n,); new times are entered."""
-        at = self._located(rows.time)
-        if np.any(at < 0):
-            self._enter(_distinct(np.unique(rows.time[at < 0])), rows)
-            at = self._located(rows.time)
+        while np.any(unknown := (at := self._located(rows.time)) < 0):
+            new = np.unique(rows.time[unknown])
+            self._enter(new[np.diff(new, prepend=-1.0) > SAME_TIME * new], rows)
         return at
 
     def _located(self, time: Any) -> Any:
@@ -149,13 +148,13 @@ class Reduction:
         if self._times.size == 0:
             raise InputError(f"{', '.join(names)}: has no rows; at least two tracers are needed")
         self._repeats.check(self._times)
-        order = np.argsort(self._times)
+        count = self._times.size
         used = self._sums[:, :, 0].sum(axis=0) > 0
+        speed_scale, length_scale = self._speed_scale[:count], self._length_scale[:count]
 
         def binned(counts: Any, scale: Any) -> Binned:
-            there = np.flatnonzero(counts.sum(axis=(0, 2)) > 0)
-            by_group = counts.swapaxes(0, 1)[np.ix_(there, order)]
-            edges = scale[order, None] * 2.0 ** (LOWEST + np.arange(BINS + 1) / PER_OCTAVE)
+            by_group = counts[:, counts.sum(axis=(0, 2)) > 0].swapaxes(0, 1)
+            edges = scale[:, None] * 2.0 ** (LOWEST + np.arange(BINS + 1) / PER_OCTAVE)
             return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
         start = None
@@ -163,20 +162,20 @@ class Reduction:
             moving = self._start_powers[0] > 0
             counts = self._start_counts[:, moving]
             squares, quartics = self._start_powers[:, moving] / counts.sum(axis=0)
-            unit = self._speed_scale[order][0]
+            unit = speed_scale[np.argmin(self._times)]
             start = StartBins(squares * unit**2, quartics / squares**2, counts[used])
         return Sample(
             names=names,
-            times=self._times[order],
-            sums=self._sums[order][:, used].swapaxes(0, 1),
-            speed_scale=self._speed_scale[order],
-            length_scale=self._length_scale[order],
-            speeds=binned(self._speeds, self._speed_scale),
-            displacements=binned(self._displacements, self._length_scale),
+            times=self._times,
+            sums=self._sums[:count, used].swapaxes(0, 1),
+            speed_scale=speed_scale,
+            length_scale=length_scale,
+            speeds=binned(self._speeds, speed_scale),
+            displacements=binned(self._displacements, length_scale),
             start=start,
-            at_rest=self._at_rest[order],
+            at_rest=self._at_rest[:count],
             grouping=self.grouping,
-        )
+        ).at(np.argsort(self._times))
 
 
 def _ranks(at: Any, rows_at: Any) -> Any:
@@ -188,17 +187,6 @@ def _ranks(at: Any, rows_at: Any) -> Any:
     out[order] = np.arange(at.size) - first[at[order]] + rows_at[at[order]]
     rows_at += counts
     return out
-
-
-def _distinct(times: Any) -> Any:
-    """Sorted times without those that are the same as the one before."""
-    kept = [times[0]]
-    for t in times[1:]:
-        if t - kept[-1] > SAME_TIME * t:
-            kept.append(t)
-        if len(kept) > MOST_TIMES + 1:
-            break
-    return np.array(kept)
 
 
 def _root_mean_square(x: Any, y: Any) -> float:

@@ -3,7 +3,7 @@
 import json
 import textwrap
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from html import escape
 from typing import Any, NamedTuple, Self
 
@@ -163,23 +163,23 @@ class Comparison(Value):
     initial : the start of the theory, in words
     samples, groups : tracers at most, and independent groups that the errors are from
     grouping : what a group is made of: "medium", "tracer" or "row"
-    warnings : what the reader should know of the data
     names : where the data came from
+    warnings : what the reader should know of the data
     figures : the data of every figure, see kinetics.crosscheck.report.figures
     """
 
     verdict: Verdict
     summary: str
-    rows: tuple[ComparisonRow, ...]
-    tests: tuple[ComparisonTest, ...]
-    explanations: tuple[Explanation, ...]
     parameters: Mapping[str, Parameter]
     initial: str
     samples: int
     groups: int
     grouping: str
-    warnings: tuple[str, ...]
     names: tuple[str, ...]
+    warnings: tuple[str, ...]
+    tests: tuple[ComparisonTest, ...]
+    explanations: tuple[Explanation, ...]
+    rows: tuple[ComparisonRow, ...]
     figures: Mapping[str, Any] = field(repr=False)
 
     def __post_init__(self) -> None:
@@ -199,24 +199,10 @@ class Comparison(Value):
 
     def document(self) -> dict[str, Any]:
         """Everything as plain data, as it stands in the JSON file."""
-        data = {name: getattr(self, name) for name in _OF_THE_DATA}
-        found: dict[str, Any] = plain(
-            {
-                "schema": SCHEMA,
-                "title": f"{', '.join(self.names)}: compared with the kinetic equation",
-                "verdict": self.verdict.value,
-                "summary": self.summary,
-                "parameters": {k: asdict(p) for k, p in self.parameters.items()},
-                "initial": self.initial,
-                "data": data,
-                "warnings": self.warnings,
-                "tests": [asdict(test) for test in self.tests],
-                "explanations": [asdict(item) for item in self.explanations],
-                "rows": [asdict(row) for row in self.rows],
-                "figures": self.figures,
-            }
-        )
-        return found
+        parts = {name: plain(value) for name, value in vars(self).items()}
+        data = {name: parts.pop(name) for name in _OF_THE_DATA}
+        title = f"{', '.join(self.names)}: compared with the kinetic equation"
+        return {"schema": SCHEMA, "title": title, "data": data} | parts
 
     def to_json(self) -> str:
         """The document as strict JSON."""

@@ -35,13 +35,9 @@ class Binned:
 
     def at(self, keep: Any) -> "Binned":
         """The counts at the times with these indices."""
-        groups, effect = self.by_group, self.design_effect
-        return Binned(
-            self.edges[keep],
-            self.totals[keep],
-            None if groups is None else groups[:, keep],
-            None if effect is None else effect[keep],
-        )
+        groups = None if self.by_group is None else self.by_group[:, keep]
+        effect = None if self.design_effect is None else self.design_effect[keep]
+        return Binned(self.edges[keep], self.totals[keep], groups, effect)
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ class ChiSquare:
 
 
 def errors(replicates: Array) -> Array:
-    """Standard errors from delete-one replicates (G, p)."""
+    """Standard errors from delete-one replicates (G, ...)."""
     n = len(replicates)
     deviation = replicates - replicates.mean(axis=0)
     return np.asarray(np.sqrt((n - 1) / n * np.sum(deviation**2, axis=0)))
@@ -59,7 +59,7 @@ def spread_out(count: int, most: int) -> list[int]:
 
 
 def effective_groups(replicates: Array) -> Array:
-    """Groups that a variance from delete-one replicates (G, p) is as good as: (p,), G at most.
+    """Groups that a variance from delete-one replicates (G, ...) is as good as: (...), G at most.
 
     Where a few tracers far out make most of a variance, it is known as poorly as from few Gaussian
     groups: the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
@@ -86,6 +86,8 @@ def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
     from scipy.special import betainc
 
     groups = len(replicates)
+    if difference.size == 0:
+        return None
     axes = whitening(covariance(replicates))
     white = axes @ difference
     freedom = white.size

@@ -43,12 +43,6 @@ class SampledStart(State):
         return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
 
 
-def sampled_start(sample: Sample) -> SampledStart:
-    """The start as the sample has it at time 0."""
-    assert sample.start is not None
-    return SampledStart(sample.start)
-
-
 def solved(
     restitution: float,
     free_path: float,
@@ -107,15 +101,14 @@ class Expectation:
         """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
         asked = (restitution, free_path, initial)
         if self._last is None or self._last[0] != asked:
-            self._last = (asked, self._solved(*asked))
+            if isinstance(initial, SampledStart):
+                found = self._from_start(restitution, free_path)
+            else:
+                solution = solved(*asked, self.sample.times, self.names, RTOL)
+                values = np.stack([getattr(solution, name) for name in self.names])
+                found = values, values
+            self._last = (asked, found)
         return self._last[1]
-
-    def _solved(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
-        if isinstance(initial, SampledStart):
-            return self._from_start(restitution, free_path)
-        found = solved(restitution, free_path, initial, self.sample.times, self.names, RTOL)
-        values = np.stack([getattr(found, name) for name in self.names])
-        return values, values
 
     def _from_start(self, restitution: float, free_path: float) -> tuple[Array, Array]:
         """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
@@ -161,11 +154,11 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
     bin, finer where the start is rough; what is above the last edge is the rest.
     """
+    every = np.concatenate([[0.0], edges])
     if name == DISPLACEMENT:
-        shares = solution.position_fraction(np.concatenate([[0.0], edges]))[index]
+        shares = solution.position_fraction(every)[index]
         return np.append(shares, max(1 - shares.sum(), 0.0))
     pieces = 1 if solution.scene.state.smooth else 12
-    every = np.concatenate([[0.0], edges])
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
     node, gauss = np.polynomial.legendre.leggauss(3)
     half = np.diff(fine)[:, None] / 2

@@ -214,7 +214,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="column 'x' is missing"):
         read_sample([foreign])
     foreign.write_bytes(b"\x89HDF\r\n\x1a\n nothing else")
-    with pytest.raises(InputError, match="damaged, or not an HDF5 file"):
+    with pytest.raises(InputError, match=r"damaged, or not an \.h5 file"):
         read_sample([foreign])
 
 

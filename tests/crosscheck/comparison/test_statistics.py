@@ -7,9 +7,12 @@ from kinetics import Scene, solve
 from kinetics.crosscheck import compare
 from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
-from kinetics.crosscheck.comparison.data_and_theory import side_by_side
+from kinetics.crosscheck.comparison.data_and_theory import (
+    LEAST_EXPECTED,
+    compare_histogram,
+    side_by_side,
+)
 from kinetics.crosscheck.comparison.fit import Unknown, choose_components, fit
-from kinetics.crosscheck.comparison.histograms import LEAST_EXPECTED, compare_histogram
 from kinetics.crosscheck.comparison.judging import judge_p_value
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import Sample
@@ -27,8 +30,8 @@ from kinetics.crosscheck.comparison.theory import (
     DISPLACEMENT,
     SPEED,
     Expectation,
+    SampledStart,
     bin_shares,
-    sampled_start,
 )
 from kinetics.errors import InputError
 from particles import BoltzmannGrad, HardDisks, simulate
@@ -254,7 +257,7 @@ def test_a_theory_from_the_data_s_own_start_is_exact_at_time_0() -> None:
     sample = reduction.sample(("x",))
     names = ("thermal_speed", "a2", "msd", "kurtosis")
     expectation = Expectation(sample, names)
-    values, moved = expectation.theory(0.7, 12.5, sampled_start(sample))
+    values, moved = expectation.theory(0.7, 12.5, SampledStart(sample.start))
     np.testing.assert_allclose(values[:2, 0], expectation.values[:2, 0], rtol=1e-12)
     scene = Scene(0.7, 0.04, initial=SpeedSamples(speeds), times=times, outputs=names)
     solution = solve(scene)

@@ -1,7 +1,6 @@
 """Columns that are arrays: one one-dimensional array per column, all of one length."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
-    Progress,
     Rows,
     first_not_finite,
     shown,
@@ -21,72 +19,54 @@ PIECE = 500_000
 """Rows that are in memory at once: 28 MB of seven columns."""
 
 
-@dataclass(frozen=True)
-class ArrayColumn:
-    """An array in a file: its type and shape, and `read(start, count)` for a part of it.
+def read_pieces(path: Path, columns: Mapping[str, Any]) -> Iterator[Rows]:
+    """The rows of columns in pieces; InputError for arrays that are no columns of numbers.
 
-    Parts are asked for one after another, from the beginning to the end.
+    Each column has a dtype, a shape, and parts column[start:stop], which are asked for one after
+    another.
     """
-
-    dtype: np.dtype[Any]
-    shape: tuple[int, ...] | None
-    read: Callable[[int, int], Any]
-
-
-def read_pieces(
-    path: Path, columns: Mapping[str, ArrayColumn], progress: Progress
-) -> Iterator[Rows]:
-    """The rows of columns in pieces; InputError for arrays that are no columns of numbers."""
+    where = shown(path)
     for name, column in columns.items():
-        _check_kind(path, name, column.dtype)
-        if column.shape is None or len(column.shape) != 1:
-            raise InputError(
-                f"{shown(path)}: array {name!r} has shape {column.shape}; it must be (n,)"
-            )
-    sizes = {name: column.shape[0] for name, column in columns.items() if column.shape}
+        _check_kind(f"{where}: array {name!r}", column, name in LABELS)
+    sizes = {name: column.shape[0] for name, column in columns.items()}
     if len(set(sizes.values())) != 1:
         text = ", ".join(f"{name} {size}" for name, size in sizes.items())
-        raise InputError(f"{shown(path)}: columns differ in length ({text})")
-    total = sizes["time"]
-    for start in range(0, total, PIECE):
-        count = min(PIECE, total - start)
-        numbers = [np.asarray(columns[name].read(start, count), float) for name in NUMBERS]
-        labels = {
-            name: _labels(path, name, columns[name].read(start, count))
-            for name in LABELS
-            if name in columns
-        }
-        rows = Rows(*numbers, **labels)
-        bad = first_not_finite(rows)
-        if bad is not None:
+        raise InputError(f"{where}: columns differ in length ({text})")
+    for start in range(0, sizes["time"], PIECE):
+        piece = {name: column[start : start + PIECE] for name, column in columns.items()}
+        for name, values in piece.items():
+            number = name in NUMBERS
+            piece[name] = np.asarray(values, float) if number else _labels(where, name, values)
+        rows = Rows(**piece)
+        if (bad := first_not_finite(rows)) is not None:
             k, name = bad
             raise InputError(
-                f"{shown(path)}: row {start + k} has {name} = {getattr(rows, name)[k]}; "
+                f"{where}: row {start + k} has {name} = {piece[name][k]}; "
                 "every value must be a finite number"
             )
         yield rows
-        progress((start + count) / total)
 
 
-def _check_kind(path: Path, name: str, dtype: np.dtype[Any]) -> None:
+def _check_kind(where: str, column: Any, is_label: bool) -> None:
+    dtype = column.dtype
     if dtype.hasobject:
         raise InputError(
-            f"{shown(path)}: array {name!r} holds Python objects, which are never loaded; "
-            "save it as plain numbers"
+            f"{where} holds Python objects, which are never loaded; save it as plain numbers"
         )
     # Whole numbers as floats, as np.loadtxt gives them, are labels too.
     if dtype.kind not in "iuf" or dtype.itemsize > 8:
         raise InputError(
-            f"{shown(path)}: array {name!r} is of type {dtype}; it must hold "
-            f"{'whole numbers' if name in LABELS else 'real numbers'} of at most 64 bits"
+            f"{where} is of type {dtype}; it must hold "
+            f"{'whole numbers' if is_label else 'real numbers'} of at most 64 bits"
         )
+    if column.shape is None or len(column.shape) != 1:
+        raise InputError(f"{where} has shape {column.shape}; it must be (n,)")
 
 
-def _labels(path: Path, name: str, values: Any) -> Any:
+def _labels(where: str, name: str, values: Any) -> Any:
     if values.dtype.kind == "f":
-        if not np.all(np.isfinite(values)) or np.any(values != np.rint(values)):
-            raise InputError(f"{shown(path)}: {name!r} must be whole numbers, without NaN")
-        if np.any(np.abs(values) >= 2.0**63):
-            raise InputError(f"{shown(path)}: {name!r} must be below 2^63")
+        whole = (np.abs(values) < 2.0**63) & (values == np.rint(values))  # not so for NaN
+        if not np.all(whole):
+            raise InputError(f"{where}: {name!r} must be whole numbers below 2^63, without NaN")
     with np.errstate(over="ignore"):
         return values.astype(np.int64)

@@ -6,7 +6,9 @@ never held as a whole: it comes as a sequence of `Rows`.
 """
 
 import difflib
-from collections.abc import Callable, Iterator, Sequence
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -23,9 +25,7 @@ NUMBERS = ("time", "x", "y", "vx", "vy")
 """The columns that must be there."""
 LABELS = ("tracer", "medium")
 """The columns that may be there: whole numbers, in a CSV file any text."""
-
-Progress = Callable[[float], None]
-"""Called with the share of a file that has been read, 0 to 1."""
+_DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, KeyError)
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,12 @@ FORMATS = {
 }
 """The formats that can be read: the ending of a file's name, and the module beside this one.
 
-A new format is a row here and a module with a function `read(path, progress)`, which yields `Rows`
-in the order of the file, calls `progress`, and raises InputError in one line for what cannot be
-used.
+A new format is a row here and a module with a function `read(path)`, which yields `Rows` in the
+order of the file, and raises InputError in one line for what cannot be used.
 """
 
 
-def read_rows(path: Path, progress: Progress | None = None) -> Iterator[Rows]:
+def read_rows(path: Path) -> Iterator[Rows]:
     """The rows of a file in pieces, in the order of the file.
 
     InputError in one line for a file that is missing, damaged, of another format, without a column
@@ -70,57 +69,41 @@ def read_rows(path: Path, progress: Progress | None = None) -> Iterator[Rows]:
     if not path.is_file():
         raise InputError(f"{shown(path)}: {'not a file' if path.exists() else 'no such file'}")
     try:
-        reader = import_module(f"{__package__}.{module}")
-        yield from reader.read(path, progress or (lambda share: None))
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise InputError(f"{shown(path)}: cannot be read ({reason})") from None
+        yield from import_module(f"{__package__}.{module}").read(path)
+    except (OSError, *_DAMAGE) as error:
+        if reason := getattr(error, "strerror", None):
+            raise InputError(f"{shown(path)}: cannot be read ({reason})") from None
+        # The libraries' own words are long and name their internals.
+        raise InputError(
+            f"{shown(path)}: is damaged, or not an {path.suffix} file ({type(error).__name__})"
+        ) from None
 
 
-def shown(path: Path) -> str:
-    """A file's path on one line of a message."""
-    return " ".join(_readable(str(path)).split()) or "''"
-
-
-def plain_name(path: Path) -> str:
-    """A file's name as text that can be written: names may be any bytes."""
-    return _readable(path.name)
-
-
-def _readable(text: str) -> str:
-    return text.encode("utf-8", "replace").decode("utf-8")
+def shown(path: Path | str) -> str:
+    """A file's path, or its name, on one line of text that can be written: it may be any bytes."""
+    return " ".join(str(path).encode("utf-8", "replace").decode("utf-8").split()) or "''"
 
 
 def find_columns(path: Path, names: Sequence[str]) -> dict[str, int]:
     """The place of each known column; InputError where one is missing or stands twice."""
     plain = [name.strip().strip("\"'").strip().lower() for name in names]
-    found: dict[str, int] = {}
     for name in (*NUMBERS, *LABELS):
-        places = [i for i, other in enumerate(plain) if other == name]
-        if len(places) > 1:
-            raise InputError(f"{shown(path)}: column {name!r} stands {len(places)} times")
-        if places:
-            found[name] = places[0]
-    for name in NUMBERS:
-        if name not in found:
+        if plain.count(name) > 1:
+            raise InputError(f"{shown(path)}: column {name!r} stands {plain.count(name)} times")
+        if name in NUMBERS and name not in plain:
             near = difflib.get_close_matches(name, plain, n=1, cutoff=0.5)
             hint = f"; is {short(near[0])} meant?" if near else ""
             raise InputError(
                 f"{shown(path)}: column {name!r} is missing; needed are {', '.join(NUMBERS)}, "
                 f"found are {short(', '.join(plain), 80)}{hint}"
             )
-    return found
+    return {name: plain.index(name) for name in (*NUMBERS, *LABELS) if name in plain}
 
 
 def first_not_finite(rows: Rows) -> tuple[int, str] | None:
     """The row and the column of a NaN or an infinite number; None if every number is finite."""
     for name in NUMBERS:
-        values = getattr(rows, name)
-        # One sum is cheaper than a mask, and it is finite only if every value is.
-        with np.errstate(over="ignore", invalid="ignore"):
-            if np.isfinite(values.sum()):
-                continue
-        bad = np.flatnonzero(~np.isfinite(values))
+        bad = np.flatnonzero(~np.isfinite(getattr(rows, name)))
         if bad.size:
             return int(bad[0]), name
     return None

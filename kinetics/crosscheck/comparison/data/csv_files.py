@@ -17,7 +17,6 @@ from pyarrow import csv as arrow_csv
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
-    Progress,
     Rows,
     find_columns,
     first_not_finite,
@@ -36,13 +35,12 @@ _FIRST_TEXT = 2**62
 """Texts are numbered from here on; whole numbers below are labels as they stand."""
 
 
-def read(path: Path, progress: Progress) -> Iterator[Rows]:
+def read(path: Path) -> Iterator[Rows]:
     """The rows of a file whose first line names its columns.
 
     Separated by commas, semicolons or tabs, whichever the first line has; blank lines and lines
     that begin with # are passed over.
     """
-    size = max(path.stat().st_size, 1)
     with open(path, "rb") as file:
         header, line = "", 1
         while not header:
@@ -52,22 +50,12 @@ def read(path: Path, progress: Progress) -> Iterator[Rows]:
             header = _header(path, raw)
             line += 1
         table = _Table(path, header)
-        rest = b""
-        while block := file.read(BLOCK):
-            # Only whole lines are parsed; what is behind the last of them waits for its end.
-            cut = block.rfind(b"\n") + 1
-            if cut == 0:
-                rest += block
-                if len(rest) > BLOCK + _LONGEST_LINE:
-                    raise InputError(f"{shown(path)}: line {line} is longer than a megabyte")
-                continue
-            text = rest + block[:cut]
-            rest = block[cut:]
-            yield table.rows(text, line)
-            line += text.count(b"\n")
-            progress(file.tell() / size)
-        if rest.strip():
-            yield table.rows(rest, line)
+        while text := file.read(BLOCK):
+            end = file.readline(_LONGEST_LINE)  # only whole lines are parsed
+            if len(end) == _LONGEST_LINE:
+                raise InputError(f"{shown(path)}: has a line that is longer than a megabyte")
+            yield table.rows(text + end, line)
+            line += (text + end).count(b"\n")
 
 
 def _header(path: Path, raw: bytes) -> str:
@@ -87,12 +75,9 @@ class _Table:
         self._path = path
         self._separator = max(_SEPARATORS, key=header.count)
         names = header.split(self._separator)
-        self._width = len(names)
         self._found = find_columns(path, names)
-        self._labels = [name for name in LABELS if name in self._found]
-        self._columns = [str(k) for k in range(len(names))]
-        for name, place in self._found.items():
-            self._columns[place] = name
+        known = {place: name for name, place in self._found.items()}
+        self._columns = [known.get(k, str(k)) for k in range(len(names))]
         self._numbered = True  # every label so far is a whole number
         self._texts: dict[str, int] = {}
 
@@ -110,11 +95,11 @@ class _Table:
 
     def _parsed(self, text: bytes) -> Rows | None:
         """The rows; None where a line or a number cannot be read, or a label not as a number."""
-        if not text or text.isspace():
-            none, labels = np.empty(0), dict.fromkeys(self._labels, np.empty(0, np.int64))
-            return Rows(none, none, none, none, none, labels.get("tracer"), labels.get("medium"))
         label = pa.int64() if self._numbered else pa.dictionary(pa.int32(), pa.string())
-        kinds = dict.fromkeys(NUMBERS, pa.float64()) | dict.fromkeys(self._labels, label)
+        kinds = {name: pa.float64() if name in NUMBERS else label for name in self._found}
+        if not text or text.isspace():
+            none: Any = np.empty(0, np.int64)
+            return Rows(**dict.fromkeys(kinds, none))
         try:
             table = arrow_csv.read_csv(
                 pa.BufferReader(text),
@@ -126,23 +111,20 @@ class _Table:
             )
         except pa.ArrowInvalid:
             return None
-        labels = {name: self._label_numbers(table.column(name)) for name in self._labels}
-        if self._numbered and any(np.any(np.abs(v) >= _FIRST_TEXT) for v in labels.values()):
-            return None
-        time, x, y, vx, vy = (_values(table.column(name)) for name in NUMBERS)
-        return Rows(time, x, y, vx, vy, labels.get("tracer"), labels.get("medium"))
+        values: dict[str, Any] = {}
+        for name in kinds:
+            chunks, is_text = table.column(name).chunks, name in LABELS and not self._numbered
+            # pyarrow's own to_numpy imports pandas.
+            read = self._label_numbers if is_text else np.from_dlpack
+            values[name] = np.concatenate([read(chunk) for chunk in chunks])
+            if name in LABELS and self._numbered and np.any(np.abs(values[name]) >= _FIRST_TEXT):
+                return None
+        return Rows(**values)
 
-    def _label_numbers(self, column: Any) -> Any:
-        """A column of labels as whole numbers, (n,)."""
-        if self._numbered:
-            return _values(column)
-        parts = [
-            np.array([self._number(text) for text in chunk.dictionary.to_pylist()], np.int64)[
-                np.from_dlpack(chunk.indices)
-            ]
-            for chunk in column.chunks
-        ]
-        return np.concatenate(parts)
+    def _label_numbers(self, chunk: Any) -> Any:
+        """Labels that are texts, with a dictionary, as whole numbers, (n,)."""
+        numbers = [self._number(text) for text in chunk.dictionary.to_pylist()]
+        return np.array(numbers, np.int64)[np.from_dlpack(chunk.indices)]
 
     def _number(self, text: str) -> int:
         """A whole number, however it is written, as itself; other texts are counted."""
@@ -163,21 +145,16 @@ class _Table:
                 cells = next(csv.reader([content], delimiter=self._separator))
             except csv.Error:
                 break
-            if len(cells) != self._width:
+            if len(cells) != len(self._columns):
                 return InputError(
                     f"{where}: line {number} has {len(cells)} columns; "
-                    f"{self._width} are named in the first line"
+                    f"{len(self._columns)} are named in the first line"
                 )
             for name in NUMBERS:
                 fault = _number_fault(cells[self._found[name]].strip())
                 if fault:
                     return InputError(f"{where}: line {number}, column {name!r}{fault}")
         return InputError(f"{where}: is not readable from line {line} on (quotes, or not UTF-8)")
-
-
-def _values(column: Any) -> Any:
-    """A column of numbers as an array, (n,); pyarrow's own to_numpy imports pandas."""
-    return np.concatenate([np.from_dlpack(chunk) for chunk in column.chunks])
 
 
 def _number_fault(cell: str) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Rows
+from kinetics.crosscheck.comparison.data.columns import Rows, shown
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import R4, Binned, Sample
 from kinetics.errors import InputError
@@ -28,14 +28,15 @@ def is_ensemble(path: Path) -> bool:
         return False  # the reader of columns says what is wrong
 
 
-def load_ensemble(path: Path) -> Any:
-    """The finished run in a file; InputError for one that is damaged or unfinished."""
+def read_ensemble(path: Path) -> Sample:
+    """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
     from particles import Ensemble
 
     try:
-        return Ensemble.load(path)
+        run = Ensemble.load(path)
     except ValueError as error:
         raise InputError(" ".join(str(error).split())) from None
+    return from_ensemble(run, shown(path.name)).rescaled(1.0, run.medium.diameter)
 
 
 def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:

@@ -99,29 +99,20 @@ class Origins:
 
     def __init__(self, pieces: list[tuple[Rows, int]]) -> None:
         """From the rows at time 0 and the number of their file, piece by piece."""
-        columns = [columns_of(rows, file) for rows, file in pieces]
-        self._known = [np.unique(np.concatenate(parts)) for parts in zip(*columns, strict=True)]
-        keys = np.concatenate([self._keys(rows, file) for rows, file in pieces])
-        order = np.argsort(keys)
-        self._ordered = keys[order]
+        labels = zip(*(columns_of(rows, file) for rows, file in pieces), strict=True)
+        self._labels = [np.concatenate(parts) for parts in labels]
         self._x, self._y = (
-            np.concatenate([getattr(rows, name) for rows, _ in pieces])[order] for name in "xy"
+            np.concatenate([getattr(rows, name) for rows, _ in pieces]) for name in "xy"
         )
-
-    def _keys(self, rows: Rows, file: int) -> Any:
-        """A whole number for each tracer that has a row at time 0, (n,); -1 for the others."""
-        keys, there = np.zeros(rows.time.size, np.int64), np.ones(rows.time.size, bool)
-        for known, column in zip(self._known, columns_of(rows, file), strict=True):
-            place = np.minimum(np.searchsorted(known, column), known.size - 1)
-            there &= known[place] == column
-            keys = keys * known.size + place
-        return np.where(there, keys, -1)
 
     def of(self, rows: Rows, file: int) -> tuple[Any, Any]:
         """x and y at time 0 of the tracer of each row, (n,) each; InputError if there is none."""
-        keys = self._keys(rows, file)
-        k = np.minimum(np.searchsorted(self._ordered, keys), self._ordered.size - 1)
-        lost = np.flatnonzero(self._ordered[k] != keys)
+        both = zip(self._labels, columns_of(rows, file), strict=True)
+        keys = _combined([np.concatenate(parts) for parts in both])
+        known, wanted = np.split(keys, [self._x.size])
+        order = np.argsort(known, kind="stable")  # quick, as most files are in order
+        k = order[np.minimum(np.searchsorted(known, wanted, sorter=order), order.size - 1)]
+        lost = np.flatnonzero(known[k] != wanted)
         if lost.size:
             assert rows.tracer is not None
             raise InputError(

@@ -6,7 +6,6 @@ loaded here, whatever the name of the array: only NumPy's headers of plain numbe
 """
 
 import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,44 +13,42 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.arrays import ArrayColumn, read_pieces
-from kinetics.crosscheck.comparison.data.columns import Progress, Rows, find_columns, shown
+from kinetics.crosscheck.comparison.data.arrays import read_pieces
+from kinetics.crosscheck.comparison.data.columns import Rows, find_columns, shown
 from kinetics.errors import InputError
 
 
-def read(path: Path, progress: Progress) -> Iterator[Rows]:
+def read(path: Path) -> Iterator[Rows]:
     """The rows of an .npz file."""
-    try:
-        with ExitStack() as stack:
-            archive = stack.enter_context(zipfile.ZipFile(path))
-            members = [n for n in archive.namelist() if n.endswith(".npy")]
-            found = find_columns(path, [m.removesuffix(".npy") for m in members])
-            columns = {
-                name: _column(path, name, stack.enter_context(archive.open(members[place])))
-                for name, place in found.items()
-            }
-            yield from read_pieces(path, columns, progress)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise InputError(
-            f"{shown(path)}: is damaged, or not an .npz file ({type(error).__name__})"
-        ) from None
+    with ExitStack() as stack:
+        archive = stack.enter_context(zipfile.ZipFile(path))
+        members = [n for n in archive.namelist() if n.endswith(".npy")]
+        found = find_columns(path, [m.removesuffix(".npy") for m in members])
+        columns = {
+            name: _Array(
+                f"{shown(path)}: array {name!r}", stack.enter_context(archive.open(members[place]))
+            )
+            for name, place in found.items()
+        }
+        yield from read_pieces(path, columns)
 
 
-def _column(path: Path, name: str, stream: Any) -> ArrayColumn:
-    try:
-        version = np.lib.format.read_magic(stream)
-        read_header = np.lib.format.read_array_header_1_0
-        if version != (1, 0):
-            read_header = np.lib.format.read_array_header_2_0
-        shape, _, dtype = read_header(stream)
-    except Exception:  # NumPy's parser of headers raises nearly any error on a crafted one
-        raise InputError(f"{shown(path)}: array {name!r} is damaged") from None
+class _Array:
+    """An array in the archive, whose parts are read one after another."""
 
-    def part(start: int, count: int) -> Any:
-        wanted = count * dtype.itemsize
-        data = stream.read(wanted)
+    def __init__(self, where: str, stream: Any) -> None:
+        self._where, self._stream = where, stream
+        try:
+            first = np.lib.format.read_magic(stream) == (1, 0)
+            header = np.lib.format.read_array_header_1_0
+            read_header = header if first else np.lib.format.read_array_header_2_0
+            self.shape, _, self.dtype = read_header(stream)
+        except Exception:  # NumPy's parser of headers raises nearly any error on a crafted one
+            raise InputError(f"{where} is damaged") from None
+
+    def __getitem__(self, part: slice) -> Any:
+        wanted = (min(part.stop, self.shape[0]) - part.start) * self.dtype.itemsize
+        data = self._stream.read(wanted)
         if len(data) != wanted:
-            raise InputError(f"{shown(path)}: is cut off within {name!r}")
-        return np.frombuffer(data, dtype)
-
-    return ArrayColumn(dtype, shape, part)
+            raise InputError(f"{self._where} is cut off")
+        return np.frombuffer(data, self.dtype)

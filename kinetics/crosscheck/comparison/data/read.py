@@ -6,19 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import (
-    LABELS,
-    Progress,
-    Rows,
-    plain_name,
-    read_rows,
-    shown,
-)
+from kinetics.crosscheck.comparison.data.columns import LABELS, Rows, read_rows, shown
+from kinetics.crosscheck.comparison.data.ensemble_files import is_ensemble, read_ensemble
 from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.result import said
 from kinetics.crosscheck.comparison.sample import Sample
-from kinetics.errors import InputError, check_positive
+from kinetics.errors import InputError
+from kinetics.validation import check_positive, one_of
 
 POSITIONS = ("auto", "displacement", "absolute")
 _LARGEST = 1e70
@@ -31,7 +26,7 @@ def read_sample(
     positions: str = "auto",
     speed_unit: float | str = 1.0,
     diameter: float = 1.0,
-    tell: Progress | None = None,
+    show_progress: bool = False,
 ) -> Sample:
     """One sample from files of columns (see `columns.FORMATS`), or from one file of an Ensemble.
 
@@ -40,7 +35,7 @@ def read_sample(
         `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin.
     speed_unit : U in the data's unit of speed; "data": from <v^2> = 2 U^2 at time 0
     diameter : d in the data's unit of length; times are then divided by d/U
-    tell : called with the share of the files that has been read
+    show_progress : count the rows that have been read, on a terminal
 
     Lengths, speeds and times of an Ensemble file are known, and these three are not looked at.
     Several files are independent runs: a label in one is not the same label in another. With one
@@ -49,52 +44,35 @@ def read_sample(
     """
     if not paths:
         raise InputError("data: got no file; at least one is needed")
-    if positions not in POSITIONS:
-        raise InputError(f"positions: got {positions!r}; it must be one of {', '.join(POSITIONS)}")
+    one_of("positions", positions, POSITIONS)
     diameter = check_positive("diameter", diameter)
     if speed_unit != "data":
         speed_unit = check_positive("speed_unit", speed_unit)
-    ensemble = _from_ensemble_file(paths)
-    if ensemble is not None:
-        return ensemble
-    sample = _Files(paths, tell).sample(positions)
+    if ensembles := [path for path in paths if is_ensemble(path)]:
+        if len(paths) > 1:
+            raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
+        return read_ensemble(paths[0])
+    sample = _Files(paths, show_progress).sample(positions)
     return _in_range(_scaled(sample, speed_unit, diameter))
-
-
-def _from_ensemble_file(paths: Sequence[Path]) -> Sample | None:
-    """The sample of an Ensemble file; None where all files are columns."""
-    if not any(path.suffix.lower() in (".h5", ".hdf5") for path in paths):
-        return None
-    from kinetics.crosscheck.comparison.data import ensemble_files
-
-    ensembles = [path for path in paths if ensemble_files.is_ensemble(path)]
-    if not ensembles:
-        return None
-    if len(paths) > 1:
-        raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
-    run = ensemble_files.load_ensemble(paths[0])
-    found = ensemble_files.from_ensemble(run, plain_name(paths[0]))
-    return found.rescaled(1.0, run.medium.diameter)
 
 
 class _Files:
     """Files of columns, read as often as it takes to know what their positions and groups are."""
 
-    def __init__(self, paths: Sequence[Path], tell: Progress | None) -> None:
-        self._paths, self._tell = paths, tell
-        self._names = tuple(plain_name(path) for path in paths)
+    def __init__(self, paths: Sequence[Path], show_progress: bool) -> None:
+        self._paths, self._show_progress = paths, show_progress
+        self._names = tuple(shown(path.name) for path in paths)
         self._labels: frozenset[str] = frozenset()
 
     def _rows(self) -> Iterator[tuple[int, Rows]]:
         """The rows of all files, with the number of the file; every file has the same labels."""
+        from tqdm import tqdm
+
+        hidden = None if self._show_progress else True  # None: shown on a terminal
+        bar = tqdm(disable=hidden, leave=False, unit=" rows", unit_scale=True)
         for number, path in enumerate(self._paths):
-
-            def progress(share: float, number: int = number) -> None:
-                if self._tell is not None:
-                    self._tell((number + share) / len(self._paths))
-
             count = 0
-            for rows in read_rows(path, progress):
+            for rows in read_rows(path):
                 found = frozenset(name for name in LABELS if getattr(rows, name) is not None)
                 if number == count == 0:
                     self._labels = found
@@ -102,9 +80,11 @@ class _Files:
                     odd = ", ".join(sorted(found ^ self._labels))
                     raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
                 count += rows.time.size
+                bar.update(rows.time.size)
                 yield number, rows
             if not count:
                 raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
+        bar.close()
 
     def sample(self, positions: str) -> Sample:
         """The sample; positions as in read_sample."""
@@ -125,7 +105,12 @@ class _Files:
             grouping = by_tracer  # one configuration shows no spread between configurations
         if sample.groups < 2:
             raise InputError(f"{', '.join(self._names)}: has one tracer; at least two are needed")
-        return replace(sample, warnings=(*warnings, *self._about_groups(grouping)))
+        if grouping == by_tracer:
+            known = "medium" in self._labels
+            warnings.append(said("one_configuration" if known else "unknown_configurations"))
+        if grouping == "row":
+            warnings.append(said("unknown_tracers"))
+        return replace(sample, warnings=tuple(warnings))
 
     def _reduced(self, grouping: str, origins: Origins | None) -> Reduction:
         reduction = Reduction(grouping)
@@ -162,14 +147,6 @@ class _Files:
             raise InputError(f"{where}: absolute positions need rows at time 0; {allowed}")
         return Origins(pieces)
 
-    def _about_groups(self, grouping: str) -> list[str]:
-        """What the reader should know of the standard errors, a warning each."""
-        if grouping == "medium":
-            return []
-        known = "medium" in self._labels
-        out = [said("one_configuration" if known else "unknown_configurations")]
-        return out + ([said("unknown_tracers")] if grouping == "row" else [])
-
 
 def _in_range(sample: Sample) -> Sample:
     """The sample; InputError where fourth powers would overflow, or a start vanish."""
@@ -184,15 +161,14 @@ def _in_range(sample: Sample) -> Sample:
 
 
 def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:
-    if speed_unit != "data":
-        return sample.rescaled(float(speed_unit), diameter)
-    if sample.start is None:
-        raise InputError("speed_unit: 'data' needs velocities at time 0; give U as a number")
-    count = sample.start.counts
-    size = float(np.sqrt(sample.start.squares @ count / max(count.sum(), 1) / 2))
-    if not size > 0:
-        raise InputError("speed_unit: all speeds at time 0 are zero; there is nothing to scale by")
-    return replace(
-        sample.rescaled(size, diameter),
-        warnings=(*sample.warnings, f"U is {size:.6g} of the data's unit, from <v²> at time 0."),
-    )
+    warnings, start = sample.warnings, sample.start
+    if speed_unit == "data":
+        if start is None:
+            raise InputError("speed_unit: 'data' needs velocities at time 0; give U as a number")
+        if not start.squares.size:
+            raise InputError(
+                "speed_unit: all speeds at time 0 are zero; there is nothing to scale by"
+            )
+        speed_unit = float(np.sqrt(start.squares @ start.counts / start.counts.sum() / 2))
+        warnings += (f"U is {speed_unit:.6g} of the data's unit, from <v²> at time 0.",)
+    return replace(sample.rescaled(float(speed_unit), diameter), warnings=warnings)
