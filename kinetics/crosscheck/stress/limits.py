@@ -34,17 +34,21 @@ def label_of(e: float) -> str:
 def scaling(e: float) -> tuple[float, float, float, float]:
     """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state, 0 <= e < 1.
 
-    h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2) lambda(3)) (paper's labels
-    compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)).
+    With the speed ratio s(y) = sqrt(e^2 + (1-e^2) y^2), y uniform on [0, 1], and
+    lambda(p) = 1 - E[s^p]: h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2)
+    lambda(3)) (paper's labels compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)), where
+    cos(chi) = (s^2 - e)/((1 - e) s).
     """
     import mpmath as mp
 
-    from kinetics.crosscheck.references.collision import decay_rates, mean_log_loss
-
     with mp.workdps(60):
-        kappa = mean_log_loss(e)
-        one, two, three = decay_rates(e, 0, 1, 3)
-        turn = decay_rates(e, 1, 0, 1)[0]
+        x = mp.mpf(e)
+        root = mp.sqrt(1 - x * x)
+        inverse = x * mp.acosh(1 / x) / root if e > 0.0 else mp.mpf(0)  # e E[1/s]
+        first = (1 + x * inverse) / 2  # E[s], and E[s^3] = (1 + 3 e^2 E[s])/4
+        one, two, three = 1 - first, 2 * root**2 / 3, 1 - (1 + 3 * x * x * first) / 4
+        turn = 1 - (first - inverse) / (1 - x)
+        kappa = 1 - x * mp.acos(x) / root
         return (
             float(2 * mp.sqrt(kappa * one)),
             float(3 * kappa * one / (two * three)),
