@@ -76,13 +76,7 @@ def solve(
     values = _arrays(averages, scene.outputs)
     profiles = _profiles(scene, rtol, method, nodes)
     displacement = _displacement(averages, scene.outputs)
-    errors, allowed = {"averages": error_of(averages, asked)}, {"averages": rtol * _SLACK}
-    if profiles:
-        errors[DENSITIES] = max(p.error_estimate for p in profiles.values())
-        allowed[DENSITIES] = rtol * _SLACK
-    if displacement is not None:
-        errors[POSITION] = displacement.error_estimate
-        allowed[POSITION] = max(rtol, _BEST_DENSITY)
+    errors, allowed = _errors(error_of(averages, asked), profiles, displacement, rtol)
     return Solution(
         scene=scene,
         rtol=rtol,
@@ -96,6 +90,20 @@ def solve(
         _displacement=displacement,
         _typical_speed=np.exp(averages.log_reference),
     )
+
+
+def _errors(
+    averages: float, profiles: dict[int, Profile], displacement: Displacement | None, rtol: float
+) -> tuple[dict[str, float], dict[str, float]]:
+    """The error estimate of each part that was solved, and the largest that is allowed for it."""
+    errors, allowed = {"averages": averages}, {"averages": rtol * _SLACK}
+    if profiles:
+        errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
+        allowed[DENSITIES] = rtol * _SLACK
+    if displacement is not None:
+        errors[POSITION] = displacement.error_estimate
+        allowed[POSITION] = max(rtol, _BEST_DENSITY)
+    return errors, allowed
 
 
 def _arrays(averages: Averages, outputs: tuple[str, ...]) -> dict[str, FloatArray]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 from enum import Enum
+from functools import lru_cache
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -95,6 +96,7 @@ def _values(expression: sp.Expr, points: int, digits: int) -> list[sp.Expr]:
     return values
 
 
+@lru_cache(maxsize=512)
 def compare(printed: sp.Basic, derived: sp.Basic) -> Difference:
     """How far two formulas state the same: same kind, and zero difference of every residual."""
     if isinstance(printed, Relational) and printed.func is not derived.func:

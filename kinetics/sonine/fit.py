@@ -71,16 +71,7 @@ def fit_position(
     from scipy.optimize import minimize_scalar
 
     one_of("form", form, _FORMS)
-    radii, values = np.ravel(not_negative("r", r)), np.ravel(not_negative("density", density))
-    if radii.shape != values.shape:
-        raise InputError(f"density: got {values.size} values; r has {radii.size}")
-    low, high = region
-    used = (radii > 0) & (radii >= low) & (radii <= high)
-    x, g = radii[used], values[used]
-    if x.size < 3:
-        refuse("region", region, f"it holds {x.size} points, 3 are needed")
-    if not np.all(g > 0):
-        raise InputError("density: got values that are 0; it must be above 0 within the region")
+    x, g = _points(r, density, region)
     shape, scalable = _FORMS[form]
 
     def logarithm(log_eta: float) -> tuple[Array, float]:
@@ -111,3 +102,18 @@ def fit_position(
         int(x.size),
         bounded,
     )
+
+
+def _points(r: ArrayLike, density: ArrayLike, region: tuple[float, float]) -> tuple[Array, Array]:
+    """R > 0 inside the region and G there, shape (n_points,) each; InputError if too few."""
+    radii, values = np.ravel(not_negative("r", r)), np.ravel(not_negative("density", density))
+    if radii.shape != values.shape:
+        raise InputError(f"density: got {values.size} values; r has {radii.size}")
+    low, high = region
+    used = (radii > 0) & (radii >= low) & (radii <= high)
+    x, g = radii[used], values[used]
+    if x.size < 3:
+        refuse("region", region, f"it holds {x.size} points, 3 are needed")
+    if not np.all(g > 0):
+        raise InputError("density: got values that are 0; it must be above 0 within the region")
+    return x, g

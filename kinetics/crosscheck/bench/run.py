@@ -118,7 +118,7 @@ def _processor() -> str:
 
 
 if __name__ == "__main__":
-    from kinetics.crosscheck.plain import dumps
+    from kinetics.crosscheck.strict_json import dumps
 
     rows = run_case(sys.argv[1], sys.argv[2] == "quick")
     sys.stdout.write(dumps([row.as_dict() for row in rows]))

@@ -61,6 +61,6 @@ def names_in(text: str) -> tuple[str, ...]:
 
 def print_json(document: Any) -> None:
     """Print one strict JSON document on standard output."""
-    from kinetics.crosscheck.plain import dumps
+    from kinetics.crosscheck.strict_json import dumps
 
     click.echo(dumps(document), nl=False)

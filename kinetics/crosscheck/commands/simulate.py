@@ -168,7 +168,7 @@ def _document(
 
 def _table(run: Ensemble) -> str:
     """The estimates as a table, one row for each time, and the mean free path."""
-    from kinetics.crosscheck.text import columns
+    from kinetics.crosscheck.text_tables import columns
 
     path = run.mean_free_path
     line = f"mean free path: {path.value:.6g} +- {path.error:.2g} d"

@@ -133,7 +133,7 @@ def solve_document(
 
 def solve_text(found: dict[str, Any]) -> str:
     """The same as tables, one row per time, and the status."""
-    from kinetics.crosscheck.text import columns
+    from kinetics.crosscheck.text_tables import columns
 
     names = [name for name in HEADS if name in found]
     heads, values = ["t [d/U]"], [found["times"]]

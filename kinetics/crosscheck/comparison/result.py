@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, field
 from html import escape
 from typing import Any, NamedTuple, Self
 
-from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.templates import paragraphs
+from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.frozen import FrozenDict
 from kinetics.values import Value

@@ -5,7 +5,7 @@ from typing import Any
 
 from kinetics.crosscheck.comparison.result import OUTCOMES, Comparison
 from kinetics.crosscheck.report.templates import number
-from kinetics.crosscheck.text import aligned
+from kinetics.crosscheck.text_tables import aligned
 
 Plain = Mapping[str, Any]
 

@@ -11,7 +11,7 @@ from kinetics.crosscheck.report.equations import report_equations
 from kinetics.crosscheck.report.figures import svg
 from kinetics.crosscheck.report.row import OBSERVABLES, relative_error
 from kinetics.crosscheck.report.templates import environment, number
-from kinetics.crosscheck.text import aligned
+from kinetics.crosscheck.text_tables import aligned
 
 __all__ = ["deviation", "environment", "matrix", "number", "render", "verdict_table"]
 

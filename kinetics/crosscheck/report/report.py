@@ -13,7 +13,6 @@ from typing import Any
 
 from kinetics import __version__, sonine
 from kinetics.crosscheck.files import write_together
-from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.algebra import AlgebraProcess
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
@@ -28,6 +27,7 @@ from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
+from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
 
 SCHEMA = "inelastic-lorentz/report/1"

@@ -35,7 +35,7 @@ class StressReport:
 
     def to_json(self) -> str:
         """One strict JSON document; what is not finite is null."""
-        from kinetics.crosscheck.plain import dumps
+        from kinetics.crosscheck.strict_json import dumps
 
         return dumps(
             {

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from kinetics import sonine
-from kinetics.crosscheck.plain import dumps
 from kinetics.crosscheck.report.case import Case
 from kinetics.crosscheck.report.case_rows import LEAST_EXPECTED, rows_of_case
 from kinetics.crosscheck.report.observables import (
@@ -20,6 +19,7 @@ from kinetics.crosscheck.report.observables import (
 )
 from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED, Row, judged
 from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.strict_json import dumps
 
 NOT_THE_TRUTH = ("1/(2dρ₀g)", PAPER_FIT)
 MakeCase = Callable[..., Case]

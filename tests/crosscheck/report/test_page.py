@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from kinetics.crosscheck.plain import dumps, plain
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
@@ -19,7 +18,8 @@ from kinetics.crosscheck.report.page import deviation, number, render, verdict_t
 from kinetics.crosscheck.report.report import build_document, write_report
 from kinetics.crosscheck.report.row import judged
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.text import columns
+from kinetics.crosscheck.strict_json import dumps, plain
+from kinetics.crosscheck.text_tables import columns
 
 MakeCase = Callable[..., Case]
 CHECKS = [

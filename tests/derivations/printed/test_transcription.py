@@ -9,6 +9,7 @@ import sympy as sp
 from derivations import symbols as sy
 from derivations import verify
 from derivations.printed import PRINTED
+from derivations.printed.equation import read_equations
 from derivations.printed.latex_reader import LatexError, read
 from derivations.verdicts.difference import is_zero
 
@@ -102,3 +103,13 @@ def test_the_reader_reads(source: str, left: sp.Expr, right: sp.Expr) -> None:
 def test_the_reader_refuses_what_it_does_not_know(source: str) -> None:
     with pytest.raises(LatexError):
         read(source)
+
+
+@pytest.mark.parametrize("formulas", [{}, {"energy": sy.h, "picture": sy.h}])
+def test_latex_and_transcription_must_both_be_there(formulas: dict[str, sp.Expr]) -> None:
+    text = "% a remark\n\n%% Section\n\n% energy: of all\nE = m\n\n% picture: a sketch\n"
+    with pytest.raises(ValueError, match="LaTeX and transcription must both be there"):
+        list(read_equations(text, formulas))
+    energy, picture = read_equations(text, {"energy": sy.h})
+    assert (energy.source, energy.title, energy.section) == ("E = m", "of all", "Section")
+    assert picture.formula is None
