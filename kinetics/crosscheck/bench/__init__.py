@@ -4,10 +4,11 @@
 (`kinetics`, `particles`) and the reference values of `kinetics.crosscheck.references`. Speed from
 one version of this package to the next is not its business: see ``tests/benchmarks``.
 
-Begin reading at `run` (the cases, each in a process of its own). `precision` and `position` hold
-the problems and the five methods, `accuracy` error asked against error reached, `skipping` what
-skipping saves, `cost` the run time against the amount of work, `throughput` the particles. What
-they measure are rows (`record`), from which `analysis`, `tables` and `figures` make the report.
+Begin reading at `run` (the cases, each in a process of its own) and `measuring` (how a piece of
+work becomes a row, `record`). `precision` and `position` hold the problems and the five methods,
+`accuracy` error asked against error reached, `skipping` what skipping saves, `cost` the run time
+against the amount of work, `throughput` the particles. `analysis`, `tables` and `figures` make the
+report from the rows.
 """
 
 from importlib import import_module

@@ -9,18 +9,12 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck import references
+from kinetics.crosscheck.bench.measuring import Effort
 from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
-from kinetics.crosscheck.bench.precision import SCALED_SPEEDS, relative
+from kinetics.crosscheck.bench.precision import QUANTITIES, SCALED_SPEEDS, relative
 from kinetics.crosscheck.bench.record import ACCURACY, Record, failed
-from kinetics.crosscheck.bench.timing import Effort
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
-_QUANTITIES = {
-    "thermal_speed": "v0(t)",
-    "a2": "1 + a2(t)",
-    "msd": "<r^2>(t)",
-    "kurtosis": "kurtosis(t)",
-}
 FACTOR = 100.0  # asked and reached may differ by this factor
 
 WITHIN = "within a factor 100"
@@ -67,7 +61,7 @@ def _scaled(e: float) -> Iterator[Problem]:
 def _in_time(e: float) -> Iterator[Problem]:
     for start in references.STARTS:
         for horizon in references.HORIZONS:
-            for quantity, shown in _QUANTITIES.items():
+            for quantity, shown in QUANTITIES.items():
                 if quantity in ("msd", "kurtosis") and horizon == "long":
                     continue
                 last = references.times(horizon)[-1]

@@ -18,7 +18,7 @@ CASES = ("scaled", "cooling", "position", "accuracy", "skipping", "cost", "parti
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=None,
-    help="Folder for bench.json, bench.md and the figures. [default: none is written]",
+    help="Folder for bench.json, bench.md and work-precision.svg. [default: none is written]",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
@@ -45,12 +45,7 @@ def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: boo
         report = run_bench(quick, cases or None, tell)
     click.echo(report.to_json() if as_json else report.markdown(), nl=False)
     if output is not None:
-        files = {
-            "bench.json": report.to_json(),
-            "bench.md": report.markdown(),
-            **report.figures(),
-        }
-        for path in write_together(output, files):
+        for path in write_together(output, report.files()):
             if not as_json:
                 click.echo(f"wrote {path}")
 
