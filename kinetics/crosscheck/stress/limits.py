@@ -68,9 +68,7 @@ def early_and_late(e: float, reduced_time: float, rtol: float) -> tuple[bool, bo
     v0 changes by less than v t/l at first, and is that of the scaling state up to a few
     l/(kappa v t).
     """
-    late = False
-    if e < 1.0:
-        late = math.log(reduced_time) > math.log(1e3 / rtol) - math.log(scaling(e)[2])
+    late = e < 1.0 and math.log(reduced_time) > math.log(1e3 / rtol) - math.log(scaling(e)[2])
     return reduced_time < 0.01 * rtol, late
 
 
@@ -109,17 +107,19 @@ def growth(speed: FloatArray) -> float:
     return max(0.0, float(np.max(change, initial=0.0)))
 
 
-def fall(values: FloatArray) -> float:
-    """Largest fall from one time to the next, relative to the largest finite value."""
-    finite = values[np.isfinite(values)]
-    if finite.size < 2 or not finite.max() > 0.0:
-        return 0.0
-    return max(0.0, float(-np.min(np.diff(finite / finite.max()))))
+def below(values: Any, least: float = 0.0) -> float:
+    """How far the smallest value is below the least that is allowed; 0 if it is not."""
+    return max(0.0, least - float(np.min(values)))
 
 
-def below_half(a2: FloatArray) -> float:
-    """How far a2 is below -1/2, where no distribution is: <v^4> >= <v^2>^2."""
-    return max(0.0, -0.5 - float(np.min(a2)))
+def above(values: Any, most: float = 1.0) -> float:
+    """How far the largest value is above the most that is allowed; 0 if it is not."""
+    return max(0.0, float(np.max(values)) - most)
+
+
+def finite(*values: Any) -> bool:
+    """Whether all numbers of all arrays are finite."""
+    return all(bool(np.all(np.isfinite(value))) for value in values)
 
 
 def difference(

@@ -23,7 +23,6 @@ from kinetics.crosscheck.stress.case import (
     Outcome,
     attempt,
     judge,
-    named,
 )
 from kinetics.crosscheck.stress.command import stress
 from kinetics.crosscheck.stress.run import all_cases
@@ -203,9 +202,9 @@ def test_a_wrong_solver_is_found(monkeypatch: Any, group: str, name: str) -> Non
 
 def made_up(monkeypatch: Any) -> None:
     cases = [
-        named("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 1e-13)})),
-        named("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
-        named("others", "not finite", lambda: Outcome(1e-8, math.inf)),
+        Case("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 1e-13)})),
+        Case("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
+        Case("others", "not finite", lambda: Outcome(1e-8, math.inf)),
     ]
     monkeypatch.setattr(run, "all_cases", lambda quick: cases)
     monkeypatch.setattr(run, "_compile", lambda: None)
@@ -273,6 +272,6 @@ def test_the_command_ends_with_status_one_if_a_case_must_not_be(
     assert done.exit_code == 1
     assert json.loads(done.stdout)["format"] == "inelastic-lorentz stress 2"
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"stress.json", "stress.md"}
-    fine = [named("limits", "fine", lambda: Outcome(1e-8, 1e-9))]
+    fine = [Case("limits", "fine", lambda: Outcome(1e-8, 1e-9))]
     monkeypatch.setattr(run, "all_cases", lambda quick: fine)
     assert runner.invoke(stress, []).exit_code == 0
