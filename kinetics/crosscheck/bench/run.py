@@ -37,12 +37,12 @@ _LONGEST = {True: 120.0, False: 900.0}  # s for one case of a quick and of a ful
 def run_bench(
     quick: bool = False,
     cases: Iterable[str] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Callable[[str, int], None] | None = None,
 ) -> BenchReport:
     """Measure everything, or the named cases (see `CASES`), one after another.
 
-    progress is called with the name of each case as it starts. A case that dies is a failed row.
-    Raises InputError for a case that does not exist.
+    progress(name of the case, number of cases) is called as each of them starts. A case that dies
+    is a failed row. Raises InputError for a case that does not exist.
     """
     names = tuple(CASES) if cases is None else tuple(dict.fromkeys(cases))
     for wrong in [repr(name) for name in names if name not in CASES] or ([] if names else ["none"]):
@@ -52,7 +52,7 @@ def run_bench(
     records: list[Record] = []
     for name in names:
         if progress is not None:
-            progress(name)
+            progress(name, len(names))
         records += _in_process(name, quick)
     return BenchReport(tuple(records), quick, names, about, time.perf_counter() - begin)
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase, share_of_allowed
 from kinetics.crosscheck.text_tables import markdown
 
 FORMAT = "inelastic-lorentz stress 2"
-_GROUP_HEADS = ("group", "cases", *VERDICTS, "largest error reached/asked",
-                "invariant nearest to its limit", "slowest")  # fmt: skip
+_GROUP_HEADS = ("group", "cases", *VERDICTS, "largest share of what is allowed", "slowest")
 _CASE_HEADS = ("verdict", "group", "case", "asked", "reached", "invariant", "violation", "allowed",
                "note")  # fmt: skip
 
@@ -44,6 +43,10 @@ class StressReport:
 
         return dumps({"format": FORMAT, "verdicts": VERDICTS, **asdict(self)})
 
+    def files(self) -> dict[str, str]:
+        """The contents of what ``lorentz stress -o`` writes, by name."""
+        return {"stress.json": self.to_json(), "stress.md": self.markdown(every_case=True)}
+
     def markdown(self, every_case: bool = False) -> str:
         """A row for each group; then the cases that are not accepted, or every case."""
         groups = dict.fromkeys(c.group for c in self.cases)
@@ -54,7 +57,7 @@ class StressReport:
             f"{len(self.cases)} cases in {self.seconds:.0f} s, {self.processor_seconds:.0f} s of "
             f"processor time; {len(self.rejected)} did not end as they must.",
             "",
-            *markdown(_GROUP_HEADS, [*rows, [*_counts("all", self.cases), "", "", ""]]),
+            *markdown(_GROUP_HEADS, [*rows, [*_counts("all", self.cases), "", ""]]),
             *(f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items()),
             "",
         ]
@@ -74,10 +77,21 @@ def _counts(name: str, cases: Sequence[StressCase]) -> list[str]:
 
 
 def _group(name: str, cases: Sequence[StressCase]) -> list[str]:
-    """The row of a group: counts, and the worst case in error, invariant and time."""
+    """The row of a group: counts, the case nearest to a limit, and the slowest."""
+    (share, what), worst = max(((_share(c), c.name) for c in cases), key=lambda found: found[0])
     slow = max(cases, key=lambda c: c.seconds)
-    return [*_counts(name, cases), _worst_error(cases), _worst_invariant(cases),
+    return [*_counts(name, cases), f"{share:.1e} of {what}: {worst}" if share else "0",
             f"{slow.seconds:.2f} s: {slow.name}"]  # fmt: skip
+
+
+def _share(c: StressCase) -> tuple[float, str]:
+    """How much of the error asked for, or of what an invariant allows, a case uses up; of which.
+
+    The error counts where the status claims it and there is a reference.
+    """
+    share = (share_of_allowed(c.violation, c.allowed), c.invariant)
+    known = c.verdict in (HOLDS, MISSED) and math.isfinite(c.reached) and math.isfinite(c.asked)
+    return max(share, (c.reached / c.asked, "the error asked for")) if known else share
 
 
 def _case(c: StressCase) -> list[str]:
@@ -90,24 +104,3 @@ def _number(value: float) -> str:
     if math.isnan(value):
         return ""
     return f"{value:.1e}" if math.isfinite(value) else "not finite"
-
-
-def _worst_error(cases: Iterable[StressCase]) -> str:
-    """Of the cases that claim what was asked, the one with the largest reached/asked."""
-    claimed = (c for c in cases if c.verdict in (HOLDS, MISSED))
-    known = [c for c in claimed if math.isfinite(c.reached) and math.isfinite(c.asked)]
-    if not known:
-        return "no reference"
-    worst = max(known, key=lambda c: c.reached / c.asked)
-    return f"{_number(worst.reached)}/{_number(worst.asked)}: {worst.name}"
-
-
-def _worst_invariant(cases: Iterable[StressCase]) -> str:
-    """The case whose worst invariant uses up most of what it allows."""
-    known = [c for c in cases if c.invariant]
-    if not known:
-        return ""
-    worst = max(known, key=lambda c: share_of_allowed(c.violation, c.allowed))
-    if worst.violation == 0.0:
-        return "none violated"
-    return f"{worst.invariant}, {_number(worst.violation)}/{_number(worst.allowed)}: {worst.name}"

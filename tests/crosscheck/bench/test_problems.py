@@ -10,7 +10,6 @@ import pytest
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve, sonine
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import (
-    BenchReport,
     cost,
     methods,
     position,
@@ -21,6 +20,7 @@ from kinetics.crosscheck.bench import (
 )
 from kinetics.crosscheck.bench.measuring import FULL, QUICK, Effort, measure
 from kinetics.crosscheck.bench.record import MEASURED
+from kinetics.crosscheck.bench.report import BenchReport
 
 E = 0.7
 ONCE = Effort(quick=True, least=1, most=1, seconds=0.0, least_seeded=5)

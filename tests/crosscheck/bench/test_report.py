@@ -10,9 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from kinetics import InputError
-from kinetics.crosscheck.bench import BenchReport, accuracy, analysis, cost, run, run_bench, tables
+from kinetics.crosscheck.bench import accuracy, analysis, cost, run, tables
 from kinetics.crosscheck.bench.command import CASES, bench
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
+from kinetics.crosscheck.bench.report import BenchReport
+from kinetics.crosscheck.bench.run import run_bench
 from kinetics.crosscheck.bench.throughput import LISTED
 
 PROBLEM = "scaled F(c), e = 0.7"
@@ -191,9 +193,9 @@ def test_a_case_that_dies_is_a_failed_row(monkeypatch: Any) -> None:
 
 
 def test_the_solver_reaches_what_is_asked_in_a_process_of_its_own() -> None:
-    stages: list[str] = []
-    found = run_bench(quick=True, cases=["accuracy"], progress=stages.append)
-    assert stages == ["accuracy"]
+    stages: list[tuple[str, int]] = []
+    found = run_bench(quick=True, cases=["accuracy"], progress=lambda *told: stages.append(told))
+    assert stages == [("accuracy", 1)]
     assert len(found.records) == 420
     assert {(r.section, r.status) for r in found.records} == {("accuracy", MEASURED)}
     missed = [r for r in found.records if r.note == accuracy.MISSED]

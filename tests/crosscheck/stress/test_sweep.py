@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from kinetics import InputError, ScalingSolution
-from kinetics.crosscheck.stress import StressReport, limits, run, run_stress
+from kinetics.crosscheck.stress import limits, run
 from kinetics.crosscheck.stress.case import (
     BROKEN,
     CAREFUL,
@@ -25,7 +25,8 @@ from kinetics.crosscheck.stress.case import (
     judge,
 )
 from kinetics.crosscheck.stress.command import stress
-from kinetics.crosscheck.stress.run import all_cases
+from kinetics.crosscheck.stress.report import StressReport
+from kinetics.crosscheck.stress.run import all_cases, run_stress
 
 # -- verdicts --------------------------------------------------------------------------------------
 
@@ -219,7 +220,7 @@ def test_the_report_counts_verdicts_and_lists_what_must_not_be(monkeypatch: Any)
     text = report.markdown()
     assert "3 cases in 0 s, 0 s of processor time; 2 did not end as they must." in text
     assert (
-        "| limits | 2 | 1 |  |  | 1 |  |  | 1.0e-06/1.0e-08: wrong | none violated | 0.00 s: fine |"
+        "| limits | 2 | 1 |  |  | 1 |  |  | 1.0e+02 of the error asked for: wrong | 0.00 s: fine |"
     ) in text
     assert "| all | 3 | 1 |  |  | 1 | 1 |  |" in text
     assert "| missed | limits | wrong | 1.0e-08 | 1.0e-06 |" in text
