@@ -22,21 +22,17 @@ STYLES: dict[str, dict[str, Any]] = {
     methods.MONTE_CARLO: {"color": "#222222", "marker": "x", "linestyle": (0, (1, 1))},
 }
 STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "inelastic-lorentz",
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "inelastic-lorentz",  # the same rows give the same file
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
-    "font.size": 10.0,
     "axes.grid": True,
     "grid.color": "#d8d8d8",
     "grid.linewidth": 0.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
     "axes.titlesize": 10.0,
     "axes.axisbelow": True,
-    "legend.frameon": False,
     "lines.linewidth": 1.4,
     "lines.markersize": 4.5,
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
 }
 HOW_TO_READ = (
     "A line joins the runs of a method that none of its others beats in time and error; pale: "

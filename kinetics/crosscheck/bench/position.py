@@ -40,6 +40,7 @@ from kinetics.crosscheck.bench.precision import (
     sample_numbers,
 )
 from kinetics.crosscheck.bench.record import NOT_AVAILABLE, PRECISION, Record
+from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
 
@@ -136,11 +137,8 @@ class DensityReference:
 
     def moments_missed(self) -> dict[str, float]:
         """Relative errors of the norm, of <R^2> and of <R^4>, integrated to R = 24."""
-        x, w = np.polynomial.legendre.leggauss(24)
-        edges = np.linspace(0.0, 24.0, 49)
-        half = 0.5 * np.diff(edges)[:, None]
-        r = (edges[:-1, None] + half * (1.0 + x)).ravel()
-        g = self.curve(r) * (half * w).ravel()
+        r, weight = panels_between(np.linspace(0.0, 24.0, 49), 24)
+        g = self.curve(r) * weight
         exact = {"norm": (0, 1.0), "second": (2, 1.0), "fourth": (4, self.kurtosis)}
         return {name: abs(float(g @ r**p) / value - 1.0) for name, (p, value) in exact.items()}
 

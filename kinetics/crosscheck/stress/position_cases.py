@@ -21,7 +21,7 @@ from kinetics.crosscheck.stress.limits import (
     label_of,
     scaling,
 )
-from kinetics.crosscheck.stress.starts import solve_start, starts
+from kinetics.crosscheck.stress.starts import panels, solve_start, starts
 
 
 def position_cases(quick: bool) -> Iterator[Case]:
@@ -100,10 +100,7 @@ def _directed(found: Any, times: Any, slack: float) -> dict[str, tuple[float, fl
 def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
     """Norm and second moment of G(R), its sign, and its ends."""
     found = solve_start(e, label, [t], ("msd", "position_density"), rtol)
-    edges = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
-    x, w = np.polynomial.legendre.leggauss(12)
-    half = 0.5 * np.diff(edges)[:, None]
-    r, weight = (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
+    r, weight = panels(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
     g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
     front, share = front[share > 0.0], share[share > 0.0]

@@ -14,14 +14,7 @@ from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
 from kinetics.errors import InputError
 
-_PARTS = (
-    scaled_cases,
-    cooling_cases,
-    density_cases,
-    position_cases,
-    medium_cases,
-    flight_cases,
-)
+_PARTS = (scaled_cases, cooling_cases, density_cases, position_cases, medium_cases, flight_cases)
 
 
 def all_cases(quick: bool) -> list[Case]:
