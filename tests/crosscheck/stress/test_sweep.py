@@ -203,7 +203,7 @@ def test_a_wrong_solver_is_found(monkeypatch: Any, group: str, name: str) -> Non
 
 def made_up(monkeypatch: Any) -> None:
     cases = [
-        Case("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 1e-13)})),
+        Case("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"|F|": (0.0, 1e-13)})),
         Case("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
         Case("others", "not finite", lambda: Outcome(1e-8, math.inf)),
     ]
@@ -225,7 +225,7 @@ def test_the_report_counts_verdicts_and_lists_what_must_not_be(monkeypatch: Any)
     assert "| all | 3 | 1 |  |  | 1 | 1 |  |" in text
     assert "| missed | limits | wrong | 1.0e-08 | 1.0e-06 |" in text
     assert "| holds | limits | fine |" not in text
-    assert "| holds | limits | fine | 1.0e-08 | 1.0e-09 | mass | 0.0e+00 | 1.0e-13 |" in (
+    assert "| holds | limits | fine | 1.0e-08 | 1.0e-09 | \\|F\\| | 0.0e+00 | 1.0e-13 |" in (
         report.markdown(every_case=True)
     )
     document = json.loads(report.to_json(), parse_constant=pytest.fail)
