@@ -17,3 +17,10 @@ def aligned(lines: Sequence[Sequence[str]], right: bool = False) -> str:
         "  ".join(align(cell, width) for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     )
+
+
+def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Lines of a Markdown table and an empty line; nothing where there is no row."""
+    lines = ["| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in rows]
+    head = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    return [*head, *lines, ""] if lines else []

@@ -5,9 +5,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import collision
+import cooling
 import pytest
 
-from kinetics.crosscheck.references import collision, cooling, load
+from kinetics.crosscheck.references import load
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # for example_values.py, which several test files import

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from kinetics.crosscheck import references
+from kinetics.crosscheck.bench.measuring import Effort
 from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
-from kinetics.crosscheck.bench.precision import SCALED_SPEEDS, relative
+from kinetics.crosscheck.bench.precision import QUANTITIES, SCALED_SPEEDS, relative
 from kinetics.crosscheck.bench.record import ACCURACY, Record, failed
-from kinetics.crosscheck.bench.timing import Effort
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
-_QUANTITIES = {
-    "thermal_speed": "v0(t)",
-    "a2": "1 + a2(t)",
-    "msd": "<r^2>(t)",
-    "kurtosis": "kurtosis(t)",
-}
 FACTOR = 100.0  # asked and reached may differ by this factor
 
 WITHIN = "within a factor 100"
@@ -36,49 +30,46 @@ def verdict(asked: float, reached: float, converged: bool) -> str:
     return WITHIN if reached * FACTOR >= asked else BETTER
 
 
-# a problem: its name, and a function of rtol that gives the error and whether it is claimed
-Problem = tuple[str, Callable[[float], tuple[float, bool]]]
+Run = Callable[[float], tuple[Any, float]]
+"""What a problem is: a function of rtol that gives the solution and the error that it reached."""
 
 
-def _scaled(e: float) -> Iterator[Problem]:
+def _scaled(e: float) -> dict[str, Run]:
     from kinetics import ScalingSolution, solve_scaled
 
     exact = ScalingSolution(e)
     F = exact.vdf(SCALED_SPEEDS)
+    there = F / F.max() > 1e-25  # where F is promised relative to itself
     powers = (-0.5, 1.0, 3.0, 4.0, 6.0, 8.0)
 
-    def moments(rtol: float) -> tuple[float, bool]:
+    def moments(rtol: float) -> tuple[Any, float]:
         state = solve_scaled(e, rtol)
         errors = [relative(state.cooling_rate, exact.cooling_rate)]
-        errors += [relative(state.moment(p), exact.moment(p)) for p in powers]
-        return max(errors), state.status.name == "CONVERGED"
+        return state, max(errors + [relative(state.moment(p), exact.moment(p)) for p in powers])
 
-    def density(rtol: float) -> tuple[float, bool]:
-        # F is promised relative to itself, wherever it is not below 1e-25 of its maximum
+    def density(rtol: float) -> tuple[Any, float]:
         state = solve_scaled(e, rtol)
-        there = F / F.max() > 1e-25
-        error = relative(state.vdf(SCALED_SPEEDS[there]), F[there])
-        return error, state.status.name == "CONVERGED"
+        return state, relative(state.vdf(SCALED_SPEEDS[there]), F[there])
 
-    yield f"scaled h and moments, e = {e:g}", moments
-    yield f"scaled F(c), e = {e:g}", density
+    return {f"scaled h and moments, e = {e:g}": moments, f"scaled F(c), e = {e:g}": density}
 
 
-def _in_time(e: float) -> Iterator[Problem]:
-    for start in references.STARTS:
-        for horizon in references.HORIZONS:
-            for quantity, shown in _QUANTITIES.items():
-                if quantity in ("msd", "kurtosis") and horizon == "long":
-                    continue
-                last = references.times(horizon)[-1]
-                name = f"{shown}, {start}, t <= {last:.0e}, e = {e:g}"
-                yield name, partial(_error_in_time, e, start, horizon, quantity)
+def _in_time(e: float) -> dict[str, Run]:
+    return {
+        f"{shown}, {start}, t <= {references.times(horizon)[-1]:.0e}, e = {e:g}": partial(
+            _error_in_time, e, start, horizon, quantity
+        )
+        for start in references.STARTS
+        for horizon in references.HORIZONS
+        for quantity, shown in QUANTITIES.items()
+        if horizon == "short" or quantity in ("thermal_speed", "a2")
+    }
 
 
 def _error_in_time(
     e: float, start: str, horizon: str, quantity: str, rtol: float
-) -> tuple[float, bool]:
-    """Error at the kept times, of a2 relative to 1 + a2, and whether the status claims rtol."""
+) -> tuple[Any, float]:
+    """The solution, and its error at the kept times, that of a2 relative to 1 + a2."""
     from kinetics import Scene, solve
 
     times = references.times(horizon)
@@ -86,25 +77,23 @@ def _error_in_time(
     solution = solve(scene, rtol)
     shift = 1.0 if quantity == "a2" else 0.0
     exact = shift + references.kept(quantity, e, start, horizon)
-    error = relative(shift + np.asarray(getattr(solution, quantity)), exact)
-    return error, solution.status.name == "CONVERGED"
+    return solution, relative(shift + np.asarray(getattr(solution, quantity)), exact)
 
 
 def accuracy(effort: Effort) -> list[Record]:
     """A row per problem and rtol; its note is the verdict."""
-    rows = []
-    for e in (0.0, 0.7, 0.99) if effort.quick else references.RESTITUTIONS:
-        for name, run in (*_scaled(e), *_in_time(e)):
-            for rtol in TOLERANCES:
-                where: dict[str, Any] = {"setting": "rtol", "value": rtol, "asked": rtol}
-                try:
-                    error, converged = run(rtol)
-                except Exception as met:  # whatever it is, it is a row
-                    rows.append(failed(ACCURACY, name, SPECTRAL, met, **where))
-                    continue
-                note = verdict(rtol, error, converged)
-                extra = {"converged": converged, "ratio": error / rtol}
-                rows.append(
-                    Record(ACCURACY, name, SPECTRAL, error=error, note=note, extra=extra, **where)
-                )
-    return rows
+    restitutions = (0.0, 0.7, 0.99) if effort.quick else references.RESTITUTIONS
+    problems = [item for e in restitutions for item in (_scaled(e) | _in_time(e)).items()]
+    return [_row(name, run, rtol) for name, run in problems for rtol in TOLERANCES]
+
+
+def _row(name: str, run: Run, rtol: float) -> Record:
+    where: dict[str, Any] = {"setting": "rtol", "value": rtol, "asked": rtol}
+    try:
+        solution, error = run(rtol)
+    except Exception as met:  # whatever it is, it is a row
+        return failed(ACCURACY, name, SPECTRAL, met, **where)
+    converged = solution.status.name == "CONVERGED"
+    extra = {"converged": converged, "ratio": error / rtol}
+    note = verdict(rtol, error, converged)
+    return Record(ACCURACY, name, SPECTRAL, error=error, note=note, extra=extra, **where)

@@ -12,7 +12,6 @@ and <r^4>, which come from scalar equations without wave numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import methods
+from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
 from kinetics.crosscheck.bench.methods import (
     CONSERVATIVE,
     MONTE_CARLO,
@@ -32,14 +32,15 @@ from kinetics.crosscheck.bench.methods import (
     STRAIGHTFORWARD,
 )
 from kinetics.crosscheck.bench.precision import (
+    QUANTITIES,
     TOLERANCES,
+    binned,
     relative,
     restitutions,
     sample_numbers,
 )
-from kinetics.crosscheck.bench.record import PRECISION, Record, not_available
-from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
-from kinetics.crosscheck.bench.timing import Effort
+from kinetics.crosscheck.bench.record import NOT_AVAILABLE, PRECISION, Record
+from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
 
@@ -51,7 +52,6 @@ PAIR = (0.6, 300.0)  # e and t in d/U, of the paper's figure inelasticposi
 _REFERENCE_RTOL = {True: 1e-7, False: 1e-8}
 _DENSITY_TOLERANCES = {True: (1e-2, 1e-4, 1e-5), False: tuple(10.0**-k for k in range(2, 8))}
 _MANY = 4_000_000  # samples of one more Monte Carlo run of the full benchmark
-_QUANTITIES = {"msd": "<r^2>(t)", "kurtosis": "kurtosis(t)"}
 _CANNOT = (
     (CONSERVATIVE, "it makes densities of the speed alone"),
     (STRAIGHTFORWARD, "not written: it would need further matrices, of m = 1 and on"),
@@ -61,27 +61,27 @@ _CANNOT = (
 
 def position(effort: Effort) -> list[Record]:
     """<r^2>(t) and kurtosis(t) of both starts, and G(R) at one of the paper's pairs."""
-    sweeps: list[Sweep] = []
+    works: list[Work] = []
     for e in restitutions(effort):
         for start in references.STARTS:
-            sweeps += _moment("msd", e, start, effort)
+            works += _moment("msd", e, start, effort)
     for start in references.STARTS[: 1 if effort.quick else None]:
-        sweeps += _moment("kurtosis", restitutions(effort)[0], start, effort)
+        works += _moment("kurtosis", restitutions(effort)[0], start, effort)
     reference = density_reference(*PAIR, _REFERENCE_RTOL[effort.quick])
-    sweeps += distribution(*PAIR, reference, effort)
-    rows = [reference.record(sweeps[-1].problem), *run_sweeps(sweeps, effort)]
+    works += distribution(*PAIR, reference, effort)
+    rows = [reference.record(works[-1].problem), *measure(works, effort)]
     return rows + [
-        not_available(PRECISION, problem, method, why)
-        for problem in dict.fromkeys(sweep.problem for sweep in sweeps)
+        Record(PRECISION, problem, method, status=NOT_AVAILABLE, note=why)
+        for problem in dict.fromkeys(work.problem for work in works)
         for method, why in _CANNOT
     ]
 
 
-def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Sweep]:
+def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Work]:
     from kinetics import Scene, solve
 
     times = references.times("short")
-    problem = f"{_QUANTITIES[quantity]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
+    problem = f"{QUANTITIES[quantity]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
     exact = references.kept(quantity, e, start, "short")
     scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=(quantity,))
 
@@ -92,10 +92,10 @@ def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Sweep]:
         run = methods.particles(e, start, times, samples, seed)
         return np.asarray(getattr(run, quantity).value)
 
-    of = partial(Sweep, PRECISION, problem, error=lambda found: relative(found, exact))
+    of = partial(sweep, PRECISION, problem, error=lambda found: relative(found, exact))
     return [
-        of(SPECTRAL, "rtol", TOLERANCES, spectral),
-        of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo, seeded=True),
+        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        *of(MONTE_CARLO, "samples", sample_numbers(effort), monte_carlo, seeded=True),
     ]
 
 
@@ -122,44 +122,36 @@ class DensityReference:
         return np.asarray(self.solution.scaled_position_density(r)[0])
 
     def error(self, found: FloatArray) -> float:
-        """Of a curve at RADII."""
+        """Error of a curve at RADII."""
         exact = self.curve(RADII)
         return float(np.max(np.abs(found - exact)) / exact.max())
 
     def histogram_error(self, run: Any) -> float:
-        """Of a run's displacement histogram at its only time."""
-        edges = run.displacement_histogram.edges / np.sqrt(run.msd.value[0])
-        used = (edges[:-1] >= BINS[0]) & (edges[1:] <= BINS[1])
-        first, last = np.nonzero(used)[0][[0, -1]]
-        edges = edges[first : last + 2]
-        inside = self.solution.position_fraction(edges * np.sqrt(self.solution.msd[0]))[0]
-        share = run.displacement_histogram.probability.value[0][used]
-        largest = float(self.curve(RADII).max())
-        return float(np.max(np.abs(share - inside) / np.diff(edges)) / largest)
+        """Error of a run's displacement histogram at its only time."""
+        root = np.sqrt(self.solution.msd[0])
+        found = binned(
+            run.displacement_histogram, np.sqrt(run.msd.value[0]), BINS,
+            lambda r: self.solution.position_fraction(r * root)[0], np.diff,
+        )  # fmt: skip
+        return found / float(self.curve(RADII).max())
 
-    def moments_missed(self) -> tuple[float, float, float]:
+    def moments_missed(self) -> dict[str, float]:
         """Relative errors of the norm, of <R^2> and of <R^4>, integrated to R = 24."""
-        x, w = np.polynomial.legendre.leggauss(24)
-        edges = np.linspace(0.0, 24.0, 49)
-        half = 0.5 * np.diff(edges)[:, None]
-        r = (edges[:-1, None] + half * (1.0 + x)).ravel()
-        g = self.curve(r) * (half * w).ravel()
-        found = [
-            abs(float(g @ r**p) / v - 1.0) for p, v in ((0, 1.0), (2, 1.0), (4, self.kurtosis))
-        ]
-        return found[0], found[1], found[2]
+        r, weight = panels_between(np.linspace(0.0, 24.0, 49), 24)
+        g = self.curve(r) * weight
+        exact = {"norm": (0, 1.0), "second": (2, 1.0), "fourth": (4, self.kurtosis)}
+        return {name: abs(float(g @ r**p) / value - 1.0) for name, (p, value) in exact.items()}
 
     def record(self, problem: str) -> Record:
         """The row that says how exact this reference is. It has no run time."""
         missed = self.moments_missed()
         note = "integrals of 1, R^2 and R^4 miss 1, <r^2> and <r^4> by {:.0e}, {:.0e} and {:.0e}"
-        extra = dict(zip(("norm", "second", "fourth"), missed, strict=True))
-        return Record(PRECISION, problem, REFERENCE, "rtol", self.rtol, error=max(missed),
-                      note=note.format(*missed), extra=extra)  # fmt: skip
+        return Record(PRECISION, problem, REFERENCE, "rtol", self.rtol, error=max(missed.values()),
+                      note=note.format(*missed.values()), extra=missed)  # fmt: skip
 
 
 def density_reference(e: float, t: float, rtol: float) -> DensityReference:
-    """Of a Gaussian start at time t in d/U."""
+    """G(R) of a Gaussian start at time t in d/U, to rtol."""
     from kinetics import Scene, solve
 
     def at(rtol: float, *outputs: str) -> Any:
@@ -169,7 +161,7 @@ def density_reference(e: float, t: float, rtol: float) -> DensityReference:
     return DensityReference(at(rtol, "msd", "position_density"), kurtosis, rtol)
 
 
-def distribution(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Sweep]:
+def distribution(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Work]:
     """G(R) by the solver, by Monte Carlo, and by the paper's formulas with its constants."""
     from kinetics import Scene, solve, sonine
 
@@ -182,19 +174,16 @@ def distribution(e: float, t: float, reference: DensityReference, effort: Effort
         observables = ("displacement_histogram",)
         return methods.particles(e, "gaussian", np.array([t]), samples, seed, observables)
 
-    printed: dict[str, Callable[[FloatArray], Any]] = {
+    printed = {
         "eq. gdefi, eta = 1/2": sonine.position_integral,
         "eq. peakg, eta = 0.75": sonine.position_peak,
         "eq. gammatailg, eta = 0.25, gamma = 7.39": sonine.position_tail,
     }
     samples = [*sample_numbers(effort), *(() if effort.quick else (_MANY,))]
-    of = partial(Sweep, PRECISION, f"G(R), gaussian, t = {t:g}, e = {e:g}", error=reference.error)
-    return [
-        of(SPECTRAL, "rtol", _DENSITY_TOLERANCES[effort.quick], spectral),
-        of(MONTE_CARLO, "samples", samples, monte_carlo, error=reference.histogram_error,
-           seeded=True),
-        *(
-            of(PRINTED, name, (None,), lambda _, form=form: np.asarray(form(RADII)))
-            for name, form in printed.items()
-        ),
-    ]  # fmt: skip
+    of = partial(sweep, PRECISION, f"G(R), gaussian, t = {t:g}, e = {e:g}", error=reference.error)
+    works = of(SPECTRAL, "rtol", _DENSITY_TOLERANCES[effort.quick], spectral)
+    works += of(MONTE_CARLO, "samples", samples, monte_carlo, error=reference.histogram_error,
+                seeded=True)  # fmt: skip
+    for name, form in printed.items():
+        works += of(PRINTED, name, (None,), lambda _, form=form: np.asarray(form(RADII)))
+    return works

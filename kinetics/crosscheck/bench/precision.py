@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import methods, straightforward
+from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
 from kinetics.crosscheck.bench.methods import (
     CONSERVATIVE,
     LATE,
@@ -32,13 +33,15 @@ from kinetics.crosscheck.bench.methods import (
     TIGHTEST,
 )
 from kinetics.crosscheck.bench.record import PRECISION, Record
-from kinetics.crosscheck.bench.sweeps import Sweep, run_sweeps
-from kinetics.crosscheck.bench.timing import Effort
 
 FloatArray = NDArray[np.float64]
 
 SCALED_SPEEDS = np.linspace(0.1, 4.0, 79)
 TOLERANCES = tuple(10.0**-k for k in range(2, 13))
+QUANTITIES = {
+    "thermal_speed": "v0(t)", "a2": "1 + a2(t)", "msd": "<r^2>(t)", "kurtosis": "kurtosis(t)",
+}  # fmt: skip
+"""Outputs as the names of problems have them."""
 
 
 def restitutions(effort: Effort) -> tuple[float, ...]:
@@ -72,10 +75,11 @@ def _grids(effort: Effort, largest: int) -> list[int]:
 
 def scaled(effort: Effort) -> list[Record]:
     """F(c), and h and a2, of the scaling state; the reference is `kinetics.ScalingSolution`."""
-    return run_sweeps([s for e in restitutions(effort) for s in _scaled(e, effort)], effort)
+    works = [work for e in restitutions(effort) for work in scaled_works(e, effort)]
+    return measure(works, effort)
 
 
-def _scaled(e: float, effort: Effort) -> list[Sweep]:
+def scaled_works(e: float, effort: Effort) -> list[Work]:
     """Both problems: every method has a state with the same names, and the particles a run."""
     from kinetics import CollisionLaw, ScalingSolution, solve_scaled
 
@@ -84,9 +88,6 @@ def _scaled(e: float, effort: Effort) -> list[Sweep]:
     target = np.array([exact.cooling_rate, 1.0 + exact.a2])
     # upper end of v t/l for the straightforward solver: the mean 1/kappa, and a tail e^-y
     fastest = 30.0 + 2.0 / CollisionLaw(e).mean_log_loss
-
-    def vdf_error(found: FloatArray) -> float:
-        return float(np.max(np.abs(found - F)) / F.max())
 
     def moments(state: Any) -> tuple[float, float]:
         return state.cooling_rate, 1.0 + state.a2
@@ -103,23 +104,21 @@ def _scaled(e: float, effort: Effort) -> list[Sweep]:
          lambda n: straightforward.solve_scaled(e, n, fastest)),
         (SONINE, "order", _orders(effort), partial(methods.sonine_state, e)),
     ]  # fmt: skip
-    vdf = partial(Sweep, PRECISION, f"scaled F(c), e = {e:g}", error=vdf_error)
-    both = partial(Sweep, PRECISION, f"scaled h and a2, e = {e:g}",
+    vdf = partial(sweep, PRECISION, f"scaled F(c), e = {e:g}",
+                  error=lambda found: float(np.max(np.abs(found - F)) / F.max()))  # fmt: skip
+    both = partial(sweep, PRECISION, f"scaled h and a2, e = {e:g}",
                    error=lambda found: relative(found, target))  # fmt: skip
-    sweeps = [
-        vdf(method, setting, values, lambda x, solve=solve: solve(x).vdf(SCALED_SPEEDS))
-        for method, setting, values, solve in states
-    ]
-    sweeps += [
-        both(method, setting, values, lambda x, solve=solve: moments(solve(x)))
-        for method, setting, values, solve in states
-    ]
+    works = []
+    for method, setting, values, solve in states:
+        row = (method, setting, values)
+        works += vdf(*row, lambda x, solve=solve: solve(x).vdf(SCALED_SPEEDS))
+        works += both(*row, lambda x, solve=solve: moments(solve(x)))
     samples = (MONTE_CARLO, "samples", sample_numbers(effort))
-    return [
-        *sweeps,
-        vdf(*samples, histogram, error=lambda run: histogram_error(run, between), seeded=True),
-        both(*samples, lambda n, seed: moments(methods.monte_carlo_state(e, n, seed)), seeded=True),
-    ]
+    works += vdf(*samples, histogram, error=lambda run: vdf_error(run, between), seeded=True)
+    works += both(
+        *samples, lambda n, seed: moments(methods.monte_carlo_state(e, n, seed)), seeded=True
+    )
+    return sorted(works, key=lambda work: work.problem)  # F(c) first
 
 
 def interpolated(exact: Any) -> Callable[[FloatArray], FloatArray]:
@@ -131,19 +130,38 @@ def interpolated(exact: Any) -> Callable[[FloatArray], FloatArray]:
     return spline
 
 
-def histogram_error(run: Any, vdf: Callable[[FloatArray], FloatArray]) -> float:
-    """Error of F(c) from a speed histogram at its only time, against the exact mean of each bin."""
-    c = run.speed_histogram.edges / run.thermal_speed.value[0]
-    low, high = c[:-1], c[1:]
-    used = (low >= SCALED_SPEEDS[0]) & (high <= SCALED_SPEEDS[-1])
-    low, high = low[used], high[used]
-    share = run.speed_histogram.probability.value[0][used]
+def vdf_error(run: Any, vdf: Callable[[FloatArray], FloatArray]) -> float:
+    """Error of F(c) from the speed histogram of a run at its only time."""
     x, w = np.polynomial.legendre.leggauss(6)
-    points = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * x
-    inside = 0.5 * (high - low) * ((2.0 * math.pi * points * vdf(points)) @ w)
-    area = math.pi * (high**2 - low**2)
-    largest = float(vdf(SCALED_SPEEDS).max())
-    return float(np.max(np.abs(share - inside) / area) / largest)
+
+    def shares(c: FloatArray) -> FloatArray:
+        half = 0.5 * np.diff(c)
+        points = 0.5 * (c[:-1] + c[1:])[:, None] + half[:, None] * x
+        return np.asarray(half * ((2.0 * math.pi * points * vdf(points)) @ w))
+
+    speeds = (SCALED_SPEEDS[0], SCALED_SPEEDS[-1])
+    unit = run.thermal_speed.value[0]
+    found = binned(run.speed_histogram, unit, speeds, shares, lambda c: math.pi * np.diff(c**2))
+    return found / float(vdf(SCALED_SPEEDS).max())
+
+
+def binned(
+    histogram: Any,
+    unit: float,
+    ends: tuple[float, float],
+    shares: Callable[[FloatArray], FloatArray],
+    sizes: Callable[[FloatArray], FloatArray],
+) -> float:
+    """The largest difference of densities, averaged over each bin between the two ends.
+
+    histogram : measured at one time; unit : which its edges are divided by; shares, sizes : the
+    exact share of each bin and its size, (n,) each, from n + 1 edges
+    """
+    edges = histogram.edges / unit
+    used = np.nonzero((edges[:-1] >= ends[0]) & (edges[1:] <= ends[1]))[0]
+    edges = edges[used[0] : used[-1] + 2]
+    found = histogram.probability.value[0][used]
+    return float(np.max(np.abs(found - shares(edges)) / sizes(edges)))
 
 
 # -- the time-dependent equation -------------------------------------------------------------------
@@ -151,15 +169,15 @@ def histogram_error(run: Any, vdf: Callable[[FloatArray], FloatArray]) -> float:
 
 def cooling(effort: Effort) -> list[Record]:
     """v0(t) and a2(t) from both starts of the paper, over a short and a long time."""
-    sweeps: list[Sweep] = []
+    works: list[Work] = []
     for e in restitutions(effort)[:2]:
         for start in references.STARTS:
             for horizon in references.HORIZONS:
-                sweeps += _cooling(e, start, horizon, effort)
-    return run_sweeps(sweeps, effort)
+                works += _cooling(e, start, horizon, effort)
+    return measure(works, effort)
 
 
-def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Sweep]:
+def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Work]:
     from kinetics import Scene, solve
 
     times = references.times(horizon)
@@ -177,24 +195,22 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Sweep]:
     def dense(nodes: int) -> tuple[FloatArray, FloatArray]:
         # a tighter rtol gains nothing at this spacing, a looser one loses digits
         rtol = min(1e-3, 2.0 / nodes**2)
-        return straightforward.solve_cooling(
-            e, references.MEAN_FREE_PATH, start, times, nodes, rtol
-        )
+        path = references.MEAN_FREE_PATH
+        return straightforward.solve_cooling(e, path, start, times, nodes, rtol)
 
     def monte_carlo(samples: float, seed: int) -> tuple[FloatArray, FloatArray]:
         run = methods.particles(e, start, times, samples, seed)
         return run.thermal_speed.value, run.a2.value
 
     name = f"v0(t), a2(t), {start}, t <= {times[-1]:.0e}, e = {e:g}"
-    of = partial(Sweep, PRECISION, name, error=error)
+    of = partial(sweep, PRECISION, name, error=error)
     largest = 1025 if horizon == "short" else 513
     samples = [n for n in sample_numbers(effort) if n < 400_000 or horizon == "short"]
+    conservative = partial(methods.conservative_cooling, e, start, times)
     return [
-        of(SPECTRAL, "rtol", TOLERANCES, spectral),
-        of(CONSERVATIVE, "nodes", _grids(effort, 4097),
-           lambda nodes: methods.conservative_cooling(e, start, times, nodes)),
-        of(STRAIGHTFORWARD, "nodes", _grids(effort, largest), dense),
-        of(SONINE, "order", _orders(effort),
-           lambda order: methods.sonine_cooling(e, start, times, order)),
-        of(MONTE_CARLO, "samples", samples, monte_carlo, seeded=True),
-    ]  # fmt: skip
+        *of(SPECTRAL, "rtol", TOLERANCES, spectral),
+        *of(CONSERVATIVE, "nodes", _grids(effort, 4097), conservative),
+        *of(STRAIGHTFORWARD, "nodes", _grids(effort, largest), dense),
+        *of(SONINE, "order", _orders(effort), partial(methods.sonine_cooling, e, start, times)),
+        *of(MONTE_CARLO, "samples", samples, monte_carlo, seeded=True),
+    ]

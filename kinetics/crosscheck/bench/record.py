@@ -1,11 +1,9 @@
-"""One measured figure of a benchmark, and what could not be measured."""
+"""One row of a benchmark: a measured figure, or what could not be measured."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
-
-from kinetics.crosscheck.bench.timing import Timing
 
 MEASURED, FAILED, NOT_AVAILABLE = "measured", "failed", "not available"
 
@@ -28,7 +26,7 @@ class Record:
     seconds, low, high : median and quartiles of the run time in s; None if not measured. Of one
         thread the processor time, so that others on the machine do not count; of more, wall-clock
     wall : median of the wall-clock time in s
-    warm_up : the first call, in s
+    warm_up : wall-clock time of the first call, in s
     repeats : behind the median
     error : error reached, as the section defines it; None where it has none
     asked : error asked for
@@ -56,38 +54,9 @@ class Record:
     threads: int = 1
     extra: dict[str, Any] = field(default_factory=dict)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain values by name."""
-        return asdict(self)
-
-
-def timed(
-    section: str, problem: str, method: str, timing: Timing, threads: int = 1, **others: Any
-) -> Record:
-    """A row with a measured time."""
-    low, median, high = timing.cpu if threads == 1 else timing.wall
-    return Record(
-        section,
-        problem,
-        method,
-        seconds=median,
-        low=low,
-        high=high,
-        wall=timing.wall[1],
-        warm_up=timing.warm_up,
-        repeats=timing.repeats,
-        threads=threads,
-        **others,
-    )
-
 
 def failed(section: str, problem: str, method: str, why: object, **others: Any) -> Record:
     """A row that says on one line what went wrong; why : an exception, or words."""
     text = f"{type(why).__name__}: {why}" if isinstance(why, Exception) else str(why)
     note = " ".join(text.split())[:200]
     return Record(section, problem, method, status=FAILED, note=note, **others)
-
-
-def not_available(section: str, problem: str, method: str, why: str, **others: Any) -> Record:
-    """A row for what a method cannot do."""
-    return Record(section, problem, method, status=NOT_AVAILABLE, note=why, **others)

@@ -1,8 +1,8 @@
-"""BenchReport: all rows of a benchmark, as JSON, as Markdown tables and as figures."""
+"""BenchReport: all rows of a benchmark, as JSON, as Markdown tables and as a figure."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from kinetics.crosscheck.bench.record import Record
@@ -33,16 +33,7 @@ class BenchReport:
         """One strict JSON document; what is not finite is null."""
         from kinetics.crosscheck.strict_json import dumps
 
-        return dumps(
-            {
-                "format": FORMAT,
-                "quick": self.quick,
-                "cases": list(self.cases),
-                "machine": self.machine,
-                "seconds": self.seconds,
-                "records": [r.as_dict() for r in self.records],
-            }
-        )
+        return dumps({"format": FORMAT, **asdict(self)})
 
     def markdown(self) -> str:
         """A heading, and all tables that have rows."""
@@ -56,13 +47,14 @@ class BenchReport:
             "in turns: processor time of one thread where nothing else is said, so that others on "
             "the machine do not count.",
             "",
+            *tables(self.records),
         ]
-        for table in tables(list(self.records)):
-            lines += table.lines()
         return "\n".join(lines) + "\n"
 
-    def figures(self) -> dict[str, str]:
-        """SVG files by name; those that have data."""
-        from kinetics.crosscheck.bench.figures import draw_all
+    def files(self) -> dict[str, str]:
+        """The contents of what ``lorentz bench -o`` writes, by name; a figure if it has data."""
+        from kinetics.crosscheck.bench.figures import work_precision
 
-        return draw_all(list(self.records))
+        files = {"bench.json": self.to_json(), "bench.md": self.markdown()}
+        figure = work_precision(self.records)
+        return files | ({"work-precision.svg": figure} if figure else {})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
 import os
 import platform
@@ -9,24 +10,25 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from kinetics.crosscheck.bench.measuring import FULL, QUICK
 from kinetics.crosscheck.bench.record import Record, failed
 from kinetics.crosscheck.bench.report import BenchReport
-from kinetics.crosscheck.bench.timing import FULL, QUICK
 from kinetics.errors import InputError
 
-# name of a case: module, function
-CASES: dict[str, tuple[str, str]] = {
-    "scaled": ("precision", "scaled"),
-    "cooling": ("precision", "cooling"),
-    "position": ("position", "position"),
-    "accuracy": ("accuracy", "accuracy"),
-    "skipping": ("skipping", "skipping"),
-    "cost": ("cost", "cost"),
-    "particles": ("throughput", "throughput"),
+# name of a case: module and function
+CASES = {
+    "scaled": "precision.scaled",
+    "cooling": "precision.cooling",
+    "position": "position.position",
+    "accuracy": "accuracy.accuracy",
+    "skipping": "skipping.skipping",
+    "cost": "cost.cost",
+    "particles": "throughput.throughput",
 }
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _LONGEST = {True: 120.0, False: 900.0}  # s for one case of a quick and of a full run
@@ -35,25 +37,22 @@ _LONGEST = {True: 120.0, False: 900.0}  # s for one case of a quick and of a ful
 def run_bench(
     quick: bool = False,
     cases: Iterable[str] | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Callable[[str, int], None] | None = None,
 ) -> BenchReport:
     """Measure everything, or the named cases (see `CASES`), one after another.
 
-    progress is called with the name of each case as it starts. A case that dies is a failed row.
-    Raises InputError for a case that does not exist.
+    progress(name of the case, number of cases) is called as each of them starts. A case that dies
+    is a failed row. Raises InputError for a case that does not exist.
     """
     names = tuple(CASES) if cases is None else tuple(dict.fromkeys(cases))
-    for name in names:
-        if name not in CASES:
-            raise InputError(f"cases: got {name!r}; known are {', '.join(CASES)}")
-    if not names:
-        raise InputError(f"cases: got none; known are {', '.join(CASES)}")
+    for wrong in [repr(name) for name in names if name not in CASES] or ([] if names else ["none"]):
+        raise InputError(f"cases: got {wrong}; known are {', '.join(CASES)}")
     about = machine()
     begin = time.perf_counter()
     records: list[Record] = []
     for name in names:
         if progress is not None:
-            progress(name)
+            progress(name, len(names))
         records += _in_process(name, quick)
     return BenchReport(tuple(records), quick, names, about, time.perf_counter() - begin)
 
@@ -79,7 +78,7 @@ def _in_process(name: str, quick: bool) -> list[Record]:
 
 def run_case(name: str, quick: bool) -> list[Record]:
     """The rows of one case, measured in this process."""
-    module, function = CASES[name]
+    module, function = CASES[name].split(".")
     work = getattr(import_module(f"kinetics.crosscheck.bench.{module}"), function)
     rows: list[Record] = work(QUICK if quick else FULL)
     return rows
@@ -87,13 +86,10 @@ def run_case(name: str, quick: bool) -> list[Record]:
 
 def machine() -> dict[str, Any]:
     """What a time depends on: the processor and the versions. Nothing that names the machine."""
-    import importlib.metadata
-
+    known = hasattr(os, "sched_getaffinity")
     about: dict[str, Any] = {
         "processor": _processor(),
-        "cores": len(os.sched_getaffinity(0))
-        if hasattr(os, "sched_getaffinity")
-        else os.cpu_count(),
+        "cores": len(os.sched_getaffinity(0)) if known else os.cpu_count(),
         "system": platform.system(),
         "python": platform.python_version(),
     }
@@ -121,4 +117,4 @@ if __name__ == "__main__":
     from kinetics.crosscheck.strict_json import dumps
 
     rows = run_case(sys.argv[1], sys.argv[2] == "quick")
-    sys.stdout.write(dumps([row.as_dict() for row in rows]))
+    sys.stdout.write(dumps([asdict(row) for row in rows]))

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.bench.record import SKIPPING, Record, failed, timed
-from kinetics.crosscheck.bench.timing import Effort, measure_together
+from kinetics.crosscheck.bench.measuring import Effort, Work, measure
+from kinetics.crosscheck.bench.record import FAILED, SKIPPING, Record
 
-OUTPUTS = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
-DIRECTED_OUTPUTS = (
+ISOTROPIC = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
+DIRECTED = (
     "thermal_speed", "mean_velocity", "velocity_tensor", "msd", "speed_density", "velocity_density",
 )  # fmt: skip
 MOMENTS = ("msd", "kurtosis", "diffusion_coefficient")
+DENSITY = "position_density"
 OBSERVABLES = (
     "speed_histogram", "velocity_component_histogram", "displacement_histogram",
     "free_path_histogram",
 )  # fmt: skip
 
-Works = dict[str, Callable[[], Any]]
+Parts = dict[str, Callable[[], Any]]
 
 
 def skipping(effort: Effort) -> list[Record]:
@@ -28,18 +30,24 @@ def skipping(effort: Effort) -> list[Record]:
     from kinetics import Gaussian
 
     times = np.geomspace(1.0, 1e4, 20)
-    groups = {
-        "isotropic scene": _scene("gaussian", OUTPUTS, times),
-        "two-temperature scene": _scene(Gaussian(2.0, 1.0), DIRECTED_OUTPUTS, times[::4]),
-        "displacement, e = 0.6, t = 300": _position(),
+    cooling = ("thermal_speed", "a2")
+    groups: dict[str, Parts] = {
+        "isotropic scene": _outputs(ISOTROPIC, ISOTROPIC, times=times, harmonics=4),
+        "two-temperature scene": _outputs(
+            DIRECTED, DIRECTED, times=times[::4], initial=Gaussian(2.0, 1.0), harmonics=4
+        ),
+        # the density solves wave numbers and harmonics; the moments do not
+        "displacement, e = 0.6, t = 300": _outputs(
+            (*MOMENTS, DENSITY), (DENSITY,), restitution=0.6, times=[300.0], rtol=1e-4
+        ),
         # the elastic scene solves nothing
         "elastic scene, v0, a2 and density": {
-            f"e = {e:g}": _solve(e, times, ("thermal_speed", "a2", "speed_density"))
+            f"e = {e:g}": _solve((*cooling, "speed_density"), restitution=e, times=times)
             for e in (0.99, 1.0)
         },
         # once the scaling state is reached, later times cost nothing
         "last time in d/U, v0 and a2": {
-            f"t <= {last:.0e}": _solve(0.7, np.geomspace(1.0, last, 20), ("thermal_speed", "a2"))
+            f"t <= {last:.0e}": _solve(cooling, times=np.geomspace(1.0, last, 20))
             for last in (1e300, 1e20, 1e12, 1e4)
         },
         "Boltzmann-Grad run, 4000 tracers": _particles(times),
@@ -47,53 +55,42 @@ def skipping(effort: Effort) -> list[Record]:
     return ratios(groups, effort)
 
 
-def ratios(groups: dict[str, Works], effort: Effort) -> list[Record]:
-    """A row per piece of work; `extra["ratio"]` is the time of the group's first over its own."""
-    works = {(group, name): work for group, some in groups.items() for name, work in some.items()}
-    timings = measure_together(works, effort)
-    rows = []
-    for (group, name), timing in timings.items():
-        whole = timings[group, next(iter(groups[group]))]
-        if isinstance(timing, Exception) or isinstance(whole, Exception):
-            met = timing if isinstance(timing, Exception) else whole
-            rows.append(failed(SKIPPING, group, name, met))
-            continue
-        ratio = whole.cpu[1] / max(timing.cpu[1], 1e-9)
-        rows.append(timed(SKIPPING, group, name, timing, extra={"ratio": ratio}))
-    return rows
+def ratios(groups: dict[str, Parts], effort: Effort) -> list[Record]:
+    """A row per part; `extra["ratio"]` is the time of the group's first part over its own."""
+    works = [
+        Work(SKIPPING, group, name, call)
+        for group, parts in groups.items()
+        for name, call in parts.items()
+    ]
+    rows = measure(works, effort)
+    whole = {row.problem: row for row in reversed(rows)}
+    return [_compared(row, whole[row.problem]) for row in rows]
 
 
-def _solve(e: float, times: Any, outputs: tuple[str, ...], rtol: float = 1e-8, **scene: Any) -> Any:
-    """Work: to solve this scene."""
+def _compared(row: Record, whole: Record) -> Record:
+    if whole.seconds is None or row.seconds is None:
+        return replace(row, status=FAILED, note=row.note or whole.note)
+    return replace(row, extra={"ratio": whole.seconds / max(row.seconds, 1e-9)})
+
+
+def _solve(outputs: Sequence[str], rtol: float = 1e-8, **scene: Any) -> Callable[[], Any]:
+    """A function that solves this scene, at e = 0.7 where nothing else is said."""
     from kinetics import Scene, solve
 
-    made = Scene(e, times=times, outputs=outputs, **scene)
+    made = Scene(**{"restitution": 0.7, "outputs": tuple(outputs), **scene})
     return lambda: solve(made, rtol)
 
 
-def _scene(start: Any, outputs: tuple[str, ...], times: np.ndarray) -> Works:
-    def of(*names: str) -> Callable[[], Any]:
-        return _solve(0.7, times, names, initial=start, harmonics=4)
-
-    works = {"everything": of(*outputs)}
-    works |= {f"{name} alone": of(name) for name in outputs}
-    works |= {f"all but {name}": of(*(o for o in outputs if o != name)) for name in outputs}
-    return works
-
-
-def _position() -> Works:
-    """The density solves wave numbers and harmonics; the moments do not."""
-
-    def of(*names: str) -> Callable[[], Any]:
-        return _solve(0.6, [300.0], names, 1e-4)
-
-    density = "position_density"
-    works = {"everything": of(*MOMENTS, density), f"all but {density}": of(*MOMENTS)}
-    works |= {f"{name} alone": of(name) for name in (*MOMENTS, density)}
-    return works
+def _outputs(outputs: Sequence[str], left_out: Sequence[str], **scene: Any) -> Parts:
+    """All outputs, each one alone, and all but one of those in `left_out`."""
+    parts = {"everything": _solve(outputs, **scene)}
+    parts |= {f"{name} alone": _solve([name], **scene) for name in outputs}
+    for name in left_out:
+        parts[f"all but {name}"] = _solve([o for o in outputs if o != name], **scene)
+    return parts
 
 
-def _particles(times: np.ndarray) -> Works:
+def _particles(times: np.ndarray) -> Parts:
     """A simulation keeps only what is asked for."""
     from particles import BoltzmannGrad, simulate
 
@@ -103,6 +100,5 @@ def _particles(times: np.ndarray) -> Works:
             observables=names or None,
         )  # fmt: skip
 
-    works = {"every histogram": of(*OBSERVABLES), "scalars alone": of()}
-    works |= {f"{name} alone": of(name) for name in OBSERVABLES}
-    return works
+    parts = {"every histogram": of(*OBSERVABLES), "scalars alone": of()}
+    return parts | {f"{name} alone": of(name) for name in OBSERVABLES}

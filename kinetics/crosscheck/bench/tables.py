@@ -1,29 +1,24 @@
-"""The tables of a benchmark, in Markdown."""
+"""The tables of a benchmark, in Markdown: each is a function of the rows."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
-from kinetics.crosscheck.bench import analysis, cost, throughput
-from kinetics.crosscheck.bench.accuracy import MISSED
+import numpy as np
+
+from kinetics.crosscheck.bench import cost, throughput
+from kinetics.crosscheck.bench.accuracy import BETTER, MISSED, MISSED_AND_SAID
 from kinetics.crosscheck.bench.analysis import (
     AT_LEAST,
-    TARGETS,
-    YEAR,
     Cost,
-    cost_at,
     family,
+    middle_cost,
+    middle_least_error,
     of_problems,
 )
-from kinetics.crosscheck.bench.methods import (
-    METHODS,
-    MONTE_CARLO,
-    PRINTED,
-    SPECTRAL,
-)
+from kinetics.crosscheck.bench.methods import METHODS, PRINTED
 from kinetics.crosscheck.bench.position import REFERENCE
 from kinetics.crosscheck.bench.record import (
     ACCURACY,
@@ -34,12 +29,17 @@ from kinetics.crosscheck.bench.record import (
     SKIPPING,
     Record,
 )
+from kinetics.crosscheck.text_tables import markdown
 
-_UNITS = (("years", YEAR), ("days", 86400.0), ("h", 3600.0), ("s", 1.0), ("ms", 1e-3))
+_UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("s", 1.0), ("ms", 1e-3))
 _RAISED = str.maketrans("0123456789+-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻")
 _POWER_OF_TEN = re.compile(r"\b1e([+-]?)0*(\d+)\b")
 _EXPONENT = re.compile(r"\^(-?\d+)")
 _SIGNS = {"<r": "⟨r", "²>": "²⟩", "<=": "≤", "v0": "v₀", "a2": "a₂"}
+_NOT_REACHED = (
+    "≥: not reached; the least that it would take from its most accurate run, by the order of "
+    "the method. -: the method does not get there."
+)
 
 
 def typeset(text: str) -> str:
@@ -72,204 +72,135 @@ def cost_text(found: Cost) -> str:
     return f"≥ {text}" if found.how == AT_LEAST else text
 
 
-@dataclass(frozen=True)
-class Table:
-    """A table with its heading, the words before it, and lines below it."""
-
-    title: str
-    words: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    below: Sequence[str] = ()
-
-    def lines(self) -> Iterator[str]:
-        """As Markdown; nothing where there is no row."""
-        if not self.rows:
-            return
-        if self.title:
-            yield from (f"## {self.title}", "")
-        if self.words:
-            yield from (self.words, "")
-        yield "| " + " | ".join(self.heads) + " |"
-        yield "|" + "---|" * len(self.heads)
-        yield from ("| " + " | ".join(row) + " |" for row in self.rows)
-        yield ""
-        if self.below:
-            yield from (*self.below, "")
-
-
-def tables(records: list[Record]) -> list[Table]:
-    """All of them, from the shortest on."""
-    makers = (summary, _precision, _monte_carlo, _accuracy, _skipping, _cost, _particles, _cells,
-              _failures)  # fmt: skip
-    return [make(records) for make in makers]
-
-
-def summary(records: list[Record]) -> Table:
-    """A line for each family of problems and method: short enough for a README."""
+def tables(records: Sequence[Record]) -> list[str]:
+    """The lines of all tables that have rows, from the shortest on."""
+    problems = of_problems(records, PRECISION)
     families: dict[str, list[list[Record]]] = {}
-    for problem, here in of_problems(records, PRECISION).items():
-        families.setdefault(family(problem), []).append(here)
+    for problem, rows in problems.items():
+        families.setdefault(typeset(family(problem)), []).append(rows)
+    summary = "Run time of one thread, medians over the restitutions and starts. " + _NOT_REACHED
+    single = {problem: [rows] for problem, rows in problems.items()}
+    return [
+        *_table("Summary", *_run_times(families, (1e-3, 1e-8)), summary),
+        *_table("Run time for an error", *_run_times(single, (1e-3, 1e-6, 1e-8, 1e-10)),
+                _NOT_REACHED, _notes(problems)),
+        *_table("Error reached over error asked", *_accuracy(records), below=_missed(records)),
+        *_table("What skipping saves", *_skipping(records)),
+        *_table("Cost against work", *_cost(records)),
+        *_table(f"Particles, e = {throughput.RESTITUTION:g}", *_particles(records),
+                "Of two threads by wall-clock time. Listed per cell: how many scatterers a cell of "
+                "the index lists on average."),
+        *_table("Failed and not available", *_not_measured(records)),
+    ]  # fmt: skip
+
+
+Cells = tuple[Sequence[str], Iterable[Sequence[str]]]
+"""The heads of a table, and its rows."""
+
+
+def _table(
+    title: str,
+    heads: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    words: str = "",
+    below: Sequence[str] = (),
+) -> list[str]:
+    """A table with its heading, the words before it, and lines below it; nothing without rows."""
+    lines = markdown(heads, rows)
+    if not lines:
+        return []
+    before = [f"## {title}", "", *([words, ""] if words else [])]
+    return [*before, *lines, *below, *([""] if below else [])]
+
+
+def _run_times(groups: dict[str, list[list[Record]]], targets: Sequence[float]) -> Cells:
+    """A row for each group of problems and method: run time at the targets, and least error."""
     rows = []
-    for name, members in families.items():
+    for name, problems in groups.items():
         for method in METHODS:
-            least = [
-                min(r.error for r in done if r.error is not None)
-                for here in members
-                if (done := [r for r in here if r.method == method and r.error is not None])
-            ]
-            if not least:
-                continue
-            costs = [analysis.middle_cost(members, method, target) for target in (1e-3, 1e-8)]
-            middle = sorted(least)[len(least) // 2]
-            rows.append([typeset(name), method, *map(cost_text, costs), f"{middle:.0e}"])
-    words = (
-        "Run time of one thread for an error of 10⁻³ and of 10⁻⁸, and the least error reached: "
-        "medians over the restitutions and starts. ≥: not reached; what the order of the method "
-        "would take at least. -: the method does not get there."
-    )
-    return Table("Summary", words, ["problem", "method", "10⁻³", "10⁻⁸", "least error"], rows)
+            least = middle_least_error(problems, method)
+            if least is not None:
+                costs = [cost_text(middle_cost(problems, method, target)) for target in targets]
+                rows.append([name, method, *costs, f"{least:.1e}"])
+    return ["problem", "method", *(typeset(f"{t:.0e}") for t in targets), "least error"], rows
 
 
-def _precision(records: list[Record]) -> Table:
-    rows = []
-    for problem, here in of_problems(records, PRECISION).items():
-        for method in METHODS:
-            errors = [
-                r.error
-                for r in here
-                if r.method == method and r.status == MEASURED and r.error is not None
-            ]
-            if errors:
-                cells = [cost_text(cost_at(here, method, target)) for target in TARGETS]
-                rows.append([problem, method, *cells, f"{min(errors):.1e}"])
-    words = (
-        "≥: not reached; the least that it would take from its most accurate run, by the order of "
-        "the method. -: the method does not get there."
-    )
-    notes = [text for row in records if row.section == PRECISION and (text := _note(row))]
-    beaten = analysis.quicker_than(records, PRECISION, SPECTRAL, 1e-3)
-    if beaten:
-        below = ["Below an error of 1e-3 the spectral solver is not the quickest here:", ""]
-        below += [f"- {line}" for line in beaten]
-    else:
-        below = ["Below an error of 1e-3 no other method is quicker than the spectral solver."]
-    heads = ["problem", "method", *(f"{t:.0e}" for t in TARGETS), "least error measured"]
-    between = [""] if notes else []
-    return Table("Run time for an error", words, heads, rows, [*notes, *between, *below])
-
-
-def _note(row: Record) -> str:
+def _notes(problems: dict[str, list[Record]]) -> list[str]:
     """What the table of run times has no place for."""
-    if row.method == REFERENCE:
-        return f"- Reference of {row.problem}, rtol = {row.value:.0e}: {row.note}."
-    if row.method == PRINTED and row.error is not None:
-        return f"- {row.problem}, {row.setting}: error {row.error:.2g}."
-    return ""
+    lines = []
+    for row in (row for rows in problems.values() for row in rows):
+        if row.method == REFERENCE:
+            lines.append(f"- Reference of {row.problem}, rtol = {row.value:.0e}: {row.note}.")
+        elif row.method == PRINTED and row.error is not None:
+            lines.append(f"- {row.problem}, {row.setting}: error {row.error:.2g}.")
+    return lines
 
 
-def _monte_carlo(records: list[Record]) -> Table:
+def _accuracy(records: Sequence[Record]) -> Cells:
+    """A row for each rtol: the range of reached/asked, and how many problems missed it."""
+    done = [r for r in records if r.section == ACCURACY and r.status == MEASURED]
     rows = []
-    for problem, here in of_problems(records, PRECISION).items():
-        need = analysis.monte_carlo_need([r for r in here if r.method == MONTE_CARLO])
-        if math.isfinite(need["samples"]):
-            rows.append(
-                [problem, f"{need['slope']:.2f}", f"{need['samples']:.0e}", digits(need["years"])]
-            )
-    seeds = [r.extra["seeds"] for r in records if "seeds" in r.extra] or [0]
-    words = f"Errors are root mean squares over seeds, {min(seeds)} to {max(seeds)} a row."
-    heads = ["problem", "error ~ samples^", "samples", "years of one processor"]
-    return Table("What Monte Carlo would need for 1e-10", words, heads, rows)
-
-
-def _accuracy(records: list[Record]) -> Table:
-    rows = [
-        [f"{row['asked']:.0e}", str(row["problems"])]
-        + [f"{row[name]:.1e}" for name in ("best", "median", "worst")]
-        + [str(row[name]) for name in ("missed", "missed_and_said", "beyond_100")]
-        for row in analysis.asked_and_reached(records)
-    ]
+    for rtol in sorted({r.asked for r in done if r.asked}, reverse=True):
+        here = [r for r in done if r.asked == rtol]
+        ratios = np.array([r.extra["ratio"] for r in here])
+        rows.append([
+            f"{rtol:.0e}", str(len(here)),
+            *(f"{x:.1e}" for x in (ratios.min(), np.median(ratios), ratios.max())),
+            *(str(sum(r.note == note for r in here)) for note in (MISSED, MISSED_AND_SAID, BETTER)),
+        ])  # fmt: skip
     heads = ["rtol", "problems", "least", "median", "most", "missed, status claims it",
              "missed, status says so", "100 times better"]  # fmt: skip
+    return heads, rows
+
+
+def _missed(records: Sequence[Record]) -> list[str]:
+    """The five problems that missed an error by most, of those whose status claims it."""
     missed = [r for r in records if r.section == ACCURACY and r.note == MISSED and r.error]
     worst = sorted(missed, key=lambda r: -r.extra["ratio"])[:5]
-    below = [f"- {r.problem}: asked {r.asked:.0e}, reached {r.error:.1e}" for r in worst]
-    return Table("Error reached over error asked", "", heads, rows, below)
+    return [f"- {r.problem}: asked {r.asked:.0e}, reached {r.error:.1e}" for r in worst]
 
 
-def _skipping(records: list[Record]) -> Table:
-    rows = [
+def _skipping(records: Sequence[Record]) -> Cells:
+    return ["scene", "asked for", "time", "whole scene's time over it"], [
         [r.problem, r.method, seconds_text(r.seconds), digits(r.extra["ratio"])]
         for r in records
         if r.section == SKIPPING and r.status == MEASURED
     ]
-    heads = ["scene", "asked for", "time", "whole scene's time over it"]
-    return Table("What skipping saves", "", heads, rows)
 
 
-def _cost(records: list[Record]) -> Table:
+def _cost(records: Sequence[Record]) -> Cells:
     here = [r for r in records if r.section == COST and r.status == MEASURED]
     rows = []
     for row in (r for r in here if "exponent" in r.extra):
-        key = (row.problem, row.method, row.setting.removesuffix(cost.EXPONENT))
+        setting = row.setting.removesuffix(cost.EXPONENT)
+        key = (row.problem, row.method, setting)
         points = [r for r in here if (r.problem, r.method, r.setting) == key]
         if points:
             first, last, exponent = points[0], points[-1], row.extra["exponent"]
-            rows.append(
-                [
-                    row.problem,
-                    row.method,
-                    f"{key[2]} {first.value:g} to {last.value:g}",
-                    f"{seconds_text(first.seconds)} to {seconds_text(last.seconds)}",
-                    "-" if exponent is None else f"{exponent:.2f}",
-                ]
-            )
-    return Table(
-        "Cost against work", "", ["problem", "method", "work", "run time", "exponent"], rows
-    )
+            rows.append([
+                row.problem, row.method, f"{setting} {first.value:g} to {last.value:g}",
+                f"{seconds_text(first.seconds)} to {seconds_text(last.seconds)}",
+                "-" if exponent is None else f"{exponent:.2f}",
+            ])  # fmt: skip
+    return ["problem", "method", "work", "run time", "exponent"], rows
 
 
-def _particles(records: list[Record]) -> Table:
-    rows = []
-    for name, here in of_problems(records, PARTICLES).items():
-        rates = {
-            r.threads: r.extra["collisions_per_second"]
-            for r in here
-            if r.status == MEASURED and r.setting != throughput.LISTED
-        }
-        if rates:
-            placing = here[0].extra["placing_seconds_per_medium"]
-            shown = [f"{rates[n] / 1e6:.1f}" if n in rates else "-" for n in (1, 2)]
-            rows.append([name, *shown, seconds_text(placing)])
-    title = f"Particles, e = {throughput.RESTITUTION:g}: million collisions per second"
-    heads = ["medium", "1 thread", "2 threads", "placing one medium"]
-    return Table(title, "Of two threads by wall-clock time.", heads, rows)
+def _particles(records: Sequence[Record]) -> Cells:
+    heads = ["medium", throughput.LISTED, "threads", "million collisions per second",
+             "placing one medium"]  # fmt: skip
+    return heads, [
+        [r.problem, "" if r.value is None else f"{r.value:g}", str(r.threads),
+         f"{r.extra['collisions_per_second'] / 1e6:.1f}",
+         seconds_text(r.extra["placing_seconds_per_medium"])]
+        for r in records
+        if r.section == PARTICLES and r.status == MEASURED
+    ]  # fmt: skip
 
 
-def _cells(records: list[Record]) -> Table:
-    rows = []
-    for name, here in of_problems(records, PARTICLES).items():
-        some = [r for r in here if r.setting == throughput.LISTED and r.seconds]
-        rates = [r.extra["collisions_per_second"] for r in some]
-        for row, rate in zip(some, rates, strict=True):
-            default = ", the default" if row.extra["is_default"] else ""
-            listed = f"{row.value:g}{default}"
-            rows.append([name, listed, f"{rate / 1e6:.1f}", f"{rate / max(rates):.2f}"])
-    words = "Size of the cells that index the scatterers, as the mean number that one lists:"
-    heads = ["medium", "listed", "million collisions per second", "over the most"]
-    return Table("", words, heads, rows)
-
-
-def _failures(records: list[Record]) -> Table:
-    rows = [
-        [
-            r.status,
-            r.problem,
-            r.method,
-            r.setting if r.value is None else f"{r.setting} {r.value:g}",
-            r.note,
-        ]
-        for r in analysis.not_done(records)
-    ]
-    heads = ["status", "problem", "method", "setting", "why"]
-    return Table("Failed and not available", "", heads, rows)
+def _not_measured(records: Sequence[Record]) -> Cells:
+    return ["status", "problem", "method", "setting", "why"], [
+        [r.status, r.problem, r.method,
+         r.setting if r.value is None else f"{r.setting} {r.value:g}", r.note]
+        for r in records
+        if r.status != MEASURED
+    ]  # fmt: skip

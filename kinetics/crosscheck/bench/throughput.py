@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from kinetics.crosscheck.bench.record import PARTICLES, Record, failed, timed
-from kinetics.crosscheck.bench.timing import Effort, Timing, measure_together
+from kinetics.crosscheck.bench.measuring import Effort, Work, measure
+from kinetics.crosscheck.bench.record import FAILED, PARTICLES, Record
 
 RESTITUTION = 0.9
 LISTED = "listed per cell"
 CELL_DENSITIES = (0.04, 0.2)
+_MEDIA = 4  # of each run
 
 
 def media(effort: Effort) -> list[tuple[str, Any]]:
@@ -46,60 +47,41 @@ def cells(effort: Effort) -> list[tuple[str, float, Any]]:
 
 
 def throughput(effort: Effort) -> list[Record]:
-    """Rows with collisions/s in `extra`, of one and of two threads; cell sizes of one."""
-    from particles.media import LISTED as default
-
+    """Rows with collisions/s in `extra`, of one and of two threads; sizes of the cells of one."""
     tracers = 300 if effort.quick else 2000
-    cases = [_Case(name, medium, threads) for name, medium in media(effort) for threads in (1, 2)]
-    cases += [_Case(name, medium, 1, value, default) for name, value, medium in cells(effort)]
-    collisions = [0] * len(cases)
-
-    def keep(key: tuple[int, bool], ensemble: Any) -> None:
-        if key[1]:
-            collisions[key[0]] = ensemble.collision_total
-
-    works = {}
-    for k, case in enumerate(cases):
-        works[k, False] = partial(case.run, 1, 1)
-        works[k, True] = partial(case.run, tracers, 500)
-    timings = measure_together(works, effort, keep)
-    return [
-        case.row(timings[k, False], timings[k, True], collisions[k]) for k, case in enumerate(cases)
-    ]
+    works = []
+    for name, medium in media(effort):
+        for threads in (1, 2):
+            works += _runs(name, medium, tracers, threads=threads)
+    for name, listed, medium in cells(effort):
+        works += _runs(name, medium, tracers, setting=LISTED, value=listed)
+    rows = measure(works, effort)
+    return [_rate(*pair) for pair in zip(rows[::2], rows[1::2], strict=True)]
 
 
-@dataclass(frozen=True)
-class _Case:
-    name: str
-    medium: Any
-    threads: int
-    listed: float | None = None
-    default: float | None = None
+def _runs(name: str, medium: Any, tracers: int, threads: int = 1, **where: Any) -> list[Work]:
+    """A run of one collision, whose time is that of placing the scatterers, and a long one."""
+    from particles import simulate
 
-    def run(self, tracers: int, collisions: int) -> Any:
-        from particles import simulate
+    def work(tracers: int, collisions: int) -> Work:
+        run = partial(simulate, medium, RESTITUTION, max_collisions=collisions, media=_MEDIA,
+                      tracers=tracers, workers=threads)  # fmt: skip
+        return Work(PARTICLES, name, PARTICLES, run, threads=threads, figures=_collisions, **where)
 
-        return simulate(
-            self.medium, RESTITUTION, max_collisions=collisions, media=4, tracers=tracers,
-            workers=self.threads,
-        )  # fmt: skip
+    return [work(1, 1), work(tracers, 500)]
 
-    def row(self, placing: Timing | Exception, whole: Timing | Exception, total: int) -> Record:
-        """Collisions/s without the time to place the scatterers, which stands beside."""
-        where: dict[str, Any] = {"threads": self.threads}
-        if self.listed is not None:
-            where |= {"setting": LISTED, "value": self.listed}
-        for timing in (placing, whole):
-            if isinstance(timing, Exception):
-                return failed(PARTICLES, self.name, PARTICLES, timing, **where)
-        assert isinstance(placing, Timing)
-        assert isinstance(whole, Timing)
-        clock = "cpu" if self.threads == 1 else "wall"
-        moving = max(getattr(whole, clock)[1] - getattr(placing, clock)[1], 1e-9)
-        extra = {
-            "collisions": total,
-            "collisions_per_second": total / moving,
-            "placing_seconds_per_medium": placing.cpu[1] / 4,
-            "is_default": self.listed == self.default,
-        }
-        return timed(PARTICLES, self.name, PARTICLES, whole, extra=extra, **where)
+
+def _collisions(ensemble: Any) -> dict[str, Any]:
+    return {"collisions": ensemble.collision_total}
+
+
+def _rate(placing: Record, whole: Record) -> Record:
+    """The row of a long run: collisions/s without the time that placing the scatterers takes."""
+    if placing.seconds is None or whole.seconds is None:
+        return replace(whole, status=FAILED, note=placing.note or whole.note)
+    moving = max(whole.seconds - placing.seconds, 1e-9)
+    rate = {
+        "collisions_per_second": whole.extra["collisions"] / moving,
+        "placing_seconds_per_medium": placing.seconds / _MEDIA,
+    }
+    return replace(whole, extra=whole.extra | rate)

@@ -1,16 +1,14 @@
 """Reference values in high precision, for the tests and for the benchmark.
 
-`references.json` holds them; `load` and `kept` read it. The other modules are the formulas in
-mpmath that made it, and they share nothing with the solver: this room imports nothing of the
-project. Begin reading at `collision`, the averages of one collision; `cooling`, `displacement` and
-`densities` use it. ``python -m kinetics.crosscheck.references FILE`` makes the file again; see
-`__main__` for how long that takes.
+`references.json` holds them; `load` and `kept` read it. This room imports nothing of the project.
+The formulas that made the file are in ``tests/references``; they share nothing with the solver.
+``python tests/references/make.py FILE`` makes the file again.
 
 The tables, by name and then by restitution as text:
 
 - "scaled_density": F(c) of the scaling state, lists c and F;
-- "evolution": averages of six starts at `cooling.TIMES` in d/U: "v^p" in U^p, "collisions", "msd"
-  in d^2;
+- "evolution": averages of six starts at the times TIMES of ``cooling.py`` in d/U: "v^p" in U^p,
+  "collisions", "msd" in d^2;
 - "beam": <v^2 cos(m phi)> of a beam of speed U at the same times, by m;
 - "displacement": "square" and "fourth", <r^2>/l^2 and <r^4>/l^4 at the times "T" in l/U;
 - "speed_density": f(v, t) as pairs [v, f], by start and time, in units of l and U;
@@ -40,7 +38,7 @@ HORIZONS = {"short": (0.1, 1e2, 25), "long": (1.0, 1e8, 25)}
 
 @cache
 def load() -> dict[str, Any]:
-    """Every table; see the documentation of this package."""
+    """Every table, by name; see the documentation of this package."""
     text = files(__package__).joinpath("references.json").read_text(encoding="utf-8")
     return dict(json.loads(text))
 

@@ -47,16 +47,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Case:
-    """A case that has not been run: its group, its name, and what to run."""
+    """A case that has not been run: its group, its name, and what to run with which arguments."""
 
     group: str
     name: str
-    work: Callable[[], Outcome]
-
-
-def named(group: str, name: str, work: Callable[..., Outcome], *arguments: Any) -> Case:
-    """A case whose work takes these arguments."""
-    return Case(group, name, lambda: work(*arguments))
+    work: Callable[..., Outcome]
+    arguments: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,23 +101,19 @@ def attempt(case: Case, clock: Callable[[], float] = time.process_time) -> Stres
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            outcome = case.work()
+            outcome = case.work(*case.arguments)
         verdict, note = judge(outcome, clock() - begin), outcome.note
     except Exception as met:  # whatever it is, it is the finding
         verdict, note = BROKEN, f"{type(met).__name__}: {met}"
-    name, violation, allowed = worst_invariant(outcome.invariants)
-    return StressCase(
-        group=case.group,
-        name=case.name,
-        verdict=verdict,
-        asked=outcome.asked,
-        reached=outcome.reached,
-        invariant=name,
-        violation=violation,
-        allowed=allowed,
-        seconds=clock() - begin,
-        note=" ".join(note.split())[:240],
+    name, (violation, allowed) = max(
+        outcome.invariants.items(),
+        key=lambda item: share_of_allowed(*item[1]),
+        default=("", (0.0, 0.0)),
     )
+    return StressCase(
+        case.group, case.name, verdict, outcome.asked, outcome.reached, name, violation, allowed,
+        seconds=clock() - begin, note=" ".join(note.split())[:240],
+    )  # fmt: skip
 
 
 def share_of_allowed(violation: float, allowed: float) -> float:
@@ -129,11 +121,3 @@ def share_of_allowed(violation: float, allowed: float) -> float:
     if math.isnan(violation):
         return math.inf
     return violation / allowed if allowed else (math.inf if violation else 0.0)
-
-
-def worst_invariant(invariants: Mapping[str, tuple[float, float]]) -> tuple[str, float, float]:
-    """Name, violation and allowance of the one that uses up most of what it allows."""
-    if not invariants:
-        return "", 0.0, 0.0
-    name = max(invariants, key=lambda key: share_of_allowed(*invariants[key]))
-    return (name, *invariants[name])

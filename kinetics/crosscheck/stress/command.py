@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
+
+from kinetics.crosscheck.commands.options import json_option
+from kinetics.crosscheck.commands.sweeps import output_option, run_and_write
 
 
 @click.command(short_help="Drive solvers and particles to their limits; a verdict for each case.")
@@ -13,11 +15,8 @@ import click
 @click.option(
     "--group", "groups", multiple=True, help="Run this group alone; may be repeated. [default: all]"
 )
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), default=None,
-    help="Folder for stress.json and stress.md. [default: none is written]",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@output_option("stress.json and stress.md")
+@json_option
 @click.pass_context
 def stress(
     context: click.Context,
@@ -32,35 +31,8 @@ def stress(
     starts, dense media, grazing and corner starts: error reached against error asked, invariants,
     and the worst case of each group. Ends with status 1 if a case ended as it must not.
     """
-    from kinetics.crosscheck.files import require_writable_folder, write_together
-
-    if output is not None:
-        require_writable_folder(output)
-
-    from tqdm import tqdm
-
     from kinetics.crosscheck.stress.run import run_stress
 
-    with tqdm(file=sys.stderr, disable=None, leave=False) as bar:
-
-        def tell(group: str, total: int) -> None:
-            bar.total = total
-            bar.set_description(group, refresh=False)
-            bar.update(1)
-
-        report = run_stress(quick, groups or None, tell)
-    click.echo(report.to_json() if as_json else report.markdown(), nl=False)
-    if output is not None:
-        files = {
-            "stress.json": report.to_json(),
-            "stress.md": report.markdown(every_case=True),
-        }
-        for path in write_together(output, files):
-            if not as_json:
-                click.echo(f"wrote {path}")
+    report = run_and_write(lambda tell: run_stress(quick, groups or None, tell), output, as_json)
     if report.rejected:
         context.exit(1)
-
-
-if __name__ == "__main__":
-    stress()

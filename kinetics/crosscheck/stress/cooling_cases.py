@@ -1,4 +1,4 @@
-"""Cases of cooling: restitutions, times to 1e300, extreme sizes, and rough starts."""
+"""Cases of the averages of the speed: restitutions, times to 1e300, sizes, rough starts, nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck import references
-from kinetics.crosscheck.stress.case import Case, Outcome, named
+from kinetics.crosscheck.stress.case import Case, Outcome
 from kinetics.crosscheck.stress.limits import (
     FEWER,
     GROWTH,
@@ -17,37 +17,93 @@ from kinetics.crosscheck.stress.limits import (
     ROUNDING,
     TIMES,
     FloatArray,
-    below_half,
+    below,
     difference,
-    fall,
+    finite,
     growth,
     label_of,
     limit_errors,
+    scaling,
 )
-from kinetics.crosscheck.stress.starts import first_averages, quadrature, starts
+from kinetics.crosscheck.stress.starts import first_averages, quadrature, solve_start, starts
+
+AVERAGES = ("thermal_speed", "a2")
+
+
+def scaled_cases(quick: bool) -> Iterator[Case]:
+    """The scaled equation, with a tolerance or with the nodes given."""
+    for e in FEWER if quick else RESTITUTIONS:
+        if e == 1.0:  # refused: there is no scaling state
+            continue
+        for rtol in (1e-4, 1e-12) if quick else (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-13):
+            yield Case("scaled equation", f"{label_of(e)}, rtol {rtol:.0e}", _scaled, (e, rtol))
+    few = (0.0, 0.2, 0.7, 0.99)
+    for e in few if quick else (0.0, 1e-10, 0.2, 0.7, 0.99, 1.0 - 1e-10):
+        for nodes in (8, 16, 64, 256) if quick else (8, 12, 16, 32, 64, 256, 1024, 4096):
+            name = f"{label_of(e)}, {nodes} nodes"
+            yield Case("scaled equation, nodes given", name, _scaled, (e, 1e-12, nodes))
 
 
 def cooling_cases(quick: bool) -> Iterator[Case]:
-    """All of them, in groups."""
+    """v0(t) and a2(t), in groups."""
     some = FEWER if quick else RESTITUTIONS
-    sizes = [(start, {"scale": v}) for start in references.STARTS for v in (1e-150, 1.0, 1e150)]
-    sizes += [("gaussian", {n: x}) for n in ("number_density", "diameter") for x in (1e-150, 1e150)]
+    sizes = [(start, "scale", v) for start in references.STARTS for v in (1e-150, 1.0, 1e150)]
+    sizes += [("gaussian", n, x) for n in ("number_density", "diameter") for x in (1e-150, 1e150)]
     for e in some:
-        for start, size in sizes:
-            ((what, value),) = size.items()
-            if (
-                e == 1.0 and value > 1.0
-            ):  # refused: elastic tracers do not slow down, v t/l overflows
-                continue
-            name = f"{label_of(e)}, {start}, {what} {value:g}, t to 1e300"
-            yield named("cooling", name, _cooling, e, start, size, 1e-9)
+        for start, what, value in sizes:
+            # refused: elastic tracers do not slow down, v t/l overflows
+            if e < 1.0 or value <= 1.0:
+                name = f"{label_of(e)}, {start}, {what} {value:g}, t to 1e300"
+                yield Case("cooling", name, _cooling, (e, start, {what: value}, 1e-9))
     for e in (0.0, 0.2, 0.7, 0.99):
         for rtol in (0.1, 1e-3, 1e-6, 1e-12, 1e-13):
             name = f"{label_of(e)}, kept references, rtol {rtol:.0e}"
-            yield named("cooling", name, _kept, e, rtol)
+            yield Case("cooling", name, _kept, (e, rtol))
     for e in (0.0, 0.2, 1.0 - 1e-6) if quick else some:
         for label in starts():
-            yield named("starts", f"{label_of(e)}, {label}", _rough, e, label, 1e-8)
+            yield Case("starts", f"{label_of(e)}, {label}", _rough, (e, label, 1e-8))
+
+
+def _scaled(e: float, rtol: float, nodes: int | None = None) -> Outcome:
+    """h and a2 against closed forms; norm, <c^2> = 1 and positivity of F."""
+    from kinetics import solve_scaled
+
+    state = solve_scaled(e, rtol, nodes)
+    h, one_a2, *_ = scaling(e)
+    F = state.vdf(np.geomspace(1e-3, 30.0, 400))
+    reached = max(abs(state.cooling_rate / h - 1.0), abs((1.0 + state.a2) / one_a2 - 1.0))
+    estimate, converged = state.error_estimate, state.status.name == "CONVERGED"
+    claimed = max(rtol, 1e-12) if converged else math.inf
+    return Outcome(
+        # with the nodes given, it is the estimate that must hold
+        asked=rtol if nodes is None else max(rtol, estimate),
+        reached=reached if finite(reached, F) else math.inf,
+        converged=converged,
+        invariants={
+            "F not negative": (below(F), 0.0),
+            "<c^2> = 1": (abs(state.moment(2.0) - 1.0), claimed),
+            "<c^0> = 1": (abs(state.moment(0.0) - 1.0), claimed),
+        },
+        note=f"estimate {estimate:.1e}",
+    )
+
+
+def _outcome(
+    solution: Any, rtol: float, reached: float, grown: float, **more: tuple[float, float]
+) -> Outcome:
+    """What v0 and a2 keep at all times; grown: relative growth that is allowed."""
+    return Outcome(
+        asked=rtol + ROUNDING,
+        reached=reached,
+        converged=solution.status.name == "CONVERGED",
+        invariants={
+            "v0 does not grow": (growth(solution.thermal_speed), grown),
+            # there is no distribution below: <v^4> >= <v^2>^2
+            "a2 >= -1/2": (below(solution.a2, -0.5), rtol),
+            "<v^0> = 1": (float(np.max(np.abs(solution.moment(0.0) - 1.0))), rtol),
+            **more,
+        },
+    )
 
 
 def _cooling(e: float, start: str, sizes: dict[str, float], rtol: float) -> Outcome:
@@ -57,50 +113,43 @@ def _cooling(e: float, start: str, sizes: dict[str, float], rtol: float) -> Outc
     scale = sizes.get("scale", 1.0)
     medium: dict[str, Any] = {name: size for name, size in sizes.items() if name != "scale"}
     state = Gaussian(scale, scale) if start == "gaussian" else Monoenergetic(scale)
-    outputs: tuple[str, ...] = ("thermal_speed", "a2", "temperature", "collisions")
+    outputs: tuple[str, ...] = (*AVERAGES, "temperature", "collisions")
     if e < 1.0 and sizes == {"scale": 1.0}:  # else <r^2> leaves the range of doubles
         outputs = (*outputs, "msd")
     solution = solve(Scene(e, initial=state, times=TIMES, outputs=outputs, **medium), rtol)
-    speed, a2 = solution.thermal_speed, solution.a2
     first = (math.sqrt(2.0) * scale, 0.0) if start == "gaussian" else (scale, -0.5)
-    finite = np.all(np.isfinite([getattr(solution, name) for name in outputs]))
-    seen = speed > 1e-150  # its square is no rounded number
+    seen = solution.thermal_speed > 1e-150  # its square is no rounded number
     with np.errstate(under="ignore"):
-        energy = np.abs(2.0 * solution.temperature[seen] / speed[seen] ** 2 - 1.0)
-    return Outcome(
-        asked=rtol + ROUNDING,
-        reached=limit_errors(solution, first, rtol) if finite else math.inf,
-        converged=solution.status.name == "CONVERGED",
-        invariants={
-            "v0 does not grow": (growth(speed), GROWTH),
-            "collisions do not fall": (fall(solution.collisions), 10.0 * rtol),
-            "a2 >= -1/2": (below_half(a2), rtol),
+        square = solution.thermal_speed[seen] ** 2
+        energy = np.abs(2.0 * solution.temperature[seen] / square - 1.0)
+    known = finite(*(getattr(solution, name) for name in outputs))
+    collisions = solution.collisions[np.isfinite(solution.collisions)]
+    fall = float(np.max(-np.diff(collisions), initial=0.0)) / max(collisions.max(), 1e-300)
+    return _outcome(
+        solution,
+        rtol,
+        limit_errors(solution, first, rtol) if known else math.inf,
+        GROWTH,
+        **{
+            "collisions do not fall": (fall, 10.0 * rtol),
             "T = v0^2/2": (float(np.max(energy, initial=0.0)), 1e-13),
-            "<v^0> = 1": (float(np.max(np.abs(solution.moment(0.0) - 1.0))), rtol),
         },
     )
 
 
 def _kept(e: float, rtol: float) -> Outcome:
     """v0 and a2 against the kept references, both starts, both horizons."""
-    from kinetics import Scene, solve
-
-    reached, converged, grown = 0.0, True, 0.0
+    outcomes = []
     for start in references.STARTS:
         for horizon in references.HORIZONS:
-            scene = Scene(e, initial=start, times=references.times(horizon),
-                          outputs=("thermal_speed", "a2"))  # fmt: skip
-            solution = solve(scene, rtol)
-            v0, a2 = (references.kept(q, e, start, horizon) for q in ("thermal_speed", "a2"))
-            reached = max(reached, difference(solution.thermal_speed, solution.a2, v0, a2))
-            converged &= solution.status.name == "CONVERGED"
-            grown = max(grown, growth(solution.thermal_speed))
-    return Outcome(
-        asked=rtol + ROUNDING,
-        reached=reached,
-        converged=converged,
-        invariants={"v0 does not grow": (grown, max(GROWTH, rtol))},
-    )
+            solution = solve_start(e, start, references.times(horizon), AVERAGES, rtol)
+            exact = (references.kept(name, e, start, horizon) for name in AVERAGES)
+            reached = difference(solution.thermal_speed, solution.a2, *exact)
+            outcomes.append(_outcome(solution, rtol, reached, max(GROWTH, rtol)))
+    worst = max(outcomes, key=lambda outcome: outcome.reached)
+    grown = max(outcome.invariants["v0 does not grow"] for outcome in outcomes)
+    converged = all(outcome.converged for outcome in outcomes)
+    return Outcome(worst.asked, worst.reached, converged, {"v0 does not grow": grown})
 
 
 def mixture(e: float, label: str, times: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -108,14 +157,10 @@ def mixture(e: float, label: str, times: FloatArray) -> tuple[FloatArray, FloatA
 
     The equation is linear, and speeds times s are times divided by s. Shape (n_times,) each.
     """
-    from kinetics import Scene, solve
-
     v, w = quadrature(label)
     paths = np.outer(times, v)
     known, where = np.unique(paths, return_inverse=True)
-    one = solve(
-        Scene(e, initial="monoenergetic", times=known, outputs=("thermal_speed", "a2")), 1e-13
-    )
+    one = solve_start(e, "monoenergetic", known, AVERAGES, 1e-13)
     with np.errstate(under="ignore"):
         square = (one.thermal_speed**2)[where].reshape(paths.shape)
         fourth = 2.0 * square**2 * (1.0 + one.a2[where].reshape(paths.shape))
@@ -125,25 +170,13 @@ def mixture(e: float, label: str, times: FloatArray) -> tuple[FloatArray, FloatA
 
 def _rough(e: float, label: str, rtol: float) -> Outcome:
     """v0 and a2 of a rough start: first value, mixture at all times, and late limit."""
-    from kinetics import Scene, solve
-
-    scene = Scene(e, initial=starts()[label], times=TIMES, outputs=("thermal_speed", "a2"))
-    solution = solve(scene, rtol)
+    solution = solve_start(e, label, TIMES, AVERAGES, rtol)
     speed, a2 = solution.thermal_speed, solution.a2
     # fourth powers of late speeds of 1e-30 and less underflow in the mixture
     middle = (TIMES > 0.0) & (TIMES <= 1e30)
     reached = difference(speed[middle], a2[middle], *mixture(e, label, TIMES[middle]))
     # the first time and the last: by then, speeds of 1e-150 have met 1e140 scatterers
     ends = slice(None, None, TIMES.size - 1)
-    finite = np.all(np.isfinite(speed)) and np.all(np.isfinite(a2))
     reached = max(reached, limit_errors(solution, first_averages(label), rtol, ends))
-    return Outcome(
-        asked=rtol + ROUNDING,
-        reached=reached if finite else math.inf,
-        converged=solution.status.name == "CONVERGED",
-        invariants={
-            "v0 does not grow": (growth(speed), max(GROWTH, 0.1 * rtol)),
-            "a2 >= -1/2": (below_half(a2), rtol),
-            "<v^0> = 1": (float(np.max(np.abs(solution.moment(0.0) - 1.0))), rtol),
-        },
-    )
+    known = reached if finite(speed, a2) else math.inf
+    return _outcome(solution, rtol, known, max(GROWTH, 0.1 * rtol))

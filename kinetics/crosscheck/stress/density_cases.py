@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.stress.case import Case, Outcome, named
-from kinetics.crosscheck.stress.limits import PATH, FloatArray, label_of, late_thermal_speed
-from kinetics.crosscheck.stress.starts import starts
+from kinetics.crosscheck.stress.case import Case, Outcome
+from kinetics.crosscheck.stress.limits import (
+    PATH,
+    FloatArray,
+    below,
+    finite,
+    label_of,
+    late_thermal_speed,
+)
+from kinetics.crosscheck.stress.starts import solve_start
 
 _TIMES = np.array([0.5, 30.0, 1e3])
 _LATE = np.array([0.0, 1e-300, 1e150, 1e300])
 _RTOL = 1e-6
+_OUTPUTS = ("speed_density", "thermal_speed")
 _SCALED_SPEEDS = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
 
 
@@ -26,28 +33,29 @@ def density_cases(quick: bool) -> Iterator[Case]:
     for e in some:
         for count in (8, 64, 512, None) if quick else (8, 16, 64, 256, 1024, 4096, None):
             name = f"{label_of(e)}, gaussian, {count or 'its own'} nodes"
-            yield named(group, name, _spectral, e, "gaussian", count)
-        yield named(group, f"{label_of(e)}, tail v^-6", _spectral, e, "tail v^-6", None)
+            yield Case(group, name, _spectral, (e, "gaussian", count))
+        yield Case(group, f"{label_of(e)}, tail v^-6", _spectral, (e, "tail v^-6", None))
     near = (1.0 - 1e-6, 1.0 - 1e-10, 1.0)
     for e in (*some[:2], *near[1:]) if quick else (*some, *near):
         for start in ("gaussian", "monoenergetic"):
             for scale in (1.0,) if quick else (1e-100, 1.0, 1e100):
                 name = f"{label_of(e)}, {start}, speeds times {scale:g}, t to 1e300"
-                yield named("late density", name, _late, e, start, scale)
+                yield Case("late density", name, _late, (e, start, scale))
     for e in some:
         for count in (8, 64, 512) if quick else (8, 16, 64, 256, 1024, 4096):
             for label in ("gaussian", "monoenergetic", "step", "two delta peaks", "tail v^-6"):
                 name = f"{label_of(e)}, {label}, {count} nodes"
-                yield named("conservative density", name, _conservative, e, label, count)
+                yield Case("conservative density", name, _conservative, (e, label, count))
+
+
+def _largest(errors: FloatArray) -> float:
+    return float(np.max(errors)) if finite(errors) else math.inf
 
 
 @lru_cache(maxsize=2)
 def _tight(e: float, label: str) -> list[FloatArray]:
     """The density at the scaled speeds, solved more tightly; one array for each time."""
-    from kinetics import Scene, solve
-
-    outputs = ("speed_density", "thermal_speed")
-    found = solve(Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs), 0.01 * _RTOL)
+    found = solve_start(e, label, _TIMES, _OUTPUTS, 0.01 * _RTOL)
     pairs = enumerate(found.thermal_speed)
     return [found.speed_density(v0 * _SCALED_SPEEDS)[i] for i, v0 in pairs]
 
@@ -57,18 +65,13 @@ def _spectral(e: float, label: str, nodes: int | None) -> Outcome:
 
     Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy.
     """
-    from kinetics import Scene, solve
-
-    outputs = ("speed_density", "thermal_speed")
-    scene = Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs)
-    solution = solve(scene, _RTOL, nodes=nodes)
+    solution = solve_start(e, label, _TIMES, _OUTPUTS, _RTOL, nodes=nodes)
     reached, low, mass = 0.0, 0.0, 0.0
     for i, (v0, tight) in enumerate(zip(solution.thermal_speed, _tight(e, label), strict=True)):
         f = solution.speed_density(v0 * _SCALED_SPEEDS)[i]
         weight = np.minimum(1.0, _SCALED_SPEEDS / 1e-2)
-        apart = float(np.max(np.abs(f - tight) * weight) / np.max(tight))
-        reached = max(reached, apart if math.isfinite(apart) else math.inf)
-        low = max(low, -float(f.min()) / float(f.max()))
+        reached = max(reached, _largest(np.abs(f - tight) * weight / np.max(tight)))
+        low = max(low, below(f) / float(f.max()))
         v = v0 * np.geomspace(1e-8, 1e3, 20_001)
         weight = solution.speed_density(v)[i] * v * math.log(v[1] / v[0])
         mass = max(mass, abs(float(weight.sum()) - 1.0))
@@ -92,9 +95,8 @@ def _late(e: float, start: str, scale: float) -> Outcome:
 
     gaussian = start == "gaussian"
     state = Gaussian(scale, scale) if gaussian else Monoenergetic(scale)
-    outputs = ("speed_density", "thermal_speed")
     rtol = 1e-4
-    solution = solve(Scene(e, initial=state, times=_LATE, outputs=outputs), rtol)
+    solution = solve(Scene(e, initial=state, times=_LATE, outputs=_OUTPUTS), rtol)
     width = math.sqrt(0.2 * (1.0 - e) * (1.0 + e))  # of the late ring of nearly elastic tracers
     c = np.geomspace(1e-3, 20.0, 300)
     if 1.0 - e < 1e-4:
@@ -114,18 +116,15 @@ def _late(e: float, start: str, scale: float) -> Outcome:
         if i > 1 and e < 1.0:
             v0 = late_thermal_speed(e, PATH, float(_LATE[i]))
         f = v0 * solution.speed_density(v0 * c)[i]
-        apart = float(np.max(np.abs(f - expected)) / max(1.0, expected.max()))
-        reached = max(reached, apart if math.isfinite(apart) else math.inf)
+        reached = max(reached, _largest(np.abs(f - expected) / max(1.0, expected.max())))
     everywhere = solution.speed_density(np.array([0.0, 1e-300, scale, 1e300]))
     marginal = solution.velocity_component_density(np.array([-1e300, 0.0, 1e300]))
-    if not (np.all(np.isfinite(everywhere)) and np.all(np.isfinite(marginal))):
-        reached = math.inf
     return Outcome(
         asked=rtol + slack,
-        reached=reached,
+        reached=reached if finite(everywhere, marginal) else math.inf,
         converged=solution.status.name == "CONVERGED",
         invariants={
-            "density not negative": (max(0.0, -float(everywhere.min()) * scale), rtol),
+            "density not negative": (below(everywhere) * scale, rtol),
             "uncollided": (float(np.max(np.abs(solution.uncollided - peak))), 1e-12),
         },
         note=f"estimate {solution.error_estimate:.0e}",
@@ -138,11 +137,7 @@ def _conservative(e: float, label: str, nodes: int) -> Outcome:
     At the tightest tolerance the scheme itself serves all of the times. The density is linear in
     ln v between nodes: its integrals by the trapezoid rule with many points for each node.
     """
-    from kinetics import Scene, solve
-
-    outputs = ("thermal_speed", "speed_density")
-    scene: Any = Scene(e, initial=starts()[label], times=_TIMES, outputs=outputs)
-    solution = solve(scene, 1e-13, method="conservative", nodes=nodes)
+    solution = solve_start(e, label, _TIMES, _OUTPUTS, 1e-13, method="conservative", nodes=nodes)
     v0 = solution.thermal_speed
     v = np.geomspace(1e-8 * v0[-1], 1e6 * v0[0], max(200_001, 200 * nodes + 1))
     f = solution.speed_density(v)
@@ -154,9 +149,9 @@ def _conservative(e: float, label: str, nodes: int) -> Outcome:
     return Outcome(
         # the interpolation between nodes adds to the scheme's own error
         asked=max(3.0 * estimate, 1e-5) if estimate < 1.0 else math.inf,
-        reached=float(np.max(found)) if np.all(np.isfinite(f)) else math.inf,
+        reached=float(np.max(found)) if finite(f) else math.inf,
         invariants={
-            "density not negative": (max(0.0, -float(f.min())), 0.0),
+            "density not negative": (below(f), 0.0),
             # no number of nodes reaches 1e-13
             "status says so": (float(solution.status.name == "CONVERGED"), 0.0),
         },

@@ -34,17 +34,21 @@ def label_of(e: float) -> str:
 def scaling(e: float) -> tuple[float, float, float, float]:
     """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state, 0 <= e < 1.
 
-    h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2) lambda(3)) (paper's labels
-    compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)).
+    With the speed ratio s(y) = sqrt(e^2 + (1-e^2) y^2), y uniform on [0, 1], and
+    lambda(p) = 1 - E[s^p]: h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2)
+    lambda(3)) (paper's labels compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)), where
+    cos(chi) = (s^2 - e)/((1 - e) s).
     """
     import mpmath as mp
 
-    from kinetics.crosscheck.references.collision import decay_rates, mean_log_loss
-
     with mp.workdps(60):
-        kappa = mean_log_loss(e)
-        one, two, three = decay_rates(e, 0, 1, 3)
-        turn = decay_rates(e, 1, 0, 1)[0]
+        x = mp.mpf(e)
+        root = mp.sqrt(1 - x * x)
+        inverse = x * mp.acosh(1 / x) / root if e > 0.0 else mp.mpf(0)  # e E[1/s]
+        first = (1 + x * inverse) / 2  # E[s], and E[s^3] = (1 + 3 e^2 E[s])/4
+        one, two, three = 1 - first, 2 * root**2 / 3, 1 - (1 + 3 * x * x * first) / 4
+        turn = 1 - (first - inverse) / (1 - x)
+        kappa = 1 - x * mp.acos(x) / root
         return (
             float(2 * mp.sqrt(kappa * one)),
             float(3 * kappa * one / (two * three)),
@@ -64,9 +68,7 @@ def early_and_late(e: float, reduced_time: float, rtol: float) -> tuple[bool, bo
     v0 changes by less than v t/l at first, and is that of the scaling state up to a few
     l/(kappa v t).
     """
-    late = False
-    if e < 1.0:
-        late = math.log(reduced_time) > math.log(1e3 / rtol) - math.log(scaling(e)[2])
+    late = e < 1.0 and math.log(reduced_time) > math.log(1e3 / rtol) - math.log(scaling(e)[2])
     return reduced_time < 0.01 * rtol, late
 
 
@@ -105,17 +107,19 @@ def growth(speed: FloatArray) -> float:
     return max(0.0, float(np.max(change, initial=0.0)))
 
 
-def fall(values: FloatArray) -> float:
-    """Largest fall from one time to the next, relative to the largest finite value."""
-    finite = values[np.isfinite(values)]
-    if finite.size < 2 or not finite.max() > 0.0:
-        return 0.0
-    return max(0.0, float(-np.min(np.diff(finite / finite.max()))))
+def below(values: Any, least: float = 0.0) -> float:
+    """How far the smallest value is below the least that is allowed; 0 if it is not."""
+    return max(0.0, least - float(np.min(values)))
 
 
-def below_half(a2: FloatArray) -> float:
-    """How far a2 is below -1/2, where no distribution is: <v^4> >= <v^2>^2."""
-    return max(0.0, -0.5 - float(np.min(a2)))
+def above(values: Any, most: float = 1.0) -> float:
+    """How far the largest value is above the most that is allowed; 0 if it is not."""
+    return max(0.0, float(np.max(values)) - most)
+
+
+def finite(*values: Any) -> bool:
+    """Whether all numbers of all arrays are finite."""
+    return all(bool(np.all(np.isfinite(value))) for value in values)
 
 
 def difference(

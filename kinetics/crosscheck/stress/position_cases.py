@@ -9,9 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.stress.case import Case, Outcome, named
-from kinetics.crosscheck.stress.limits import FEWER, PATH, RESTITUTIONS, TIMES, label_of, scaling
-from kinetics.crosscheck.stress.starts import starts
+from kinetics.crosscheck.stress.case import Case, Outcome
+from kinetics.crosscheck.stress.limits import (
+    FEWER,
+    PATH,
+    RESTITUTIONS,
+    TIMES,
+    above,
+    below,
+    finite,
+    label_of,
+    scaling,
+)
+from kinetics.crosscheck.stress.starts import panels, solve_start, starts
 
 
 def position_cases(quick: bool) -> Iterator[Case]:
@@ -21,48 +31,46 @@ def position_cases(quick: bool) -> Iterator[Case]:
         for label in labels:
             for rtol in (1e-9,) if quick else (1e-3, 1e-9, 1e-12):
                 name = f"{label_of(e)}, {label}, t to 1e300, rtol {rtol:.0e}"
-                yield named("moments of position", name, _moments, e, label, rtol)
+                yield Case("moments of position", name, _moments, (e, label, rtol))
     few = (0.2, 0.7, 1.0 - 1e-10, 1.0)
     for e in few if quick else (0.0, 1e-10, 0.01, *few, 1.0 - 1e-6):
         for label in ("gaussian",) if quick else ("gaussian", "monoenergetic", "two delta peaks"):
             for t in (1e-300, 1e3, 1e300) if quick else (1e-300, 1e-10, 1e2, 1e3, 1e8, 1e30, 1e300):
                 name = f"{label_of(e)}, {label}, t = {t:g}"
-                yield named("position density", name, _density, e, label, t, 1e-3)
+                yield Case("position density", name, _density, (e, label, t, 1e-3))
     for e in few if quick else (0.0, 1e-10, *few, 1.0 - 1e-6):
         for label in ("gaussian", "beam"):
             for t in (0.0, 1e-300, 1.0, 1e3, 1e300):
                 name = f"{label_of(e)}, {label}, t = {t:g}"
-                yield named("scattering function", name, _scattering, e, label, t)
+                yield Case("scattering function", name, _scattering, (e, label, t))
 
 
 def _moments(e: float, label: str, rtol: float) -> Outcome:
     """The late slope, and bounds that any motion keeps."""
-    from kinetics import Scene, solve
-
     outputs: tuple[str, ...] = ("msd", "velocity_autocorrelation", "diffusion_coefficient")
     if label != "tail v^-6":  # it has no fourth moment
         outputs = (*outputs, "kurtosis", "mean_displacement", "mean_velocity", "velocity_tensor")
     times = TIMES[TIMES < 1e200] if e == 1.0 else TIMES
-    found = solve(Scene(e, initial=starts()[label], times=times, outputs=outputs), rtol)
+    found = solve_start(e, label, times, outputs, rtol)
     reached = math.nan
     if e < 1.0:
         reached = abs(found.msd_slope[-1] / PATH**2 / scaling(e)[3] - 1.0)
-    if not all(np.all(np.isfinite(value)) for value in found.values.values()):
+    if not finite(*found.values.values()):
         reached = math.inf
     start = float(found.velocity_autocorrelation[0])  # <v(0)^2>
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         ballistic = np.nan_to_num(found.msd / (start * times * times), nan=0.0, posinf=0.0)
         fall = -np.diff(found.msd) / np.maximum(found.msd[1:], 1e-300)
-        drift = np.nan_to_num(np.abs(found.velocity_autocorrelation) / start - 1.0)
+        drift = np.nan_to_num(np.abs(found.velocity_autocorrelation) / start)
     slack = 10.0 * rtol + 1e-12
     invariants = {
-        "<r^2> <= <v^2> t^2": (max(0.0, float(ballistic[times > 1e-100].max() - 1.0)), slack),
-        "<r^2> grows": (max(0.0, float(fall.max())), slack),
-        "|<v(0).v>| <= <v^2>": (max(0.0, float(drift.max())), slack),
-        "D not negative": (max(0.0, -float(found.diffusion_coefficient.min())), 0.0),
+        "<r^2> <= <v^2> t^2": (above(ballistic[times > 1e-100]), slack),
+        "<r^2> grows": (above(fall, 0.0), slack),
+        "|<v(0).v>| <= <v^2>": (above(drift), slack),
+        "D not negative": (below(found.diffusion_coefficient), 0.0),
     }
     if "kurtosis" in outputs:
-        invariants["kurtosis >= 1"] = (max(0.0, 1.0 - float(found.kurtosis.min())), slack)
+        invariants["kurtosis >= 1"] = (below(found.kurtosis, 1.0), slack)
         invariants |= _directed(found, times, slack)
     return Outcome(
         asked=rtol + 1e-13,
@@ -81,25 +89,18 @@ def _directed(found: Any, times: Any, slack: float) -> dict[str, tuple[float, fl
         scaled = tensor[seen] / trace[seen, None, None]
         speed = (mean[seen] ** 2).sum(axis=1) / trace[seen]
         far = (place**2).sum(axis=1) / found.msd
-    eigenvalue = float(np.linalg.eigvalsh(scaled).min())
     far = np.nan_to_num(far, nan=0.0, posinf=0.0)[times > 1e-100]
     return {
-        "<v v> positive": (max(0.0, -eigenvalue), slack),
-        "<v>^2 <= <v^2>": (max(0.0, float(speed.max()) - 1.0), slack),
-        "<r>^2 <= <r^2>": (max(0.0, float(far.max(initial=0.0)) - 1.0), slack),
+        "<v v> positive": (below(np.linalg.eigvalsh(scaled)), slack),
+        "<v>^2 <= <v^2>": (above(speed), slack),
+        "<r>^2 <= <r^2>": (above(far), slack),
     }
 
 
 def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
     """Norm and second moment of G(R), its sign, and its ends."""
-    from kinetics import Scene, solve
-
-    scene = Scene(e, initial=starts()[label], times=[t], outputs=("msd", "position_density"))
-    found = solve(scene, rtol)
-    edges = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
-    x, w = np.polynomial.legendre.leggauss(12)
-    half = 0.5 * np.diff(edges)[:, None]
-    r, weight = (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
+    found = solve_start(e, label, [t], ("msd", "position_density"), rtol)
+    r, weight = panels(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
     g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
     front, share = front[share > 0.0], share[share > 0.0]
@@ -115,11 +116,11 @@ def _density(e: float, label: str, t: float, rtol: float) -> Outcome:
     claimed = max(rtol, found.error_estimate)
     return Outcome(
         asked=rtol,
-        reached=abs(norm - 1.0) if np.all(np.isfinite(g)) else math.inf,
+        reached=abs(norm - 1.0) if finite(g) else math.inf,
         converged=found.status.name == "CONVERGED",
         invariants={
             "<R^2> = 1": (abs(second - 1.0), 100.0 * claimed),
-            "G not negative": (max(0.0, -float(g.min())), claimed),
+            "G not negative": (below(g), claimed),
             "G(0) = G(infinity) = 0": (float(np.max(np.abs(ends))), claimed),
             "all are somewhere": (abs(fraction - 1.0), 10.0 * claimed),
         },
@@ -130,12 +131,11 @@ def _scattering(e: float, label: str, t: float) -> Outcome:
     """F at k = 0, for small k and in free flight, and that it is no larger than 1."""
     from scipy.special import j0
 
-    from kinetics import Scene, ToleranceWarning, solve
+    from kinetics import ToleranceWarning
 
     rtol = 1e-9
     msd = "msd" if e < 1.0 or t < 1e200 else "thermal_speed"
-    outputs = ("intermediate_scattering", msd)
-    found = solve(Scene(e, initial=starts()[label], times=[t], outputs=outputs), rtol)
+    found = solve_start(e, label, [t], ("intermediate_scattering", msd), rtol)
     width = math.sqrt(found.msd[0]) if msd == "msd" else math.inf
     # F = 1 - k^2 <r^2>/4 + ..., whose next term is of order (k^2 <r^2>)^2
     small = 1e-4 / max(1.0, width)
@@ -152,12 +152,9 @@ def _scattering(e: float, label: str, t: float) -> Outcome:
     if t <= 1.0 / PATH * 1e-12:
         free = np.exp(-0.5 * (k * t) ** 2) if label == "gaussian" else j0(k * t)
         reached = max(reached, float(np.max(np.abs(F - free))))
-    if not (np.all(np.isfinite(F)) and np.all(np.isfinite(along))):
-        reached = math.inf
-    largest = max(float(np.max(np.abs(F))), float(np.max(np.abs(along))))
     return Outcome(
         asked=10.0 * rtol,
-        reached=float(reached),
+        reached=float(reached) if finite(F, along) else math.inf,
         converged=found.status.name == "CONVERGED" and not said,
-        invariants={"|F| <= 1": (max(0.0, largest - 1.0), 10.0 * rtol)},
+        invariants={"|F| <= 1": (above(np.abs([F, along])), 10.0 * rtol)},
     )

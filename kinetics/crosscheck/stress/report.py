@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from kinetics.crosscheck.stress.case import HOLDS, MISSED, VERDICTS, StressCase, share_of_allowed
+from kinetics.crosscheck.text_tables import markdown
 
 FORMAT = "inelastic-lorentz stress 2"
+_GROUP_HEADS = ("group", "cases", *VERDICTS, "largest share of what is allowed", "slowest")
+_CASE_HEADS = ("verdict", "group", "case", "asked", "reached", "invariant", "violation", "allowed",
+               "note")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -37,26 +41,23 @@ class StressReport:
         """One strict JSON document; what is not finite is null."""
         from kinetics.crosscheck.strict_json import dumps
 
-        return dumps(
-            {
-                "format": FORMAT,
-                "quick": self.quick,
-                "seconds": self.seconds,
-                "processor_seconds": self.processor_seconds,
-                "verdicts": VERDICTS,
-                "cases": [asdict(c) for c in self.cases],
-            }
-        )
+        return dumps({"format": FORMAT, "verdicts": VERDICTS, **asdict(self)})
+
+    def files(self) -> dict[str, str]:
+        """The contents of what ``lorentz stress -o`` writes, by name."""
+        return {"stress.json": self.to_json(), "stress.md": self.markdown(every_case=True)}
 
     def markdown(self, every_case: bool = False) -> str:
         """A row for each group; then the cases that are not accepted, or every case."""
+        groups = dict.fromkeys(c.group for c in self.cases)
+        rows = [_group(name, [c for c in self.cases if c.group == name]) for name in groups]
         lines = [
             f"# Stability sweep{' (quick)' if self.quick else ''}",
             "",
             f"{len(self.cases)} cases in {self.seconds:.0f} s, {self.processor_seconds:.0f} s of "
             f"processor time; {len(self.rejected)} did not end as they must.",
             "",
-            *_groups(self.cases),
+            *markdown(_GROUP_HEADS, [*rows, [*_counts("all", self.cases), "", ""]]),
             *(f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items()),
             "",
         ]
@@ -65,72 +66,41 @@ class StressReport:
             ("Every case", self.cases if every_case else ()),
         ):
             if cases:
-                lines += [f"## {title}", "", *_rows(cases)]
+                lines += [f"## {title}", "", *markdown(_CASE_HEADS, map(_case, cases))]
         return "\n".join(lines) + "\n"
 
 
-def _groups(every: tuple[StressCase, ...]) -> Iterator[str]:
-    """For each group: how many got which verdict, and the worst in error, invariant and time."""
-    heads = ["group", "cases", *VERDICTS, "largest error reached/asked",
-             "invariant nearest to its limit", "slowest"]  # fmt: skip
-    yield "| " + " | ".join(heads) + " |"
-    yield "|---" + "|---:" * (len(VERDICTS) + 1) + "|---" * 3 + "|"
-    groups = {g: [c for c in every if c.group == g] for g in dict.fromkeys(c.group for c in every)}
-    for group, cases in {**groups, "all": list(every)}.items():
-        counts = [sum(c.verdict == v for c in cases) for v in VERDICTS]
-        cells = [group, str(len(cases)), *(str(n or "") for n in counts)]
-        if group in groups:
-            slow = max(cases, key=lambda c: c.seconds)
-            cells += [_worst_error(cases), _worst_invariant(cases),
-                      f"{slow.seconds:.2f} s: {slow.name}"]  # fmt: skip
-        else:
-            cells += ["", "", ""]
-        yield "| " + " | ".join(cells) + " |"
-    yield ""
+def _counts(name: str, cases: Sequence[StressCase]) -> list[str]:
+    """How many cases there are, and how many got which verdict."""
+    counts = (sum(c.verdict == verdict for c in cases) for verdict in VERDICTS)
+    return [name, str(len(cases)), *(str(n or "") for n in counts)]
 
 
-def _rows(cases: Iterable[StressCase]) -> Iterator[str]:
-    """One row for each case."""
-    yield "| verdict | group | case | asked | reached | invariant | violation | allowed | note |"
-    yield "|---|---|---|---:|---:|---|---:|---:|---|"
-    for c in cases:
-        asked = _number(c.asked) if math.isfinite(c.asked) else ""
-        bounds = (_number(c.violation), _number(c.allowed)) if c.invariant else ("", "")
-        yield (
-            f"| {c.verdict} | {c.group} | {c.name} | {asked} | {_number(c.reached)} "
-            f"| {_cell(c.invariant)} | {bounds[0]} | {bounds[1]} | {_cell(c.note)} |"
-        )
-    yield ""
+def _group(name: str, cases: Sequence[StressCase]) -> list[str]:
+    """The row of a group: counts, the case nearest to a limit, and the slowest."""
+    (share, what), worst = max(((_share(c), c.name) for c in cases), key=lambda found: found[0])
+    slow = max(cases, key=lambda c: c.seconds)
+    return [*_counts(name, cases), f"{share:.1e} of {what}: {worst}" if share else "0",
+            f"{slow.seconds:.2f} s: {slow.name}"]  # fmt: skip
 
 
-def _cell(text: str) -> str:
-    """Text that cannot end the cell of a table."""
-    return text.replace("|", "\\|")
+def _share(c: StressCase) -> tuple[float, str]:
+    """How much of the error asked for, or of what an invariant allows, a case uses up; of which.
+
+    The error counts where the status claims it and there is a reference.
+    """
+    share = (share_of_allowed(c.violation, c.allowed), c.invariant)
+    known = c.verdict in (HOLDS, MISSED) and math.isfinite(c.reached) and math.isfinite(c.asked)
+    return max(share, (c.reached / c.asked, "the error asked for")) if known else share
+
+
+def _case(c: StressCase) -> list[str]:
+    asked = _number(c.asked) if math.isfinite(c.asked) else ""
+    bounds = [_number(c.violation), _number(c.allowed)] if c.invariant else ["", ""]
+    return [c.verdict, c.group, c.name, asked, _number(c.reached), c.invariant, *bounds, c.note]
 
 
 def _number(value: float) -> str:
     if math.isnan(value):
         return ""
     return f"{value:.1e}" if math.isfinite(value) else "not finite"
-
-
-def _worst_error(cases: list[StressCase]) -> str:
-    """Of the cases that claim what was asked, the one with the largest reached/asked."""
-    claimed = [c for c in cases if c.verdict in (HOLDS, MISSED)]
-    known = [c for c in claimed if math.isfinite(c.reached) and math.isfinite(c.asked)]
-    if not known:
-        return "no reference"
-    worst = max(known, key=lambda c: c.reached / c.asked)
-    return f"{_number(worst.reached)}/{_number(worst.asked)}: {worst.name}"
-
-
-def _worst_invariant(cases: list[StressCase]) -> str:
-    """The case whose worst invariant uses up most of what it allows."""
-    known = [c for c in cases if c.invariant]
-    if not known:
-        return ""
-    worst = max(known, key=lambda c: share_of_allowed(c.violation, c.allowed))
-    if worst.violation == 0.0:
-        return "none violated"
-    bounds = f"{_number(worst.violation)}/{_number(worst.allowed)}"
-    return f"{_cell(worst.invariant)}, {bounds}: {worst.name}"

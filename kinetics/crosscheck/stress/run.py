@@ -7,23 +7,14 @@ import time
 from collections.abc import Callable, Iterable
 
 from kinetics.crosscheck.stress.case import Case, StressCase, attempt
-from kinetics.crosscheck.stress.cooling_cases import cooling_cases
+from kinetics.crosscheck.stress.cooling_cases import cooling_cases, scaled_cases
 from kinetics.crosscheck.stress.density_cases import density_cases
-from kinetics.crosscheck.stress.flight_cases import flight_cases
-from kinetics.crosscheck.stress.medium_cases import medium_cases
+from kinetics.crosscheck.stress.particle_cases import flight_cases, medium_cases
 from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
-from kinetics.crosscheck.stress.scaled_cases import scaled_cases
 from kinetics.errors import InputError
 
-_PARTS = (
-    scaled_cases,
-    cooling_cases,
-    density_cases,
-    position_cases,
-    medium_cases,
-    flight_cases,
-)
+_PARTS = (scaled_cases, cooling_cases, density_cases, position_cases, medium_cases, flight_cases)
 
 
 def all_cases(quick: bool) -> list[Case]:

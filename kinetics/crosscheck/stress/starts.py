@@ -35,6 +35,16 @@ def starts() -> dict[str, Any]:
     }
 
 
+def solve_start(
+    e: float, label: str, times: Any, outputs: tuple[str, ...], rtol: float, **options: Any
+) -> Any:
+    """The solution from the start of this name, at the default density; options: of `solve`."""
+    from kinetics import Scene, solve
+
+    scene = Scene(e, initial=starts()[label], times=times, outputs=outputs)
+    return solve(scene, rtol, **options)
+
+
 def tail(v: Any) -> Any:
     """A speed density that falls as v^-6."""
     with np.errstate(under="ignore"):
@@ -43,19 +53,18 @@ def tail(v: Any) -> Any:
 
 def quadrature(label: str) -> tuple[FloatArray, FloatArray]:
     """Speeds and weights that stand for the start of this name, (n,) each; none of the solver's."""
-    triangle = _panels(np.array([-1.0, 0.0, 1.0]), lambda x: 1.0 - np.abs(x))
-    half = np.array([0.5, 0.5])
+    x, w = panels(np.array([-1.0, 0.0, 1.0]))
+    w *= 1.0 - np.abs(x)  # a triangle
+    one, half = (np.ones(1), np.ones(1)), np.array([0.5, 0.5])
+    spikes = np.concatenate([1e-150 * (2.0 + x), 2.0 + x])
     known: dict[str, Callable[[], tuple[FloatArray, FloatArray]]] = {
-        "monoenergetic": lambda: (np.ones(1), np.ones(1)),
-        "beam": lambda: (np.ones(1), np.ones(1)),
+        "monoenergetic": lambda: one,
+        "beam": lambda: one,
         "two delta peaks": lambda: (np.array([0.01, 1.0]), half),
         "speeds 1e-100 and 1": lambda: (np.array([1e-100, 1.0]), half),
-        "two spikes 1e150 apart": lambda: (
-            np.concatenate([1e-150 * (2.0 + triangle[0]), 2.0 + triangle[0]]),
-            0.5 * np.tile(triangle[1], 2),
-        ),
-        "narrow triangle": lambda: (1.0 + 1e-6 * triangle[0], triangle[1]),
-        "step": lambda: _panels(np.linspace(1.0, 2.0, 5), np.ones_like),
+        "two spikes 1e150 apart": lambda: (spikes, 0.5 * np.tile(w, 2)),
+        "narrow triangle": lambda: (1.0 + 1e-6 * x, w),
+        "step": lambda: panels(np.linspace(1.0, 2.0, 5)),
         "uniform from 0": lambda: _logarithmic(-36.0, 0.0, np.ones_like),
         "gaussian": lambda: _logarithmic(-18.0, 2.5, lambda v: v * np.exp(-0.5 * v * v)),
         "two temperatures, 1e-3 and 1": lambda: _logarithmic(-25.0, 2.5, _two_temperatures),
@@ -79,20 +88,17 @@ def _two_temperatures(v: FloatArray) -> FloatArray:
     return np.asarray(v / NARROW * np.exp(-0.5 * a * v * v) * i0e(0.25 * (b - a) * v * v))
 
 
-def _panels(
-    edges: FloatArray, density: Callable[[FloatArray], FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre points between the edges, and the density's weights."""
-    x, w = np.polynomial.legendre.leggauss(16)
+def panels(edges: FloatArray, points: int = 16) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights between the edges, so many points between two of them."""
+    x, w = np.polynomial.legendre.leggauss(points)
     half = 0.5 * np.diff(edges)[:, None]
-    v = (edges[:-1, None] + half * (1.0 + x)).ravel()
-    return v, (half * w).ravel() * density(v)
+    return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
 
 
 def _logarithmic(
     low: float, high: float, density: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Panels of width 1/2 in ln v."""
-    x, w = _panels(np.linspace(low, high, math.ceil(2.0 * (high - low)) + 1), np.ones_like)
+    x, w = panels(np.linspace(low, high, math.ceil(2.0 * (high - low)) + 1))
     v = np.exp(x)
     return v, w * v * density(v)

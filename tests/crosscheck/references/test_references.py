@@ -3,15 +3,17 @@
 import json
 from typing import Any
 
+import collision
+import cooling
+import displacement
+import make as script
 import mpmath as mp
 import numpy as np
 import pytest
+from collision import decay_rates
 
 from kinetics import ScalingSolution
 from kinetics.crosscheck import references
-from kinetics.crosscheck.references import __main__ as script
-from kinetics.crosscheck.references import collision, cooling, displacement
-from kinetics.crosscheck.references.collision import decay_rates
 
 TABLES = references.load()
 DISPLACEMENT = TABLES["displacement"]

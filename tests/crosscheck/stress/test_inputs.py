@@ -16,7 +16,7 @@ from kinetics import InputError, Scene, solve, solve_scaled
 from kinetics.crosscheck.stress.limits import (
     GROWTH,
     ROUNDING,
-    below_half,
+    below,
     growth,
     limit_errors,
 )
@@ -220,7 +220,7 @@ def test_random_scenes_are_finite_cool_and_meet_their_limits(
     assert np.all(np.isfinite(a2))
     assert np.all(speed > 0.0)
     assert growth(speed) <= max(GROWTH, rtol)
-    assert below_half(a2) <= rtol
+    assert below(a2, -0.5) <= rtol
     if solution.status.name == "CONVERGED":
         error = limit_errors(solution, (first[0] * scale, first[1]), rtol)
         assert not error > rtol + ROUNDING  # NaN where no time is early or late enough

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from kinetics import InputError, ScalingSolution
-from kinetics.crosscheck.stress import StressReport, limits, run, run_stress
+from kinetics.crosscheck.stress import limits, run
 from kinetics.crosscheck.stress.case import (
     BROKEN,
     CAREFUL,
@@ -23,10 +23,10 @@ from kinetics.crosscheck.stress.case import (
     Outcome,
     attempt,
     judge,
-    named,
 )
 from kinetics.crosscheck.stress.command import stress
-from kinetics.crosscheck.stress.run import all_cases
+from kinetics.crosscheck.stress.report import StressReport
+from kinetics.crosscheck.stress.run import all_cases, run_stress
 
 # -- verdicts --------------------------------------------------------------------------------------
 
@@ -203,9 +203,9 @@ def test_a_wrong_solver_is_found(monkeypatch: Any, group: str, name: str) -> Non
 
 def made_up(monkeypatch: Any) -> None:
     cases = [
-        named("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 1e-13)})),
-        named("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
-        named("others", "not finite", lambda: Outcome(1e-8, math.inf)),
+        Case("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"|F|": (0.0, 1e-13)})),
+        Case("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
+        Case("others", "not finite", lambda: Outcome(1e-8, math.inf)),
     ]
     monkeypatch.setattr(run, "all_cases", lambda quick: cases)
     monkeypatch.setattr(run, "_compile", lambda: None)
@@ -220,12 +220,12 @@ def test_the_report_counts_verdicts_and_lists_what_must_not_be(monkeypatch: Any)
     text = report.markdown()
     assert "3 cases in 0 s, 0 s of processor time; 2 did not end as they must." in text
     assert (
-        "| limits | 2 | 1 |  |  | 1 |  |  | 1.0e-06/1.0e-08: wrong | none violated | 0.00 s: fine |"
+        "| limits | 2 | 1 |  |  | 1 |  |  | 1.0e+02 of the error asked for: wrong | 0.00 s: fine |"
     ) in text
     assert "| all | 3 | 1 |  |  | 1 | 1 |  |" in text
     assert "| missed | limits | wrong | 1.0e-08 | 1.0e-06 |" in text
     assert "| holds | limits | fine |" not in text
-    assert "| holds | limits | fine | 1.0e-08 | 1.0e-09 | mass | 0.0e+00 | 1.0e-13 |" in (
+    assert "| holds | limits | fine | 1.0e-08 | 1.0e-09 | \\|F\\| | 0.0e+00 | 1.0e-13 |" in (
         report.markdown(every_case=True)
     )
     document = json.loads(report.to_json(), parse_constant=pytest.fail)
@@ -273,6 +273,6 @@ def test_the_command_ends_with_status_one_if_a_case_must_not_be(
     assert done.exit_code == 1
     assert json.loads(done.stdout)["format"] == "inelastic-lorentz stress 2"
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"stress.json", "stress.md"}
-    fine = [named("limits", "fine", lambda: Outcome(1e-8, 1e-9))]
+    fine = [Case("limits", "fine", lambda: Outcome(1e-8, 1e-9))]
     monkeypatch.setattr(run, "all_cases", lambda quick: fine)
     assert runner.invoke(stress, []).exit_code == 0

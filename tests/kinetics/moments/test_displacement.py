@@ -54,7 +54,7 @@ def test_elastic_moments_are_those_of_the_hierarchy() -> None:
     a, b = law.harmonic_decay_rate(0.0, 1), law.harmonic_decay_rate(0.0, 2)
     assert abs(a - 4.0 / 3.0) < 1e-14
     assert abs(b - 16.0 / 15.0) < 1e-14
-    # (1, M10, M20, M11, M21, M22) of kinetics.crosscheck.references.displacement
+    # (1, M10, M20, M11, M21, M22) of tests/references/displacement.py
     m = np.zeros((6, 6))
     m[1, 0], m[1, 1] = 1.0, -a
     m[2, 1], m[2, 2] = 2.0, -b

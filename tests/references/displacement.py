@@ -32,10 +32,10 @@ from collections.abc import Callable
 from typing import Any
 
 import mpmath as mp
+from collision import Product, decay_rates
+from cooling import FREE_PATH, gaussian_moment, gaussian_speeds
 
 from kinetics.crosscheck.references import times
-from kinetics.crosscheck.references.collision import Product, decay_rates
-from kinetics.crosscheck.references.cooling import FREE_PATH, gaussian_moment, gaussian_speeds
 
 DIGITS = 45
 

@@ -1,8 +1,11 @@
-"""``python -m kinetics.crosscheck.references FILE [TABLE ...]``: makes the reference values again.
+"""``python tests/references/make.py FILE [TABLE ...]``: makes the reference values again.
 
-Without a table's name it makes all of them. What it makes replaces that table in FILE; other tables
-of FILE stay. All of them take about 45 minutes of one processor where gmpy2 is installed, and
-several times as long without it; "benchmark" alone takes two minutes.
+The modules beside this one are the formulas, in mpmath; they share nothing with the solver. Begin
+reading at `collision`, the averages of one collision, which the others use. FILE is the package's
+``kinetics/crosscheck/references/references.json``, or another. Without a table's name all of them
+are made. A table that is made replaces that of FILE; other tables of FILE stay. All of them take
+about 45 minutes of one processor where gmpy2 is installed, and several times as long without it;
+"benchmark" alone takes two minutes.
 """
 
 from __future__ import annotations
@@ -14,10 +17,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import collision
+import cooling
+import densities
+import displacement
 import mpmath as mp
 
 from kinetics.crosscheck import references
-from kinetics.crosscheck.references import collision, cooling, densities, displacement
 
 SIX_STARTS, TWO_STARTS = list(cooling.STARTS), ["monoenergetic", "gaussian"]
 
@@ -80,7 +86,7 @@ def as_text(tables: dict[str, Any]) -> str:
 def main(arguments: list[str]) -> None:
     """Make the named tables, or all, and write the file after each."""
     if not arguments or set(arguments[1:]) - set(TABLES):
-        sys.exit(f"usage: python -m kinetics.crosscheck.references FILE [{'|'.join(TABLES)} ...]")
+        sys.exit(f"usage: python tests/references/make.py FILE [{'|'.join(TABLES)} ...]")
     path = Path(arguments[0])
     tables = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     for name in arguments[1:] or TABLES:

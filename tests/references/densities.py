@@ -13,9 +13,8 @@ from __future__ import annotations
 from typing import Any
 
 import mpmath as mp
-
-from kinetics.crosscheck.references.collision import Product
-from kinetics.crosscheck.references.cooling import gaussian_moment
+from collision import Product
+from cooling import gaussian_moment
 
 # and how far the lines go: the ring of nearly elastic tracers is narrow
 RESTITUTIONS = {0.2: 50.0, 0.5: 50.0, 0.7: 50.0, 0.9: 50.0, 0.95: 90.0}

@@ -18,9 +18,9 @@ from collections.abc import Callable
 from typing import Any
 
 import mpmath as mp
+from collision import Product, speed_ratio_powers
 
 from kinetics.crosscheck.references import HORIZONS, MEAN_FREE_PATH, times
-from kinetics.crosscheck.references.collision import Product, speed_ratio_powers
 
 DIGITS = 50  # of what is not said to need more
 STEP = mp.mpf(1) / 32  # of Im w: images of ln T 201 apart

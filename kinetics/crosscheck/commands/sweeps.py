@@ -1,0 +1,65 @@
+"""What `lorentz bench` and `lorentz stress` do alike: show progress, print, and write files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import click
+
+
+class Report(Protocol):
+    """The result of a benchmark or of a stability sweep."""
+
+    def to_json(self) -> str:
+        """One strict JSON document."""
+
+    def markdown(self) -> str:
+        """The tables that are printed."""
+
+    def files(self) -> dict[str, str]:
+        """Contents by name, of what is written."""
+
+
+R = TypeVar("R", bound=Report)
+
+
+def output_option(names: str) -> Any:
+    """The option -o of a command that writes files of these names."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        default=None,
+        help=f"Folder for {names}. [default: none is written]",
+    )
+
+
+def run_and_write(run: Callable[[Callable[..., None]], R], output: Path | None, as_json: bool) -> R:
+    """Run, print what the run gives, and write its files.
+
+    run is called with the function tell(name, total) that it calls as each of its parts starts.
+    Raises ValueError, before the run, for a folder that cannot be written.
+    """
+    from tqdm import tqdm
+
+    from kinetics.crosscheck.files import require_writable_folder, write_together
+
+    if output is not None:
+        require_writable_folder(output)
+    with tqdm(file=sys.stderr, disable=None, leave=False) as bar:
+
+        def tell(name: str, total: int) -> None:
+            bar.total = total
+            bar.set_description(name, refresh=False)
+            bar.update(1)
+
+        report = run(tell)
+    click.echo(report.to_json() if as_json else report.markdown(), nl=False)
+    if output is not None:
+        for path in write_together(output, report.files()):
+            if not as_json:
+                click.echo(f"wrote {path}")
+    return report
