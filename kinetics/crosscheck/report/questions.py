@@ -12,8 +12,8 @@ import numpy as np
 from kinetics import sonine
 from kinetics.crosscheck.report.case import Case, Measured
 from kinetics.crosscheck.report.figure_lines import exact_states, restitutions
-from kinetics.crosscheck.report.histograms import band_middles
 from kinetics.crosscheck.report.observables import (
+    band_middles,
     bands_of,
     bin_average,
     msd_slope_between,

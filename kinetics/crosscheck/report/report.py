@@ -13,7 +13,7 @@ from typing import Any
 
 from kinetics import __version__, sonine
 from kinetics.crosscheck.files import write_together
-from kinetics.crosscheck.report.algebra import AlgebraProcess
+from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
@@ -43,7 +43,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
     ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
     tell = progress or (lambda stage: None)
-    with AlgebraProcess() as algebra:
+    with algebra_process() as algebra:
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
@@ -51,7 +51,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         tell("comparing")
         rows = judged(row for case in cases for row in rows_of_case(case, settings))
         tell("derivations")
-        checks = algebra.rows()
+        checks = printed_rows(algebra)
     return build_document(settings, cases, scans, rows, checks)
 
 

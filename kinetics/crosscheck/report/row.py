@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.crosscheck.report.case import Array, Case, ParticleRun
-from kinetics.crosscheck.report.histograms import band_middles
-from kinetics.crosscheck.report.observables import middles
+from kinetics.crosscheck.report.observables import band_middles, middles
 from kinetics.crosscheck.verdicts import (
     Verdict,
     corrected_sigmas,

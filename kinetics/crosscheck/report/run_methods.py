@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
-from kinetics.crosscheck.report.histograms import jackknife_error, measured_exponent, scaled_density
-from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.observables import (
+    cooling_rate_between,
+    jackknife_error,
+    measured_exponent,
+    msd_slope_between,
+    scaled_density,
+)
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.errors import InputError
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
-from kinetics.crosscheck.report.histograms import jackknife_error
+from kinetics.crosscheck.report.observables import jackknife_error
 from kinetics.crosscheck.report.settings import ReportSettings
 
 if TYPE_CHECKING:

@@ -1,16 +1,20 @@
 """What a report is asked to compare: the paper's own system unless told otherwise."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
-from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, check_rtol, refuse
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    check_rtol,
+    refuse,
+    whole_number,
+)  # fmt: skip
 
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of inelasticposi and scalev)."""
 OTHER_FINAL_TIME = 1000.0
 """Final time in d/U of a restitution that the paper does not have."""
+_LEAST = {"count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2, "seed": 0}
 
 
 @dataclass(frozen=True)
@@ -38,35 +42,21 @@ class ReportSettings:
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(
-            check_restitution(e) for e in _items("restitutions", self.restitutions)
-        )
-        times = tuple(
-            check_positive("final_times", t) for t in _items("final_times", self.final_times)
-        )
-        if len(set(restitutions)) != len(restitutions):
-            raise InputError(f"restitutions: got {restitutions}; each may stand only once")
+        restitutions = tuple(check_restitution(e) for e in self.restitutions)
+        times = tuple(check_positive("final_times", t) for t in self.final_times)
+        if not restitutions or len(set(restitutions)) != len(restitutions):
+            refuse("restitutions", restitutions, "at least one is needed, each only once")
         if len(times) != len(restitutions):
-            raise InputError(
-                f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
-                "there must be one for each"
-            )
+            refuse("final_times", times, f"there must be {len(restitutions)}, as restitutions")
         object.__setattr__(self, "restitutions", restitutions)
         object.__setattr__(self, "final_times", times)
         check_positive("number_density", self.number_density)
         check_rtol(self.rtol)
         check_rtol(self.position_rtol)
-        for name, least in (
-            ("count", 1),
-            ("media", 2),
-            ("tracers", 1),
-            ("free_tracers", 2),
-            ("n_times", 2),
-            ("seed", 0),
-        ):
-            check_whole(name, getattr(self, name), least)
+        for name, least in _LEAST.items():
+            whole_number(name, getattr(self, name), least, 2**63)
         if self.workers is not None:
-            check_whole("workers", self.workers, 1)
+            whole_number("workers", self.workers, 1, 2**31)
 
     def quick(self) -> "ReportSettings":
         """The same system with fewer samples, and G(R) to fewer digits."""
@@ -82,17 +72,3 @@ class ReportSettings:
 def final_time(restitution: float) -> float:
     """The default final time of a restitution, in d/U."""
     return PAPER_FINAL_TIME.get(restitution, OTHER_FINAL_TIME)
-
-
-def check_whole(name: str, value: Any, least: int) -> int:
-    """A whole number not below `least`; InputError otherwise."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        refuse(name, value, f"it must be a whole number, at least {least}")
-    return value
-
-
-def _items(name: str, values: Iterable[Any]) -> list[Any]:
-    items = list(values)
-    if not items:
-        raise InputError(f"{name}: got none; at least one is needed")
-    return items
