@@ -21,7 +21,7 @@ from kinetics.crosscheck.report.figures import figure_file
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
 from kinetics.crosscheck.report.questions import all_answers
-from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, judged, relative_error
+from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, relative_error
 from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
@@ -49,7 +49,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
             cases.append(gather_case(e, last, settings, tell))
         scans = gather_scans(cases, settings, tell)
         tell("comparing")
-        rows = judged(row for case in cases for row in rows_of_case(case, settings))
+        rows = [row for case in cases for row in rows_of_case(case, settings)]
         tell("derivations")
         checks = printed_rows(algebra)
     return build_document(settings, cases, scans, rows, checks)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from kinetics.errors import InputError
 from kinetics.validation import (
     check_positive,
     check_restitution,
@@ -47,7 +48,10 @@ class ReportSettings:
         if not restitutions or len(set(restitutions)) != len(restitutions):
             refuse("restitutions", restitutions, "at least one is needed, each only once")
         if len(times) != len(restitutions):
-            refuse("final_times", times, f"there must be {len(restitutions)}, as restitutions")
+            raise InputError(
+                f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
+                "there must be one for each"
+            )
         object.__setattr__(self, "restitutions", restitutions)
         object.__setattr__(self, "final_times", times)
         check_positive("number_density", self.number_density)
