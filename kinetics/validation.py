@@ -159,3 +159,50 @@ def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
     if not zero_allowed and np.any(array == 0.0):
         refuse("v", values, "speeds must be above 0 here")
     return array
+
+
+# -- initial states -------------------------------------------------------------------------------
+
+_NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
+
+
+def finite_array(name: str, values: ArrayLike, shape: str, dimensions: int = 1) -> Array:
+    """A read-only copy of finite real numbers in an array of so many dimensions.
+
+    ``shape`` says in the message what is allowed. Complex and masked values are refused.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind == "c" or np.ma.is_masked(values):
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError):
+        refuse(name, values, "it must be an array of numbers")
+    if array.ndim != dimensions or not np.all(np.isfinite(array)):
+        refuse(name, values, f"it must be finite, {shape}")
+    array.flags.writeable = False
+    return array
+
+
+def rising_speeds(speed: ArrayLike) -> Array:
+    """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
+    v = finite_array("speed", speed, "1-dimensional")
+    if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
+        refuse("speed", speed, "it must rise, from 0 or more, 2 at least")
+    return v
+
+
+def density_not_negative(f: Array, name: str = "density") -> None:
+    """Refuse a density that is negative anywhere."""
+    if f.size and float(f.min()) < 0.0:
+        raise InputError(f"{name}: got a value of {f.min():.3g}; it must not be negative")
+
+
+def normalised(total: float, name: str = "density") -> float:
+    """The integral of a density over the velocities, if it is 1 within 1e-6."""
+    if not abs(total - 1.0) < _NORM:
+        narrow = "; a peak narrower than a percent needs a SpeedTable" if total < 0.5 else ""
+        raise InputError(
+            f"{name}: its integral over the velocities is {total:.6g}; it must be 1{narrow}"
+        )
+    return total

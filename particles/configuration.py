@@ -26,21 +26,22 @@ SCALARS = (
 RAW = ("positions", "velocities", "finals")
 OBSERVABLES = SCALARS + HISTOGRAMS + RAW
 
-# Bins of a histogram: 16 per octave, each 4.4 % wide.
+# Bins per octave of a histogram: each bin is 2**(1/16) - 1 = 4.4 % wide.
 PER_OCTAVE = 16
-# Tracers per kernel call: what is kept per tracer stays small whatever their number.
+# Tracers per kernel call: the memory that a call needs does not grow with the number of tracers.
+# So many take milliseconds at least, so what the call itself costs does not show.
 BLOCK = 4096
-# A flight of so many mean free paths meets nothing any more.
+# A flight of so many mean free paths counts as endless: chance alone gives exp(-1e6).
 ESCAPE_PATHS = 1e6
 
 
 # The scatterers of this thread's last configuration, whose memory the next one may use.
-_done_with = threading.local()
+_last = threading.local()
 
 
 def forget() -> None:
     """Give back the memory kept for this thread's next configuration."""
-    _done_with.cells = None
+    _last.cells = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,8 @@ class Tally:
 def time_scales(times: np.ndarray) -> np.ndarray:
     """Return the power of 2 by which velocities are multiplied in sums at each time.
 
-    v t stays near the mean free path for ever; v^4 alone would underflow.
+    times (n_times,) in d/U. The product v t stays near the mean free path at all times, while v^4
+    alone would underflow.
     """
     return 2.0 ** np.round(np.log2(np.maximum(times, 1.0)))
 
@@ -109,7 +111,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
     """Place the scatterers of one configuration and follow its tracers."""
     from particles.grid.build import build
 
-    old, _done_with.cells = getattr(_done_with, "cells", None), None
+    old, _last.cells = getattr(_last, "cells", None), None
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
     tally = _empty_tally(plan, configuration)
     traps: list[np.ndarray] = [tally.traps]
@@ -119,7 +121,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
         traps.append(block.pop("traps"))
         for name, pieces in raw.items():
             pieces.append(block[name])
-    _done_with.cells = cells
+    _last.cells = cells
     return replace(
         tally,
         traps=np.concatenate(traps),

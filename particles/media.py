@@ -10,15 +10,17 @@ import numpy as np
 
 from particles.values import Value
 
-# Random sequential addition jams at an area fraction of 0.547; the last percents take for ever.
-LARGEST_RSA_DENSITY = 0.65  # in d^-2, an area fraction of 0.51
+# Random sequential addition jams at an area fraction of 0.547, and close to it the number of
+# attempts per disk diverges. In d^-2; an area fraction of 0.51.
+LARGEST_RSA_DENSITY = 0.65
 # In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
-# Scatterers that a cell of the index lists on average, measured to be fastest (grid.cells).
+# Scatterers that a cell lists on average: the fastest of those that
+# tests/particles/measurements/kernel_speed.py compares.
 LISTED = 5.0
 # In longer flights the impact parameter, of the size of d, loses the digits that decide on it.
 LEAST_DENSITY = 1e-10  # in d^-2
-# A tracer must not meet a scatterer and its image in one flight: a few diameters.
+# In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
 
 

@@ -5,16 +5,19 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from os import PathLike
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from particles.configuration import OBSERVABLES, Plan, Tally, forget, run_configurations
 from particles.ensemble import Ensemble
-from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+from particles.media import Medium, Positions
 from particles.totals import Totals
 
-LARGEST_TIME = 1e300
+if TYPE_CHECKING:
+    from particles.storage.saving import Saver
+
+LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 
 
@@ -58,35 +61,41 @@ def simulate(
     Raises ValueError for bad input, where the disks cannot be placed, and for an output that
     exists (without resume), is damaged, in use, or holds another run; it is left as it was.
     """
-    plan = make_plan(
-        medium, restitution, initial, times, media, tracers, max_collisions, seed, observables
-    )
+    whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
+    plan = make_plan(medium, restitution, initial, times, observables, **whole)
     workers = check_workers(workers)
-    totals = Totals(plan)
-    saver = None
-    if output is not None:
-        from particles.storage.saving import Saver
+    if output is None:
+        if resume:
+            raise ValueError("resume = True: needs output, the file to go on from")
+        return _complete(Totals(plan), None, workers, executor, progress).ensemble()
+    from particles.storage.saving import Saver
 
-        saver = Saver(output, plan)
-        totals = saver.begin(resume)
-    elif resume:
-        raise ValueError("resume = True: needs output, the file to go on from")
+    saver = Saver(output, plan)
+    totals = saver.begin(resume)
     try:
+        _complete(totals, saver, workers, executor, progress)
+    except BaseException:
+        saver.stop()
+        raise
+    saver.finish(totals)
+    return totals.ensemble()
+
+
+def _complete(
+    totals: Totals, saver: "Saver | None", workers: int, executor: Executor | None,
+    progress: Callable[[int, int], None] | None,
+) -> Totals:  # fmt: skip
+    """Run the configurations that the totals lack; add, save and report each one."""
+    plan = totals.plan
+    if progress is not None:
+        progress(totals.configurations, plan.media)
+    for tally in run(plan, range(totals.configurations, plan.media), workers, executor):
+        totals.add(tally)
+        if saver is not None:
+            saver.add(tally, totals)
         if progress is not None:
             progress(totals.configurations, plan.media)
-        for tally in run(plan, range(totals.configurations, plan.media), workers, executor):
-            totals.add(tally)
-            if saver is not None:
-                saver.add(tally, totals)
-            if progress is not None:
-                progress(totals.configurations, plan.media)
-    except BaseException:
-        if saver is not None:
-            saver.stop()
-        raise
-    if saver is not None:
-        saver.finish(totals)
-    return totals.ensemble()
+    return totals
 
 
 def check_workers(workers: int | None) -> int:
@@ -103,50 +112,45 @@ def check_workers(workers: int | None) -> int:
 
 
 def make_plan(
-    medium: Medium,
-    restitution: float,
-    initial: Any,
-    times: Any,
-    media: int,
-    tracers: int,
-    max_collisions: int | None,
-    seed: int,
-    observables: Iterable[str] | None,
-) -> Plan:
-    """Check every argument of `simulate` and return what is to be run."""
-    if not isinstance(medium, (HardDisks, Poisson, BoltzmannGrad, Positions)):
+    medium: Medium, restitution: float, initial: Any, times: Any,
+    observables: Iterable[str] | None, **whole: int | None,
+) -> Plan:  # fmt: skip
+    """Check every argument of `simulate` and return what is to be run.
+
+    whole: media, tracers, max_collisions and seed. Raises ValueError for what is not allowed.
+    """
+    if not isinstance(medium, Medium):
         raise ValueError(
             f"medium = {medium!r}: must be HardDisks, Poisson, BoltzmannGrad or Positions"
         )
     if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
         raise ValueError(f"restitution = {restitution!r}: must be a number from 0 to 1")
-    for name, value in (("media", media), ("tracers", tracers)):
-        _check_whole(name, value, 1, 2**31)
+    media, tracers = (_check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         raise ValueError(f"media = {media}: must be {medium.sets}, the sets of positions given")
-    _check_whole("seed", seed, 0, 2**64 - 1)
-    if max_collisions is not None:
-        _check_whole("max_collisions", max_collisions, 1, 2**62)
-    if times is None and max_collisions is None:
+    seed = _check_whole("seed", whole["seed"], 0, 2**64 - 1)
+    most = whole["max_collisions"]
+    if most is None and times is None:
         raise ValueError("times = None: give output times, or max_collisions, or both")
     return Plan(
         medium=medium,
         restitution=float(restitution),
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(initial, int(media), int(tracers)),
+        velocities=_check_initial(initial, media, tracers),
         times=_check_times(times),
-        media=int(media),
-        tracers=int(tracers),
-        max_collisions=None if max_collisions is None else int(max_collisions),
-        seed=int(seed),
+        media=media,
+        tracers=tracers,
+        max_collisions=None if most is None else _check_whole("max_collisions", most, 1, 2**62),
+        seed=seed,
         observables=_check_observables(observables),
     )
 
 
-def _check_whole(name: str, value: Any, low: int, high: int) -> None:
+def _check_whole(name: str, value: Any, low: int, high: int) -> int:
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not whole or not low <= value <= high:
         raise ValueError(f"{name} = {value!r}: must be a whole number from {low} to {high}")
+    return int(value)
 
 
 def _check_times(times: Any) -> np.ndarray:

@@ -35,7 +35,10 @@ class LogGrid:
     @cached_property
     def x(self) -> FloatArray:
         """The nodes, shape (nodes,)."""
-        return self.start + self.spacing * np.arange(self.nodes, dtype=float)
+        # counted from x = 0, near which a rounding error of the size of start would be large
+        first = round(self.start / self.spacing)
+        rest = self.start - first * self.spacing
+        return rest + self.spacing * np.arange(first, first + self.nodes, dtype=float)
 
     @property
     def end(self) -> float:

@@ -62,7 +62,8 @@ class UncollidedDensity:
             piece, v = piece[inside], v[inside]
             local = (v - self.edges[piece]) / (self.edges[piece + 1] - self.edges[piece])
             f = np.einsum("ij,ij->i", FirstKind(_NODES).rows(local), self.values[piece])
-            out[inside] = f * np.exp(-r[inside] / self.mean_free_path) / t
+            # a speed density is not negative: what is below zero is rounding, at v = 0 above all
+            out[inside] = np.maximum(f, 0.0) * np.exp(-r[inside] / self.mean_free_path) / t
         return out
 
     def within(self, time: int, r: FloatArray) -> FloatArray:

@@ -99,8 +99,11 @@ class ScaledVDF(Value):
         if self._axis.refined != refined:
             log_second, log_norm = self._unit()
             log_g = self._axis.log_density(log_c + 0.5 * log_second) - log_norm
+        log_f = log_g - 2.0 * log_c
+        if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
+            self._axis.unresolved = True
         with np.errstate(under="ignore"):
-            out[inside] = np.exp(log_g - 2.0 * log_c) / (2.0 * math.pi)
+            out[inside] = np.exp(np.minimum(log_f, _LARGEST_LOG)) / (2.0 * math.pi)
         return out.reshape(c_.shape)[()]
 
     @cached_property

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError, short
 from kinetics.states import quadrature
-from kinetics.states.checks import check_norm, finite_array, not_negative, rising_speeds
 from kinetics.states.isotropic import SpeedDensity, as_state
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
+from kinetics.validation import density_not_negative, finite_array, normalised, rising_speeds
 
 FloatArray = NDArray[np.float64]
 
@@ -200,9 +200,9 @@ class PolarGrid(State):
         f = finite_array("values", self.values, f"of shape ({v.size}, n_phi)", dimensions=2)
         if f.shape[0] != v.size or f.shape[1] < 1:
             raise InputError(f"values: got shape {f.shape}; it must be ({v.size}, n_phi)")
-        not_negative(f, "values")
+        density_not_negative(f, "values")
         self.store(speed=v, values=f)
-        check_norm(self._integral, "values")
+        normalised(self._integral, "values")
 
     @cached_property
     def _unscaled(self) -> NDArray[Any]:

@@ -13,11 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, check_positive, short
+from kinetics.errors import InputError, short
 from kinetics.states import quadrature
-from kinetics.states.checks import check_norm, finite_array, not_negative, rising_speeds
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
+from kinetics.validation import (
+    check_positive,
+    density_not_negative,
+    finite_array,
+    normalised,
+    rising_speeds,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -158,11 +164,11 @@ class SpeedTable(State):
 
     def __post_init__(self) -> None:
         v = rising_speeds(self.speed)
-        f = finite_array("density", self.density)
+        f = finite_array("density", self.density, "1-dimensional")
         if v.size != f.size:
             raise InputError(f"density: got {f.size} values for {v.size} speeds")
-        not_negative(f)
-        total = check_norm(float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))))
+        density_not_negative(f)
+        total = normalised(float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))))
         self.store(speed=v, density=f / total)
 
     def harmonic(
@@ -213,7 +219,7 @@ class SpeedSamples(State):
     speed: ArrayLike
 
     def __post_init__(self) -> None:
-        v = finite_array("speed", self.speed)
+        v = finite_array("speed", self.speed, "1-dimensional")
         if v.size == 0 or np.any(v <= 0.0):
             raise InputError(f"speed: got {short(self.speed)}; samples must be above 0, at least 1")
         self.store(speed=v)
@@ -258,8 +264,8 @@ class SpeedDensity(State):
             raise InputError(quadrature.NO_INTEGRAL)
         if np.iscomplexobj(found.weight):
             raise InputError("initial: the speed density is complex; it must be real")
-        not_negative(found.weight)
-        return LogMeasure(found.x, found.weight / check_norm(float(found.weight.sum())))
+        density_not_negative(found.weight)
+        return LogMeasure(found.x, found.weight / normalised(float(found.weight.sum())))
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""

@@ -5,7 +5,7 @@ To add an initial state, write a class as follows, in this folder or in your own
 
 1. Declare it ``@dataclass(frozen=True) class MyState(State)``. Its fields are what the user gives.
    State provides ``==``, ``hash``, ``pickle`` and ``repr``, also where fields are arrays.
-2. In ``__post_init__`` check the arguments (`kinetics.states.checks`; raise InputError, one line
+2. In ``__post_init__`` check the arguments (`kinetics.validation`; raise InputError, one line
    that names the argument) and store arrays with ``self.store(name=array)``, which keeps read-only
    copies of them. Speeds are in units of U, densities in 1/U.
 3. Write ``harmonic(m, rtol, lowest, highest)``. It returns the angular harmonic

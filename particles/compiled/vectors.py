@@ -3,7 +3,7 @@
 What it gains: the loop of `particles.compiled.slots` holds a minimum and the place of it, which
 LLVM does not turn into vectors by itself. With 40,000 hard disks at number density 0.04 and one
 thread: 1.17e7 collisions/s in this form and 5.1e6 with the loop, on a processor without AVX-512.
-`tests/particles/measurements/vector_form.py` measures both again.
+`tests/particles/measurements/kernel_speed.py` measures both again.
 
 The arithmetic is that of the loop, line by line. Nothing is contracted or reordered, so every bit
 is the same (tests/particles/compiled/test_search.py). This is the only file that needs llvmlite.

@@ -23,10 +23,10 @@ from particles.grid.plane import (
 
 _ACROSS = 2**BLOCK
 _CELLS = _ACROSS * _ACROSS
-# A cell lists what is no farther than this from it: a hair more than 1, against rounding.
+# A cell lists what is no farther than this from it: a little more than 1, against rounding.
 _REACH = 1.0 + 1e-9
-# Columns of a draft: place from the corner of the block, turn, whether it is kept, and its region
-# relative to the block's core.
+# Columns of a draft, one row for each candidate: place from the corner of the block, when its turn
+# comes, 1 while it is kept, and its region relative to the block's core.
 _X, _Y, _TURN, _KEPT, _P, _Q = range(6)
 
 
@@ -176,7 +176,7 @@ def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
         x -= (a + 0.5) * side
         y -= (b + 0.5) * side
         near = crowd(slots, first + home, x, y)
-        if near & (near - 1):  # others than itself
+        if near & (near - 1):  # more than one bit: another candidate besides itself
             for slot in range(SLOTS):
                 if near >> slot & 1 and who[home, slot] < k:
                     n_pairs = _pair(draft, pairs, n_pairs, k, who[home, slot])
@@ -185,7 +185,7 @@ def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
             dx, dy = nodes[node, 0] - x, nodes[node, 1] - y
             node = links[node]
             if dx * dx + dy * dy < 1.0:
-                # Rare, and whose place it is has not been noted: all that are near, perhaps again.
+                # Rare. A chain does not say which candidate a node is, so compare with all.
                 for other in range(drawn):
                     dx, dy = draft[other, _X] - draft[k, _X], draft[other, _Y] - draft[k, _Y]
                     if dx * dx + dy * dy < 1.0 and other != k:
@@ -201,7 +201,7 @@ def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
 
 @njit(error_model="numpy")
 def _pair(draft: np.ndarray, pairs: np.ndarray, n_pairs: int, one: int, other: int) -> int:
-    """Put a pair where it belongs in the order; return the number of pairs."""
+    """Insert a pair in the order of the later one's turn; return the number of pairs."""
     earlier, later = one, other
     if draft[other, _TURN] < draft[one, _TURN]:
         earlier, later = other, one

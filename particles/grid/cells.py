@@ -1,8 +1,9 @@
 """The index of the scatterers: square cells that list every scatterer a tracer can touch in them.
 
-A cell lists the scatterers whose circle of radius 1 (in d) overlaps it, so that a tracer in a cell
-looks at no other. Positions are kept relative to the centre of the cell, so nothing is lost far
-from the origin. A cell has SLOTS places in one block; the few that need more go on in a chain.
+A cell lists the scatterers whose circle of radius 1 (in d) overlaps it, so a tracer in a cell needs
+to look at no other scatterer. Positions are kept relative to the centre of the cell, so they have
+all their digits far from the origin too. A cell has SLOTS places in one array; the few scatterers
+that find them full go on in a chain.
 
 A periodic box stores all its cells. The unbounded plane stores a window of those last visited, in
 square blocks, and makes a block anew when a tracer enters it (grid.blocks): its scatterers
@@ -92,10 +93,10 @@ def plane(
     number_density: float, hard: bool, seed: np.uint64, configuration: int,
     old: Cells | None = None,
 ) -> Cells:  # fmt: skip
-    """Return the unbounded plane, nothing of it made yet.
+    """Return the unbounded plane; its blocks are drawn later, when tracers enter them.
 
-    What is not made is not touched, so the system has no memory to find for it. That takes longer
-    than making a cell: a plane of the same law that is done with, `old`, gives its memory.
+    Memory that is not written to costs nothing, and getting new memory from the system takes longer
+    than drawing a cell. So `old`, a plane of the same law that is no longer needed, gives its own.
     """
     side = max(cell_side(number_density), 3.0)
     density = candidate_density(number_density) if hard else number_density
@@ -104,7 +105,7 @@ def plane(
     if old is not None and old.counts is counts:
         old.keys[:] = _NOWHERE
         return old._replace(law=law)
-    # Nine regions, none larger than a core.
+    # A block looks at nine regions; none holds more candidates than a core.
     candidates = 9 * counts.cumulative.shape[1]
     n_blocks, n_cells = 4**WINDOW, 4 ** (WINDOW + BLOCK)
     room = n_blocks * block_room(density, side)
@@ -126,7 +127,7 @@ def plane(
 
 
 def _rows(n_cells: int, value: float | None = None) -> np.ndarray:
-    """Return slots whose rows begin where lines of the processor's cache do."""
+    """Return slots whose rows are aligned with the lines of the processor's cache, 64 bytes."""
     line = 64 // 8
     whole = np.empty(n_cells * 2 * SLOTS + line)
     begin = -(whole.ctypes.data // 8) % line
@@ -137,9 +138,9 @@ def _rows(n_cells: int, value: float | None = None) -> np.ndarray:
 
 
 def block_room(density: float, side: float) -> int:
-    """Return room for all that the cells of one block list: twelve standard deviations."""
+    """Return the number of nodes kept for a block: its mean and twelve standard deviations."""
     mean = density * (side + 2.0) ** 2 * 4**BLOCK
-    # Of what is listed up to four times the deviation is up to twice that of a Poisson number.
+    # A scatterer is listed up to four times, so the deviation is up to twice Poisson's.
     return ceil(mean + 24.0 * sqrt(mean) + 64.0)
 
 
@@ -164,7 +165,7 @@ def _reaches(x: float, y: float, half: float) -> bool:
     """Tell whether a circle of radius 1 around (x, y) overlaps the square |x|, |y| <= half."""
     gap_x = max(abs(x) - half, 0.0)
     gap_y = max(abs(y) - half, 0.0)
-    # A hair more than the circle, against rounding at the cell's edge.
+    # A little more than the circle, against rounding at the cell's edge.
     return gap_x * gap_x + gap_y * gap_y <= 1.0 + 1e-9
 
 

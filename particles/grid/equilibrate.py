@@ -3,14 +3,14 @@
 from math import floor, sqrt
 
 import numpy as np
-from numba import njit
 
+from particles.compiled.decorators import kernel
 from particles.compiled.slots import SLOTS
 from particles.grid.cells import Cells
 from particles.streams import EQUILIBRATION, open_stream, uniform
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def centres(cells: Cells, positions: np.ndarray) -> None:
     """Write the centre of every scatterer once, from the middle of the box."""
     n, side = cells.n, cells.side
@@ -21,7 +21,7 @@ def centres(cells: Cells, positions: np.ndarray) -> None:
         oy = (cell % n - n // 2) * side
         for slot in range(min(cells.fill[cell], SLOTS)):
             x, y = cells.slots[cell, slot], cells.slots[cell, SLOTS + slot]
-            # A cell owns what lies in it; half-open, so that an edge has one owner.
+            # Taken from the cell that its centre lies in; edges belong to one of two cells.
             if -half <= x < half and -half <= y < half:
                 positions[k, 0], positions[k, 1] = ox + x, oy + y
                 k += 1
@@ -35,19 +35,21 @@ def centres(cells: Cells, positions: np.ndarray) -> None:
     assert k == positions.shape[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _sweep(
-    positions: np.ndarray, box: float, n: int, grid: np.ndarray, step: float, sweeps: int,
-    seed: np.uint64, configuration: int,
+    positions: np.ndarray, grid: np.ndarray, box: float, step: float, sweeps: int,
+    key: tuple[np.uint64, int],
 ) -> float:  # fmt: skip
     """Move disks at random, `sweeps` attempts per disk; return the share accepted.
 
-    grid (n, n): the disk in each bin, -1 if none; bins are narrower than 1/sqrt(2), so a bin holds
-    one disk at most and a disk's neighbours lie within two bins of it.
+    positions (count, 2) in a box of this side, in d. grid (n, n): the disk in each bin, -1 if none;
+    bins are narrower than 1/sqrt(2), so a bin holds one disk at most and the neighbours of a disk
+    lie within two bins of it. step: the largest change of a coordinate is half of it. key: seed and
+    configuration.
     """
-    count = positions.shape[0]
+    count, n = positions.shape[0], grid.shape[0]
     bin_side = box / n
-    state, gamma = open_stream(seed, EQUILIBRATION, configuration, 0)
+    state, gamma = open_stream(key[0], EQUILIBRATION, key[1], 0)
     accepted = 0
     for attempt in range(sweeps * count):
         k = min(int(uniform(state, gamma, 3 * attempt) * count), count - 1)
@@ -84,8 +86,9 @@ def equilibrate(
 ) -> np.ndarray:
     """Return positions (count, 2) from the box's middle after `sweeps` attempts to move each disk.
 
-    The canonical ensemble of hard disks around a fixed clearing of radius 1 at the middle. The
-    step is of the order of the gap between disks.
+    Metropolis moves in the canonical ensemble of hard disks, around a clearing of radius 1 at the
+    middle that stays free. Any symmetric step is right; one of about twice the mean gap between
+    disks is accepted often enough to move them soon.
     """
     positions = np.empty((count, 2))
     centres(cells, positions)
@@ -95,5 +98,5 @@ def equilibrate(
     bins = np.minimum(((positions + 0.5 * box) / (box / n)).astype(np.int64), n - 1)
     grid[bins[:, 0], bins[:, 1]] = np.arange(count)
     gap = sqrt(box * box / count) - 1.0
-    _sweep(positions, box, n, grid, max(2.0 * gap, 0.1), sweeps, seed, configuration)
+    _sweep(positions, grid, box, max(2.0 * gap, 0.1), sweeps, (seed, configuration))
     return positions

@@ -9,7 +9,8 @@ from particles.compiled.search import crowd
 from particles.grid.cells import Cells, insert, is_free
 from particles.streams import PLACEMENT, open_stream, uniform
 
-# Attempts per disk after which random sequential addition is given up.
+# Attempts per disk after which random sequential addition is given up. If a share of
+# 1/1000 of the box were still free, so many would all fail with a chance of exp(-20).
 ATTEMPTS = 20_000
 
 

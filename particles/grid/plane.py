@@ -1,14 +1,14 @@
 """The scatterers of the unbounded plane, drawn from the streams of its regions.
 
-The plane is cut into blocks of cells, and each axis into bands around the edges of blocks and what
-is left between them: cores of blocks, bands along their edges and squares at their corners. Each
-such region is drawn from its own stream and so always the same, whichever block asks for it; a
-block looks at the 3 by 3 regions in and around it.
+The plane is cut into square blocks of cells. Each block has three kinds of regions: its core, bands
+along its edges and squares at its corners; bands and squares are shared with the neighbours. Each
+region is drawn from a random stream of its own, so it is always the same, whichever block is made;
+a block is made from the 3 by 3 regions in and around it.
 
-A region's candidates are a Poisson process, each with a mark uniform on (0, 1). Overlapping
-scatterers are all of them. Hard disks are those that random sequential addition in the order of
-the marks keeps: a candidate is refused if one of lower mark, itself kept, is nearer than 1. Such
-chains are short, so a candidate is decided by a few others around it.
+The candidates of a region are a Poisson process, each with a mark uniform on (0, 1). Overlapping
+scatterers are all candidates. Hard disks are those that random sequential addition in the order of
+the marks keeps: a candidate is refused if another one that is kept has a lower mark and is nearer
+than 1. Whether that one is kept depends on its own neighbours in turn; such chains are short.
 """
 
 from functools import lru_cache
@@ -22,7 +22,7 @@ from particles.streams import bits, mix, plane_key, to_unit
 
 # Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
 _SQRT2, _SQRT3 = 0x6A09E667F3BCC909, 0xBB67AE8584CAA73B
-_GUIDES = 256
+_GUIDES = 256  # entries of a table that only shortens a search; the draws do not depend on it
 _TO_UNIT = 2.0**-32
 
 
@@ -55,8 +55,8 @@ class Counts(NamedTuple):
 def make_law(side: float, edge: float, hard: bool, seed: np.uint64, configuration: int) -> Law:
     """Return the law of a plane whose blocks have this side (at least 8).
 
-    A circle of radius 1 reaches over an edge from no farther than 1; what excludes a hard disk
-    there lies no farther than 2.
+    A circle of radius 1 reaches over an edge if its centre is within 1 of it; a candidate that
+    excludes such a hard disk is within 2 of the edge. So bands are twice as wide as these lengths.
     """
     key = np.uint64(plane_key(seed, configuration))
     return Law(side, 4.0 if hard else 2.0, edge, hard, key)
@@ -67,7 +67,7 @@ def make_counts(side: float, band: float, density: float) -> Counts:
     """Return the counts of regions of these sizes for a density of candidates in d^-2."""
     core = side - band
     means = [density * core * core, density * core * band, density * band * band]
-    # Twelve standard deviations: never reached.
+    # Twelve standard deviations: the chance of more is below 1e-30.
     most = ceil(means[0] + 12.0 * sqrt(means[0]) + 40.0)
     n = np.arange(most + 1)
     factorials = np.array([lgamma(k + 1.0) for k in n])

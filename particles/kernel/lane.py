@@ -3,8 +3,8 @@
 The path of a tracer does not depend on its speed (`particles.events`), so a lane holds a place, a
 unit direction and, apart from them, the slowness 1/speed. Lengths are in d, times in d/U.
 
-A tracer slows for ever. So that neither slowness nor time overflows, both are kept times 2**-64k;
-`shifts` is k and `unit` is 2**-64k.
+A tracer slows down without end. So that neither slowness nor time overflows, both are kept times
+2**-64k; `shifts` is k and `unit` is 2**-64k.
 """
 
 from math import cos, log, pi, sin, sqrt
@@ -16,8 +16,8 @@ from particles.compiled.decorators import inlined
 from particles.kernel.records import Records
 from particles.streams import START, open_stream, uniform
 
-# Tracers that one thread follows in turns. On a two-core cloud processor 16 was the best of 4, 8,
-# 16, 32 and 64 (tests/particles/measurements/lanes.py).
+# Tracers that one thread follows in turns: enough to hide the time that a square root takes.
+# tests/particles/measurements/kernel_speed.py compares other numbers.
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64

@@ -1,9 +1,9 @@
 """The journal of a run: each configuration as it is done, appended to a file beside the run's own.
 
-A run's file (particles.storage.file) is only ever written whole, which takes the longer the more it
-holds, so not every configuration can have it written again. In between, each configuration becomes
-one record of `<file>.journal`, handed to the system in one piece before the run goes on; when the
-file has been written, the journal is emptied, and when the run ends, removed.
+The file of a run (particles.storage.file) is always written as a whole. That takes longer the more
+it holds, so it cannot be done after every configuration. In between, each configuration becomes one
+record of `<file>.journal`, which the system has received before the run goes on. The journal is
+emptied when the file has been written, and removed when the run ends.
 
 Layout: HEAD; SHA-256 of the plan (32 bytes); records. A record is the length of its contents
 (8 bytes, little-endian), the CRC-32 of these 8 bytes (4 bytes), the SHA-256 of the contents
@@ -11,9 +11,9 @@ Layout: HEAD; SHA-256 of the plan (32 bytes); records. A record is the length of
 types and shapes, and then the arrays.
 
 A process that is killed while it appends leaves the beginning of a record at the end of the file.
-That is cut off: its configuration is run again, to the same bits. Anything else that is not as it
-was written is damage, and refused. Against a loss of power only the run's own file is made safe:
-records are not forced to the disk.
+That part is cut off, and its configuration is run again, to the same bits. Any other difference
+from what was written is damage, and the journal is refused. Only the file of the run is safe
+against a loss of power: records are not forced to the disk.
 """
 
 import json

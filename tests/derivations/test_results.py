@@ -15,16 +15,15 @@ from derivations.printed import ROWS
 CHECKS = verify()
 
 
-def test_a_check_survives_pickling() -> None:
-    for check in CHECKS:
-        again = pickle.loads(pickle.dumps(check))
-        assert again == check, check.label
-        assert hash(again) == hash(check)
+def test_checks_survive_pickling() -> None:
+    again = pickle.loads(pickle.dumps(CHECKS))
+    assert again == CHECKS
+    assert set(again) == set(CHECKS)
     assert len(set(CHECKS)) == len(CHECKS)
 
 
 def test_a_check_from_another_process_is_equal() -> None:
-    labels = ["vchange", "gamma+", "ad6", "tn", "compare1", "beyond:loss-p", "v0re"]
+    labels = ["vchange", "diffuse20", "collision"]
     code = (
         "import pickle, sys; from derivations import verify; "
         f"sys.stdout.buffer.write(pickle.dumps(verify({labels})))"

@@ -2,7 +2,7 @@
 
 Two tables. Waves: a_0 for many restitutions, wave numbers and tolerances against the best that the
 solver can do; the work is the flops of its linear systems. Densities: G(R) of scenes that differ
-against rtol = 1e-8; the work is that of all their wave numbers. References are made by the same
+against rtol = 1e-6; the work is that of all their wave numbers. References are made by the same
 solver with the constants as they are: a constant that spoils the best result is seen by the tests,
 against closed forms, not here. Takes some minutes; names of constants as arguments choose.
 """
@@ -22,9 +22,9 @@ WAVES = list(itertools.product((0.0, 0.6, 1.0), (0.2, 1.0, 3.0, 7.0), (1.0, 6.0)
 SCENES = [
     (0.4, [3000.0], "gaussian"),
     (0.6, [300.0], "gaussian"),
-    (0.6, [1.0], "gaussian"),
+    (0.6, [20.0], "gaussian"),
     (0.9, [1000.0], "gaussian"),
-    (0.0, [1e5], "gaussian"),
+    (0.1, [1e3], "gaussian"),
     (1.0, [1e3], "gaussian"),
     (0.7, [500.0], "monoenergetic"),
     (0.95, [2000.0], "monoenergetic"),
@@ -93,7 +93,7 @@ def measure_waves(best: list[np.ndarray]) -> Outcome:
 def measure_densities(best: list[np.ndarray]) -> Outcome:
     """All scenes and tolerances, as the constants are now."""
     errors, work, unsaid = [], 0.0, 0
-    for case, rtol in itertools.product(range(len(SCENES)), (1e-2, 1e-4, 1e-6)):
+    for case, rtol in itertools.product(range(len(SCENES)), (1e-2, 1e-3, 1e-4)):
         found, estimate, cost = density(case, rtol)
         errors.append(float(np.abs(found - best[case]).max()) / rtol)
         work += cost
@@ -102,7 +102,7 @@ def measure_densities(best: list[np.ndarray]) -> Outcome:
 
 
 if __name__ == "__main__":
+    best_densities = [density(case, 1e-6)[0] for case in range(len(SCENES))]
+    scan(OF_DENSITIES, lambda: measure_densities(best_densities), "flops")
     best_waves = [waves(*case, 1e-12)[0] for case in WAVES]
     scan(OF_WAVES, lambda: measure_waves(best_waves), "flops")
-    best_densities = [density(case, 1e-8)[0] for case in range(len(SCENES))]
-    scan(OF_DENSITIES, lambda: measure_densities(best_densities), "flops")
