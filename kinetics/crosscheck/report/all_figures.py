@@ -1,7 +1,7 @@
 """Every figure of a report, as the plain lists that the JSON file holds and `figures` draws."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,15 +20,16 @@ from kinetics.crosscheck.report.case import (
 from kinetics.crosscheck.report.case_rows import PAPER_KURTOSIS
 from kinetics.crosscheck.report.figure_lines import (
     LARGEST_RELATIVE_ERROR,
-    exact_states,
     figure,
     level,
+    over_restitution,
     particles,
     readable,
     restitutions,
 )
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.observables import (
+    LARGEST_EXPONENT_ERROR,
     band_middles,
     bands_of,
     last_vdf,
@@ -43,8 +44,6 @@ if TYPE_CHECKING:
 
 LARGEST_SLOPE_ERROR = 0.2
 """Standard error of (1/v0 - 1/v0(0))/((1-e) d rho0 t) above which a point is left out."""
-LARGEST_EXPONENT_ERROR = 0.5
-"""Standard error of n(R) above which a point is left out."""
 BEYOND_LAST = 10.0
 """Lines of the equation go on to so many times the last time of the particles."""
 APPROACH_ENDS = 1e5
@@ -97,7 +96,7 @@ def _ends(times: Sequence[Array]) -> Array:
 
 
 def _solved(case: Case) -> Mask:
-    """The late times that a figure shows beside the particles'."""
+    """The late times that a figure shows."""
     return np.asarray(case.late.times <= BEYOND_LAST * case.times[-1])
 
 
@@ -162,7 +161,7 @@ def cooling_rate(results: Results) -> Data:
 def _cooling_rates(results: Results, name: str, label: str, scale: Callable[[Any], Any]) -> Data:
     e = restitutions()
     printed = {"Sonine": sonine.cooling_rate, "paper's fit": sonine.cooling_rate_fitted}
-    lines = _over_restitution(
+    lines = over_restitution(
         results.cooling,
         lambda e, source: source.cooling_rate / scale(e),
         {source: h(e) / scale(e) for source, h in printed.items()},
@@ -199,29 +198,9 @@ def _sonine_roots(
         "Sonine": of(e, sonine.a2(e)),
         "Sonine, unstable root": of(e, sonine.a2(e, "unstable")),
     }
-    lines = _over_restitution(results.cooling, from_a2, printed)
+    lines = over_restitution(results.cooling, from_a2, printed)
     zero = level("zero", [0.0, 1.0], 0.0)
     return figure(name, RESTITUTION, axis(label), [zero, *lines])
-
-
-def _over_restitution(
-    cases: Sequence[Case],
-    of: Callable[[float, Any], Any],
-    printed: Mapping[str, Array],
-) -> list[Data]:
-    """A quantity over e: `of` the exact scaling state, the solver's and both runs; and as printed.
-
-    `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`.
-    """
-    at, e = [case.restitution for case in cases], restitutions()
-    exact = [of(float(x), state) for x, state in zip(e, exact_states(), strict=True)]
-    solver = [of(case.restitution, case.scaling_state[1]) for case in cases]
-    lines = [series("exact", e, exact), series("solver", at, solver)]
-    for k, run in enumerate(cases[0].runs):
-        points = [of(case.restitution, case.runs[k]) for case in cases]
-        value, error = [float(p.value) for p in points], [float(p.error) for p in points]
-        lines.append(series(run.name, at, value, error))
-    return lines + [series(source, e, values) for source, values in printed.items()]
 
 
 def approach(results: Results) -> Data:

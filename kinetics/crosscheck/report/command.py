@@ -66,13 +66,8 @@ def report(
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck.files import require_writable_folder
-    from kinetics.crosscheck.report.settings import ReportSettings, final_time
+    from kinetics.crosscheck.report.settings import ReportSettings
 
-    restitutions = restitutions or ReportSettings().restitutions
-    if not final_times:
-        final_times = tuple(final_time(e) for e in restitutions)
-    elif len(final_times) == 1:
-        final_times *= len(restitutions)
     settings = ReportSettings(restitutions, final_times, **system)
     if quick:
         settings = settings.quick()

@@ -1,6 +1,6 @@
 """Lines that several figures have."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -62,3 +62,23 @@ def readable(measured: Measured) -> Mask:
     """Points of a logarithmic axis: positive, and with an error that leaves something to see."""
     value, error = measured.value, measured.error
     return (value > 0) & (error > 0) & (error < LARGEST_RELATIVE_ERROR * value)
+
+
+def over_restitution(
+    cases: Sequence[Case],
+    of: Callable[[float, Any], Any],
+    printed: Mapping[str, ArrayLike],
+) -> list[Data]:
+    """A quantity over e: `of` the exact scaling state, the solver's and both runs; and as printed.
+
+    `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`.
+    """
+    at, e = [case.restitution for case in cases], restitutions()
+    exact = [of(float(x), state) for x, state in zip(e, exact_states(), strict=True)]
+    solver = [of(case.restitution, case.scaling_state[1]) for case in cases]
+    lines = [series("exact", e, exact), series("solver", at, solver)]
+    for k, run in enumerate(cases[0].runs):
+        points = [of(case.restitution, case.runs[k]) for case in cases]
+        value, error = [float(p.value) for p in points], [float(p.error) for p in points]
+        lines.append(series(run.name, at, value, error))
+    return lines + [series(source, e, values) for source, values in printed.items()]

@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 
 BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
 """Bands of R = r/sqrt(<r^2>) between which the fall of G(R) is measured; the first is p(0)."""
+LARGEST_EXPONENT_ERROR = 0.5
+"""Standard error of n(R) above which it is left out."""
 SURE = 20.0
 """Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
-_FAR, _FARTHER = 1e150, 1e300  # d/U, where a printed <r^2> is its limit, a + b ln t, to rounding
 
 
 def contact_value(number_density: float, diameter: float = 1.0) -> float:
@@ -53,11 +54,12 @@ def printed_msd_slopes(restitution: float, number_density: float) -> tuple[float
 
     NaN where the formula has no real value; e must be below 1.
     """
-    times = np.array([_FAR, _FARTHER])
-    return tuple(
-        msd_slope_between(times, printed(times, restitution, number_density), 0)
-        for printed in (sonine.msd_random_walk, sonine.msd_sonine)
-    )  # type: ignore[return-value]
+    times = np.array([1e150, 1e300])  # d/U, where <r^2> is its limit, a + b ln t, to rounding
+    walk, printed = (
+        msd_slope_between(times, formula(times, restitution, number_density), 0)
+        for formula in (sonine.msd_random_walk, sonine.msd_sonine)
+    )
+    return walk, printed
 
 
 def middles(edges: Array) -> Array:

@@ -33,6 +33,7 @@ from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, c
 SCHEMA = "inelastic-lorentz/report/1"
 
 Document = dict[str, Any]
+Checks = Sequence[Mapping[str, Any]]
 Progress = Callable[[str], None]
 
 
@@ -87,7 +88,7 @@ def build_document(
     cases: Sequence[Case],
     scans: Scans | None,
     rows: Sequence[Row],
-    checks: Sequence[Mapping[str, Any]],
+    checks: Checks,
 ) -> Document:
     """The tree of plain data that both files are made from."""
     document: Document = plain(
@@ -134,12 +135,11 @@ def _case(case: Case) -> dict[str, Any]:
     scaled = None
     if case.exact is not None:
         exact, solver = case.scaling_state
-        scaled = {
-            "cooling_rate": {"exact": exact.cooling_rate, "solver": solver.cooling_rate},
-            "a2": {"exact": exact.a2, "solver": solver.a2},
-            "diffusion_slope": exact.diffusion_slope,
-            "tail_rate": exact.tail_rate,
+        both = {
+            name: {"exact": getattr(exact, name), "solver": getattr(solver, name)}
+            for name in ("cooling_rate", "a2")
         }
+        scaled = both | {name: getattr(exact, name) for name in ("diffusion_slope", "tail_rate")}
     return {
         "restitution": case.restitution,
         "times": case.times,
@@ -152,9 +152,7 @@ def _case(case: Case) -> dict[str, Any]:
     }
 
 
-def _summary(
-    settings: ReportSettings, rows: Sequence[Row], checks: Sequence[Mapping[str, Any]]
-) -> str:
+def _summary(settings: ReportSettings, rows: Sequence[Row], checks: Checks) -> str:
     return _sentences(
         "summary",
         settings=settings,
@@ -176,19 +174,12 @@ def _findings(
         if row.against == RESCALED and row.observable != "scaled_vdf":
             remaining[row.restitution].append(asdict(row))
     return paragraphs(
-        "report.txt.j2",
-        "findings",
-        cases=cases,
+        "report.txt.j2", "findings", cases=cases,
         cooling=[case for case in cases if case.exact is not None],
-        scans=scans,
-        dilute=dilute,
-        dense=dilute / contact_value(settings.number_density),
-        remaining=remaining,
-        relative_error=relative_error,
-        ratio_names=RATIO_NAMES,
-        cap=PAPER_CAP,
+        scans=scans, dilute=dilute, dense=dilute / contact_value(settings.number_density),
+        remaining=remaining, relative_error=relative_error, ratio_names=RATIO_NAMES, cap=PAPER_CAP,
         most=max(run.most_collisions for run in runs),
         capped=max(run.above_cap for run in runs),
         trapped=any(case.disks.statuses["trapped"] for case in cases),
         fit=sonine.FITTED_COOLING_FACTOR,
-    )
+    )  # fmt: skip

@@ -23,14 +23,15 @@ class ReportSettings:
     """The system, the sample sizes and the accuracy of one report.
 
     Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2.
-    `final_times` has one entry per restitution. `media` times `tracers` is the number of hard-disk
+    Empty restitutions stand for the paper's, empty final times for the paper's or
+    `OTHER_FINAL_TIME`; a single final time is that of all restitutions. `media` times `tracers` is the number of hard-disk
     samples; `free_tracers` that of the Boltzmann-Grad run, which has no configurations. `rtol` is
     asked of the solver, but `position_rtol` of G(R), which costs most and is only drawn. InputError
     for anything that cannot be used.
     """
 
-    restitutions: tuple[float, ...] = tuple(PAPER_FINAL_TIME)
-    final_times: tuple[float, ...] = tuple(PAPER_FINAL_TIME.values())
+    restitutions: tuple[float, ...] = ()
+    final_times: tuple[float, ...] = ()
     number_density: float = 0.04
     count: int = 40_000
     media: int = 100
@@ -43,10 +44,15 @@ class ReportSettings:
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(check_restitution(e) for e in self.restitutions)
-        times = tuple(check_positive("final_times", t) for t in self.final_times)
-        if not restitutions or len(set(restitutions)) != len(restitutions):
-            refuse("restitutions", restitutions, "at least one is needed, each only once")
+        restitutions = tuple(check_restitution(e) for e in self.restitutions or PAPER_FINAL_TIME)
+        if len(set(restitutions)) != len(restitutions):
+            refuse("restitutions", restitutions, "each may stand only once")
+        times = self.final_times or tuple(
+            PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in restitutions
+        )
+        times = tuple(check_positive("final_times", t) for t in times)
+        if len(times) == 1:
+            times *= len(restitutions)
         if len(times) != len(restitutions):
             raise InputError(
                 f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
@@ -71,8 +77,3 @@ class ReportSettings:
             free_tracers=min(self.free_tracers, 20_000),
             position_rtol=max(self.position_rtol, 1e-5),
         )
-
-
-def final_time(restitution: float) -> float:
-    """The default final time of a restitution, in d/U."""
-    return PAPER_FINAL_TIME.get(restitution, OTHER_FINAL_TIME)
