@@ -24,22 +24,20 @@ class ReportSettings:
 
     Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2.
     Empty restitutions stand for the paper's, empty final times for the paper's or
-    `OTHER_FINAL_TIME`; a single final time is that of all restitutions. `media` times `tracers` is the number of hard-disk
-    samples; `free_tracers` that of the Boltzmann-Grad run, which has no configurations. `rtol` is
-    asked of the solver, but `position_rtol` of G(R), which costs most and is only drawn. InputError
-    for anything that cannot be used.
+    `OTHER_FINAL_TIME`; a single final time is that of all restitutions. InputError for anything
+    that cannot be used.
     """
 
     restitutions: tuple[float, ...] = ()
     final_times: tuple[float, ...] = ()
     number_density: float = 0.04
-    count: int = 40_000
-    media: int = 100
-    tracers: int = 100
-    free_tracers: int = 200_000
+    count: int = 40_000  # hard disks in the box
+    media: int = 100  # configurations of hard disks
+    tracers: int = 100  # in each of them
+    free_tracers: int = 200_000  # of the Boltzmann-Grad run, which has no configurations
     n_times: int = 24
-    rtol: float = 1e-10
-    position_rtol: float = 1e-6
+    rtol: float = 1e-10  # asked of the solver
+    position_rtol: float = 1e-6  # asked of G(R), which costs most and is only drawn
     seed: int = 1
     workers: int | None = None
 
