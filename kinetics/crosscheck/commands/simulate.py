@@ -152,9 +152,8 @@ def _table(run: Ensemble) -> str:
         return line
     heads, values = ["t [d/U]"], [run.times]
     for name, head in _ESTIMATES.items():
-        estimate = getattr(run, name)
         heads += [head, "+-"]
-        values += [estimate.value, estimate.error]
+        values += _value_and_error(getattr(run, name)).values()
     return f"{columns(heads, values)}\n{line}"
 
 

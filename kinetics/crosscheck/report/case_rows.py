@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -118,14 +118,16 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
 
 
 def _a2(case: Case, settings: ReportSettings) -> list[Row]:
-    rows = []
-    if case.exact is not None:
-        exact, solver = (state.a2 for state in case.scaling_state)
-        rows = [
-            numerical(case, "a2", solver, exact, settings.rtol),
-            approximation(case, "a2", "Sonine", float(sonine.a2(case.restitution)), exact),
-        ]
-    return rows + _particles(case, "a2")
+    rows = _particles(case, "a2")
+    if case.exact is None:
+        return rows
+    exact, solver = (state.a2 for state in case.scaling_state)
+    printed = float(sonine.a2(case.restitution))
+    return [
+        numerical(case, "a2", solver, exact, settings.rtol),
+        approximation(case, "a2", "Sonine", printed, exact),
+        *rows,
+    ]
 
 
 def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
@@ -164,21 +166,16 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
     last, theory = float(times[-1]), float(case.kinetic.msd[-1])
     walk = sonine.msd_random_walk(times, e, density)
     printed = float(sonine.msd_sonine(last, e, density))
+    note = f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d"
+    claim = "the paper's own claim, for late times: here the last decade"
+    at_end: dict[str, Any] = {"against": KINETIC, "time": last}
+    late = np.where(np.arange(times.size) >= case.early, walk, np.nan)
     return [
-        approximation(
-            case, "msd", PAPER_FIT, float(walk[-1]), theory, KINETIC, time=last,
-            note=f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d",
-        ),
-        approximation(
-            case, "msd", "Sonine", printed, theory, KINETIC, time=last, note="eq. ad8"
-        ),
-        *statistical(
-            case, "msd", case.disks,
-            np.where(np.arange(times.size) >= case.early, walk, np.nan), PAPER_FIT,
-            "the paper's own claim, for late times: here the last decade",
-        ),
+        approximation(case, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note),
+        approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. ad8"),
+        *statistical(case, "msd", case.disks, late, PAPER_FIT, claim),
         *_particles(case, "msd"),
-    ]  # fmt: skip
+    ]
 
 
 def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
@@ -201,11 +198,10 @@ def _kurtosis(case: Case) -> list[Row]:
     rows = _particles(case, "kurtosis")
     if case.exact is None:
         return rows
-    last = float(case.kinetic.kurtosis[-1])
     note = "eq. gdefi has 4 at every time; a Gaussian has 2, which is the limit of late times"
     printed = approximation(
-        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, last, KINETIC,
-        time=float(case.times[-1]), note=note,
+        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, float(case.kinetic.kurtosis[-1]),
+        KINETIC, time=float(case.times[-1]), note=note,
     )  # fmt: skip
     return [printed, *rows]
 
