@@ -13,23 +13,12 @@ if TYPE_CHECKING:
     from kinetics.crosscheck.comparison.question import compare_data
     from kinetics.crosscheck.comparison.result import Comparison
 
-_HOMES = {
-    "Comparison": "comparison.result",
-    "compare": "comparison.judging",
-    "compare_data": "comparison.question",
-}
-
 __all__ = ["Comparison", "compare", "compare_data"]
 
 
 def __getattr__(name: str) -> Any:
     # Loaded at first use: the command line imports this package before it knows what it needs.
-    if name not in _HOMES:
+    homes = {"Comparison": "result", "compare": "judging", "compare_data": "question"}
+    if name not in homes:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"kinetics.crosscheck.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    return getattr(import_module(f"kinetics.crosscheck.comparison.{homes[name]}"), name)

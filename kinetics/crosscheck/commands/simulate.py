@@ -19,7 +19,7 @@ from kinetics.crosscheck.commands.options import (
     seed_option,
     times_option,
     workers_option,
-)
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from particles import Ensemble, Medium
@@ -33,54 +33,43 @@ _ESTIMATES = {
     "collisions": "collisions",
 }
 _ENDS = ("finished", "collision_cap", "trapped", "escaped")
+_ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
 _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
 
 
 @click.command(epilog=UNITS, short_help="Follow particles from collision to collision.")
 @click.option(
-    "--medium",
-    type=click.Choice(["hard-disks", "poisson", "boltzmann-grad"]),
+    "--medium", type=click.Choice(["hard-disks", "poisson", "boltzmann-grad"]),
     default="hard-disks",
     help="Disks that do not overlap, disks that may, or none: random free paths.",
-)
+)  # fmt: skip
 @restitution_option
 @density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
-    "--box",
-    type=click.Choice(["periodic", "none"]),
-    default="periodic",
+    "--box", type=click.Choice(["periodic", "none"]), default="periodic",
     help="A periodic box, or the unbounded plane, made where a tracer goes.",
-)
+)  # fmt: skip
 @click.option(
-    "--positions",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    metavar="CSV",
+    "--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
     help="Scatterers where this file says: columns x and y. Needs --box-side.",
-)
+)  # fmt: skip
 @click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @click.option("--media", type=int, default=100, help="Configurations of scatterers.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
-@click.option(
-    "--max-collisions", type=int, default=None, help="Stop a tracer after so many collisions."
-)
+@click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
 @initial_option
 @times_option
 @click.option(
-    "--observables",
-    default="",
-    metavar="NAMES",
+    "--observables", default="", metavar="NAMES",
     help="What to save beside the averages, separated by commas: speed_histogram, "
     "velocity_component_histogram, displacement_histogram, free_path_histogram, positions, "
     "velocities, finals.",
-)
+)  # fmt: skip
 @click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="HDF5",
+    "-o", "--output", type=click.Path(path_type=Path), metavar="HDF5",
     help="Save here, configuration by configuration.",
-)
+)  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @seed_option
 @workers_option
@@ -115,8 +104,18 @@ def simulate(
     ends = {name: getattr(run.statuses, name) for name in _ENDS}
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
-        asked = {name: arguments[name] for name in ("initial", "max_collisions", "seed")}
-        print_json(_document(run, kind, asked, ends))
+        estimates = ("mean_free_path", *_ESTIMATES)
+        print_json(
+            {
+                "medium": kind,
+                "restitution": run.restitution,
+                "number_density": run.number_density,
+                **{name: arguments[name] for name in _ARGUMENTS},
+                "statuses": ends,
+                **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
+                **{name: _value_and_error(getattr(run, name)) for name in estimates},
+            }
+        )
     else:
         click.echo(_table(run))
         click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends.items()))
@@ -143,29 +142,6 @@ def make_medium(
     return disks(number_density, count, box=None if box == "none" else "periodic")
 
 
-def _document(
-    run: Ensemble, medium: str, asked: dict[str, Any], ends: dict[str, int]
-) -> dict[str, Any]:
-    """The JSON document: the arguments, how tracers ended, and every estimate with its error."""
-    return {
-        "medium": medium,
-        "restitution": run.restitution,
-        "number_density": run.number_density,
-        "initial": asked["initial"],
-        "media": run.media,
-        "tracers": run.tracers,
-        "max_collisions": asked["max_collisions"],
-        "seed": asked["seed"],
-        "statuses": ends,
-        "times": run.times,
-        "samples": run.samples,
-        "missing": run.missing,
-        "trapped": run.trapped,
-        "mean_free_path": _value_and_error(run.mean_free_path),
-        **{name: _value_and_error(getattr(run, name)) for name in _ESTIMATES},
-    }
-
-
 def _table(run: Ensemble) -> str:
     """The estimates as a table, one row for each time, and the mean free path."""
     from kinetics.crosscheck.text_tables import columns
@@ -176,9 +152,8 @@ def _table(run: Ensemble) -> str:
         return line
     heads, values = ["t [d/U]"], [run.times]
     for name, head in _ESTIMATES.items():
-        estimate = getattr(run, name)
         heads += [head, "+-"]
-        values += [estimate.value, estimate.error]
+        values += _value_and_error(getattr(run, name)).values()
     return f"{columns(heads, values)}\n{line}"
 
 

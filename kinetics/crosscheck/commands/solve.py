@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import click
@@ -17,8 +16,7 @@ from kinetics.crosscheck.commands.options import (
     print_json,
     restitution_option,
     times_option,
-)
-from kinetics.errors import InputError, short
+)  # fmt: skip
 from kinetics.outputs import OUTPUTS
 
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
@@ -53,11 +51,9 @@ def solve(
 ) -> None:
     """Solve the kinetic equation: averages over time, G(R) and F(k, t)."""
     if scaled:
-        found = scaled_document(system["restitution"], rtol)
-        text = scaled_text
+        found, text = scaled_document(system["restitution"], rtol), scaled_text
     else:
-        found = solve_document(system, outputs, radii, wave_numbers, rtol)
-        text = solve_text
+        found, text = solve_document(system, outputs, radii, wave_numbers, rtol), solve_text
     if as_json:
         print_json(found)
     else:
@@ -87,17 +83,6 @@ def scaled_text(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def named(outputs: str) -> tuple[str, ...]:
-    """Output names from text with commas; InputError for one that has no number per time."""
-    names = names_in(outputs)
-    for name in names:
-        if name not in HEADS:
-            raise InputError(f"outputs: got {name!r}; it must be among {', '.join(HEADS)}")
-    if not names:
-        raise InputError(f"outputs: got {short(outputs)}; name at least one of {', '.join(HEADS)}")
-    return names
-
-
 def solve_document(
     system: dict[str, Any],
     outputs: str,
@@ -108,20 +93,24 @@ def solve_document(
     """The JSON document: arguments of the scene, its arrays, G(R) and F(k) where asked for."""
     from kinetics import Scene
     from kinetics import solve as solve_scene
+    from kinetics.validation import not_negative, one_of, refuse
 
-    names = named(outputs)
-    wanted = list(names)
-    wanted += ["position_density"] if radii else []
-    wanted += ["intermediate_scattering"] if wave_numbers else []
-    for name, values in (("radii", radii), ("wave_numbers", wave_numbers)):
-        if not all(0.0 <= x < math.inf for x in values):  # refused before minutes of work
-            raise InputError(f"{name}: got {short(values)}; they must be finite, none negative")
+    names = [one_of("outputs", name, HEADS) for name in names_in(outputs)]
+    if not names:
+        refuse("outputs", outputs, f"name at least one of {', '.join(HEADS)}")
+    not_negative("radii", radii)  # refused before minutes of work
+    not_negative("wave_numbers", wave_numbers)
+    wanted = names + ["position_density"] * bool(radii)
+    wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        name: system[name] for name in ("restitution", "number_density", "initial")
+        **{name: system[name] for name in ("restitution", "number_density", "initial")},
+        "rtol": rtol,
+        "status": solution.status.name.lower(),
+        "message": solution.message,
+        "times": solution.times,
+        **{name: getattr(solution, name) for name in names},
     }
-    found |= {"rtol": rtol, "status": solution.status.name.lower(), "message": solution.message}
-    found |= {"times": solution.times, **{name: getattr(solution, name) for name in names}}
     if radii:
         found["scaled_radii"] = radii
         found["scaled_position_density"] = solution.scaled_position_density(radii)
@@ -136,10 +125,8 @@ def solve_text(found: dict[str, Any]) -> str:
     from kinetics.crosscheck.text_tables import columns
 
     names = [name for name in HEADS if name in found]
-    heads, values = ["t [d/U]"], [found["times"]]
-    heads += [HEADS[name] for name in names]
-    values += [found[name] for name in names]
-    tables = [columns(heads, values)]
+    heads = ["t [d/U]", *(HEADS[name] for name in names)]
+    tables = [columns(heads, [found[name] for name in ("times", *names)])]
     for head, at, name in (
         ("G({:g})", "scaled_radii", "scaled_position_density"),
         ("F({:g}/d)", "wave_numbers", "intermediate_scattering"),

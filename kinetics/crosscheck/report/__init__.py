@@ -1,17 +1,16 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
 May import the core of `kinetics`, `particles` and `derivations` (inside functions, because both
-are slow to load), `kinetics.crosscheck.{files,plain,verdicts,mathml}`, and no other room of the
-cross-check. `lorentz compare` borrows the drawing and the templates from here.
+are slow to load), `kinetics.crosscheck.{files,strict_json,text_tables,verdicts}`, and no other room
+of the cross-check. `lorentz compare` borrows the drawing and the templates from here.
 
 Begin with `report.py`, which calls the others in this order:
 
 - `settings`: what is asked; `case`: what the methods answer, as plain arrays
 - `run_methods`, `scans`, `algebra`: run the solver, the particles and the derivations
-- `histograms`, `observables`: reduce densities and averages to numbers that can be compared
+- `observables`: reduces densities and averages to numbers that can be compared
 - `row`, `case_rows`: one comparison and its verdict; all comparisons of one restitution
 - `questions`: the claims of the paper as questions, answered with these numbers
-- `figure_lines`, `velocity_figures`, `displacement_figures`, `scan_figures`, `all_figures`: the
-  data of each figure; `figures`: draws them
+- `figure_lines`, `all_figures`, `scan_figures`: the data of each figure; `figures`: draws them
 - `templates`, `page`: sentences and the HTML page, whose prose stands in `../templates`
 """

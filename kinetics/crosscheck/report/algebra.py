@@ -9,7 +9,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -26,8 +27,8 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
             "title": check.title,
             "status": str(check.status),
             "proof": check.proof,
-            "printed": _text(check.printed),
-            "derived": _text(check.derived),
+            "printed": "" if check.printed is None else str(check.printed),
+            "derived": "" if check.derived is None else str(check.derived),
             "note": check.note,
             "numbers": {number.name: float(number.value) for number in check.numbers},
             "printed_mathml": check.printed_mathml,
@@ -37,47 +38,34 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
     ]
 
 
-def _text(formula: object) -> str:
-    return "" if formula is None else str(formula)
+@contextmanager
+def algebra_process() -> Iterator["subprocess.Popen[str]"]:
+    """A process that prints the rows of the report's labels, at no cost of time to this one.
 
-
-class AlgebraProcess:
-    """`algebra_rows` of the report's labels in a process of its own, so that it costs no time.
-
-    A context manager: leaving it by an exception ends the process.
+    It ends with the context.
     """
+    # The child must find the packages where this process did, installed or not.
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
+    with subprocess.Popen(
+        [sys.executable, "-P", "-m", "kinetics.crosscheck.report.algebra"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment,
+        start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends the child
+    ) as process:  # fmt: skip
+        try:
+            yield process
+        finally:
+            process.kill()
 
-    def __init__(self) -> None:
-        # The child must find the packages where this process did, installed or not.
-        environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "kinetics.crosscheck.report.algebra"],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            env=environment,
-            text=True,
-            # Ctrl-C reaches the parent alone, which then ends the child.
-            start_new_session=True,
-        )
 
-    def rows(self) -> list[dict[str, Any]]:
-        """Wait for the rows. RuntimeError with the child's last line if it failed."""
-        out, err = self._process.communicate()
-        if self._process.returncode:
-            last = (err.strip().splitlines() or ["no message"])[-1]
-            raise RuntimeError(f"the derivations failed: {last}")
-        rows: list[dict[str, Any]] = json.loads(out)
-        return rows
-
-    def __enter__(self) -> "AlgebraProcess":
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self._process.poll() is None:
-            self._process.kill()
-        with self._process:  # waits, and closes the pipes
-            pass
+def printed_rows(process: "subprocess.Popen[str]") -> list[dict[str, Any]]:
+    """Wait for the rows. RuntimeError with the child's last line if it failed."""
+    out, err = process.communicate()
+    if process.returncode:
+        last = (err.strip().splitlines() or ["no message"])[-1]
+        raise RuntimeError(f"the derivations failed: {last}")
+    rows: list[dict[str, Any]] = json.loads(out)
+    return rows
 
 
 if __name__ == "__main__":

@@ -32,78 +32,49 @@ class Measured:
 
 @dataclass(frozen=True)
 class ParticleRun:
-    """What one simulation gives, times first; lengths in d, speeds in U, times in d/U.
+    """What one simulation gives; lengths in d, speeds in U, times in d/U.
 
-    Attributes
-    ----------
-    name : "Boltzmann-Grad" or "hard disks"
-    samples : number of tracers; groups : number of independent groups behind the errors
-    thermal_speed, a2, msd, kurtosis : shape (n_times,); kurtosis is <r^4>/<r^2>^2
-    cooling_rate : h from 1/v0 at two of the times, shape ()
-    msd_slope : d<r^2>/d ln t between the same two times, in d^2, shape ()
-    free_path : path travelled over collisions, shape ()
-    vdf : F(c) averaged over the bins `speed_edges` of c = v/v0, shape (n_bins,), at the last time,
-        v0 being the run's own; a density in the plane
-    position : G(R) averaged over `position_edges` of R = r/sqrt(<r^2>), shape (n_bins,), at the
-        last time; a density over R
-    tail_exponent : local exponent of G(R)/(2 pi R) between bands of R, at the last time, shape
-        as of `histograms.band_middles`
-    mean_collisions, most_collisions : per tracer, until the last time
-    above_cap : fraction of tracers with more collisions than the paper's cap
-    statuses : how many tracers ended in each way
+    The averages over time have shape (n_times,); slopes and the free path (); the densities
+    (n_bins,) and are those of the last time, scaled with the run's own v0 and <r^2>.
     """
 
-    name: str
-    samples: int
-    groups: int
+    name: str  # "Boltzmann-Grad" or "hard disks"
+    samples: int  # tracers
+    groups: int  # independent groups of tracers, behind the errors
     thermal_speed: Measured
     a2: Measured
     msd: Measured
-    kurtosis: Measured
-    cooling_rate: Measured
-    msd_slope: Measured
-    free_path: Measured
-    vdf: Measured
-    position: Measured
-    tail_exponent: Measured
-    mean_collisions: float
+    kurtosis: Measured  # <r^4>/<r^2>^2
+    cooling_rate: Measured  # h from 1/v0 at two of the times
+    msd_slope: Measured  # d<r^2>/d ln t between the same two times, in d^2
+    free_path: Measured  # path travelled over collisions
+    vdf: Measured  # F(c) averaged over the bins of c = v/v0, a density in the plane
+    position: Measured  # G(R) averaged over the bins of R = r/sqrt(<r^2>), a density over R
+    tail_exponent: Measured  # local exponent of G(R)/(2 pi R), at `observables.band_middles`
+    mean_collisions: float  # per tracer, until the last time
     most_collisions: int
-    above_cap: float
-    statuses: dict[str, int]
+    above_cap: float  # fraction of tracers with more collisions than the paper's cap
+    statuses: dict[str, int]  # how many tracers ended in each way
 
 
 @dataclass(frozen=True)
 class Case:
-    """What every method gives for one restitution.
-
-    Attributes
-    ----------
-    times : output times of particles and equation, in d/U; early : index of the time from which on
-        slopes are measured, a tenth of the last
-    speed_edges, position_edges : bins of c and of R, see `ParticleRun`
-    exact, scaled : closed form and solver's scaling state; None at e = 1, where there is none
-    kinetic : the kinetic equation with l = 1/(2 d rho0)
-    rescaled : the same with the mean free path that the hard-disk run measured
-    late : the same as `kinetic`, to times that no simulation reaches, without densities
-    position : the displacement density at the last time, as accurate as a figure needs
-    free, disks : the Boltzmann-Grad particles, and hard disks
-    rescaled_errors : standard errors of hard disks minus `rescaled`, both of which change with the
-        run: by observable, of the shape of the observable in `disks`
-    """
+    """What every method gives for one restitution."""
 
     restitution: float
-    times: Array
-    early: int
-    speed_edges: Array
-    position_edges: Array
-    exact: "ScalingSolution | None"
-    scaled: "ScaledVDF | None"
-    kinetic: "Solution"
-    rescaled: "Solution"
-    late: "Solution"
-    position: "Solution"
-    free: ParticleRun
+    times: Array  # of the output of particles and equation, in d/U
+    early: int  # index of the time from which on slopes are measured, a tenth of the last
+    speed_edges: Array  # bins of c
+    position_edges: Array  # bins of R
+    exact: "ScalingSolution | None"  # the scaling state in closed form; None at e = 1
+    scaled: "ScaledVDF | None"  # and as solved
+    kinetic: "Solution"  # with l = 1/(2 d rho0)
+    rescaled: "Solution"  # with the mean free path that the hard-disk run measured
+    late: "Solution"  # as `kinetic`, to times that no simulation reaches, without densities
+    position: "Solution"  # the displacement at the last time, as accurate as a figure needs
+    free: ParticleRun  # Boltzmann-Grad
     disks: ParticleRun
+    # standard errors of hard disks minus `rescaled`, both of which change with the run
     rescaled_errors: dict[str, Array]
 
     @property

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Array, Case
+from kinetics.crosscheck.report.case import Array, Case, ParticleRun
 from kinetics.crosscheck.report.observables import (
     bands_of,
     bin_average,
@@ -39,12 +39,13 @@ if TYPE_CHECKING:
 
 LEAST_EXPECTED = 50
 """Samples that a bin must be expected to hold before its jackknife error is trusted."""
+ENOUGH = f"bins of {LEAST_EXPECTED} samples or more"
 PAPER_KURTOSIS = 4.0
 """<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. gdefi, for every eta."""
 
 
 def rows_of_case(case: Case, settings: ReportSettings) -> list[Row]:
-    """Every row of one restitution; the statistical ones have no verdict yet (see `judged`)."""
+    """Every row of one restitution."""
     cooling = case.exact is not None
     rows = _free_path(case, settings)
     if cooling:
@@ -117,14 +118,16 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
 
 
 def _a2(case: Case, settings: ReportSettings) -> list[Row]:
-    rows = []
-    if case.exact is not None:
-        exact, solver = (state.a2 for state in case.scaling_state)
-        rows = [
-            numerical(case, "a2", solver, exact, settings.rtol),
-            approximation(case, "a2", "Sonine", float(sonine.a2(case.restitution)), exact),
-        ]
-    return rows + _particles(case, "a2")
+    rows = _particles(case, "a2")
+    if case.exact is None:
+        return rows
+    exact, solver = (state.a2 for state in case.scaling_state)
+    printed = float(sonine.a2(case.restitution))
+    return [
+        numerical(case, "a2", solver, exact, settings.rtol),
+        approximation(case, "a2", "Sonine", printed, exact),
+        *rows,
+    ]
 
 
 def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
@@ -133,31 +136,29 @@ def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
     # Where F is 1e-10 of its peak, a relative tolerance asks for more than double precision holds.
     exact, solver = (np.asarray(state.vdf(centres)) for state in case.scaling_state)
     k = int(np.argmax(np.abs(solver - exact)))
-    row = numerical(case, name, float(solver[k]), float(exact[k]), settings.rtol)
     deviation = float((solver[k] - exact[k]) / np.max(exact))
-    rows = [
-        replace(
-            row,
-            deviation=deviation,
-            c=float(centres[k]),
-            looks=len(centres),
-            verdict=judge_numerical(deviation, settings.rtol),
-            note=f"worst bin centre, relative to the peak; {row.note}",
-        )
-    ]
+    row = numerical(case, name, float(solver[k]), float(exact[k]), settings.rtol)
+    row = replace(
+        row, deviation=deviation, verdict=judge_numerical(deviation, settings.rtol),
+        c=float(centres[k]), looks=len(centres),
+        note=f"worst bin centre, relative to the peak; {row.note}",
+    )  # fmt: skip
     kinetic, rescaled = (bin_average(last_vdf(s), edges) for s in (case.kinetic, case.rescaled))
     note = (
-        f"mean over a bin of c at the last time, bins of {LEAST_EXPECTED} samples or more; "
+        f"mean over a bin of c at the last time, {ENOUGH}; "
         f"still to change by {largest_change(case, kinetic):.1%} of the peak"
     )
-    for run, theory, against in (
-        (case.free, kinetic, KINETIC),
-        (case.disks, rescaled, RESCALED),
-    ):
-        expected = run.samples * theory * math.pi * np.diff(edges**2)
-        filled = np.where(expected >= LEAST_EXPECTED, theory, np.nan)
-        rows += statistical(case, name, run, filled, against, note)
-    return rows
+    area = math.pi * np.diff(edges**2)
+    return [
+        row,
+        *statistical(case, name, case.free, _filled(case.free, kinetic, area), note=note),
+        *statistical(case, name, case.disks, _filled(case.disks, rescaled, area), RESCALED, note),
+    ]
+
+
+def _filled(run: ParticleRun, density: Array, measure: Array) -> Array:
+    """The density in those bins in which it expects enough samples, NaN in others."""
+    return np.where(run.samples * density * measure >= LEAST_EXPECTED, density, np.nan)
 
 
 def _msd(case: Case, settings: ReportSettings) -> list[Row]:
@@ -165,21 +166,16 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
     last, theory = float(times[-1]), float(case.kinetic.msd[-1])
     walk = sonine.msd_random_walk(times, e, density)
     printed = float(sonine.msd_sonine(last, e, density))
+    note = f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d"
+    claim = "the paper's own claim, for late times: here the last decade"
+    at_end: dict[str, Any] = {"against": KINETIC, "time": last}
+    late = np.where(np.arange(times.size) >= case.early, walk, np.nan)
     return [
-        approximation(
-            case, "msd", PAPER_FIT, float(walk[-1]), theory, KINETIC, time=last,
-            note=f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d",
-        ),
-        approximation(
-            case, "msd", "Sonine", printed, theory, KINETIC, time=last, note="eq. ad8"
-        ),
-        *statistical(
-            case, "msd", case.disks,
-            np.where(np.arange(times.size) >= case.early, walk, np.nan), PAPER_FIT,
-            "the paper's own claim, for late times: here the last decade",
-        ),
+        approximation(case, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note),
+        approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. ad8"),
+        *statistical(case, "msd", case.disks, late, PAPER_FIT, claim),
         *_particles(case, "msd"),
-    ]  # fmt: skip
+    ]
 
 
 def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
@@ -202,26 +198,12 @@ def _kurtosis(case: Case) -> list[Row]:
     rows = _particles(case, "kurtosis")
     if case.exact is None:
         return rows
-    last = float(case.kinetic.kurtosis[-1])
     note = "eq. gdefi has 4 at every time; a Gaussian has 2, which is the limit of late times"
     printed = approximation(
-        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, last, KINETIC,
-        time=float(case.times[-1]), note=note,
+        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, float(case.kinetic.kurtosis[-1]),
+        KINETIC, time=float(case.times[-1]), note=note,
     )  # fmt: skip
     return [printed, *rows]
-
-
-def _position(case: Case) -> list[Row]:
-    rows: list[Row] = []
-    if case.exact is not None:
-        rows += [row for form in POSITION_FORMS for row in _printed_position(case, *form)]
-    theory = bin_density(case, case.position_edges)
-    note = f"mean over a bin of R at the last time, bins of {LEAST_EXPECTED} samples or more"
-    for run, extra in ((case.free, ""), (case.disks, "; finite density")):
-        expected = run.samples * theory * np.diff(case.position_edges)
-        filled = np.where(expected >= LEAST_EXPECTED, theory, np.nan)
-        rows += statistical(case, "position", run, filled, note=note + extra)
-    return rows
 
 
 POSITION_FORMS = (
@@ -234,19 +216,24 @@ POSITION_FORMS = (
 """Source, the printed G(R), and the R between which it is held against the equation."""
 
 
-def _printed_position(
-    case: Case, source: str, form: Callable[[Array], Array], low: float, high: float, note: str
-) -> list[Row]:
-    r, theory = sure_density(case, np.linspace(low, high, 61))
-    if not r.size:
-        return []
-    printed = form(r)
-    k = int(np.argmax(np.abs(np.log(printed / theory))))
-    row = approximation(
-        case, "position", source, float(printed[k]), float(theory[k]), KINETIC,
-        time=float(case.times[-1]), note=note + ", at its worst", distance=float(r[k]),
-    )  # fmt: skip
-    return [row]
+def _position(case: Case) -> list[Row]:
+    rows: list[Row] = []
+    for source, form, low, high, note in POSITION_FORMS if case.exact is not None else ():
+        r, density = sure_density(case, np.linspace(low, high, 61))
+        if r.size:
+            printed = form(r)
+            k = int(np.argmax(np.abs(np.log(printed / density))))
+            row = approximation(
+                case, "position", source, float(printed[k]), float(density[k]), KINETIC,
+                time=float(case.times[-1]), note=note + ", at its worst", distance=float(r[k]),
+            )  # fmt: skip
+            rows.append(row)
+    theory, width = bin_density(case, case.position_edges), np.diff(case.position_edges)
+    note = f"mean over a bin of R at the last time, {ENOUGH}"
+    for run, extra in ((case.free, ""), (case.disks, "; finite density")):
+        filled = _filled(run, theory, width)
+        rows += statistical(case, "position", run, filled, note=note + extra)
+    return rows
 
 
 def _tail_exponent(case: Case) -> list[Row]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,35 +16,24 @@ from kinetics.crosscheck.commands.options import (
     print_json,
     seed_option,
     workers_option,
-)
+)  # fmt: skip
 
 
 @click.command(epilog=UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts.")
 @click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    default=Path("lorentz-report"),
+    "-o", "--output", type=click.Path(path_type=Path), default=Path("lorentz-report"),
     help="Folder for report.html and report.json.",
-)
+)  # fmt: skip
 @click.option("--quick", is_flag=True, help="A tenth of the samples.")
 @click.option(
-    "-e",
-    "--restitution",
-    "restitutions",
-    type=float,
-    multiple=True,
+    "-e", "--restitution", "restitutions", type=float, multiple=True,
     help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
-)
+)  # fmt: skip
 @click.option(
-    "-t",
-    "--until",
-    "final_times",
-    type=float,
-    multiple=True,
+    "-t", "--until", "final_times", type=float, multiple=True,
     help="Last time in d/U: once for all, or once per restitution. "
     "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
-)
+)  # fmt: skip
 @density_option
 @click.option("--count", type=int, default=40_000, help="Hard disks in the periodic box.")
 @click.option("--media", type=int, default=100, help="Configurations of hard disks.")
@@ -55,11 +43,9 @@ from kinetics.crosscheck.commands.options import (
 )
 @click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
 @click.option(
-    "--figures",
-    multiple=True,
-    type=click.Choice(("pdf", "png", "svg")),
+    "--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
     help="Write each figure as a file beside the page; may be repeated.",
-)
+)  # fmt: skip
 @seed_option
 @workers_option
 @json_option
@@ -80,22 +66,25 @@ def report(
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kinetics.crosscheck.files import require_writable_folder
-    from kinetics.crosscheck.report.settings import ReportSettings, final_time
+    from kinetics.crosscheck.report.settings import ReportSettings
 
-    restitutions = restitutions or ReportSettings().restitutions
-    if not final_times:
-        final_times = tuple(final_time(e) for e in restitutions)
-    elif len(final_times) == 1:
-        final_times *= len(restitutions)
     settings = ReportSettings(restitutions, final_times, **system)
     if quick:
         settings = settings.quick()
     require_writable_folder(output)
 
+    from tqdm import tqdm
+
     from kinetics.crosscheck.report import report as work
     from kinetics.crosscheck.report.page import verdict_table
 
-    with _Bar(work.stages(settings)) as tell:
+    stages = work.stages(settings)
+    with tqdm(total=stages, file=sys.stderr, disable=None, leave=False) as bar:
+
+        def tell(stage: str) -> None:
+            bar.set_description(stage, refresh=False)
+            bar.update(1)
+
         document = work.make_report(settings, tell)
         written = work.write_report(document, output, tell, figures)
     if as_json:
@@ -103,22 +92,3 @@ def report(
     else:
         click.echo(verdict_table(document))
         click.echo(f"wrote {' and '.join(str(path) for path in written)}")
-
-
-class _Bar:
-    """A progress bar on standard error if that is a terminal; gives a function that moves it on."""
-
-    def __init__(self, total: int) -> None:
-        from tqdm import tqdm
-
-        self._bar = tqdm(total=total, file=sys.stderr, disable=None, leave=False)
-
-    def __enter__(self) -> Callable[[str], None]:
-        return self._tell
-
-    def _tell(self, stage: str) -> None:
-        self._bar.set_description(stage, refresh=False)
-        self._bar.update(1)
-
-    def __exit__(self, *exception: object) -> None:
-        self._bar.close()

@@ -1,7 +1,6 @@
-"""Lines that several figures have, and the results that all of them draw."""
+"""Lines that several figures have."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -9,34 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Array, Case, Mask, Measured, ParticleRun
+from kinetics.crosscheck.report.case import Array, Case, Mask, Measured
 from kinetics.crosscheck.report.figures import Data, series
-from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 
 if TYPE_CHECKING:
-    from kinetics import ScaledVDF, ScalingSolution
+    from kinetics import ScalingSolution
 
 LARGEST_RELATIVE_ERROR = 0.5
 """Standard error over value above which a point on a logarithmic axis is left out."""
-
-
-@dataclass(frozen=True)
-class Results:
-    """What the figures of one report draw."""
-
-    cases: Sequence[Case]
-    settings: ReportSettings
-
-    @property
-    def cooling(self) -> list[Case]:
-        """The cases that cool, e < 1."""
-        return [case for case in self.cases if case.exact is not None]
-
-    @property
-    def printed(self) -> list[Case]:
-        """The cooling cases at which the printed a2 is real."""
-        return [case for case in self.cooling if np.isfinite(sonine.a2(case.restitution))]
 
 
 def figure(name: str, x: Data, y: Data, lines: Sequence[Data], **values: Any) -> Data:
@@ -58,12 +38,9 @@ def exact_states() -> "tuple[ScalingSolution, ...]":
     return tuple(ScalingSolution(float(e)) for e in restitutions())
 
 
-def level(
-    source: str, x: ArrayLike, y: float, restitution: float | None = None, group: str | None = None
-) -> Data:
+def level(source: str, x: ArrayLike, y: float, restitution: float | None = None) -> Data:
     """A horizontal line from the first x to the last."""
-    ends = np.asarray(x)[[0, -1]]
-    return series(source, ends, [y] * 2, None, restitution, group)
+    return series(source, np.asarray(x)[[0, -1]], [y] * 2, None, restitution)
 
 
 def particles(
@@ -89,16 +66,19 @@ def readable(measured: Measured) -> Mask:
 
 def over_restitution(
     cases: Sequence[Case],
-    of_state: "Callable[[float, ScalingSolution | ScaledVDF], float]",
-    of_run: Callable[[float, ParticleRun], Measured],
+    of: Callable[[float, Any], Any],
+    printed: Mapping[str, ArrayLike],
 ) -> list[Data]:
-    """A quantity over e: of the exact scaling state, of the solver's, and of both simulations."""
-    at = [case.restitution for case in cases]
-    exact = [of_state(float(e), s) for e, s in zip(restitutions(), exact_states(), strict=True)]
-    solver = [of_state(case.restitution, case.scaling_state[1]) for case in cases]
-    lines = [series("exact", restitutions(), exact), series("solver", at, solver)]
-    for runs in zip(*(case.runs for case in cases), strict=True):
-        points = [of_run(e, run) for e, run in zip(at, runs, strict=True)]
-        value, error = ([float(getattr(p, k)) for p in points] for k in ("value", "error"))
-        lines.append(series(runs[0].name, at, value, error))
-    return lines
+    """A quantity over e: `of` the exact scaling state, the solver's and both runs; and as printed.
+
+    `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`.
+    """
+    at, e = [case.restitution for case in cases], restitutions()
+    exact = [of(float(x), state) for x, state in zip(e, exact_states(), strict=True)]
+    solver = [of(case.restitution, case.scaling_state[1]) for case in cases]
+    lines = [series("exact", e, exact), series("solver", at, solver)]
+    for k, run in enumerate(cases[0].runs):
+        points = [of(case.restitution, case.runs[k]) for case in cases]
+        value, error = [float(p.value) for p in points], [float(p.error) for p in points]
+        lines.append(series(run.name, at, value, error))
+    return lines + [series(source, e, values) for source, values in printed.items()]

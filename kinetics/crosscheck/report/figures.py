@@ -19,25 +19,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinetics.crosscheck.strict_json import plain
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Data = dict[str, Any]
 FigureData = Mapping[str, Any]
 
-# Matplotlib draws these stand-ins; the page maps them to CSS variables, so that one SVG serves
-# light, dark and paper. The palette itself stands in the template (after Okabe and Ito).
-INK = "#0a0b0c"
-FAINT = "#0a0b0d"
-COLOURS = ("#0a0b10", "#0a0b11", "#0a0b12", "#0a0b13", "#0a0b14", "#0a0b15")
+# The colours of a file that stands alone, the page's light ones (after Okabe and Ito). A page maps
+# them to CSS variables, so that one SVG serves light, dark and paper.
+INK, FAINT = "#16191d", "#dde1e6"
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#b3478f", "#9a7500", "#3c4bb0")
 CSS_VARIABLE = {INK: "var(--ink)", FAINT: "var(--faint)"} | {
-    stand_in: f"var(--series-{i})" for i, stand_in in enumerate(COLOURS)
+    colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)
 }
-
-PAPER = {INK: "#16191d", FAINT: "#dde1e6"} | dict(
-    zip(COLOURS, ("#0072b2", "#d55e00", "#009e73", "#b3478f", "#9a7500", "#3c4bb0"), strict=True)
-)
-"""The page's light colours, for figures that stand alone."""
 
 _SOLID = {"linestyle": "-", "linewidth": 1.5}
 _DASHED = {"linestyle": (0, (4, 2)), "linewidth": 1.5}
@@ -107,29 +103,24 @@ def series(
         "source": source,
         "restitution": restitution,
         "group": group,
-        "x": _plain(x),
-        "y": _plain(y),
-        "error": None if error is None else _plain(error),
+        "x": _floats(x),
+        "y": _floats(y),
+        "error": None if error is None else _floats(error),
     }
 
 
-def _plain(values: ArrayLike) -> list[float | None]:
+def _floats(values: ArrayLike) -> list[float | None]:
     """Floats, and None for what has no finite value: JSON has no NaN."""
-    return [
-        float(v) if np.isfinite(v) else None for v in np.atleast_1d(np.asarray(values, dtype=float))
-    ]
+    floats: list[float | None] = plain(np.atleast_1d(np.asarray(values, dtype=float)))
+    return floats
 
 
-def draw(data: FigureData, axis: "Axes", palette: Mapping[str, str] | None = None) -> None:
-    """Draw every series of one figure on the axis, and label the axis with its units.
-
-    `palette` maps the stand-in colours to others.
-    """
+def draw(data: FigureData, axis: "Axes") -> None:
+    """Draw every series of one figure on the axis, and label the axis with its units."""
     from matplotlib.ticker import NullFormatter, NullLocator
 
     for series, colour in zip(data["series"], _colours(data), strict=True):
         stroke = STROKES[series["source"]]
-        colour = (palette or {}).get(colour, colour)
         x, y = _with_gaps(series["x"]), _with_gaps(series["y"])
         if "elinewidth" in stroke:
             error = None if series["error"] is None else _with_gaps(series["error"])
@@ -172,9 +163,9 @@ _LEGEND_KEYS = {"linestyle", "linewidth", "marker", "markersize", "markerfacecol
 
 def _group(series: Mapping[str, Any]) -> str | None:
     """What a series shares its colour with, as the legend says it; None for ink."""
-    if series.get("group") is not None:
-        return str(series["group"])
-    return None if series["restitution"] is None else f"e = {series['restitution']:g}"
+    e = series["restitution"]
+    group: str | None = series.get("group") or (None if e is None else f"e = {e:g}")
+    return group
 
 
 def _colours(data: FigureData) -> list[str]:
@@ -200,7 +191,7 @@ def svg(name: str, data: FigureData) -> str:
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
     """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
-    drawn = _drawn(data, kind, PAPER)
+    drawn = _drawn(data, kind)
     if kind != "svg":
         return drawn
     head, body = drawn.decode().split("<svg", 1)
@@ -215,16 +206,15 @@ def _alternative(title: str, description: str, prefix: str | None = None) -> str
     return f"<title{ids[0]}>{escape(title)}</title><desc{ids[1]}>{escape(description)}</desc>"
 
 
-def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None) -> bytes:
-    """The figure as matplotlib's file: with the stand-ins as colours, or those of a palette."""
+def _drawn(data: FigureData, kind: str) -> bytes:
+    """The figure as matplotlib's file."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
     buffer = io.BytesIO()
-    colours = palette or {}
-    with mpl.rc_context(_recoloured(STYLE, colours)):
+    with mpl.rc_context(STYLE):
         entries = legend_entries(data)
         legend_height = 0.12 + 0.19 * math.ceil(len(entries) / _LEGEND_COLUMNS)
         height = _AXIS_HEIGHT + _BELOW_AXIS + legend_height
@@ -232,23 +222,16 @@ def _drawn(data: FigureData, kind: str, palette: Mapping[str, str] | None = None
         FigureCanvasAgg(figure)  # knows the other formats as well
         # Margins set by hand: a layout engine would draw everything a second time to find them.
         bottom, top = _BELOW_AXIS / height, _AXIS_HEIGHT / height
-        draw(data, figure.add_axes((0.145, bottom, 0.83, top)), colours)
+        draw(data, figure.add_axes((0.145, bottom, 0.83, top)))
         figure.legend(
-            handles=[Line2D([], [], **_recoloured(stroke, colours)) for _, stroke in entries],
+            handles=[Line2D([], [], **stroke) for _, stroke in entries],
             labels=[label for label, _ in entries],
-            loc="upper left",
-            ncols=_LEGEND_COLUMNS,
-            handlelength=2.4,
-            columnspacing=1.2,
+            loc="upper left", ncols=_LEGEND_COLUMNS, handlelength=2.4, columnspacing=1.2,
             borderaxespad=0.0,
-        )
+        )  # fmt: skip
         dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
         figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
     return buffer.getvalue()
-
-
-def _recoloured(style: Mapping[Any, Any], palette: Mapping[str, str]) -> dict[Any, Any]:
-    return {k: palette.get(v, v) if isinstance(v, str) else v for k, v in style.items()}
 
 
 def _power_of_ten(value: float, position: int | None = None) -> str:
@@ -265,8 +248,8 @@ def _embeddable(text: str, name: str, title: str, description: str) -> str:
     text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href=", "href=")
     text = re.sub(r'\b(id="|href="#)(?=[^"])', rf"\1{prefix}", text)
     text = text.replace("url(#", f"url(#{prefix}")
-    for stand_in, variable in CSS_VARIABLE.items():
-        text = text.replace(stand_in, variable)
+    for colour, variable in CSS_VARIABLE.items():
+        text = text.replace(colour, variable)
     head, body = text.split(">", 1)
     # The page gives the size; the view box keeps the proportions.
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)

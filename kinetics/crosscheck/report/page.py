@@ -1,6 +1,5 @@
 """The report's document as one HTML page with nothing beside it, and as a table of text."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,27 +12,22 @@ from kinetics.crosscheck.report.row import OBSERVABLES, relative_error
 from kinetics.crosscheck.report.templates import environment, number
 from kinetics.crosscheck.text_tables import aligned
 
-__all__ = ["deviation", "environment", "matrix", "number", "render", "verdict_table"]
-
 
 def render(document: Mapping[str, Any]) -> str:
     """The page. Every text of the document is escaped."""
     restitutions = document["settings"]["restitutions"]
-    return (
-        environment()
-        .get_template("report.html.j2")
-        .render(
-            doc=document,
-            tables=[_number_table(item, restitutions) for item in document["answers"]],
-            paper_figures=PAPER_FIGURES,
-            svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
-            equations=report_equations(),
-            matrix=matrix(document),
-            observables=OBSERVABLES,
-            deviation=deviation,
-            # Written by sympy's printer from the package's own formulas, not from anybody's data.
-            formula=Markup,
-        )
+    page = environment().get_template("report.html.j2")
+    return page.render(
+        doc=document,
+        tables=[_number_table(item, restitutions) for item in document["answers"]],
+        paper_figures=PAPER_FIGURES,
+        svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
+        equations=report_equations(),
+        matrix=matrix(document),
+        observables=OBSERVABLES,
+        deviation=deviation,
+        # Written by sympy's printer from the package's own formulas, not from anybody's data.
+        formula=Markup,
     )
 
 
@@ -44,11 +38,7 @@ def _number_table(answer: Mapping[str, Any], restitutions: list[float]) -> list[
         name = f"{n['name']}  [{n['unit']}]" if n["unit"] else n["name"]
         lines.setdefault(name, {})[n["restitution"]] = number(n["value"], n["error"])
     return [
-        {
-            "name": name,
-            "all": cells.get(None),
-            "cells": [cells.get(e, "–") for e in restitutions],
-        }
+        {"name": name, "all": cells.get(None), "cells": [cells.get(e, "–") for e in restitutions]}
         for name, cells in lines.items()
     ]
 
@@ -59,16 +49,14 @@ def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     for row in document["rows"]:
         key = (row["observable"], row["source"], row["against"])
         lines.setdefault(key, {})[row["restitution"]] = row
-    order = list(OBSERVABLES)
+    order, restitutions = list(OBSERVABLES), document["settings"]["restitutions"]
     return [
         {
             "observable": observable,
             "comparison": f"{source} / {against}",
-            "rows": [rows.get(e) for e in document["settings"]["restitutions"]],
+            "rows": [lines[observable, source, against].get(e) for e in restitutions],
         }
-        for (observable, source, against), rows in sorted(
-            lines.items(), key=lambda item: order.index(item[0][0])
-        )
+        for observable, source, against in sorted(lines, key=lambda key: order.index(key[0]))
     ]
 
 
@@ -90,6 +78,4 @@ def deviation(row: Mapping[str, Any]) -> str:
         return f"{value:.0e}"
     if row["error"] is None:
         return f"{100 * value:+.1f} %"
-    error = relative_error(row)
-    digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{100 * value:+.{digits}f} ± {error:.{digits}f} %"
+    return number(100 * value, relative_error(row), "+") + " %"

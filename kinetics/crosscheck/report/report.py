@@ -13,7 +13,7 @@ from typing import Any
 
 from kinetics import __version__, sonine
 from kinetics.crosscheck.files import write_together
-from kinetics.crosscheck.report.algebra import AlgebraProcess
+from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
@@ -21,7 +21,7 @@ from kinetics.crosscheck.report.figures import figure_file
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
 from kinetics.crosscheck.report.questions import all_answers
-from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, judged, relative_error
+from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, relative_error
 from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
@@ -33,6 +33,7 @@ from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, c
 SCHEMA = "inelastic-lorentz/report/1"
 
 Document = dict[str, Any]
+Checks = Sequence[Mapping[str, Any]]
 Progress = Callable[[str], None]
 
 
@@ -43,15 +44,15 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
     ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
     tell = progress or (lambda stage: None)
-    with AlgebraProcess() as algebra:
+    with algebra_process() as algebra:
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
         scans = gather_scans(cases, settings, tell)
         tell("comparing")
-        rows = judged(row for case in cases for row in rows_of_case(case, settings))
+        rows = [row for case in cases for row in rows_of_case(case, settings)]
         tell("derivations")
-        checks = algebra.rows()
+        checks = printed_rows(algebra)
     return build_document(settings, cases, scans, rows, checks)
 
 
@@ -87,7 +88,7 @@ def build_document(
     cases: Sequence[Case],
     scans: Scans | None,
     rows: Sequence[Row],
-    checks: Sequence[Mapping[str, Any]],
+    checks: Checks,
 ) -> Document:
     """The tree of plain data that both files are made from."""
     document: Document = plain(
@@ -134,12 +135,11 @@ def _case(case: Case) -> dict[str, Any]:
     scaled = None
     if case.exact is not None:
         exact, solver = case.scaling_state
-        scaled = {
-            "cooling_rate": {"exact": exact.cooling_rate, "solver": solver.cooling_rate},
-            "a2": {"exact": exact.a2, "solver": solver.a2},
-            "diffusion_slope": exact.diffusion_slope,
-            "tail_rate": exact.tail_rate,
+        both = {
+            name: {"exact": getattr(exact, name), "solver": getattr(solver, name)}
+            for name in ("cooling_rate", "a2")
         }
+        scaled = both | {name: getattr(exact, name) for name in ("diffusion_slope", "tail_rate")}
     return {
         "restitution": case.restitution,
         "times": case.times,
@@ -152,9 +152,7 @@ def _case(case: Case) -> dict[str, Any]:
     }
 
 
-def _summary(
-    settings: ReportSettings, rows: Sequence[Row], checks: Sequence[Mapping[str, Any]]
-) -> str:
+def _summary(settings: ReportSettings, rows: Sequence[Row], checks: Checks) -> str:
     return _sentences(
         "summary",
         settings=settings,
@@ -176,19 +174,12 @@ def _findings(
         if row.against == RESCALED and row.observable != "scaled_vdf":
             remaining[row.restitution].append(asdict(row))
     return paragraphs(
-        "report.txt.j2",
-        "findings",
-        cases=cases,
+        "report.txt.j2", "findings", cases=cases,
         cooling=[case for case in cases if case.exact is not None],
-        scans=scans,
-        dilute=dilute,
-        dense=dilute / contact_value(settings.number_density),
-        remaining=remaining,
-        relative_error=relative_error,
-        ratio_names=RATIO_NAMES,
-        cap=PAPER_CAP,
+        scans=scans, dilute=dilute, dense=dilute / contact_value(settings.number_density),
+        remaining=remaining, relative_error=relative_error, ratio_names=RATIO_NAMES, cap=PAPER_CAP,
         most=max(run.most_collisions for run in runs),
         capped=max(run.above_cap for run in runs),
         trapped=any(case.disks.statuses["trapped"] for case in cases),
         fit=sonine.FITTED_COOLING_FACTOR,
-    )
+    )  # fmt: skip

@@ -1,15 +1,14 @@
 """One comparison: who says what against whom, how far apart they are, and the verdict on it."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.case import Array, Case, ParticleRun
-from kinetics.crosscheck.report.histograms import band_middles
-from kinetics.crosscheck.report.observables import middles
+from kinetics.crosscheck.report.case import Case, ParticleRun
+from kinetics.crosscheck.report.observables import band_middles, middles
 from kinetics.crosscheck.verdicts import (
     Verdict,
     corrected_sigmas,
@@ -80,18 +79,6 @@ class Row:
     note: str = ""
 
 
-def judged(rows: Iterable[Row]) -> list[Row]:
-    """The rows with their statistical verdicts, corrected for the looks that each took."""
-    return [_judge(row) if row.kind == "statistical" else row for row in rows]
-
-
-def _judge(row: Row) -> Row:
-    assert row.sigmas is not None
-    assert row.groups is not None
-    corrected = corrected_sigmas(row.sigmas, row.groups, row.looks)
-    return replace(row, corrected_sigmas=corrected, verdict=judge_sigmas(corrected))
-
-
 def numerical(case: Case, observable: str, value: float, theory: float, tolerance: float) -> Row:
     """The solver's value against the closed form."""
     deviation = relative(observable, value, theory)
@@ -142,27 +129,23 @@ def statistical(
     if at is None:
         return []
     k = at.index
+    where: dict[str, Any] = {}
+    if observable in OVER_TIME:
+        where["time"] = float(case.times[k])
+    elif observable == "scaled_vdf":
+        where["c"] = float(middles(case.speed_edges)[k])
+    elif observable in ("position", "tail_exponent"):
+        bins = middles(case.position_edges) if observable == "position" else band_middles()
+        where["distance"] = float(bins[k])
+    corrected = corrected_sigmas(at.sigmas, run.groups, at.looks)
     row = Row(
         observable, case.restitution, "statistical", run.name, against,
         float(value[k]), float(expected[k]),
         relative(observable, float(value[k]), float(expected[k])),
         error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=run.groups, note=note,
+        corrected_sigmas=corrected, verdict=judge_sigmas(corrected), **where,
     )  # fmt: skip
-    where: dict[str, Any] = {
-        name: float(values[k]) for name, values in _abscissa(case, observable).items()
-    }
-    return [replace(row, **where)]
-
-
-def _abscissa(case: Case, observable: str) -> dict[str, Array]:
-    """Where the values of an observable stand: a field of `Row`, and its value for each."""
-    if observable in OVER_TIME:
-        return {"time": case.times}
-    if observable == "scaled_vdf":
-        return {"c": middles(case.speed_edges)}
-    if observable == "position":
-        return {"distance": middles(case.position_edges)}
-    return {"distance": band_middles()} if observable == "tail_exponent" else {}
+    return [row]
 
 
 def scale_of(observable: str, theory: float) -> float:

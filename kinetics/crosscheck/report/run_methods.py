@@ -7,14 +7,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
-from kinetics.crosscheck.report.histograms import jackknife_error, measured_exponent, scaled_density
-from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.observables import (
+    cooling_rate_between,
+    jackknife_error,
+    measured_exponent,
+    msd_slope_between,
+    scaled_density,
+)
+from kinetics.crosscheck.report.row import OVER_TIME
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.errors import InputError
+from kinetics.validation import refuse
 
 if TYPE_CHECKING:
     from kinetics import Solution
-    from particles import BoltzmannGrad, HardDisks
+    from particles import Medium
     from particles.ensemble import Ensemble
     from particles.estimators import Estimate
 
@@ -37,14 +43,6 @@ def output_times(last: float, count: int) -> Array:
     return np.geomspace(min(1.0, last / 10), last, count)
 
 
-def media(settings: ReportSettings) -> "tuple[BoltzmannGrad, HardDisks]":
-    """The media of both particle runs. ValueError for a density at which disks cannot be placed."""
-    from particles import BoltzmannGrad, HardDisks
-
-    density = settings.number_density
-    return BoltzmannGrad(density), HardDisks(density, settings.count)
-
-
 def gather_case(
     restitution: float, last: float, settings: ReportSettings, tell: Callable[[str], None]
 ) -> Case:
@@ -53,28 +51,32 @@ def gather_case(
     Calls `tell` three times. ValueError, before anything is solved, for a system that cannot be
     simulated.
     """
+    from particles import BoltzmannGrad, HardDisks
+
     e, density = restitution, settings.number_density
     times = output_times(last, settings.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed = settings.seed + 2 * settings.restitutions.index(e)
-    free_medium, disk_medium = media(settings)
+    free_medium, disk_medium = BoltzmannGrad(density), HardDisks(density, settings.count)
+
+    def particles(medium: "Medium", media: int, tracers: int, seed: int) -> "Ensemble":
+        from particles import simulate
+
+        return simulate(
+            medium, restitution=e, times=times, media=media, tracers=tracers, seed=seed,
+            workers=settings.workers, observables=("finals",),
+        )  # fmt: skip
 
     tell(f"e = {e:g}: kinetic equation")
     solved = _solutions(e, times, settings)
     tell(f"e = {e:g}: Boltzmann-Grad particles")
     groups = min(GROUPS, settings.free_tracers // 2)
-    free = _simulated(
-        free_medium, e, times, (groups, settings.free_tracers // groups), seed, settings.workers
-    )
+    free = particles(free_medium, groups, settings.free_tracers // groups, seed)
     tell(f"e = {e:g}: hard disks")
-    disks = _simulated(
-        disk_medium, e, times, (settings.media, settings.tracers), seed + 1, settings.workers
-    )
+    disks = particles(disk_medium, settings.media, settings.tracers, seed + 1)
     path = float(disks.mean_free_path.value)
     if not np.isfinite(path):
-        raise InputError(
-            f"final_times: got {last:g}; no hard-disk tracer has collided by then, some must"
-        )
+        refuse("final_times", last, "no hard-disk tracer has collided by then, some must")
     rescaled = _solution(e, 1 / (2 * path), times, OUTPUTS, settings.rtol)
     return Case(
         restitution=e,
@@ -114,23 +116,6 @@ def _solution(
     return solve(Scene(e, density, initial="gaussian", times=times, outputs=outputs), rtol=rtol)
 
 
-def _simulated(
-    medium: "BoltzmannGrad | HardDisks",
-    e: float,
-    times: Array,
-    size: tuple[int, int],
-    seed: int,
-    workers: int | None,
-) -> "Ensemble":
-    """One run of `size` = configurations, tracers in each; it keeps how every tracer ended."""
-    from particles import simulate
-
-    return simulate(
-        medium, restitution=e, times=times, media=size[0], tracers=size[1], seed=seed,
-        workers=workers, observables=("finals",),
-    )  # fmt: skip
-
-
 def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleRun:
     """The run reduced to arrays; every error is a jackknife over its configurations."""
     by_group = run.finals.reshape(run.media, run.tracers, -1)
@@ -140,29 +125,21 @@ def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> P
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0
 
-    def slopes(part: "Ensemble") -> tuple[float, float]:
-        return (
-            cooling_rate_between(run.times, part.thermal_speed.value, early, number_density),
-            msd_slope_between(run.times, part.msd.value, early),
+    replicates = [_values(part, early, number_density) for part in _without_each(run)]
+    slopes = {
+        name: Measured(
+            _values(run, early, number_density)[name],
+            jackknife_error(np.array([values[name] for values in replicates])),
         )
-
-    cooling_rate, msd_slope = (
-        Measured(np.asarray(value), jackknife_error(replicates))
-        for value, replicates in zip(
-            slopes(run), np.array([slopes(part) for part in _without_each(run)]).T, strict=True
-        )
-    )
+        for name in ("cooling_rate", "msd_slope")
+    }
     distances = np.hypot(x, y)
     return ParticleRun(
         name=name,
         samples=run.media * run.tracers,
         groups=run.media,
-        thermal_speed=_measured(run.thermal_speed),
-        a2=_measured(run.a2),
-        msd=_measured(run.msd),
-        kurtosis=_measured(run.kurtosis),
-        cooling_rate=cooling_rate,
-        msd_slope=msd_slope,
+        **{name: _measured(getattr(run, name)) for name in OVER_TIME},
+        **slopes,
         free_path=_measured(run.mean_free_path),
         vdf=scaled_density(speeds, SPEED_EDGES, np.pi * np.diff(SPEED_EDGES**2)),
         position=scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
@@ -170,11 +147,7 @@ def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> P
         mean_collisions=float(np.mean(collisions)),
         most_collisions=int(np.max(collisions)),
         above_cap=float(np.mean(collisions > PAPER_CAP)),
-        statuses={
-            "finished": run.statuses.finished,
-            "trapped": run.statuses.trapped,
-            "escaped": run.statuses.escaped,
-        },
+        statuses={name: getattr(run.statuses, name) for name in ("finished", "trapped", "escaped")},
     )
 
 
@@ -194,6 +167,20 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
         yield replace(run, arrays={**run.arrays, **rest})
 
 
+def _values(run: "Ensemble", early: int, number_density: float) -> dict[str, Array]:
+    averages = {name: np.asarray(getattr(run, name).value) for name in OVER_TIME}
+    return _with_slopes(run.times, averages, early, number_density)
+
+
+def _with_slopes(
+    times: Array, averages: dict[str, Array], early: int, number_density: float
+) -> dict[str, Array]:
+    """Averages over time, and the cooling rate and the slope of <r^2> that they give."""
+    rate = cooling_rate_between(times, averages["thermal_speed"], early, number_density)
+    slope = msd_slope_between(times, averages["msd"], early)
+    return averages | {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
+
+
 def _rescaled_errors(
     run: "Ensemble", rescaled: "Solution", early: int, number_density: float
 ) -> dict[str, Array]:
@@ -202,31 +189,20 @@ def _rescaled_errors(
     Both change when a configuration is left out: the theory by its derivative in ln l, which
     follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
     """
+    theory = {name: np.asarray(getattr(rescaled, name)) for name in OVER_TIME}
+    per_log_path = {
+        name: (2 * values if name == "msd" else 0) - np.gradient(values, np.log(run.times))
+        for name, values in theory.items()
+    }
     log_path = np.log(float(run.mean_free_path.value))
-    times = run.times
-
-    def per_log_path(values: Array, power: int) -> Array:
-        return np.asarray(power * values - np.gradient(values, np.log(times)))
-
-    shifts = {
-        "thermal_speed": per_log_path(rescaled.thermal_speed, 0),
-        "a2": per_log_path(rescaled.a2, 0),
-        "msd": per_log_path(rescaled.msd, 2),
-        "kurtosis": per_log_path(rescaled.kurtosis, 0),
-    }
-    replicates: dict[str, list[Array]] = {
-        name: [] for name in (*shifts, "cooling_rate", "msd_slope")
-    }
+    replicates = []
     for part in _without_each(run):
         moved = np.log(float(part.mean_free_path.value)) - log_path
-        speed, msd = (
-            (getattr(part, name).value, getattr(rescaled, name) + moved * shifts[name])
-            for name in ("thermal_speed", "msd")
-        )
-        for name, shift in shifts.items():
-            replicates[name].append(getattr(part, name).value - moved * shift)
-        data, theory = (cooling_rate_between(times, v, early, number_density) for v in speed)
-        replicates["cooling_rate"].append(np.asarray(data - theory))
-        data, theory = (msd_slope_between(times, m, early) for m in msd)
-        replicates["msd_slope"].append(np.asarray(data - theory))
-    return {name: jackknife_error(np.array(values)) for name, values in replicates.items()}
+        expected = {name: values + moved * per_log_path[name] for name, values in theory.items()}
+        expected = _with_slopes(run.times, expected, early, number_density)
+        measured = _values(part, early, number_density)
+        replicates.append({name: measured[name] - expected[name] for name in measured})
+    return {
+        name: jackknife_error(np.array([values[name] for values in replicates]))
+        for name in replicates[0]
+    }

@@ -11,9 +11,8 @@ RATIO_NAMES = {"free_path": "free path", "thermal_speed": "thermal speed", "msd"
 
 def density(scan: DensityScan) -> Data:
     """Hard disks over the dilute theory at several densities, and their limit rho0 d^2 -> 0."""
-    last = float(scan.densities[-1])
-    lines = [level("kinetic equation", [0.0, last], 1.0)]
-    x = np.linspace(0.0, last, 40)
+    x = np.linspace(0.0, float(scan.densities[-1]), 40)
+    lines = [level("kinetic equation", x, 1.0)]
     for name, ratio in scan.ratios.items():
         group, limit = RATIO_NAMES[name], scan.limits[name]
         lines.append(series("hard disks", scan.densities, ratio.value, ratio.error, group=group))
@@ -27,13 +26,13 @@ def density(scan: DensityScan) -> Data:
 
 def traps(scan: TrapScan) -> Data:
     """Share of tracers caught in corners over e."""
-    lines, uncaught = [], []
-    shares = zip(scan.densities, scan.share.value, scan.share.error, strict=True)
-    for number_density, value, error in shares:
+    lines, uncaught, at = [], [], scan.restitutions
+    for number_density, value, error in zip(
+        scan.densities, scan.share.value, scan.share.error, strict=True
+    ):
         group, caught = f"ρ₀d² = {number_density:g}", value > 0
-        at = scan.restitutions
         lines.append(series("hard disks", at[caught], value[caught], error[caught], group=group))
         if not np.all(caught):
             uncaught.append(f"{group}: e = " + ", ".join(f"{e:g}" for e in at[~caught]))
-    x, y = axis("restitution $e$"), axis("share caught", "", "log")
-    return figure("traps", x, y, lines, scan=scan, uncaught=uncaught)
+    y = axis("share caught", "", "log")
+    return figure("traps", axis("restitution $e$"), y, lines, scan=scan, uncaught=uncaught)

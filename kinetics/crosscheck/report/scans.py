@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
-from kinetics.crosscheck.report.histograms import jackknife_error
+from kinetics.crosscheck.report.observables import jackknife_error
 from kinetics.crosscheck.report.settings import ReportSettings
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ LARGEST_DENSITY = 0.25
 TRAP_RESTITUTIONS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 TRAP_FLIGHT = 40.0
 """d rho0 t U of the trap scan: 1000 d/U at the paper's density."""
+RATIOS = ("mean_free_path", "thermal_speed", "msd")
+"""What the density scan compares with the kinetic equation."""
 LARGEST_BOX = 10_000
 """Scatterers in the box of a scan at most."""
 
@@ -28,8 +30,7 @@ def gather_scans(
 ) -> Scans:
     """Both scans; calls `tell` twice."""
     tell("hard disks at other densities")
-    nearest = min(cases, key=lambda case: abs(case.restitution - 0.7))
-    density = _density_scan(nearest, settings)
+    density = _density_scan(min(cases, key=lambda case: abs(case.restitution - 0.7)), settings)
     tell("traps")
     return Scans(density, _trap_scan(settings))
 
@@ -54,21 +55,19 @@ def _disks(
 
 
 def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
-    last, densities = float(case.times[-1]), _allowed(DILUTIONS, settings)
-    found: dict[str, list[tuple[float, float]]] = {"free_path": [], "thermal_speed": [], "msd": []}
-    for index, density in enumerate(map(float, densities)):
+    densities = _allowed(DILUTIONS, settings)
+    found = np.empty((densities.size, len(RATIOS), 2))
+    for index, density in enumerate(densities.tolist()):
         stretch = settings.number_density / density
-        run = _disks(case.restitution, density, last * stretch, 1000 + index, settings)
-        dilute = {
-            "free_path": 1 / (2 * density),
-            "thermal_speed": float(case.kinetic.thermal_speed[-1]),
-            "msd": float(case.kinetic.msd[-1]) * stretch**2,
-        }
-        measured = (run.mean_free_path, run.thermal_speed, run.msd)
-        for (name, theory), estimate in zip(dilute.items(), measured, strict=True):
-            value, error = (np.asarray(x).ravel()[-1] for x in (estimate.value, estimate.error))
-            found[name].append((float(value) / theory, float(error) / theory))
-    ratios = {name: Measured(*np.array(pairs).T) for name, pairs in found.items()}
+        last = float(case.times[-1]) * stretch
+        run = _disks(case.restitution, density, last, 1000 + index, settings)
+        speed, msd = case.kinetic.thermal_speed[-1], case.kinetic.msd[-1] * stretch**2
+        for k, theory in enumerate((1 / (2 * density), speed, msd)):
+            estimate = getattr(run, RATIOS[k])
+            value, error = (np.ravel(x)[-1] for x in (estimate.value, estimate.error))
+            found[index, k] = value / theory, error / theory
+    names = ("free_path", *RATIOS[1:])
+    ratios = {name: Measured(*found[:, k].T) for k, name in enumerate(names)}
     degree = min(2, densities.size - 2)
     extrapolated = {name: extrapolate(densities, r, degree) for name, r in ratios.items()}
     return DensityScan(

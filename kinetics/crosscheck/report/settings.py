@@ -1,16 +1,21 @@
 """What a report is asked to compare: the paper's own system unless told otherwise."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, check_rtol, refuse
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    check_rtol,
+    refuse,
+    whole_number,
+)  # fmt: skip
 
 PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 """Final time in d/U of each restitution in the paper (captions of inelasticposi and scalev)."""
 OTHER_FINAL_TIME = 1000.0
 """Final time in d/U of a restitution that the paper does not have."""
+_LEAST = {"count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2, "seed": 0}
 
 
 @dataclass(frozen=True)
@@ -18,34 +23,34 @@ class ReportSettings:
     """The system, the sample sizes and the accuracy of one report.
 
     Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2.
-    `final_times` has one entry per restitution. `media` times `tracers` is the number of hard-disk
-    samples; `free_tracers` that of the Boltzmann-Grad run, which has no configurations. `rtol` is
-    asked of the solver, but `position_rtol` of G(R), which costs most and is only drawn. InputError
-    for anything that cannot be used.
+    Empty restitutions stand for the paper's, empty final times for the paper's or
+    `OTHER_FINAL_TIME`; a single final time is that of all restitutions. InputError for anything
+    that cannot be used.
     """
 
-    restitutions: tuple[float, ...] = tuple(PAPER_FINAL_TIME)
-    final_times: tuple[float, ...] = tuple(PAPER_FINAL_TIME.values())
+    restitutions: tuple[float, ...] = ()
+    final_times: tuple[float, ...] = ()
     number_density: float = 0.04
-    count: int = 40_000
-    media: int = 100
-    tracers: int = 100
-    free_tracers: int = 200_000
+    count: int = 40_000  # hard disks in the box
+    media: int = 100  # configurations of hard disks
+    tracers: int = 100  # in each of them
+    free_tracers: int = 200_000  # of the Boltzmann-Grad run, which has no configurations
     n_times: int = 24
-    rtol: float = 1e-10
-    position_rtol: float = 1e-6
+    rtol: float = 1e-10  # asked of the solver
+    position_rtol: float = 1e-6  # asked of G(R), which costs most and is only drawn
     seed: int = 1
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(
-            check_restitution(e) for e in _items("restitutions", self.restitutions)
-        )
-        times = tuple(
-            check_positive("final_times", t) for t in _items("final_times", self.final_times)
-        )
+        restitutions = tuple(check_restitution(e) for e in self.restitutions or PAPER_FINAL_TIME)
         if len(set(restitutions)) != len(restitutions):
-            raise InputError(f"restitutions: got {restitutions}; each may stand only once")
+            refuse("restitutions", restitutions, "each may stand only once")
+        times = self.final_times or tuple(
+            PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in restitutions
+        )
+        times = tuple(check_positive("final_times", t) for t in times)
+        if len(times) == 1:
+            times *= len(restitutions)
         if len(times) != len(restitutions):
             raise InputError(
                 f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
@@ -56,17 +61,10 @@ class ReportSettings:
         check_positive("number_density", self.number_density)
         check_rtol(self.rtol)
         check_rtol(self.position_rtol)
-        for name, least in (
-            ("count", 1),
-            ("media", 2),
-            ("tracers", 1),
-            ("free_tracers", 2),
-            ("n_times", 2),
-            ("seed", 0),
-        ):
-            check_whole(name, getattr(self, name), least)
+        for name, least in _LEAST.items():
+            whole_number(name, getattr(self, name), least, 2**63)
         if self.workers is not None:
-            check_whole("workers", self.workers, 1)
+            whole_number("workers", self.workers, 1, 2**31)
 
     def quick(self) -> "ReportSettings":
         """The same system with fewer samples, and G(R) to fewer digits."""
@@ -77,22 +75,3 @@ class ReportSettings:
             free_tracers=min(self.free_tracers, 20_000),
             position_rtol=max(self.position_rtol, 1e-5),
         )
-
-
-def final_time(restitution: float) -> float:
-    """The default final time of a restitution, in d/U."""
-    return PAPER_FINAL_TIME.get(restitution, OTHER_FINAL_TIME)
-
-
-def check_whole(name: str, value: Any, least: int) -> int:
-    """A whole number not below `least`; InputError otherwise."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        refuse(name, value, f"it must be a whole number, at least {least}")
-    return value
-
-
-def _items(name: str, values: Iterable[Any]) -> list[Any]:
-    items = list(values)
-    if not items:
-        raise InputError(f"{name}: got none; at least one is needed")
-    return items

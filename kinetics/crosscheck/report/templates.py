@@ -39,14 +39,14 @@ def paragraphs(template: str, block: str, **values: Any) -> list[str]:
     return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
 
 
-def number(value: float | None, error: float | None = None) -> str:
-    """A number to 6 digits, or to the second digit of its standard error."""
+def number(value: float | None, error: float | None = None, sign: str = "") -> str:
+    """A number to 6 digits, or to the second digit of its standard error; sign "+" shows it."""
     if value is None:
         return "–"
     if not error:
         return f"{value:.6g}"
     digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"
+    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
 
 
 def span(values: Iterable[float], form: str) -> str:

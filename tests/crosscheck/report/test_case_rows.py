@@ -17,7 +17,7 @@ from kinetics.crosscheck.report.observables import (
     cooling_rate_between,
     printed_msd_slopes,
 )
-from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED, Row, judged
+from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED, Row
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.strict_json import dumps
 
@@ -26,7 +26,7 @@ MakeCase = Callable[..., Case]
 
 
 def rows_of(case: Case, settings: ReportSettings) -> list[Row]:
-    return judged(rows_of_case(case, settings))
+    return rows_of_case(case, settings)
 
 
 def test_runs_that_follow_the_theory_agree(make_case: MakeCase, settings: ReportSettings) -> None:

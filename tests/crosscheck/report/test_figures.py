@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
 from kinetics.crosscheck.report.case import Case, Scans
-from kinetics.crosscheck.report.figures import draw, legend_entries, svg
+from kinetics.crosscheck.report.figures import COLOURS, FAINT, INK, draw, legend_entries, svg
 from kinetics.crosscheck.report.settings import ReportSettings
 
 MakeCase = Callable[..., Case]
@@ -99,7 +99,8 @@ def test_the_element_stands_alone(figures: dict[str, Any], name: str) -> None:
     assert {r.removeprefix("#") for r in references} <= set(ids)
     assert all(r.startswith("#") for r in references)
     assert "http" not in text
-    assert "#0a0b" not in text  # every stand-in colour became a variable of the page
+    # every colour became a variable of the page
+    assert not [colour for colour in (INK, FAINT, *COLOURS) if colour in text]
 
 
 def test_the_same_data_give_the_same_text(figures: dict[str, Any]) -> None:

@@ -16,7 +16,6 @@ from kinetics.crosscheck.report.case_rows import rows_of_case
 from kinetics.crosscheck.report.equations import FORMULAS
 from kinetics.crosscheck.report.page import deviation, number, render, verdict_table
 from kinetics.crosscheck.report.report import build_document, write_report
-from kinetics.crosscheck.report.row import judged
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.text_tables import columns
@@ -41,7 +40,7 @@ CHECKS = [
 @pytest.fixture
 def document(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
     cases = [make_case()]
-    rows = judged(row for case in cases for row in rows_of_case(case, settings))
+    rows = [row for case in cases for row in rows_of_case(case, settings)]
     return build_document(settings, cases, scans, rows, CHECKS)
 
 
@@ -200,7 +199,7 @@ def test_trapped_tracers_and_the_cap_are_among_the_findings(
     case = make_case()
     statuses = {"finished": 9_990, "trapped": 10, "escaped": 0}
     disks = replace(case.disks, statuses=statuses, most_collisions=200, above_cap=0.01)
-    rows = judged(rows_of_case(case, settings))
+    rows = rows_of_case(case, settings)
     found = build_document(settings, [replace(case, disks=disks)], None, rows, CHECKS)["findings"]
     assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
     assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
-from kinetics.crosscheck.report.algebra import AlgebraProcess
+from kinetics.crosscheck.report.algebra import algebra_process
 from kinetics.crosscheck.report.run_methods import (
     OUTPUTS,
     _rescaled_errors,
@@ -72,6 +72,6 @@ def test_errors_with_the_measured_free_path_put_in_are_the_true_ones() -> None:
 
 
 def test_leaving_by_an_exception_ends_the_derivations() -> None:
-    with pytest.raises(KeyError), AlgebraProcess() as algebra:
+    with pytest.raises(KeyError), algebra_process() as algebra:
         raise KeyError
-    assert algebra._process.returncode == -9
+    assert algebra.returncode == -9

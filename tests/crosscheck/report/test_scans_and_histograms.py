@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinetics.crosscheck.report.case import Measured
-from kinetics.crosscheck.report.histograms import (
+from kinetics.crosscheck.report.observables import (
     BANDS,
     band_exponent,
     band_middles,
