@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, check_restitution, short
+from kinetics.errors import InputError
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
+from kinetics.validation import check_restitution, short
 
 FloatArray = NDArray[np.float64]
 

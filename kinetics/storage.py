@@ -27,7 +27,8 @@ from importlib import import_module
 from io import BufferedRandom, BufferedReader
 from typing import TYPE_CHECKING, Any
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.validation import short
 
 if TYPE_CHECKING:
     import h5py

@@ -13,9 +13,15 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
+
+
+def short(value: Any, limit: int = 60) -> str:
+    """The repr of a bad value, cut so that a message stays on one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:

@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, check_restitution, short
+from kinetics.errors import InputError
 from kinetics.scaling import mellin
+from kinetics.validation import check_restitution, short
 from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.states import quadrature
 from kinetics.states.isotropic import SpeedDensity, as_state
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
-from kinetics.validation import density_not_negative, finite_array, normalised, rising_speeds
+from kinetics.validation import density_not_negative, finite_array, normalised, rising_speeds, short
 
 FloatArray = NDArray[np.float64]
 

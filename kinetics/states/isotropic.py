@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
@@ -23,6 +23,7 @@ from kinetics.validation import (
     finite_array,
     normalised,
     rising_speeds,
+    short,
 )
 
 FloatArray = NDArray[np.float64]

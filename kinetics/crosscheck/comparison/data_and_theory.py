@@ -19,7 +19,8 @@ from kinetics.crosscheck.comparison.theory import (
     Expectation,
     SampledStart,
 )
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.validation import short
 
 if TYPE_CHECKING:
     from kinetics import Solution

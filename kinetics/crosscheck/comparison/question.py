@@ -29,7 +29,8 @@ from kinetics.crosscheck.comparison.theory import (
     sampled_start,
     solved,
 )
-from kinetics.errors import InputError, check_positive, check_restitution
+from kinetics.errors import InputError
+from kinetics.validation import check_positive, check_restitution
 
 if TYPE_CHECKING:
     from kinetics import Solution

@@ -18,7 +18,8 @@ from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.result import said
 from kinetics.crosscheck.comparison.sample import Sample
-from kinetics.errors import InputError, check_positive
+from kinetics.errors import InputError
+from kinetics.validation import check_positive
 
 POSITIONS = ("auto", "displacement", "absolute")
 _LARGEST = 1e70
