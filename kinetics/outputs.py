@@ -7,7 +7,6 @@ Reading the table costs no NumPy: the modules that its functions need are import
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
@@ -26,7 +25,7 @@ else:
             self._name = name
 
         def __getattr__(self, name: str) -> Any:
-            return getattr(sys.modules.get(self._name) or import_module(self._name), name)
+            return getattr(import_module(self._name), name)
 
     backward = _Later("kinetics.moments.backward")
     displacement = _Later("kinetics.moments.displacement")
@@ -159,7 +158,7 @@ _ROWS = (
     ),
     Output(
         "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
-        "<v(0).v(t)>",
+        "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
         # over all initial velocities: v(0) itself takes the direction out
         lambda: parts((1.0, backward.speed_power(1.0, 1)), start=0),
         lambda averages: displacement.velocity_autocorrelation(averages),

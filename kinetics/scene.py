@@ -85,8 +85,7 @@ class Scene(Value):
         checked["times"] = _check_times(self.times)
         checked["outputs"] = _check_outputs(self.outputs)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        self.store(**checked)
 
     @property
     def mean_free_path(self) -> float:

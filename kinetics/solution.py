@@ -15,7 +15,7 @@ from kinetics.averaging import averages_of, power_of_speed
 from kinetics.densities.harmonic import Profile
 from kinetics.densities.marginal import component_density
 from kinetics.errors import InputError
-from kinetics.frozen import frozen, read_only
+from kinetics.frozen import read_only
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
@@ -68,10 +68,6 @@ class Solution(Value):
     _profiles: Mapping[int, Profile] = field(repr=False)
     _displacement: Displacement | None = field(repr=False)
     _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
-
-    def __post_init__(self) -> None:
-        for name in ("values", "stats", "_profiles", "_typical_speed"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def times(self) -> FloatArray:

@@ -43,7 +43,7 @@ def real_number(
     allowed = allowed or f"it must be a number from {low:g} to {high:g}"
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refuse(name, value, allowed)
     if not (math.isfinite(number) and low <= number <= high):
         refuse(name, value, allowed)
@@ -130,23 +130,37 @@ def positive(name: str, value: ArrayLike) -> Array:
     return array
 
 
-# -- one-dimensional arrays -----------------------------------------------------------------------
+# -- arrays of a given shape ----------------------------------------------------------------------
+
+_LINE = "it must be a finite, 1-dimensional array of numbers"
 
 
-def finite_line(
-    name: str, values: ArrayLike, allowed: str = "it must be finite numbers, 1-dimensional"
+def finite_array(
+    name: str,
+    values: ArrayLike,
+    allowed: str = _LINE,
+    dimensions: tuple[int, ...] = (1,),
 ) -> Array:
-    """Finite real numbers as a new array of shape (n,); a single number gives n = 1."""
+    """A read-only copy of finite real numbers in an array of so many dimensions.
+
+    Complex and masked values are refused.
+    """
     try:
-        array = np.atleast_1d(np.asarray(values))
-        if array.dtype.kind == "c":
+        array = np.asarray(values)
+        if array.dtype.kind == "c" or np.ma.is_masked(values):
             raise TypeError
         array = array.astype(float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refuse(name, values, allowed)
-    if array.ndim != 1 or not np.all(np.isfinite(array)):
+    if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
+    array.flags.writeable = False
     return array
+
+
+def finite_line(name: str, values: ArrayLike, allowed: str = _LINE) -> Array:
+    """Finite real numbers as a read-only copy of shape (n,); a single number gives n = 1."""
+    return np.atleast_1d(finite_array(name, values, allowed, (0, 1)))
 
 
 def not_negative_line(name: str, values: ArrayLike) -> Array:
@@ -172,27 +186,9 @@ def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
 _NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
 
 
-def finite_array(name: str, values: ArrayLike, shape: str, dimensions: int = 1) -> Array:
-    """A read-only copy of finite real numbers in an array of so many dimensions.
-
-    ``shape`` says in the message what is allowed. Complex and masked values are refused.
-    """
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c" or np.ma.is_masked(values):
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        refuse(name, values, "it must be an array of numbers")
-    if array.ndim != dimensions or not np.all(np.isfinite(array)):
-        refuse(name, values, f"it must be finite, {shape}")
-    array.flags.writeable = False
-    return array
-
-
 def rising_speeds(speed: ArrayLike) -> Array:
     """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
-    v = finite_array("speed", speed, "1-dimensional")
+    v = finite_array("speed", speed)
     if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
         refuse("speed", speed, "it must rise, from 0 or more, 2 at least")
     return v

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.position.wave_panel import make_read_only
 from kinetics.states.state import State
+from kinetics.values import Value
 
 FloatArray = NDArray[np.float64]
 
@@ -23,8 +23,8 @@ _MOST_PIECES = 4000  # where a density is rough everywhere: half a million numbe
 _NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
 
 
-@dataclass(frozen=True, eq=False)
-class UncollidedDensity:
+@dataclass(frozen=True)
+class UncollidedDensity(Value):
     """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
 
     Attributes
@@ -39,9 +39,6 @@ class UncollidedDensity:
     times: FloatArray
     edges: FloatArray
     values: FloatArray
-
-    def __post_init__(self) -> None:
-        make_read_only(self.times, self.edges, self.values)
 
     @property
     def is_zero(self) -> bool:

@@ -22,6 +22,7 @@ from kinetics.validation import (
     density_not_negative,
     finite_array,
     normalised,
+    refuse,
     rising_speeds,
     short,
 )
@@ -165,7 +166,7 @@ class SpeedTable(State):
 
     def __post_init__(self) -> None:
         v = rising_speeds(self.speed)
-        f = finite_array("density", self.density, "1-dimensional")
+        f = finite_array("density", self.density)
         if v.size != f.size:
             raise InputError(f"density: got {f.size} values for {v.size} speeds")
         density_not_negative(f)
@@ -220,9 +221,9 @@ class SpeedSamples(State):
     speed: ArrayLike
 
     def __post_init__(self) -> None:
-        v = finite_array("speed", self.speed, "1-dimensional")
+        v = finite_array("speed", self.speed)
         if v.size == 0 or np.any(v <= 0.0):
-            raise InputError(f"speed: got {short(self.speed)}; samples must be above 0, at least 1")
+            refuse("speed", self.speed, "samples must be above 0, at least 1")
         self.store(speed=v)
 
     def harmonic(
