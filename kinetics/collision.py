@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.validation import check_restitution, refuse
-
-FloatArray = NDArray[np.float64]
 
 # Gauss-Legendre points on each panel in the variable u below. They are exact to rounding for
 # s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED: measured again by

@@ -11,11 +11,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
+from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
@@ -28,8 +29,6 @@ from kinetics.validation import (
     whole_number,
 )
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 MOST_HARMONICS = 256
 

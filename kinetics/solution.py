@@ -16,6 +16,7 @@ from kinetics.densities.harmonic import Profile
 from kinetics.densities.marginal import component_density
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
+from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
@@ -30,8 +31,6 @@ from kinetics.validation import (
     speeds,
 )
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _FASTEST = 1e100  # in typical speeds: no tracer is as fast
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there

@@ -8,12 +8,12 @@ Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.averaging import asked_for, averages_of, error_of, in_range, with_enough_nodes
 from kinetics.densities.harmonic import Profile
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
+from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
 from kinetics.plan import make_plan, make_stats, powers_of
 from kinetics.position.density import Displacement
@@ -22,8 +22,6 @@ from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import explain, status_of
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
-
-FloatArray = NDArray[np.float64]
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192

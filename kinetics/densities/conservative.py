@@ -21,12 +21,11 @@ from kinetics.collision import CollisionLaw, impact_cells
 from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure, interpolate
 from kinetics.states.state import State
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0

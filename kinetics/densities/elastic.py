@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states.state import State
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

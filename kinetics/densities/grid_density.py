@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _MOST_TERMS = 2_000_000  # of a Fourier sum at once, nodes times points: 32 megabytes
 _STEEP = 1e4  # slope of ln f below a step of f, where f is zero

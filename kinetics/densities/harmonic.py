@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow

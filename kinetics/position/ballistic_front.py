@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.state import State
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _NODES = 16  # of a polynomial for a piece of the initial density
 _LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum; and

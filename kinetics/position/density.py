@@ -17,14 +17,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

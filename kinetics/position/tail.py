@@ -11,11 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 TERMS = 8  # of the sum: with more, errors of F are raised instead of fitted
 

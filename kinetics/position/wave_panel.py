@@ -8,11 +8,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.values import Value
 
-FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

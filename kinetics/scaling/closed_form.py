@@ -17,14 +17,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
 from kinetics.scaling import mellin
 from kinetics.validation import check_restitution, exponent, not_negative, refuse
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double

@@ -39,6 +39,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_positive,
     check_restitution,
@@ -48,8 +49,6 @@ from kinetics.validation import (
     refuse,
     whole_number,
 )
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST_ORDER = 100
 """Orders beyond this are refused."""

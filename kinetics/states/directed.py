@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.isotropic import SpeedDensity, as_state
 from kinetics.states.quadrature import LogMeasure
@@ -25,8 +26,6 @@ from kinetics.validation import (
     rising_speeds,
     short,
 )
-
-FloatArray = NDArray[np.float64]
 
 _PAIRS = "it must be of shape (n, 2), a finite array of numbers"
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform

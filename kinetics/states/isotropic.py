@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
@@ -26,8 +27,6 @@ from kinetics.validation import (
     rising_speeds,
     short,
 )
-
-FloatArray = NDArray[np.float64]
 
 # square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it
 # leave 1/q^3 = 1e-27
