@@ -8,7 +8,6 @@ Reading the table costs no NumPy: the modules that its functions need are import
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -85,11 +84,6 @@ class Output(NamedTuple):
     also: tuple[tuple[str, str], ...] = ()
 
     @property
-    def parts(self) -> tuple[Part, ...]:
-        """What ``made_of`` says, made once."""
-        return _made_once(self.made_of)
-
-    @property
     def names(self) -> tuple[str, ...]:
         """The names of its arrays."""
         return (self.name, *(name for name, _ in self.also))
@@ -108,11 +102,6 @@ class Output(NamedTuple):
     def head(self) -> str:
         """Symbol and unit, as the head of a column."""
         return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"
-
-
-@cache
-def _made_once(made_of: Callable[[], tuple[Part, ...]]) -> tuple[Part, ...]:
-    return made_of()
 
 
 _PER_TIME = ("n_times",)

@@ -102,20 +102,21 @@ class Solution(Value):
             f"{name} {shape}" + ("" if unit == "1" else f" in {unit}")
             for name, shape, unit in self._shown()
         )
-        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
-        lines = [f"Solution of {self.scene._system()}", about]
-        lines += [f"error estimate {self.error_estimate:.1e}"]
-        lines += textwrap.wrap(shown, 96)
+        lines = [f"Solution of {self.scene._system()}", self._ending()]
+        lines += [f"error estimate {self.error_estimate:.1e}", *textwrap.wrap(shown, 96)]
         return "\n  ".join(lines)
+
+    def _ending(self) -> str:
+        return f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{shape}</td><td>{unit}</td></tr>"
             for name, shape, unit in self._shown()
         )
-        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
         return (
-            f"<p>Solution of {html.escape(self.scene._system())}<br>{html.escape(about)}</p>"
+            f"<p>Solution of {html.escape(self.scene._system())}<br>"
+            f"{html.escape(self._ending())}</p>"
             f"<table><tr><th>output</th><th>shape</th><th>unit</th></tr>{rows}</table>"
         )
 

@@ -7,6 +7,7 @@ where the default text is not precise enough.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
@@ -16,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
+
+_SMALLEST, _LARGEST = math.nextafter(0.0, 1.0), sys.float_info.max
 
 
 def short(value: Any, limit: int = 60) -> str:
@@ -58,8 +61,7 @@ def check_restitution(value: Any) -> float:
 
 def check_positive(name: str, value: Any) -> float:
     """A finite number above zero."""
-    smallest = math.nextafter(0.0, 1.0)
-    return real_number(name, value, smallest, math.inf, "it must be a finite number above 0")
+    return real_number(name, value, _SMALLEST, math.inf, "it must be a finite number above 0")
 
 
 def check_rtol(value: Any) -> float:
@@ -105,27 +107,22 @@ def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numb
 
 def restitutions(value: ArrayLike) -> Array:
     """Coefficients of restitution from 0 to 1, in an array of any shape."""
-    allowed = "it must be numbers from 0 to 1 (elastic)"
-    array = real_array("restitution", value, allowed)
-    if not np.all((array >= 0.0) & (array <= 1.0)):
-        refuse("restitution", value, allowed)
-    return array
+    return _array_within("restitution", value, 0.0, 1.0, "it must be numbers from 0 to 1 (elastic)")
 
 
 def not_negative(name: str, value: ArrayLike) -> Array:
     """Finite numbers, none below zero, in an array of any shape."""
-    allowed = "it must be finite numbers, not negative"
-    array = real_array(name, value, allowed)
-    if not np.all((array >= 0.0) & (array < np.inf)):
-        refuse(name, value, allowed)
-    return array
+    return _array_within(name, value, 0.0, _LARGEST, "it must be finite numbers, not negative")
 
 
 def positive(name: str, value: ArrayLike) -> Array:
     """Finite numbers above zero, in an array of any shape."""
-    allowed = "it must be finite numbers above 0"
+    return _array_within(name, value, _SMALLEST, _LARGEST, "it must be finite numbers above 0")
+
+
+def _array_within(name: str, value: ArrayLike, low: float, high: float, allowed: str) -> Array:
     array = real_array(name, value, allowed)
-    if not np.all((array > 0.0) & (array < np.inf)):
+    if not np.all((array >= low) & (array <= high)):
         refuse(name, value, allowed)
     return array
 
