@@ -151,13 +151,16 @@ class ScaledVDF(Value):
     @property
     def status(self) -> SolverStatus:
         """Whether :attr:`error_estimate` meets rtol."""
-        return status_of({"F(c)": self.error_estimate}, {"F(c)": self.rtol})
+        return status_of(*self._errors)
 
     @property
     def message(self) -> str:
         """The status in words: by how much the tolerance is missed, and what to change."""
-        errors, allowed = {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
-        return explain(errors, allowed, self.requested_nodes)
+        return explain(*self._errors, self.requested_nodes)
+
+    @property
+    def _errors(self) -> tuple[dict[str, float], dict[str, float]]:
+        return {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
 
     def __repr__(self) -> str:
         nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
