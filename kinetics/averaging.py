@@ -38,7 +38,7 @@ def averages_of(scene: Scene, rtol: float, degree: float = 2.0, lowest: float = 
 def asked_for(averages: Averages, outputs: Sequence[str]) -> Asked:
     """What must be solved for each output; a part that the initial state makes zero is left out."""
     return [
-        tuple(part for part in OUTPUTS[name].parts if averages.measure(part.start) is not None)
+        tuple(part for part in OUTPUTS[name].made_of() if averages.measure(part.start) is not None)
         for name in sorted(outputs)
     ]
 

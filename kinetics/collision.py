@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, check_restitution, short
+from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
-
-FloatArray = NDArray[np.float64]
+from kinetics.validation import check_restitution, refuse
 
 # Gauss-Legendre points on each panel in the variable u below. They are exact to rounding for
 # s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED: measured again by
@@ -250,7 +250,7 @@ class CollisionLaw:
         A float for a real p, an array of the shape of p for an array.
         """
         if isinstance(m, bool) or not isinstance(m, int | np.integer):
-            raise InputError(f"m: got {short(m)}; it must be a whole number")
+            refuse("m", m, "it must be a whole number")
         if m == 0:
             return self.decay_rate(p)
         p_ = self._exponents(p)
@@ -264,18 +264,18 @@ class CollisionLaw:
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
         p_ = np.asarray(p)
         if p_.dtype.kind not in "iufc":
-            raise InputError(f"p: got {short(p)}; it must be a number or an array of numbers")
+            refuse("p", p, "it must be a number or an array of numbers")
         p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
         if not np.all(np.isfinite(p_)):
-            raise InputError(f"p: got {short(p)}; it must be finite")
+            refuse("p", p, "it must be finite")
         if self.restitution == 0.0 and np.any(p_.real <= -1.0):
-            raise InputError(f"p: got {short(p)}; at restitution 0 it must be above -1")
+            refuse("p", p, "at restitution 0 it must be above -1")
         return p_
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
-            raise InputError(f"p: got {short(p)}; E[s^p] overflows double precision there")
+            refuse("p", p, "E[s^p] overflows double precision there")
         return value
 
 

@@ -7,9 +7,7 @@ Reading the table costs no NumPy: the modules that its functions need are import
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,7 +24,7 @@ else:
             self._name = name
 
         def __getattr__(self, name: str) -> Any:
-            return getattr(sys.modules.get(self._name) or import_module(self._name), name)
+            return getattr(import_module(self._name), name)
 
     backward = _Later("kinetics.moments.backward")
     displacement = _Later("kinetics.moments.displacement")
@@ -86,11 +84,6 @@ class Output(NamedTuple):
     also: tuple[tuple[str, str], ...] = ()
 
     @property
-    def parts(self) -> tuple[Part, ...]:
-        """What ``made_of`` says, made once."""
-        return _made_once(self.made_of)
-
-    @property
     def names(self) -> tuple[str, ...]:
         """The names of its arrays."""
         return (self.name, *(name for name, _ in self.also))
@@ -109,11 +102,6 @@ class Output(NamedTuple):
     def head(self) -> str:
         """Symbol and unit, as the head of a column."""
         return self.symbol if self.unit == "1" else f"{self.symbol} [{self.unit}]"
-
-
-@cache
-def _made_once(made_of: Callable[[], tuple[Part, ...]]) -> tuple[Part, ...]:
-    return made_of()
 
 
 _PER_TIME = ("n_times",)
@@ -159,7 +147,7 @@ _ROWS = (
     ),
     Output(
         "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
-        "<v(0).v(t)>",
+        "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
         # over all initial velocities: v(0) itself takes the direction out
         lambda: parts((1.0, backward.speed_power(1.0, 1)), start=0),
         lambda averages: displacement.velocity_autocorrelation(averages),

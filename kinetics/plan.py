@@ -34,7 +34,7 @@ class PlanStep:
 def powers_of(outputs: Iterable[str]) -> list[tuple[float, int]]:
     """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
     rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
-    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.parts}
+    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of()}
     return sorted(found)
 
 
@@ -86,7 +86,7 @@ def _displacement_step(averages: Averages, outputs: Iterable[str]) -> PlanStep:
     rows = [row for row in OUTPUTS.values() if row.name in asked and row.step == DISPLACEMENT]
     if not rows:
         return PlanStep(DISPLACEMENT, False, NOT_ASKED)
-    count = len({y for row in rows for _, y, _ in row.parts})
+    count = len({y for row in rows for _, y, _ in row.made_of()})
     how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
     return PlanStep(DISPLACEMENT, True, f"{', '.join(row.name for row in rows)}: {how}")
 

@@ -11,18 +11,24 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.frozen import read_only
+from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, check_restitution, finite_line, refuse, whole_number
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    finite_line,
+    refuse,
+    short,
+    whole_number,
+)
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 MOST_HARMONICS = 256
 
@@ -78,8 +84,7 @@ class Scene(Value):
         checked["times"] = _check_times(self.times)
         checked["outputs"] = _check_outputs(self.outputs)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        self.store(**checked)
 
     @property
     def mean_free_path(self) -> float:

@@ -15,7 +15,8 @@ from kinetics.averaging import averages_of, power_of_speed
 from kinetics.densities.harmonic import Profile
 from kinetics.densities.marginal import component_density
 from kinetics.errors import InputError
-from kinetics.frozen import frozen, read_only
+from kinetics.frozen import read_only
+from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
@@ -30,8 +31,6 @@ from kinetics.validation import (
     speeds,
 )
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _FASTEST = 1e100  # in typical speeds: no tracer is as fast
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
@@ -69,10 +68,6 @@ class Solution(Value):
     _displacement: Displacement | None = field(repr=False)
     _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
 
-    def __post_init__(self) -> None:
-        for name in ("values", "stats", "_profiles", "_typical_speed"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-
     @property
     def times(self) -> FloatArray:
         """Output times in d/U, shape (n_times,)."""
@@ -107,20 +102,21 @@ class Solution(Value):
             f"{name} {shape}" + ("" if unit == "1" else f" in {unit}")
             for name, shape, unit in self._shown()
         )
-        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
-        lines = [f"Solution of {self.scene._system()}", about]
-        lines += [f"error estimate {self.error_estimate:.1e}"]
-        lines += textwrap.wrap(shown, 96)
+        lines = [f"Solution of {self.scene._system()}", self._ending()]
+        lines += [f"error estimate {self.error_estimate:.1e}", *textwrap.wrap(shown, 96)]
         return "\n  ".join(lines)
+
+    def _ending(self) -> str:
+        return f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{shape}</td><td>{unit}</td></tr>"
             for name, shape, unit in self._shown()
         )
-        about = f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
         return (
-            f"<p>Solution of {html.escape(self.scene._system())}<br>{html.escape(about)}</p>"
+            f"<p>Solution of {html.escape(self.scene._system())}<br>"
+            f"{html.escape(self._ending())}</p>"
             f"<table><tr><th>output</th><th>shape</th><th>unit</th></tr>{rows}</table>"
         )
 

@@ -8,13 +8,12 @@ Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.averaging import asked_for, averages_of, error_of, in_range, with_enough_nodes
 from kinetics.densities.harmonic import Profile
-from kinetics.errors import InputError
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
+from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
 from kinetics.plan import make_plan, make_stats, powers_of
 from kinetics.position.density import Displacement
@@ -23,8 +22,6 @@ from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import explain, status_of
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
-
-FloatArray = NDArray[np.float64]
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
@@ -41,8 +38,9 @@ def solve(
     Parameters
     ----------
     scene : system, initial state, times and outputs
-    rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics), and of
-        the densities relative to their maximum, for speeds above 1e-2 of the thermal one; below it
+    rtol : relative accuracy of every average (of 1 + a2 for a2; of <v^p> for its harmonics; of
+        v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of the densities
+        relative to their maximum, for speeds above 1e-2 of the thermal one; below it
         is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
         solved to max(rtol, 1e-8), absolute
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
@@ -162,10 +160,8 @@ def _profile(
         if profile is not None:
             return profile
         if method == "spectral":
-            raise InputError(
-                "method: got 'spectral'; this initial state is too rough for it, "
-                "use method='conservative'"
-            )
+            allowed = "this initial state is too rough for it, use method='conservative'"
+            refuse("method", method, allowed)
     from kinetics.densities.conservative import solve_conservative
 
     return solve_conservative(law, path, state, m, times, rtol, nodes)

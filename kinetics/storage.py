@@ -27,7 +27,8 @@ from importlib import import_module
 from io import BufferedRandom, BufferedReader
 from typing import TYPE_CHECKING, Any
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.validation import short
 
 if TYPE_CHECKING:
     import h5py
@@ -255,19 +256,16 @@ def _write_object(group: h5py.Group, name: str, value: Any, where: str) -> None:
     stored_as = _name_of(type(value), where, value)
     children = _subgroup(group, name, "object")
     children.attrs["class"] = stored_as
-    for key, item in _parts(value).items():
+    if hasattr(value, "_to_storage"):
+        parts = value._to_storage()
+    else:
+        parts = {f.name: getattr(value, f.name) for f in fields(value) if f.init}
+    for key, item in parts.items():
         _write(children, key, item, f"{where}.{key}")
-    units = getattr(value, "_storage_units", None)
-    for key, unit in (units() if units else {}).items():
+    units = value._storage_units() if hasattr(value, "_storage_units") else {}
+    for key, unit in units.items():
         if key in children:
             children[key].attrs["unit"] = unit
-
-
-def _parts(value: Any) -> dict[str, Any]:
-    """What is stored of an object: the fields of a dataclass, or what its class says."""
-    if hasattr(value, "_to_storage"):
-        return dict(value._to_storage())
-    return {f.name: getattr(value, f.name) for f in fields(value) if f.init}
 
 
 # -- reading --------------------------------------------------------------------------------------

@@ -7,15 +7,24 @@ where the default text is not precise enough.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 
 Array = NDArray[np.float64]
+
+_SMALLEST, _LARGEST = math.nextafter(0.0, 1.0), sys.float_info.max
+
+
+def short(value: Any, limit: int = 60) -> str:
+    """The repr of a bad value, cut so that a message stays on one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:
@@ -37,7 +46,7 @@ def real_number(
     allowed = allowed or f"it must be a number from {low:g} to {high:g}"
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refuse(name, value, allowed)
     if not (math.isfinite(number) and low <= number <= high):
         refuse(name, value, allowed)
@@ -52,8 +61,7 @@ def check_restitution(value: Any) -> float:
 
 def check_positive(name: str, value: Any) -> float:
     """A finite number above zero."""
-    smallest = math.nextafter(0.0, 1.0)
-    return real_number(name, value, smallest, math.inf, "it must be a finite number above 0")
+    return real_number(name, value, _SMALLEST, math.inf, "it must be a finite number above 0")
 
 
 def check_rtol(value: Any) -> float:
@@ -99,48 +107,57 @@ def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numb
 
 def restitutions(value: ArrayLike) -> Array:
     """Coefficients of restitution from 0 to 1, in an array of any shape."""
-    allowed = "it must be numbers from 0 to 1 (elastic)"
-    array = real_array("restitution", value, allowed)
-    if not np.all((array >= 0.0) & (array <= 1.0)):
-        refuse("restitution", value, allowed)
-    return array
+    return _array_within("restitution", value, 0.0, 1.0, "it must be numbers from 0 to 1 (elastic)")
 
 
 def not_negative(name: str, value: ArrayLike) -> Array:
     """Finite numbers, none below zero, in an array of any shape."""
-    allowed = "it must be finite numbers, not negative"
-    array = real_array(name, value, allowed)
-    if not np.all((array >= 0.0) & (array < np.inf)):
-        refuse(name, value, allowed)
-    return array
+    return _array_within(name, value, 0.0, _LARGEST, "it must be finite numbers, not negative")
 
 
 def positive(name: str, value: ArrayLike) -> Array:
     """Finite numbers above zero, in an array of any shape."""
-    allowed = "it must be finite numbers above 0"
+    return _array_within(name, value, _SMALLEST, _LARGEST, "it must be finite numbers above 0")
+
+
+def _array_within(name: str, value: ArrayLike, low: float, high: float, allowed: str) -> Array:
     array = real_array(name, value, allowed)
-    if not np.all((array > 0.0) & (array < np.inf)):
+    if not np.all((array >= low) & (array <= high)):
         refuse(name, value, allowed)
     return array
 
 
-# -- one-dimensional arrays -----------------------------------------------------------------------
+# -- arrays of a given shape ----------------------------------------------------------------------
+
+_LINE = "it must be a finite, 1-dimensional array of numbers"
 
 
-def finite_line(
-    name: str, values: ArrayLike, allowed: str = "it must be finite numbers, 1-dimensional"
+def finite_array(
+    name: str,
+    values: ArrayLike,
+    allowed: str = _LINE,
+    dimensions: tuple[int, ...] = (1,),
 ) -> Array:
-    """Finite real numbers as a new array of shape (n,); a single number gives n = 1."""
+    """A read-only copy of finite real numbers in an array of so many dimensions.
+
+    Complex and masked values are refused.
+    """
     try:
-        array = np.atleast_1d(np.asarray(values))
-        if array.dtype.kind == "c":
+        array = np.asarray(values)
+        if array.dtype.kind == "c" or np.ma.is_masked(values):
             raise TypeError
         array = array.astype(float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         refuse(name, values, allowed)
-    if array.ndim != 1 or not np.all(np.isfinite(array)):
+    if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
+    array.flags.writeable = False
     return array
+
+
+def finite_line(name: str, values: ArrayLike, allowed: str = _LINE) -> Array:
+    """Finite real numbers as a read-only copy of shape (n,); a single number gives n = 1."""
+    return np.atleast_1d(finite_array(name, values, allowed, (0, 1)))
 
 
 def not_negative_line(name: str, values: ArrayLike) -> Array:
@@ -166,27 +183,9 @@ def speeds(values: ArrayLike, *, zero_allowed: bool = True) -> Array:
 _NORM = 1e-6  # how far the integral of a given density may be from 1; it is rescaled to 1
 
 
-def finite_array(name: str, values: ArrayLike, shape: str, dimensions: int = 1) -> Array:
-    """A read-only copy of finite real numbers in an array of so many dimensions.
-
-    ``shape`` says in the message what is allowed. Complex and masked values are refused.
-    """
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c" or np.ma.is_masked(values):
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        refuse(name, values, "it must be an array of numbers")
-    if array.ndim != dimensions or not np.all(np.isfinite(array)):
-        refuse(name, values, f"it must be finite, {shape}")
-    array.flags.writeable = False
-    return array
-
-
 def rising_speeds(speed: ArrayLike) -> Array:
     """At least two speeds that rise, the first of them 0 or more, shape (n,)."""
-    v = finite_array("speed", speed, "1-dimensional")
+    v = finite_array("speed", speed)
     if v.size < 2 or np.any(np.diff(v) <= 0.0) or v[0] < 0.0:
         refuse("speed", speed, "it must rise, from 0 or more, 2 at least")
     return v

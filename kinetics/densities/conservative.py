@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw, impact_cells
-from kinetics.densities.harmonic import Frozen, Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure, interpolate
 from kinetics.states.state import State
-
-FloatArray = NDArray[np.float64]
+from kinetics.values import Value
 
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
@@ -47,7 +47,7 @@ _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about
 
 
 @dataclass(frozen=True)
-class NodeMasses(Frozen):
+class NodeMasses(Value):
     """Masses at nodes in ln v: the density of ln v is linear between them.
 
     Attributes

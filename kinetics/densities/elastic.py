@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.harmonic import Frozen, Profile
+from kinetics.densities.harmonic import Profile
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states.state import State
-
-FloatArray = NDArray[np.float64]
+from kinetics.values import Value
 
 
 @dataclass(frozen=True)
-class ElasticDensity(Frozen):
+class ElasticDensity(Value):
     """The density of the start times exp(-rate v t).
 
     Attributes

@@ -10,14 +10,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 from kinetics.numerics.recurrence import log_growth, taylor_of_log
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 # At this real part, with this many Taylor coefficients, the Euler-Maclaurin formula leaves
 # 2 * 8!/((2 pi)^10 24^9) = 3e-16 (see `log_growth`).

@@ -9,19 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.densities.harmonic import Frozen
+from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
-
-FloatArray = NDArray[np.float64]
+from kinetics.values import Value
 
 _MOST_TERMS = 2_000_000  # of a Fourier sum at once, nodes times points: 32 megabytes
 _STEEP = 1e4  # slope of ln f below a step of f, where f is zero
 _STEP = 1e3  # the density of ln v falls by more than this at a node: it has a step there
-_POLYNOMIAL = 2.0 ** np.arange(5)  # speeds from which f is continued to lower ones at e = 0
+_POLYNOMIAL = np.array(
+    [1.0, 2.0, 4.0, 8.0, 16.0]
+)  # speeds from which f is continued to lower ones at e = 0
 
 
 @dataclass(frozen=True)
-class GridDensity(Frozen):
+class GridDensity(Value):
     """g = v f, the density of ln v, at equidistant nodes of x = ln v + shift.
 
     Attributes
@@ -69,11 +71,8 @@ class GridDensity(Frozen):
     def _from_above(self, i: int, edge: float, u: FloatArray) -> NDArray[Any]:
         """g/v at exp(x - edge) = u < 1: the polynomial in v through five values at u >= 1."""
         at = edge + np.log(_POLYNOMIAL)
-        out = np.zeros(u.shape, dtype=self.values.dtype)
-        for k, value in enumerate(self._interpolate(i, at) * np.exp(self.shift[i] - at)):
-            others = np.delete(_POLYNOMIAL, k)
-            out += value * np.prod((u[:, None] - others) / (_POLYNOMIAL[k] - others), axis=1)
-        return out
+        rows = interpolation_rows(u[:, None] - _POLYNOMIAL, barycentric_weights(_POLYNOMIAL))
+        return np.asarray(rows @ (self._interpolate(i, at) * np.exp(self.shift[i] - at)))
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""

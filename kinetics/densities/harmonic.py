@@ -17,12 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.frozen import frozen
+from kinetics.numerics import FloatArray
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
-from kinetics.states.state import brief
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
@@ -37,20 +34,8 @@ class Density(Protocol):
         ...
 
 
-class Frozen(Value):
-    """A value whose arrays become read-only when it is made, and whose text is one line."""
-
-    def __init_subclass__(cls, **arguments: Any) -> None:
-        super().__init_subclass__(**arguments)
-        cls.__repr__ = brief  # type: ignore[method-assign]
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, frozen(value))
-
-
 @dataclass(frozen=True)
-class Profile(Frozen):
+class Profile(Value):
     """Harmonic m of the velocity distribution: exp(-i m phi) v f(v, phi) integrated over phi.
 
     Attributes
@@ -92,7 +77,7 @@ def count_before_scaling(law: CollisionLaw, tau: FloatArray, rtol: float) -> int
 
 
 @dataclass(frozen=True)
-class ThenScaling(Frozen):
+class ThenScaling(Value):
     """A density at the early times, and the scaling state at the later ones.
 
     Attributes

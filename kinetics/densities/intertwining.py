@@ -23,10 +23,8 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
+from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.log_grid import LogGrid
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _ROUNDING = 2e-16  # of doubles, relative
 # Times the rounding: what a turned axis leaves of it in f, relative to the maximum

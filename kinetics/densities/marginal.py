@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-
-FloatArray = NDArray[np.float64]
 
 # Gauss panels in ln of the other component, in units of a typical speed. Below e^-20 of it, where
 # the density is constant, the other component is taken in one piece; above e^4.5 = 90 of it nothing

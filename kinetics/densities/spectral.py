@@ -24,12 +24,11 @@ from kinetics.densities.harmonic import Profile, count_before_scaling, then_scal
 from kinetics.densities.intertwining import choose_turn, intertwine, resolved
 from kinetics.densities.stepping import stepped
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.tilted import band_of, window_of
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
-
-FloatArray = NDArray[np.float64]
 
 # Limits of the work: nodes at once and in steps, values at nodes and times (a quarter of a
 # gigabyte), and turns of the highest mode times nodes (half a minute of steps).

@@ -11,13 +11,11 @@ Mass is kept to rounding, because the symbol of m = 0 vanishes at k = 0.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.symbols import decay_symbol, harmonic_symbol
-
-FloatArray = NDArray[np.float64]
 
 _SHARE = 0.01  # of rtol that the error of one step may have, because the errors of steps add up
 _FINEST, _FINEST_ABSOLUTE = 3e-14, 1e-15  # what rounding allows the integrator to reach

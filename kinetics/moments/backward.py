@@ -29,9 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
-
-FloatArray = NDArray[np.float64]
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14

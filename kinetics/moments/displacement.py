@@ -31,8 +31,7 @@ from kinetics.moments.backward import (
     speed_power,
 )
 from kinetics.moments.velocity import Averages
-
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
 
 _FREE = math.log(1e-50)  # of v_rms t/l: below, nobody collides, and its fourth power is in range
 _EARLY = 1.0  # T below which elastic moments are summed as power series, of 40 terms

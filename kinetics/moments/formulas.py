@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.moments.backward import MEAN_COLLISIONS
 from kinetics.moments.velocity import Averages
-
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
 
 
 def _reference(averages: Averages) -> FloatArray:

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import (
@@ -28,8 +27,7 @@ from kinetics.moments.backward import (
     scale_of,
     smaller_ends,
 )
-
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
 
 FEWEST, MOST = 5, 48  # fewer have no decay to look at; more only add rounding
 _LONGEST = 3.5  # of the panels in X: they end at T = e^2 or less, as far as the series reaches

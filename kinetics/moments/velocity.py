@@ -25,11 +25,10 @@ from kinetics.moments.backward import (
     speed_power,
 )
 from kinetics.moments.resolution import Decay, decay_of
+from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-
-FloatArray = NDArray[np.float64]
 
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
 # ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).

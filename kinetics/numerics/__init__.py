@@ -7,3 +7,9 @@
 
 Imports nothing of this project. Begin with `chebyshev.py`.
 """
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]

@@ -13,7 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
+
+
+def barycentric_weights(nodes: FloatArray) -> FloatArray:
+    """Barycentric weights of a few nodes, wherever they are, shape (n_nodes,)."""
+    difference = nodes[:, None] - nodes
+    np.fill_diagonal(difference, 1.0)
+    return np.asarray(1.0 / difference.prod(axis=1))
 
 
 def interpolation_rows(difference: FloatArray, weights: FloatArray) -> FloatArray:

@@ -6,9 +6,8 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
 
 
 @lru_cache(maxsize=64)

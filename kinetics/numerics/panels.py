@@ -12,9 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
-
-FloatArray = NDArray[np.float64]
 
 _TINY = 1e-290  # stands for a distance of 0: its reciprocal is finite, and outweighs all others
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.position.wave_panel import make_read_only
 from kinetics.states.state import State
-
-FloatArray = NDArray[np.float64]
+from kinetics.values import Value
 
 _NODES = 16  # of a polynomial for a piece of the initial density
 _LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum; and
@@ -23,8 +21,8 @@ _MOST_PIECES = 4000  # where a density is rough everywhere: half a million numbe
 _NONE_LEFT = 40.0  # flights of so many l without a collision: e^-40 of the tracers
 
 
-@dataclass(frozen=True, eq=False)
-class UncollidedDensity:
+@dataclass(frozen=True)
+class UncollidedDensity(Value):
     """f(r/t) exp(-r/l)/t, f the density of the initial speeds; 0 for a start of sharp speeds.
 
     Attributes
@@ -39,9 +37,6 @@ class UncollidedDensity:
     times: FloatArray
     edges: FloatArray
     values: FloatArray
-
-    def __post_init__(self) -> None:
-        make_read_only(self.times, self.edges, self.values)
 
     @property
     def is_zero(self) -> bool:

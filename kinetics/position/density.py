@@ -13,20 +13,20 @@ k, until a power of 1/k is left (:mod:`kinetics.position.tail`).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.tail import PowerTail
-from kinetics.position.wave_panel import WavePanel, make_read_only
+from kinetics.position.wave_panel import WavePanel
+from kinetics.values import Value
 
-FloatArray = NDArray[np.float64]
 
-
-@dataclass(frozen=True, eq=False)
-class Displacement:
+@dataclass(frozen=True)
+class Displacement(Value):
     """g(r, t) at the times of a scene. Numbers and arrays only; the methods compute from them.
 
     Attributes
@@ -56,11 +56,7 @@ class Displacement:
     front_weight: FloatArray
     reach: FloatArray
     error_estimate: float
-    systems: dict[int, int]
-
-    def __post_init__(self) -> None:
-        make_read_only(self.times, self.root_mean_square, self.cut, self.reach)
-        make_read_only(self.front_radius, self.front_weight)
+    systems: Mapping[int, int]
 
     @property
     def wave_numbers(self) -> int:

@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
-
-FloatArray = NDArray[np.float64]
 
 # Gauss points of a panel of initial speeds, no wider than a panel of the waves: measured again by
 # tests/kinetics/measurements/position.py.

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
@@ -19,8 +19,6 @@ from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_between
 from kinetics.states.state import State
-
-FloatArray = NDArray[np.float64]
 
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
 # to this K and K T for densities.

@@ -11,17 +11,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinetics.position.wave_panel import make_read_only
-
-FloatArray = NDArray[np.float64]
+from kinetics.numerics import FloatArray
+from kinetics.values import Value
 
 TERMS = 8  # of the sum: with more, errors of F are raised instead of fitted
 
 
-@dataclass(frozen=True, eq=False)
-class PowerTail:
+@dataclass(frozen=True)
+class PowerTail(Value):
     """sum_j c_j (q^2 + 1)^(-nu - 1), nu = (1 + j)/2, q = K/scale, K = k l.
 
         integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
@@ -36,9 +34,6 @@ class PowerTail:
 
     coefficients: FloatArray
     scale: float
-
-    def __post_init__(self) -> None:
-        make_read_only(self.coefficients)
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""

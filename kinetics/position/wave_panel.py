@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import gauss_legendre
+from kinetics.values import Value
 
-FloatArray = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-@dataclass(frozen=True, eq=False)
-class WavePanel:
+@dataclass(frozen=True)
+class WavePanel(Value):
     """F of the collided on an interval of K = k l, at Chebyshev points of the first kind.
 
     Attributes
@@ -31,9 +31,6 @@ class WavePanel:
     high: float
     which: Indices
     values: FloatArray
-
-    def __post_init__(self) -> None:
-        make_read_only(self.which, self.values)
 
     @property
     def nodes(self) -> FloatArray:
@@ -54,12 +51,6 @@ class WavePanel:
     def at_zero(self, f: FloatArray) -> float:
         """The polynomial f at K = 0, for a panel that begins there."""
         return float((FirstKind(f.size).rows(np.zeros(1)) @ f)[0])
-
-
-def make_read_only(*arrays: NDArray[Any]) -> None:
-    """For the fields of results: nobody can change them by mistake."""
-    for array in arrays:
-        array.flags.writeable = False
 
 
 def points_between(low: float, high: float, nodes: int) -> FloatArray:

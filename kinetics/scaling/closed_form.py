@@ -17,14 +17,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError, check_restitution, short
 from kinetics.scaling import mellin
+from kinetics.validation import check_restitution, exponent, not_negative, refuse
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
@@ -118,7 +116,7 @@ class ScalingSolution(Value):
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
         log_moment = self._log_a(p) - 0.5 * p * mellin.log_second_moment(self.law)
         if log_moment > _LARGEST_LOG:
-            raise InputError(f"p: got {p!r}; <c^p> overflows double precision there")
+            refuse("p", p, "<c^p> overflows double precision there")
         return math.exp(log_moment)
 
     def scaled_speed_moment(self, p: float) -> float:
@@ -128,7 +126,7 @@ class ScalingSolution(Value):
         """
         p = self._check_exponent(p)
         if self.restitution == 1.0:
-            raise InputError("restitution: got 1.0; v t has no limit law in the elastic gas")
+            refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
         return math.exp(self._log_a(p) - p * math.log(self.law.mean_log_loss))
 
     def vdf(self, c: ArrayLike) -> Any:
@@ -143,9 +141,7 @@ class ScalingSolution(Value):
         ------
         InputError : c negative or not finite; e = 1, where F is the ring delta(c - 1)/(2 pi)
         """
-        c_ = np.asarray(c, dtype=float)
-        if not np.all(np.isfinite(c_)) or np.any(c_ < 0.0):
-            raise InputError(f"c: got {short(c)}; a scaled speed must be finite and not negative")
+        c_ = not_negative("c", c)
         self._check_inelastic()
         if self.restitution == 0.0:
             with np.errstate(divide="ignore"):
@@ -166,15 +162,10 @@ class ScalingSolution(Value):
 
     def _check_inelastic(self) -> None:
         if self.restitution == 1.0:
-            raise InputError("restitution: got 1.0; the scaled VDF exists for 0 <= e < 1 only")
+            refuse("restitution", 1.0, "the scaled VDF exists for 0 <= e < 1 only")
 
     def _check_exponent(self, p: float) -> float:
-        try:
-            number = float(p)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not abs(number) <= _EXPONENT_LIMIT:
-            raise InputError(f"p: got {p!r}; it must be a real number of size up to 300")
+        number = exponent("p", p, _EXPONENT_LIMIT)
         if self.restitution == 0.0 and number <= -1.0:
-            raise InputError(f"p: got {p!r}; at restitution 0 moments exist for p > -1 only")
+            refuse("p", p, "at restitution 0 moments exist for p > -1 only")
         return number

@@ -10,13 +10,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.scaling.low_speeds import LowSpeeds
 from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
-
-FloatArray = NDArray[np.float64]
 
 # The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
 # lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at

@@ -16,12 +16,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
-
-FloatArray = NDArray[np.float64]
 
 _MORE_NODES = 3  # than digits: measured again by tests/kinetics/measurements/scaling.py
 _SWEEPS = 20  # of Newton's method, whose error is squared by each: never reached

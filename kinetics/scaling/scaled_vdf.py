@@ -15,11 +15,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
+from kinetics.numerics.chebyshev import FirstKind
 from kinetics.scaling.log_density import SpeedAxis
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
-from kinetics.validation import check_restitution, check_rtol, exponent, refuse, whole_number
+from kinetics.validation import (
+    check_restitution,
+    check_rtol,
+    exponent,
+    not_negative,
+    refuse,
+    whole_number,
+)
 from kinetics.values import Value
 
 _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
@@ -86,9 +93,7 @@ class ScaledVDF(Value):
         F < 1e-80 and e is close to 1 it may be three times what was asked.) At e = 0, F is
         infinite at c = 0.
         """
-        c_ = np.asarray(c, dtype=float)
-        if not np.all(np.isfinite(c_)) or np.any(c_ < 0.0):
-            refuse("c", c, "a scaled speed must be finite and not negative")
+        c_ = not_negative("c", c)
         flat = c_.ravel()
         out = np.full(flat.shape, math.inf if self.restitution == 0.0 else 0.0)
         inside = flat > 0.0
@@ -114,21 +119,18 @@ class ScaledVDF(Value):
         starts beyond the smallest numbers.
         """
         if self.restitution > 0.95:
-            raise InputError(
-                f"restitution: got {self.restitution!r}; the solver finds the tail amplitude up "
-                "to 0.95, ScalingSolution has it everywhere"
-            )
+            allowed = "the solver finds the amplitude up to 0.95, ScalingSolution everywhere"
+            refuse("restitution", self.restitution, allowed)
         b = 1.0 / ((1.0 - self.restitution) * (1.0 + self.restitution))
-        # the rest is a series in 1/Y, Y = v t/l: a polynomial through Chebyshev points in 1/Y
+        # the rest is a series in 1/Y, Y = v t/l: a polynomial through Chebyshev points in 1/Y,
+        # from 1/highest to 5/highest, continued to 0
         highest = 100.0 + 40.0 * b * b
-        k = np.arange(_TAIL_POINTS)
-        inverse = (0.6 - 0.4 * np.cos((k + 0.5) * math.pi / _TAIL_POINTS)) / (0.2 * highest)
-        y = 1.0 / inverse
+        rule = FirstKind(_TAIL_POINTS)
+        y = highest / (1.0 + 4.0 * rule.local)
         x = np.log(y) + math.log(self.law.mean_log_loss)
         self._axis.cover_above(float(x.max()), floor=_LOWEST_TAIL)
         rest = self._axis.log_density(x) - self._log_norm - b * np.log(y) + y
-        at_zero = np.array([np.prod(inverse[k != j] / (inverse[k != j] - inverse[j])) for j in k])
-        log_y = float(at_zero @ rest)
+        log_y = float((rule.rows(np.array([-0.25])) @ rest)[0])
         stretch = 0.5 * self._log_second - math.log(self.law.mean_log_loss)  # ln sqrt(E[Y^2])
         return log_y + b * stretch - math.log(2.0 * math.pi)
 
@@ -149,13 +151,16 @@ class ScaledVDF(Value):
     @property
     def status(self) -> SolverStatus:
         """Whether :attr:`error_estimate` meets rtol."""
-        return status_of({"F(c)": self.error_estimate}, {"F(c)": self.rtol})
+        return status_of(*self._errors)
 
     @property
     def message(self) -> str:
         """The status in words: by how much the tolerance is missed, and what to change."""
-        errors, allowed = {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
-        return explain(errors, allowed, self.requested_nodes)
+        return explain(*self._errors, self.requested_nodes)
+
+    @property
+    def _errors(self) -> tuple[dict[str, float], dict[str, float]]:
+        return {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
 
     def __repr__(self) -> str:
         nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
@@ -248,10 +253,8 @@ def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = No
     """
     e = check_restitution(restitution)
     if e == 1.0:
-        raise InputError(
-            f"restitution: got {restitution!r}; elastic tracers approach no scaling state, "
-            "it must be below 1"
-        )
+        allowed = "elastic tracers approach no scaling state, it must be below 1"
+        refuse("restitution", restitution, allowed)
     if nodes is not None:
         nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
     solution = ScaledVDF(e, check_rtol(rtol), nodes)

@@ -23,14 +23,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.symbols import decay_symbol_on_line, drift_log, flux_symbol, peak_position
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 MAX_NODES = 4096  # a matrix of 130 MB
 SMALLEST_NODES = 8

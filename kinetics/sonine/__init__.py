@@ -1,10 +1,10 @@
 """The paper's approximations as numbers: Sonine, Chapman-Enskog, random walk and G(R).
 
-Kim and Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Every printed formula is
-transcribed under a name whose docstring gives its LaTeX label; nothing is corrected silently
-(``as_printed`` and the names with ``corrected`` say where there is a choice), and nothing here
-feeds the solvers: these are the curves that the reports hold against the kinetic equation. Beside
-them stand the same approximations carried to any Sonine order, and fits of the printed G(R).
+Kim and Hayakawa, "Statistical Properties of Inelastic Lorentz Gas". Each printed formula is a
+function whose docstring gives its LaTeX label. Where a formula has an error, ``as_printed=False``
+or a function with ``corrected`` in its name gives the right one. The solvers use nothing of this:
+reports compare these curves with the kinetic equation. There are also the same approximations at
+any Sonine order, and fits of the printed G(R).
 
 Lengths are in scatterer diameters d, speeds in U, times in d/U, number densities in d^-2. Arguments
 of the printed formulas broadcast as numpy arrays; bad ones raise InputError, a ValueError.

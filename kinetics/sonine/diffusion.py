@@ -11,13 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.sonine.first_order import THERMAL_SPEED_START, a2
+from kinetics.sonine.first_order import THERMAL_SPEED_START, a2, collisions_per_length
 from kinetics.sonine.random_walk import FITTED_FREE_PATH, alpha
 from kinetics.validation import Array, not_negative, positive, real_array, refuse, restitutions
-
-
-def _rho(number_density: float, diameter: float) -> Array:
-    return positive("diameter", diameter) * positive("number_density", number_density)
 
 
 def diffusion_from_rates(
@@ -44,7 +40,7 @@ def diffusion_rate(
     diameter: float = 1.0,
 ) -> Array:
     """nu_D of the first Sonine approximation (eq. ad6), with 2 T/m = v0^2, in U/d."""
-    factor = _rho(number_density, diameter) * (1 + restitutions(restitution)) / 2
+    factor = collisions_per_length(number_density, diameter) * (1 + restitutions(restitution)) / 2
     speed = math.sqrt(math.pi) * not_negative("thermal_speed", thermal_speed)
     return factor * speed * (2 + 3 / 4 * real_array("a2", a2))
 
@@ -60,7 +56,7 @@ def diffusion_coefficient(
     e = restitutions(restitution)
     speed = not_negative("thermal_speed", thermal_speed) / math.sqrt(math.pi)
     correction = 1 + 3 / 8 * real_array("a2", a2)
-    return speed / _rho(number_density, diameter) / ((e + 1) ** 2 * correction)
+    return speed / collisions_per_length(number_density, diameter) / ((e + 1) ** 2 * correction)
 
 
 def msd_of_diffusion(
@@ -68,8 +64,8 @@ def msd_of_diffusion(
 ) -> Array:
     """<r^2> = 4 times the integral of D_e from 0 to t (eq. ad8, the first of that label), in d^2.
 
-    ``coefficient(t)`` gives D_e in d U at a time in d/U. The printed integrand is D_e(t), where the
-    variable is t': taken at its word that is 4 t D_e(t). ``as_printed=False`` integrates D_e(t').
+    ``coefficient(t)`` gives D_e in d U at a time in d/U. The printed integrand is D_e(t), not
+    D_e(t'), which makes <r^2> = 4 t D_e(t). ``as_printed=False`` integrates D_e(t').
     """
     from scipy.integrate import quad
 
@@ -111,7 +107,7 @@ def msd_sonine(
     """
     e = restitutions(restitution)
     correction = 1 + 3 / 8 * a2(e)
-    rho = _rho(number_density, diameter)
+    rho = collisions_per_length(number_density, diameter)
     slow = math.sqrt(math.pi / 2) * rho * not_negative("time", time)
     argument = slow * (1 - e**2) * correction
     # ln(1 + x)/x, so that the elastic limit, linear in time, is there too.

@@ -22,6 +22,11 @@ FITTED_COOLING_FACTOR = 1.45
 """h(e) = 1.45 (1 - e), fitted by the paper to its particle data (eq. hsimu)."""
 
 
+def collisions_per_length(number_density: ArrayLike, diameter: ArrayLike) -> Array:
+    """d rho0, half the reciprocal of the mean free path, in 1/d."""
+    return positive("diameter", diameter) * positive("number_density", number_density)
+
+
 def a2(restitution: ArrayLike, root: str = "stable") -> Array:
     """Second Sonine coefficient (eq. sonine11); the minus sign is the stable root (eq. sonine12).
 
@@ -69,7 +74,7 @@ def stability(
 ) -> Array:
     """H(e) = 3 a2 - (15 e^2/4 + 1/8) (eq. ac7): negative where that root of a2 is stable.
 
-    ``coefficient`` puts another a2 in the place of the printed root.
+    ``coefficient`` is another a2, used instead of the printed root.
     """
     e = restitutions(restitution)
     printed = a2(e, root) if coefficient is None else real_array("coefficient", coefficient)
@@ -94,6 +99,6 @@ def thermal_speed(
     start: float = THERMAL_SPEED_START,
 ) -> Array:
     """v0(t) = 1/(1/v0(0) + d rho0 h t) (eq. veq), in U."""
-    rate = positive("diameter", diameter) * positive("number_density", number_density)
+    rate = collisions_per_length(number_density, diameter)
     slowing = rate * real_array("cooling_rate", cooling_rate) * not_negative("time", time)
     return 1 / (1 / positive("start", start) + slowing)

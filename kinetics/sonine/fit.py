@@ -78,7 +78,7 @@ def fit_position(
         """ln(form/G) at its best gamma, and ln gamma."""
         with np.errstate(divide="ignore"):
             raw = np.log(shape(x, math.exp(log_eta))) - np.log(g)
-        if not np.all(np.isfinite(raw)):  # the form underflows: as bad as can be
+        if not np.all(np.isfinite(raw)):  # the form underflows: a bad fit
             return np.full(x.shape, 1e3), 0.0
         shift = float(np.mean(raw)) if scalable else 0.0
         return raw - shift, -shift

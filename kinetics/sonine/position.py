@@ -1,8 +1,8 @@
 """The scaled position distribution G(R) of Section 3.3, as printed and as corrected.
 
-R = r/sqrt(<r^2>) is dimensionless and G a radial density: the integral of G over R >= 0 would be 1
-and that of R^2 G too. eta and gamma are the paper's fit parameters. Far out every form is 0 in
-double precision, without overflow on the way.
+R = r/sqrt(<r^2>) is dimensionless and G a radial density: the integrals of the exact G and R^2 G
+over R >= 0 are both 1. eta and gamma are the paper's fit parameters. At large R every form is 0 in
+double precision, and none overflows.
 """
 
 from __future__ import annotations
@@ -116,10 +116,10 @@ def position_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA, gamma: ArrayLike = TA
 
 
 def position_steepest_descent(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
-    """G(R) by steepest descent, corrected: the Gaussian integral is twice what tailg prints.
+    """G(R) by steepest descent with the Gaussian integral corrected: twice what eq. tailg prints.
 
-    That is eq. gammatailg with gamma = 2, for every eta; it tends to :func:`position_integral` far
-    out, and <R^2> = 1 wants eta = 1/2 there.
+    That is eq. gammatailg with gamma = 2, for every eta. At large R it tends to
+    :func:`position_integral`, in which <R^2> = 1 for eta = 1/2.
     """
     return position_tail(r, eta, 2.0)
 
@@ -134,5 +134,5 @@ def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> Array:
 
 
 def position_far_tail_corrected(r: ArrayLike, eta: ArrayLike = 0.5) -> Array:
-    """The same with its Gaussian integral put right: twice eq. semig, the limit of K0."""
+    """G(R) in the limit of large R with the Gaussian integral corrected: twice eq. semig."""
     return 2 * position_far_tail(r, eta)

@@ -10,7 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.sonine.first_order import THERMAL_SPEED_START, cooling_rate_fitted
+from kinetics.sonine.first_order import (
+    THERMAL_SPEED_START,
+    collisions_per_length,
+    cooling_rate_fitted,
+)
 from kinetics.validation import Array, not_negative, positive
 
 FITTED_FREE_PATH = 13.5
@@ -29,7 +33,7 @@ def beta(
     cooling_rate: ArrayLike | None = None,
 ) -> Array:
     """The rate beta = d rho0 h(e) (eq. ab), in 1/d; h(e) by eq. hsimu unless it is given."""
-    rho = positive("diameter", diameter) * positive("number_density", number_density)
+    rho = collisions_per_length(number_density, diameter)
     fitted = cooling_rate_fitted(restitution)
     return rho * (fitted if cooling_rate is None else not_negative("cooling_rate", cooling_rate))
 

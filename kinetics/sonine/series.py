@@ -1,30 +1,32 @@
 r"""The Sonine expansion of the scaled state to any order.
 
-F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n, S_k the Laguerre
-polynomials (paper, label ``sonine1``; its own approximation is order 1: a_2 alone). Projected on
-S_1 ... S_(n+1) the scaled equation (label ``ifmu2``) is linear but for the cooling rate:
+F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n. S_k are the Laguerre
+polynomials (paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The
+scaled equation (label ``ifmu2``), projected on S_1 ... S_(n+1), is linear except for the cooling
+rate:
 
     h (j a_j - j a_(j-1)) = sum_k (I - T)_ji H_ik a_k,        a_0 = 1, a_1 = 0,
     T_ji = E[C(j, i) s^(2i) (1 - s^2)^(j-i)],  H_ik = integral of x^(1/2) e^-x S_i S_k dx,
 
-a generalised eigenvalue problem for h. T is a matrix of probabilities (S_j(s^2 x) in terms of
-S_i(x)), and H a sum with one term of the other sign: both are accurate to rounding at every order.
+a generalised eigenvalue problem for h. T is a matrix of probabilities, S_j(s^2 x) in terms of
+S_i(x), and each element of H is a sum whose terms but one have the same sign: both are accurate to
+rounding at every order.
 
-What the series does (h and a_2 of order 1 ... 60 against the exact ones; the roots checked in 40 to
-50 digits, where they are the same: this is divergence, not loss of digits):
+What the series does. (h and a_2 of order 1 ... 60 were compared with the exact ones. The roots are
+the same in 40 to 50 digits: the series diverges, it does not lose digits.)
 
 - The expansion itself diverges for every e < 1. F falls as exp(-2c/h), so that F^2 exp(c^2) has no
-  integral, and the exact a_k (:func:`exact_coefficients`) end up growing, neighbours by the factor
-  k h^2, as the moments of that tail do. It is an asymptotic series; its smallest coefficients stand
-  at k = 2 for e <= 0.6, 10 for e = 0.7, 29 for e = 0.8, beyond 40 for e >= 0.85.
-- The Galerkin truncations do not approach F either. For e < 0.75 they pass it by: h_n falls towards
-  0 and a_2 towards -1 (e = 0.4: h = 0.742, 0.520, 0.394, 0.289 at order 2, 10, 20, 40; exact
-  0.847). Even orders have a real root at every e; odd orders lose it below e = 0.582 (order 1, eq.
-  compare1), 0.63 (3), 0.66 (5), 0.70 (9), 0.76 (19), 0.79 (29).
-- For e >= 0.8 they oscillate about the exact values and come near before they leave. e = 0.8: h is
-  within 2.2 % at orders 6 ... 20, 0.13 % off at 30, 6 % at 40. e = 0.9: 7 % at 10, 1.4 % at 20,
-  1e-4 at 40, 4e-4 at 100. As e -> 1 (a ring) the oscillation dies out ever more slowly: 13 % at
-  10, 6 % at 40 for e = 0.99, where several real roots compete.
+  integral, and the exact a_k (:func:`exact_coefficients`) grow in the end, each by the factor
+  k h^2. It is an asymptotic series. Its smallest coefficient is at k = 2 for e <= 0.6, 10 for
+  e = 0.7, 29 for e = 0.8, beyond 40 for e >= 0.85.
+- The truncated equations do not approach F either. For e < 0.75 h_n falls towards 0 and a_2 towards
+  -1 (e = 0.4: h = 0.742, 0.520, 0.394, 0.289 at order 2, 10, 20, 40; exact 0.847). Even orders have
+  a real root at every e; odd orders have none below e = 0.582 (order 1, eq. compare1), 0.63 (3),
+  0.66 (5), 0.70 (9), 0.76 (19), 0.79 (29).
+- For e >= 0.8 they oscillate about the exact values and come close before they diverge. e = 0.8: h
+  is within 2.2 % at orders 6 ... 20, 0.13 % off at 30, 6 % at 40. e = 0.9: 7 % at 10, 1.4 % at 20,
+  1e-4 at 40, 4e-4 at 100. As e -> 1 the oscillation decays ever more slowly: 13 % at 10, 6 % at 40
+  for e = 0.99, where there are several real roots.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_positive,
     check_restitution,
@@ -48,8 +50,6 @@ from kinetics.validation import (
     refuse,
     whole_number,
 )
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST_ORDER = 100
 """Orders beyond this are refused."""
@@ -151,6 +151,13 @@ class SonineState:
             return np.asarray(np.exp(-x) / math.pi * series)
 
 
+def _inelastic(restitution: float) -> float:
+    e = check_restitution(restitution)
+    if e == 1.0:
+        refuse("restitution", e, "the scaled state exists for 0 <= e < 1 only")
+    return e
+
+
 def scaled_state(restitution: float, order: int) -> SonineState:
     """The scaled state for 0 <= e < 1 with a_2 ... a_(order+1), order from 1 to 100.
 
@@ -160,9 +167,7 @@ def scaled_state(restitution: float, order: int) -> SonineState:
     """
     from scipy.linalg import eig
 
-    e, n = check_restitution(restitution), whole_number("order", order, 1, HIGHEST_ORDER)
-    if e == 1.0:
-        raise InputError("restitution: got 1.0; the scaled state exists for 0 <= e < 1 only")
+    e, n = _inelastic(restitution), whole_number("order", order, 1, HIGHEST_ORDER)
     collide, scale = _matrices(e, n + 2)
     kept = [0, *range(2, n + 2)]
     left, right = collide[1:, kept], scale[1:, kept]
@@ -197,9 +202,7 @@ def exact_coefficients(restitution: float, count: int) -> FloatArray:
     a Sonine expansion would have to find. The sum cancels; its error is some 1e-15 of its largest
     term. InputError for bad arguments.
     """
-    e, n = check_restitution(restitution), whole_number("count", count, 1, 60)
-    if e == 1.0:
-        raise InputError("restitution: got 1.0; the scaled state exists for 0 <= e < 1 only")
+    e, n = _inelastic(restitution), whole_number("count", count, 1, 60)
     law = CollisionLaw(e)
     # E[Y^(p+1)] = p E[Y^p]/lambda(p), two steps at a time, in units of E[Y^2]
     rates = law.decay_rate(np.arange(1.0, 2.0 * n + 1.0))

@@ -11,15 +11,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.isotropic import SpeedDensity, as_state
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
-from kinetics.validation import density_not_negative, finite_array, normalised, rising_speeds
+from kinetics.validation import (
+    density_not_negative,
+    finite_array,
+    normalised,
+    real_number,
+    refuse,
+    rising_speeds,
+    short,
+)
 
-FloatArray = NDArray[np.float64]
-
+_PAIRS = "it must be of shape (n, 2), a finite array of numbers"
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
 
@@ -40,7 +48,7 @@ class VelocitySamples(State):
     highest_harmonic = None
 
     def __post_init__(self) -> None:
-        v = finite_array("velocity", self.velocity, "of shape (n, 2)", dimensions=2)
+        v = finite_array("velocity", self.velocity, _PAIRS, (2,))
         if v.shape[0] == 0 or v.shape[1] != 2:
             raise InputError(f"velocity: got shape {v.shape}; it must be of shape (n, 2), n >= 1")
         if np.any(np.hypot(v[:, 0], v[:, 1]) == 0.0):
@@ -80,10 +88,9 @@ class Beam(State):
     def __post_init__(self) -> None:
         speeds = as_state(self.speeds, "speeds")
         if speeds.highest_harmonic != 0:
-            raise InputError(f"speeds: got {short(self.speeds)}; it must be an isotropic state")
-        if not isinstance(self.direction, int | float) or not math.isfinite(self.direction):
-            raise InputError(f"direction: got {short(self.direction)}; it must be a finite angle")
-        self.store(speeds=speeds, direction=float(self.direction))
+            refuse("speeds", self.speeds, "it must be an isotropic state")
+        direction = real_number("direction", self.direction, allowed="it must be a finite angle")
+        self.store(speeds=speeds, direction=direction)
 
     @property
     def smooth(self) -> bool:  # type: ignore[override]
@@ -143,9 +150,7 @@ class AngularHarmonics(State):
 
     def __post_init__(self) -> None:
         if not isinstance(self.terms, Mapping) or not all(map(callable, self.terms.values())):
-            raise InputError(
-                f"terms: got {short(self.terms)}; it must map orders to functions of v"
-            )
+            refuse("terms", self.terms, "it must map orders to functions of v")
         orders = list(self.terms)
         whole = all(isinstance(m, int | np.integer) and not isinstance(m, bool) for m in orders)
         if not whole or 0 not in orders or min(orders) < 0:
@@ -197,7 +202,12 @@ class PolarGrid(State):
 
     def __post_init__(self) -> None:
         v = rising_speeds(self.speed)
-        f = finite_array("values", self.values, f"of shape ({v.size}, n_phi)", dimensions=2)
+        f = finite_array(
+            "values",
+            self.values,
+            f"it must be of shape ({v.size}, n_phi), a finite array of numbers",
+            (2,),
+        )
         if f.shape[0] != v.size or f.shape[1] < 1:
             raise InputError(f"values: got shape {f.shape}; it must be ({v.size}, n_phi)")
         density_not_negative(f, "values")

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
@@ -22,10 +23,10 @@ from kinetics.validation import (
     density_not_negative,
     finite_array,
     normalised,
+    refuse,
     rising_speeds,
+    short,
 )
-
-FloatArray = NDArray[np.float64]
 
 # square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it
 # leave 1/q^3 = 1e-27
@@ -164,7 +165,7 @@ class SpeedTable(State):
 
     def __post_init__(self) -> None:
         v = rising_speeds(self.speed)
-        f = finite_array("density", self.density, "1-dimensional")
+        f = finite_array("density", self.density)
         if v.size != f.size:
             raise InputError(f"density: got {f.size} values for {v.size} speeds")
         density_not_negative(f)
@@ -219,9 +220,9 @@ class SpeedSamples(State):
     speed: ArrayLike
 
     def __post_init__(self) -> None:
-        v = finite_array("speed", self.speed, "1-dimensional")
+        v = finite_array("speed", self.speed)
         if v.size == 0 or np.any(v <= 0.0):
-            raise InputError(f"speed: got {short(self.speed)}; samples must be above 0, at least 1")
+            refuse("speed", self.speed, "samples must be above 0, at least 1")
         self.store(speed=v)
 
     def harmonic(

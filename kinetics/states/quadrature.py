@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
 from kinetics.values import Value
-
-FloatArray = NDArray[np.float64]
 
 # Samples: as many as this are kept as they are, because the grid of more has about so many points.
 _MOST_POINTS = 400

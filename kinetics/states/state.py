@@ -31,18 +31,16 @@ The shortest example is :class:`kinetics.states.isotropic.Monoenergetic`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.frozen import frozen
+from kinetics.numerics import FloatArray
 from kinetics.states.quadrature import LogMeasure
 from kinetics.values import Value
 
-FloatArray = NDArray[np.float64]
 SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
 
 
@@ -60,18 +58,6 @@ class State(Value):
     highest_harmonic: int | None = 0
     smooth: bool = False
     lowest_moment: float = -math.inf
-
-    def __init_subclass__(cls, **arguments: Any) -> None:
-        super().__init_subclass__(**arguments)
-        cls.__repr__ = State.__repr__  # type: ignore[method-assign]
-
-    def __repr__(self) -> str:
-        return brief(self)
-
-    def store(self, **values: Any) -> None:
-        """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
-        for name, value in values.items():
-            object.__setattr__(self, name, frozen(value))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray] | None:
@@ -95,20 +81,3 @@ class State(Value):
     def profile(self, m: int) -> SpeedFunction | None:
         """f_m in 1/U as a function of v/U; None where it is no function (delta peaks, samples)."""
         return None
-
-
-def brief(value: Any) -> str:
-    """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
-    shown = (f"{f.name}={_summary(getattr(value, f.name))}" for f in fields(value))
-    return f"{type(value).__name__}({', '.join(shown)})"
-
-
-def _summary(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        ends = f", {value.min():.6g} to {value.max():.6g}" if value.size else ""
-        return f"<{' x '.join(map(str, value.shape))} numbers{ends}>"
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key!r}: {_summary(item)}" for key, item in value.items()) + "}"
-    if callable(value):
-        return str(getattr(value, "__qualname__", type(value).__name__))
-    return repr(value)

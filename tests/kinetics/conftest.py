@@ -1,6 +1,8 @@
 """What the tests of the solver share: the reference values, and the formulas behind them."""
 
+import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +14,7 @@ import pytest
 from kinetics.crosscheck.references import load
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))  # for example_values.py, which several test files import
+sys.path.insert(0, str(HERE))  # for example_values.py and others that several tests import
 
 
 @pytest.fixture(scope="session")
@@ -25,3 +27,20 @@ def formulas() -> SimpleNamespace:
 def numbers() -> Any:
     """The tables of `kinetics.crosscheck.references`."""
     return load()
+
+
+@pytest.fixture
+def no_hang() -> Iterator[None]:
+    """A test that is stuck fails, and does not stop the suite; five minutes for a few cases."""
+
+    def stop(*_: Any) -> None:
+        raise TimeoutError("the run did not end")
+
+    if not hasattr(signal, "SIGALRM"):
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(300)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)

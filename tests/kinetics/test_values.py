@@ -5,6 +5,7 @@ import dataclasses
 import importlib.metadata
 import multiprocessing
 import pickle
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from kinetics import (
     solve_scaled,
 )
 from kinetics.frozen import FrozenDict, contents, read_only
+from kinetics.numerics.log_grid import LogGrid
+from kinetics.plan import PlanStep
+from kinetics.storage import HOMES
 from kinetics.values import Value
 
 
@@ -44,6 +48,35 @@ def test_arrays_stay_read_only_after_pickling(name: str) -> None:
             if isinstance(array, np.ndarray):
                 with pytest.raises(ValueError, match="read-only"):
                     array[...] = 0.0
+
+
+def arrays_in(thing: Any) -> list[np.ndarray]:
+    """All arrays in the fields of a value, and in those of its parts."""
+    if isinstance(thing, np.ndarray):
+        return [thing]
+    if isinstance(thing, tuple | list):
+        return [array for item in thing for array in arrays_in(item)]
+    if isinstance(thing, Mapping):
+        return [array for item in thing.values() for array in arrays_in(item)]
+    if isinstance(thing, Value):
+        fields = dataclasses.fields(thing)  # type: ignore[arg-type]
+        return [array for f in fields for array in arrays_in(getattr(thing, f.name))]
+    assert type(thing) in (LogGrid, PlanStep) or not dataclasses.is_dataclass(thing)
+    return []
+
+
+def test_the_parts_of_a_solution_are_values_too() -> None:
+    """Those of the position and of the densities: read-only also after pickling, and in files."""
+    for solution in (with_densities(), solved("gaussian", outputs=("position_density",))):
+        for thing in (solution, pickle.loads(pickle.dumps(solution))):
+            found = arrays_in(thing)
+            assert len(found) > 10
+            assert not any(array.flags.writeable for array in found)
+        displacement = solution._displacement
+        assert displacement is not None
+        for part in (displacement, displacement.uncollided, *displacement.panels):
+            assert isinstance(part, Value)
+            assert HOMES[type(part).__name__] == type(part).__module__
 
 
 def test_different_questions_give_different_values() -> None:

@@ -38,18 +38,22 @@ HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 )
 @click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
 @click.option("--wave-numbers", type=Numbers(), default="", help="k in 1/d at which to print F.")
-@click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked for.")
+@click.option(
+    "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
+)
 @json_option
 def solve(
     scaled: bool,
     outputs: str,
     radii: tuple[float, ...],
     wave_numbers: tuple[float, ...],
-    rtol: float,
+    rtol: float | None,
     as_json: bool,
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time, G(R) and F(k, t)."""
+    if rtol is None:  # G(R) cannot have 1e-10
+        rtol = 1e-6 if radii and not scaled else 1e-10
     if scaled:
         found, text = scaled_document(system["restitution"], rtol), scaled_text
     else:

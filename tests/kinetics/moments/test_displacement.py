@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, ScalingSolution, Scene, SolverStatus, SpeedTable, solve
+from kinetics.outputs import OUTPUTS
 
 NAMES = ("msd", "kurtosis")
 LENGTH = 12.5  # mean free path at the default density, in d
@@ -119,6 +120,24 @@ def test_the_autocorrelation_drives_the_displacement_along_the_start(e: float) -
     assert np.abs(found.velocity_autocorrelation - change).max() < 1e-9
     # and for a beam it is U times the mean velocity, which another part solves
     assert np.abs(found.velocity_autocorrelation - found.mean_velocity[:, 0]).max() < 1e-10
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@pytest.mark.parametrize("e", [0.83, 1.0])
+def test_the_error_of_the_autocorrelation_is_relative_to_the_speeds(e: float, rtol: float) -> None:
+    """To v_rms(0) v_rms(t): the autocorrelation itself passes through 0, or falls much faster."""
+    times = np.concatenate([[0.0], np.geomspace(0.1, 1e5, 60)])
+    names = ("velocity_autocorrelation", "temperature")
+    found = run(e, names, times, "monoenergetic", rtol=rtol)
+    exact = run(e, names, times, "monoenergetic", rtol=1e-13)
+    expected = exact.velocity_autocorrelation
+    if e == 1.0:
+        with np.errstate(under="ignore"):
+            expected = np.exp(-4.0 / 3.0 * times / LENGTH)
+    scale = np.sqrt(2.0 * exact.temperature)  # v_rms(0) = 1
+    assert found.status is SolverStatus.CONVERGED
+    assert np.abs((found.velocity_autocorrelation - expected) / scale).max() <= rtol
+    assert "relative to v_rms(0) v_rms(t)" in OUTPUTS["velocity_autocorrelation"].description
 
 
 def test_the_autocorrelation_does_not_depend_on_the_direction() -> None:

@@ -1,85 +1,25 @@
-"""Directed states against the moment hierarchy in many digits, dblquad and a small Monte Carlo.
-
-With l = 1 (rho_0 = 1/2) harmonic m of v^p obeys d<v^p e^-im phi>/dt = -nu_m(p) <v^(p+1) e^-im phi>,
-nu_m(p) = 1 - E[s^p cos(m chi)]: an alternating series in t, summed here in mpmath.
-"""
+"""Directed states against the moment hierarchy in many digits, dblquad and a small Monte Carlo."""
 
 import itertools
-from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from moment_hierarchy import TIMES, gaussian_speed_moment, rates, scene, series, velocities
 from scipy.integrate import dblquad
 
 from kinetics import (
     AngularHarmonics,
     Beam,
     Gaussian,
-    InputError,
     Monoenergetic,
     PolarGrid,
-    Scene,
     SolverStatus,
     SpeedSamples,
     VelocitySamples,
     solve,
 )
-
-TIMES = [0.0, 1e-6, 0.01, 0.3, 1.0, 4.0, 15.0, 50.0, 120.0]
-
-
-DIGITS = 110  # the terms of the series grow to e^(v t) before they cancel
-
-
-@lru_cache(maxsize=32)
-def rates(e: float, m: int) -> tuple[Any, ...]:
-    """nu_m(0), nu_m(1), ...: powers of cos(chi) = (s - e/s)/(1-e), then E[s^q].
-
-    E[s^q] in closed form for small q, and (q+1) E[s^q] = 1 + q e^2 E[s^(q-2)] upwards.
-    """
-    count = 700
-    with mp.workdps(DIGITS):
-        e_ = mp.mpf(e)
-        if e == 1.0:  # E[cos(m chi)] with cos(chi) = 2 y^2 - 1
-            nu = 1 - mp.quad(lambda y: mp.cos(m * mp.acos(2 * y * y - 1)), [0, 1])
-            return (nu,) * count
-        phi = {}
-        for q in range(-m, m + count + 1):
-            if q < 2:
-                z = -(1 - e_**2) / e_**2
-                phi[q] = e_**q * mp.hyp2f1(-mp.mpf(q) / 2, mp.mpf("0.5"), mp.mpf("1.5"), z)
-            else:
-                phi[q] = (1 + q * e_**2 * phi[q - 2]) / (q + 1)
-        below, here = {0: mp.mpf(1)}, {1: 1 / (1 - e_), -1: -e_ / (1 - e_)}
-        for _ in range(m - 1):  # Chebyshev polynomials of cos(chi), as powers of s
-            above = {i: -c for i, c in below.items()}
-            for i, c in here.items():
-                above[i + 1] = above.get(i + 1, 0) + 2 * c / (1 - e_)
-                above[i - 1] = above.get(i - 1, 0) - 2 * c * e_ / (1 - e_)
-            below, here = here, above
-        terms = here if m else below
-        return tuple(1 - sum(c * phi[k + i] for i, c in terms.items()) for k in range(count))
-
-
-def series(e: float, m: int, p: int, t: float, moment: Callable[[int], Any] = lambda q: 1) -> float:
-    """<v^p e^-im phi> at t for a start with the moments moment(q)."""
-    nu = rates(e, m)
-    with mp.workdps(DIGITS):
-        total, factor = mp.mpf(0), mp.mpf(1)
-        for k in range(len(nu) - p):
-            term = factor * moment(p + k)
-            total += term
-            if abs(term) < mp.mpf(10) ** -30 and k > 20:
-                return float(total)
-            factor *= -mp.mpf(t) * nu[p + k] / (k + 1)
-    raise ArithmeticError("the series needs more terms")
-
-
-def scene(e: float, initial: Any, times: Any = TIMES, **more: Any) -> Scene:
-    return Scene(restitution=e, number_density=0.5, initial=initial, times=times, **more)
 
 
 def test_the_reference_rates_are_averages_over_the_impact_parameter() -> None:
@@ -125,11 +65,6 @@ def test_mean_velocity_and_tensor_of_a_turned_beam(e: float) -> None:
     error = np.abs(solution.velocity_tensor - exact).max(axis=(1, 2))
     assert np.max(error / square) < 1e-9
     assert np.allclose(np.trace(solution.velocity_tensor, axis1=1, axis2=2), square, rtol=1e-10)
-
-
-def gaussian_speed_moment(q: int) -> Any:
-    """<v^q> for the speed density v exp(-v^2/2)."""
-    return mp.mpf(2) ** (mp.mpf(q) / 2) * mp.gamma(mp.mpf(q) / 2 + 1)
 
 
 @pytest.mark.parametrize("m", [0, 1, 4])
@@ -250,10 +185,6 @@ def test_polar_grid_is_the_function_it_samples() -> None:
     assert np.max(np.abs(found - f(at[:, None], angle))) < 1e-3 * 0.16
 
 
-def velocities(n: int) -> Any:
-    return np.random.default_rng(5).normal([0.7, -0.2], [1.0, 0.5], (n, 2))
-
-
 @pytest.mark.parametrize("n", [7, 20_000])  # kept as they are, and gathered on a grid
 def test_samples_of_velocities(n: int) -> None:
     v = velocities(n)
@@ -364,53 +295,3 @@ def test_velocity_density_after_collisions() -> None:
             exact = (weight * v) @ f @ np.cos(m * phi) * 0.5 * (high - low) * 2 * np.pi / 16
             sample = np.where(inside, np.cos(m * angle), 0.0)
             assert abs(sample.mean() - exact) < 5 * sample.std() / np.sqrt(n), (low, m)
-
-
-# -- the elastic scene: nothing to discretise ---------------------------------------------------
-
-
-@pytest.mark.parametrize("m", range(1, 9))
-def test_elastic_rates(m: int) -> None:
-    """nu_m = 1 - E[cos(m chi)], cos(chi) = 2 y^2 - 1; by hand 4 m^2/(4 m^2 - 1)."""
-    nu = rates(1.0, m)[0]
-    assert abs(nu - mp.mpf(4 * m * m) / (4 * m * m - 1)) < 1e-15
-    times = np.array([0.0, 0.1, 1.0, 20.0, 600.0])
-    solution = solve(scene(1.0, Beam(0.5, Monoenergetic(1.5)), times))
-    with np.errstate(under="ignore"):
-        exact = 1.5**3 * np.exp(-1j * m * 0.5) * np.exp(-float(nu) * 1.5 * times)
-    assert np.allclose(solution.harmonic(3, m), exact, rtol=1e-12, atol=1e-300)
-
-
-def test_elastic_densities() -> None:
-    """f = g(v)/(2 pi v) (1 + 0.8 cos(2 (phi - 0.3)) exp(-nu_2 v t/l)): each speed for itself."""
-
-    def g(v: Any) -> Any:
-        return v * np.exp(-0.5 * v * v)
-
-    terms = {0: g, 2: lambda v: 0.4 * np.exp(-0.6j) * g(v)}
-    times = [0.0, 0.5, 10.0, 1e12]
-    outputs = ("speed_density", "velocity_density", "thermal_speed", "a2")
-    solution = solve(scene(1.0, AngularHarmonics(terms), times, outputs=outputs))
-    v, phi = np.linspace(0.2, 4.0, 12), np.linspace(-3.0, 3.0, 11)
-    assert np.allclose(solution.speed_density(v), g(v), rtol=1e-14)
-    assert np.allclose(solution.thermal_speed, np.sqrt(2.0), rtol=1e-10)
-    assert np.allclose(solution.a2, 0.0, atol=1e-9)
-    for t, found in zip(times, solution.velocity_density(v, phi), strict=True):
-        with np.errstate(under="ignore"):
-            kept = np.exp(-16.0 / 15.0 * v * t)[:, None]
-        turn = 1.0 + 0.8 * np.cos(2.0 * (phi - 0.3)) * kept
-        assert np.allclose(found, (g(v) / (2 * np.pi * v))[:, None] * turn, rtol=1e-12)
-
-
-def test_elastic_samples_have_no_density() -> None:
-    with pytest.raises(InputError, match=r"^initial: samples have no density"):
-        solve(scene(1.0, VelocitySamples(velocities(5)), [1.0], outputs=("velocity_density",)))
-
-
-@pytest.mark.parametrize("e", [0.0, 0.6, 1.0])
-def test_elastic_or_not_isotropic_starts_have_no_direction(e: float) -> None:
-    outputs = ("mean_velocity", "velocity_tensor", "temperature")
-    solution = solve(scene(e, "gaussian", outputs=outputs))
-    assert np.all(solution.mean_velocity == 0.0)
-    exact = solution.temperature[:, None, None] * np.eye(2)
-    assert np.allclose(solution.velocity_tensor, exact, rtol=1e-13, atol=0)

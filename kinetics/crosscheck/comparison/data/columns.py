@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
+from kinetics.validation import short
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
