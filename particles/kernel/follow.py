@@ -13,20 +13,10 @@ import numpy as np
 from particles.compiled.decorators import inlined, kernel
 from particles.compiled.search import SLOTS, strike
 from particles.events import contact, is_collapsing, scatter, touch
-from particles.grid.blocks import is_missing, is_plane, place, supply
+from particles.grid.blocks import is_plane, place, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
-from particles.kernel.lane import (
-    LANE,
-    LANES,
-    RUNNING,
-    SHIFT,
-    Start,
-    fly,
-    is_due,
-    launch,
-    shift_clock,
-)
+from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, slow_down
 from particles.kernel.records import (
     QUEUE,
     Records,
@@ -158,9 +148,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     while active:
         for a in range(active):
             lane = lanes[a]
-            if is_missing(keys, lane.cell, lane.i, lane.j):
-                # Not made yet, or lost since to another lane that needed its place.
-                supply(keys, cells, lane.cell, lane.i, lane.j)
+            supply(keys, cells, lane.cell, lane.i, lane.j)
             _next_contact(lane, slots, head, links, nodes)
         a = 0
         while a < active:
@@ -188,14 +176,12 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 if paths.size:
                     count_path(paths, grids, path)
                 ratio, trapped = _collide(lane, path, side, restitution)
-                lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED
                     _note_trap(lane, traps[caught], start, records)
                     caught += 1
                 else:
-                    if lane.slowness > SHIFT:
-                        shift_clock(lane, times)
+                    slow_down(lane, ratio, times)
                     if lane.collisions == start.most:
                         status = columns.COLLISION_CAP
             if status == RUNNING:

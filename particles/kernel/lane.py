@@ -114,8 +114,9 @@ def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, 
 
 
 @inlined
-def shift_clock(lane: Any, times: np.ndarray) -> None:
-    """Keep the slowness and the time of a lane that has become slow from overflowing."""
+def slow_down(lane: Any, ratio: float, times: np.ndarray) -> None:
+    """Multiply the speed of a lane by `ratio`, and keep slowness and time from overflowing."""
+    lane.slowness /= ratio
     while lane.slowness > SHIFT:
         lane.slowness /= SHIFT
         lane.time /= SHIFT
