@@ -9,8 +9,8 @@ from particles.storage.file import cannot_write, difference, plan_digest, read, 
 from particles.storage.journal import Journal
 from particles.totals import Totals
 
-# Writing the whole file may take this share of the time between two such writings: 2 % is lost in
-# the noise of any timing, and the journal keeps what has been done in between.
+# Writing the whole file may take this share of the time between two such writings; the journal
+# keeps what has been done in between.
 SHARE = 0.02
 
 
