@@ -52,7 +52,9 @@ def __getattr__(name: str) -> Any:
             return "unknown: the package is not installed"
     for module, names in _NAMES.items():
         if name in names:
-            return globals().setdefault(name, getattr(import_module(f"particles.{module}"), name))
+            # Also replaces the module `simulate`, whose import has set this name.
+            globals()[name] = value = getattr(import_module(f"particles.{module}"), name)
+            return value
     raise AttributeError(f"module 'particles' has no attribute {name!r}")
 
 

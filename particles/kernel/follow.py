@@ -16,7 +16,7 @@ from particles.events import contact, is_collapsing, scatter, touch
 from particles.grid.blocks import is_plane, place, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, slow_down
+from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
 from particles.kernel.records import (
     QUEUE,
     Records,
@@ -176,12 +176,13 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                 if paths.size:
                     count_path(paths, grids, path)
                 ratio, trapped = _collide(lane, path, side, restitution)
+                lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED
                     _note_trap(lane, traps[caught], start, records)
                     caught += 1
                 else:
-                    slow_down(lane, ratio, times)
+                    shift_clock(lane, times)
                     if lane.collisions == start.most:
                         status = columns.COLLISION_CAP
             if status == RUNNING:

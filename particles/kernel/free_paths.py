@@ -8,7 +8,7 @@ import numpy as np
 from particles.compiled.decorators import inlined, kernel
 from particles.events import scatter
 from particles.kernel import columns
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, slow_down
+from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
 from particles.kernel.records import QUEUE, Records, count_path, enter_queue, finish, queue_output
 from particles.streams import FLIGHTS, open_stream, uniform
 
@@ -59,7 +59,8 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             impact = 2.0 * uniform(lane.stream, lane.gamma, draw + 1) - 1.0
             lane.ux, lane.uy, ratio = scatter(ux, uy, impact, start.restitution)
             lane.collisions += 1
-            slow_down(lane, ratio, times)
+            lane.slowness /= ratio
+            shift_clock(lane, times)
             if lane.collisions == start.most:
                 status = columns.COLLISION_CAP
         if status == RUNNING:

@@ -114,9 +114,8 @@ def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, 
 
 
 @inlined
-def slow_down(lane: Any, ratio: float, times: np.ndarray) -> None:
-    """Multiply the speed of a lane by `ratio`, and keep slowness and time from overflowing."""
-    lane.slowness /= ratio
+def shift_clock(lane: Any, times: np.ndarray) -> None:
+    """Keep the slowness and the time of a lane that has become slow from overflowing."""
     while lane.slowness > SHIFT:
         lane.slowness /= SHIFT
         lane.time /= SHIFT
