@@ -13,7 +13,7 @@ import numpy as np
 from particles.compiled.decorators import inlined, kernel
 from particles.compiled.search import SLOTS, strike
 from particles.events import contact, is_collapsing, scatter, touch
-from particles.grid.blocks import is_plane, place, supply
+from particles.grid.blocks import is_missing, is_plane, place, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
 from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
@@ -148,7 +148,9 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     while active:
         for a in range(active):
             lane = lanes[a]
-            supply(keys, cells, lane.cell, lane.i, lane.j)
+            if is_missing(keys, lane.cell, lane.i, lane.j):
+                # Not made yet, or lost since to another lane that needed its place.
+                supply(keys, cells, lane.cell, lane.i, lane.j)
             _next_contact(lane, slots, head, links, nodes)
         a = 0
         while a < active:
