@@ -17,19 +17,12 @@ if TYPE_CHECKING:
     from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
     from particles.simulate import simulate
 
-_HOMES = {
-    "OBSERVABLES": "configuration",
-    "BoltzmannGrad": "media",
-    "Ensemble": "ensemble",
-    "Estimate": "estimators",
-    "HardDisks": "media",
-    "Histogram": "estimators",
-    "Medium": "media",
-    "Poisson": "media",
-    "Positions": "media",
-    "Statuses": "ensemble",
-    "load": "ensemble",
-    "simulate": "simulate",
+_NAMES = {
+    "configuration": ("OBSERVABLES",),
+    "ensemble": ("Ensemble", "Statuses", "load"),
+    "estimators": ("Estimate", "Histogram"),
+    "media": ("BoltzmannGrad", "HardDisks", "Medium", "Poisson", "Positions"),
+    "simulate": ("simulate",),
 }
 
 __all__ = [
@@ -57,11 +50,12 @@ def __getattr__(name: str) -> Any:
             return version("inelastic-lorentz")
         except PackageNotFoundError:
             return "unknown: the package is not installed"
-    if name not in _HOMES:
-        raise AttributeError(f"module 'particles' has no attribute {name!r}")
-    value = getattr(import_module(f"particles.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
+    for module, names in _NAMES.items():
+        if name in names:
+            # Also replaces the module `simulate`, whose import has set this name.
+            globals()[name] = value = getattr(import_module(f"particles.{module}"), name)
+            return value
+    raise AttributeError(f"module 'particles' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

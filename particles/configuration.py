@@ -28,10 +28,10 @@ OBSERVABLES = SCALARS + HISTOGRAMS + RAW
 
 # Bins per octave of a histogram: each bin is 2**(1/16) - 1 = 4.4 % wide.
 PER_OCTAVE = 16
-# Tracers per kernel call: the memory that a call needs does not grow with the number of tracers.
-# So many take milliseconds at least, so what the call itself costs does not show.
+# Tracers per kernel call: so the memory that a call needs does not grow with the number of tracers.
 BLOCK = 4096
-# A flight of so many mean free paths counts as endless: chance alone gives exp(-1e6).
+# A flight of so many mean free paths counts as endless; in a random medium the chance of one is
+# about exp(-1e6).
 ESCAPE_PATHS = 1e6
 
 

@@ -310,9 +310,8 @@ class Ensemble(Value):
         counts, squares, cross = self._get(name, f"histograms/{name}/sums")
         samples = self.arrays[f"histograms/{name}/samples"]
         low, per_octave, bins = self.plan.grids()[HISTOGRAMS.index(name)]
-        length = name in ("displacement_histogram", "free_path_histogram")
         edges = 2.0 ** (low + np.arange(int(bins) + 1) / per_octave)
-        if length:
+        if name in ("displacement_histogram", "free_path_histogram"):
             edges = edges * self._unit
         everything = share(counts, squares, cross, samples, self.media)
         p, error = everything.value, everything.error

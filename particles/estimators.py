@@ -3,7 +3,7 @@
 Tracers of one configuration share their scatterers and are not independent; configurations are.
 So every error is the spread over configurations: the delete-one jackknife for functions of sums,
 and the ratio estimator's variance for histograms (Cochran, Sampling Techniques, chapters 6 and 9).
-With one configuration there is no spread to see and the error is infinite, not small.
+With one configuration the spread is unknown, so the error is infinite.
 """
 
 from collections.abc import Callable

@@ -10,9 +10,9 @@ from math import asin, atan2, pi, sqrt
 
 from numba import njit
 
-# A collision whose normal velocity is below this fraction of the speed is none. It keeps a tracer
-# that slides off a scatterer (restitution 0) from meeting it again through rounding; what is lost
-# is a grazing contact that would enter the scatterer by less than 1e-18 d.
+# A contact whose normal velocity is below this fraction of the speed does not count as a collision.
+# Otherwise a tracer that slides off a scatterer (restitution 0) could meet it again by rounding.
+# Only grazing contacts that would enter the scatterer by less than 1e-18 d are left out.
 GRAZING = 1e-9
 NEVER = 1e300
 

@@ -15,10 +15,10 @@ from particles.values import Value
 LARGEST_RSA_DENSITY = 0.65
 # In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
-# Scatterers that a cell lists on average: the fastest of those that
-# tests/particles/measurements/kernel_speed.py compares.
+# Scatterers that a cell lists on average. Speed depends on it, results do not;
+# tests/particles/measurements/kernel_speed.py measures the speed at several values.
 LISTED = 5.0
-# In longer flights the impact parameter, of the size of d, loses the digits that decide on it.
+# At lower densities flights are so long that too few digits of the impact parameter are exact.
 LEAST_DENSITY = 1e-10  # in d^-2
 # In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0

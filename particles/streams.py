@@ -11,7 +11,7 @@ from typing import Any
 
 from numba import njit, uint64
 
-# Purposes keep the streams of one (configuration, tracer) apart.
+# The purpose is part of a stream's key, so streams of different purposes differ.
 START = 1
 PLACEMENT = 2
 FLIGHTS = 3

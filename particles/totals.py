@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from particles.configuration import RAW, Plan, Tally
+from particles.configuration import Plan, Tally
 from particles.ensemble import Ensemble
-from particles.kernel.columns import HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
+from particles.kernel.columns import MOMENTS, STATUSES, TOTALS, TRAPS
 
 
 class Totals:
@@ -13,72 +13,56 @@ class Totals:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.configurations = 0
-        self._moments = np.zeros((plan.media, plan.times.size, MOMENTS))
-        self._path_sums = np.zeros((plan.media, TOTALS))
-        self._statuses = np.zeros(STATUSES, np.int64)
-        self._traps: list[np.ndarray] = [np.empty((0, 1 + TRAPS))]
-        self._histograms: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-        self._raw: dict[str, list[np.ndarray]] = {n: [] for n in RAW if n in plan.observables}
+        # By their names in a file: one row for each configuration, sums over configurations, and
+        # pieces that are joined.
+        self._rows = {
+            "moments": np.zeros((plan.media, plan.times.size, MOMENTS)),
+            "path_sums": np.zeros((plan.media, TOTALS)),
+        }
+        self._sums = {"statuses": np.zeros(STATUSES, np.int64)}
+        self._pieces = {"traps": [np.empty((0, 1 + TRAPS))]}
 
     def add(self, tally: Tally) -> None:
         """Add the next configuration's tally."""
         c = self.configurations
         if tally.configuration != c:
             raise RuntimeError(f"tally of configuration {tally.configuration} came before {c}")
-        self._moments[c] = tally.moments
-        self._path_sums[c] = tally.totals
-        self._statuses += tally.statuses
-        self._traps.append(np.insert(tally.traps, 0, c, axis=1))
+        self._rows["moments"][c] = tally.moments
+        self._rows["path_sums"][c] = tally.totals
+        sums = {"statuses": tally.statuses}
         for name, counts in tally.histograms.items():
-            if name not in self._histograms:
-                shape = counts.shape
-                self._histograms[name] = (
-                    np.zeros((3, *shape), np.int64),
-                    np.zeros((2, shape[0]), np.int64),
-                )
-            sums, samples = self._histograms[name]
             m = counts.sum(axis=1)
-            sums += np.stack((counts, counts * counts, counts * m[:, None]))
-            samples += np.stack((m, m * m))
-        for name, pieces in self._raw.items():
-            pieces.append(tally.raw[name])
+            products = np.stack((counts, counts * counts, counts * m[:, None]))
+            sums[f"histograms/{name}/sums"] = products
+            sums[f"histograms/{name}/samples"] = np.stack((m, m * m))
+        for name, array in sums.items():
+            self._sums[name] = self._sums.get(name, 0) + array
+        self._pieces["traps"].append(np.insert(tally.traps, 0, c, axis=1))
+        for name, array in tally.raw.items():
+            self._pieces.setdefault(f"raw/{name}", []).append(array)
         self.configurations += 1
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Return everything added so far, by name; not copies."""
-        done = self.configurations
-        arrays = {
-            "moments": self._moments[:done],
-            "path_sums": self._path_sums[:done],
-            "statuses": self._statuses,
-            "traps": np.concatenate(self._traps),
+        """Return everything added so far, by its name in a file; rows and sums are not copied."""
+        rows = {name: array[: self.configurations] for name, array in self._rows.items()}
+        joined = {
+            name: np.concatenate(pieces, axis=0 if name in ("traps", "raw/finals") else 1)
+            for name, pieces in self._pieces.items()
         }
-        for name, (sums, samples) in self._histograms.items():
-            arrays[f"histograms/{name}/sums"] = sums
-            arrays[f"histograms/{name}/samples"] = samples
-        for name, pieces in self._raw.items():
-            if pieces:
-                arrays[f"raw/{name}"] = np.concatenate(pieces, axis=0 if name == "finals" else 1)
-        return arrays
+        return rows | self._sums | joined
 
     @classmethod
     def restore(cls, plan: Plan, arrays: dict[str, np.ndarray]) -> "Totals":
         """Return totals as they were when `arrays` were taken of them."""
         totals = cls(plan)
-        totals.configurations = done = len(arrays["moments"])
-        totals._moments[:done] = arrays["moments"]
-        totals._path_sums[:done] = arrays["path_sums"]
-        totals._statuses[:] = arrays["statuses"]
-        totals._traps = [arrays["traps"]]
-        for name in HISTOGRAMS:
-            if f"histograms/{name}/sums" in arrays:
-                totals._histograms[name] = (
-                    arrays[f"histograms/{name}/sums"],
-                    arrays[f"histograms/{name}/samples"],
-                )
-        for name in totals._raw:
-            if f"raw/{name}" in arrays:
-                totals._raw[name] = [arrays[f"raw/{name}"]]
+        totals.configurations = len(arrays["moments"])
+        for name, array in arrays.items():
+            if name in totals._rows:
+                totals._rows[name][: totals.configurations] = array
+            elif name == "traps" or name.startswith("raw/"):
+                totals._pieces[name] = [array]
+            else:
+                totals._sums[name] = array
         return totals
 
     def ensemble(self) -> Ensemble:

@@ -12,9 +12,8 @@ def build(
 ) -> Cells | None:
     """Return the scatterers of one configuration, or None where the medium has none.
 
-    Tracers start at the centre of the middle cell. old: scatterers that are done with and whose
-    memory may be used again. Raises ValueError if the disks do not all
-    find room.
+    Tracers start at the centre of the middle cell. old: scatterers that are no longer needed and
+    whose memory may be used again. Raises ValueError if not all disks can be placed.
     """
     if isinstance(medium, BoltzmannGrad):
         return None

@@ -2,8 +2,8 @@
 
 A cell lists the scatterers whose circle of radius 1 (in d) overlaps it, so a tracer in a cell needs
 to look at no other scatterer. Positions are kept relative to the centre of the cell, so they have
-all their digits far from the origin too. A cell has SLOTS places in one array; the few scatterers
-that find them full go on in a chain.
+all their digits far from the origin too. A cell has SLOTS places in one array; if it lists more
+scatterers, the others are in a linked list, called its chain.
 
 A periodic box stores all its cells. The unbounded plane stores a window of those last visited, in
 square blocks, and makes a block anew when a tracer enters it (grid.blocks): its scatterers
@@ -32,10 +32,10 @@ class Cells(NamedTuple):
     """Scatterers of a periodic box of n by n cells, or of the unbounded plane (n = 0).
 
     side: of a cell. slots (n_cells, 2 * SLOTS): x of each slot, then y; EMPTY where free.
-    fill (n_cells,): scatterers in each cell. head (n_cells,), links, nodes (, 2): chains of those
-    beyond SLOTS, -1 ends one. keys: a box's is of bytes and empty. Of the plane only: keys
-    (n_blocks, 2): which block is stored there; law, counts: what it is drawn from; draft (, 6),
-    pairs (, 2), who (, SLOTS): to draw it in.
+    fill (n_cells,): scatterers in each cell. head (n_cells,), links, nodes (, 2): the chains; -1
+    ends one. keys (n_blocks, 2): which block of the plane is stored there; for a box, an empty
+    array of bytes. Used for the plane only: law, counts: the distribution of its scatterers;
+    draft (, 6), pairs (, 2), who (, SLOTS): working memory for drawing a block.
     """
 
     side: float
@@ -95,8 +95,8 @@ def plane(
 ) -> Cells:  # fmt: skip
     """Return the unbounded plane; its blocks are drawn later, when tracers enter them.
 
-    Memory that is not written to costs nothing, and getting new memory from the system takes longer
-    than drawing a cell. So `old`, a plane of the same law that is no longer needed, gives its own.
+    Getting new memory from the system takes longer than drawing a cell, so the memory of `old`, a
+    plane that is no longer needed, is used again if its scatterers have the same distribution.
     """
     side = max(cell_side(number_density), 3.0)
     density = candidate_density(number_density) if hard else number_density

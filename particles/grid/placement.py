@@ -9,8 +9,8 @@ from particles.compiled.search import crowd
 from particles.grid.cells import Cells, insert, is_free
 from particles.streams import PLACEMENT, open_stream, uniform
 
-# Attempts per disk after which random sequential addition is given up. If a share of
-# 1/1000 of the box were still free, so many would all fail with a chance of exp(-20).
+# Random sequential addition ends when so many attempts to place one disk have failed. If 1/1000 of
+# the box were still free, the chance that all of them fail would be exp(-20).
 ATTEMPTS = 20_000
 
 
@@ -38,7 +38,7 @@ def place_at_random(
             x = uniform(state, gamma, draws) * n
             y = uniform(state, gamma, draws + 1) * n
             draws += 2
-            # A draw next to 1 times n may round up to n.
+            # The product of n and a number close to 1 may be rounded to n.
             i = min(floor(x), n - 1)
             j = min(floor(y), n - 1)
             x = (x - i - 0.5) * side

@@ -137,7 +137,7 @@ def spot(state: Any, gamma: Any, k: int) -> tuple[float, float]:
 
 @njit(error_model="numpy", inline="always")
 def mark(state: Any, gamma: Any, k: int) -> float:
-    """Return when the turn of candidate k comes."""
+    """Return the mark of candidate k, which decides when its turn comes."""
     return to_unit(bits(state, gamma, 2 * k + 2))
 
 

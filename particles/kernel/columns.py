@@ -1,4 +1,4 @@
-"""The columns of every table that a run keeps: the one list of them. It costs no import of numba.
+"""The columns of every table that a run keeps. Importing this file does not import numba.
 
 They are the layout of saved files too (`particles.storage.file`): append, do not renumber.
 """

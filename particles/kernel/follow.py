@@ -1,8 +1,8 @@
 """The event loop: tracers among the scatterers of one configuration, in units of d.
 
-Several tracers, one in each lane, advance in turns by one cell each. First every lane looks for
-what it strikes in its cell; then every lane either collides or goes on to the next cell. The square
-roots and divisions of one tracer so do not wait for those of another, and no branch waits for them.
+Several tracers, one in each lane, advance in turns by one cell each. First the next contact of
+every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
+processor can compute the square roots and divisions of several tracers at the same time.
 """
 
 from math import copysign
@@ -16,17 +16,7 @@ from particles.events import contact, is_collapsing, scatter, touch
 from particles.grid.blocks import is_missing, is_plane, place, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
-from particles.kernel.lane import (
-    LANE,
-    LANES,
-    RUNNING,
-    SHIFT,
-    Start,
-    fly,
-    is_due,
-    launch,
-    shift_clock,
-)
+from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
 from particles.kernel.records import (
     QUEUE,
     Records,
@@ -69,7 +59,7 @@ def _aim(lane: Any, side: float) -> None:
 def _next_contact(
     lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray
 ) -> None:
-    """Find what a lane strikes in its cell, if anything. No result is waited for here."""
+    """Find the first scatterer that a lane meets in its cell, if there is one."""
     x, y, ux, uy, cell = lane.x, lane.y, lane.ux, lane.uy, lane.cell
     path, slot = strike(slots, cell, x, y, ux, uy)
     cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
@@ -84,8 +74,8 @@ def _next_contact(
 
 @inlined
 def _cross_cell(lane: Any, keys: np.ndarray, n: int) -> None:
-    """Go on to the next cell, whose wall comes first."""
-    # Multiplied by 0 or 1, not branched upon: which wall comes first is a coin toss.
+    """Move a lane into the next cell, through the wall that it reaches first."""
+    # Factors 0 and 1 instead of a branch: the processor cannot predict which wall comes first.
     across = int(lane.wall_x <= lane.wall_y)
     along = 1 - across
     lane.x -= across * lane.move_x
@@ -129,7 +119,7 @@ def _collide(lane: Any, path: float, side: float, restitution: float) -> tuple[f
 
 @inlined
 def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> None:
-    """Write down where and when a tracer was caught; it rests there at all later outputs."""
+    """Record where and when a tracer was caught; it rests there at all later outputs."""
     queue_rest(lane, records)
     trap[columns.TRAP_TRACER] = start.first + lane.tracer
     trap[columns.TRAP_TIME] = lane.time / lane.unit
@@ -194,8 +184,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
                     _note_trap(lane, traps[caught], start, records)
                     caught += 1
                 else:
-                    if lane.slowness > SHIFT:
-                        shift_clock(lane, times)
+                    shift_clock(lane, times)
                     if lane.collisions == start.most:
                         status = columns.COLLISION_CAP
             if status == RUNNING:

@@ -8,17 +8,7 @@ import numpy as np
 from particles.compiled.decorators import inlined, kernel
 from particles.events import scatter
 from particles.kernel import columns
-from particles.kernel.lane import (
-    LANE,
-    LANES,
-    RUNNING,
-    SHIFT,
-    Start,
-    fly,
-    is_due,
-    launch,
-    shift_clock,
-)
+from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
 from particles.kernel.records import QUEUE, Records, count_path, enter_queue, finish, queue_output
 from particles.streams import FLIGHTS, open_stream, uniform
 
@@ -70,8 +60,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             lane.ux, lane.uy, ratio = scatter(ux, uy, impact, start.restitution)
             lane.collisions += 1
             lane.slowness /= ratio
-            if lane.slowness > SHIFT:
-                shift_clock(lane, times)
+            shift_clock(lane, times)
             if lane.collisions == start.most:
                 status = columns.COLLISION_CAP
         if status == RUNNING:

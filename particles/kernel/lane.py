@@ -16,8 +16,8 @@ from particles.compiled.decorators import inlined
 from particles.kernel.records import Records
 from particles.streams import START, open_stream, uniform
 
-# Tracers that one thread follows in turns: enough to hide the time that a square root takes.
-# tests/particles/measurements/kernel_speed.py compares other numbers.
+# Tracers that one thread follows in turns. Speed depends on it, results do not;
+# tests/particles/measurements/kernel_speed.py measures the speed with several numbers.
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
@@ -100,7 +100,7 @@ def is_due(lane: Any, path: float, n_times: int) -> bool:
 
 @inlined
 def fly(lane: Any, path: float, n_times: int, last_time: float) -> tuple[float, bool]:
-    """Move the clock by a flight, whose outputs have been queued.
+    """Advance the time of a lane by a flight; the outputs within it have been queued before.
 
     Return the path flown and whether the last output has been reached: the flight then ends there.
     The place is left to the caller, whose coordinates may be those of a cell.

@@ -1,4 +1,4 @@
-"""What a kernel writes down: sums, histograms and raw states at the output times."""
+"""What a kernel records: sums, histograms and raw states at the output times."""
 
 from math import floor, log, log2
 from typing import Any, NamedTuple
@@ -88,7 +88,7 @@ def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> 
     """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
     k = lane.output
     _fill_constants(lane, row)
-    # Not negative but for outputs that `unit` has rounded to 0: passed within 1e-8 d.
+    # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
     speed = scales[k] * lane.unit / lane.slowness
     row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy

@@ -1,4 +1,4 @@
-"""Runs in HDF5 files: whole configurations or nothing, and no file that is not understood.
+"""Runs in HDF5 files: a file holds whole configurations; a damaged or foreign one is refused.
 
 Layout (version 1). Attributes of the root: `format`, `version`, `done` (configurations in the file,
 the first so many), `plan` (JSON: medium and arguments), `digest` (SHA-256 of all the rest). Each

@@ -22,7 +22,6 @@ import struct
 import zlib
 from collections.abc import Iterator
 from hashlib import sha256
-from io import FileIO
 
 import numpy as np
 
@@ -39,38 +38,31 @@ _DIGEST = 32
 
 
 class Journal:
-    """The journal of the run whose file is `target`.
+    """An open journal, created if it is not there; other processes cannot open it meanwhile.
 
-    plan: SHA-256 of the plan. `open` must come first. Methods raise ValueError where the journal
-    is damaged, foreign or in use, OSError where it cannot be written.
+    plan: SHA-256 of the plan. Raises ValueError where the journal is damaged, belongs to another
+    run or is in use, OSError where it cannot be written.
     """
 
-    def __init__(self, target: str, plan: bytes) -> None:
-        self.path = f"{target}.journal"
+    def __init__(self, path: str, plan: bytes) -> None:
+        self.path = path
         self._head = HEAD + plan
-        self._file: FileIO | None = None
-
-    def open(self) -> None:
-        """Open it, made if it is not there, and keep other processes from doing the same."""
         # Not buffered: what an interruption leaves unwritten must not follow later.
-        file = open(self.path, "a+b", buffering=0)  # noqa: SIM115 - closed by `close`
+        self._file = open(path, "a+b", buffering=0)  # noqa: SIM115 - closed by `close`
         if fcntl is not None:
             try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                file.close()
-                raise ValueError(f"{self.path}: another process is at this run") from None
-        self._file = file
+                self.close()
+                raise ValueError(f"{path}: another process is at this run") from None
 
     def close(self) -> None:
-        """Close it; what it holds stays."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        """Close the journal and keep its contents."""
+        self._file.close()
 
     def recover(self, done: int) -> list[Tally]:
         """Return the tallies from configuration `done` on; nothing is changed if this raises."""
-        file = self._opened
+        file = self._file
         file.seek(0)
         head = file.read(len(self._head))
         tallies: list[Tally] = []
@@ -81,7 +73,7 @@ class Journal:
             self.clear()
             return tallies
         end = file.tell()
-        for tally, end in self._records(file):  # noqa: B007 - the last end is used
+        for tally, end in self._records():  # noqa: B007 - the last end is used
             # What was done before the run's file was written: killed before it could be emptied.
             if tally.configuration < done:
                 continue
@@ -95,32 +87,27 @@ class Journal:
         """Append the next configuration."""
         contents = _pack(tally)
         length = len(contents).to_bytes(8, "little")
-        head = length + zlib.crc32(length).to_bytes(4, "little") + sha256(contents).digest()
-        self._write(head + contents)
+        head = _LENGTH.pack(len(contents), zlib.crc32(length))
+        self._write(head + sha256(contents).digest() + contents)
 
     def clear(self) -> None:
-        """Leave the head alone in it."""
-        self._opened.truncate(0)
+        """Remove all records."""
+        self._file.truncate(0)
         self._write(self._head)
 
     def remove(self) -> None:
-        """Remove it from the disk."""
+        """Delete the journal."""
         os.unlink(self.path)
         self.close()
-
-    @property
-    def _opened(self) -> FileIO:
-        if self._file is None:
-            raise RuntimeError("the journal is not open")
-        return self._file
 
     def _write(self, data: bytes) -> None:
         rest = memoryview(data)
         while rest:
-            rest = rest[self._opened.write(rest) :]
+            rest = rest[self._file.write(rest) :]
 
-    def _records(self, file: FileIO) -> Iterator[tuple[Tally, int]]:
+    def _records(self) -> Iterator[tuple[Tally, int]]:
         """Yield each whole record's tally and where the record ends."""
+        file = self._file
         while len(head := file.read(_LENGTH.size)) == _LENGTH.size:
             length, check = _LENGTH.unpack(head)
             if zlib.crc32(head[:8]) != check:
@@ -155,17 +142,13 @@ def _pack(tally: Tally) -> bytes:
 def _unpack(contents: bytes) -> Tally:
     line, _, rest = contents.partition(b"\n")
     described = json.loads(line)
-    arrays: dict[str, dict[str, np.ndarray]] = {"": {}, "histograms": {}, "raw": {}}
+    groups: dict[str, dict[str, np.ndarray]] = {"": {}, "histograms": {}, "raw": {}}
     at = 0
     for name, kind, shape in described["arrays"]:
         count = int(np.prod(shape))
         array = np.frombuffer(rest, kind, count, at).reshape(shape)
-        group, _, own = name.rpartition("/")
-        arrays[group][own] = array
+        group, _, key = name.rpartition("/")
+        groups[group][key] = array
         at += array.nbytes
-    return Tally(
-        described["configuration"],
-        **arrays[""],
-        histograms=arrays["histograms"],
-        raw=arrays["raw"],
-    )
+    own, histograms, raw = groups.values()
+    return Tally(described["configuration"], **own, histograms=histograms, raw=raw)

@@ -9,8 +9,8 @@ from particles.storage.file import cannot_write, difference, plan_digest, read, 
 from particles.storage.journal import Journal
 from particles.totals import Totals
 
-# Writing the whole file may take this share of the time between two such writings: 2 % is lost in
-# the noise of any timing, and the journal keeps what has been done in between.
+# Writing the whole file may take this share of the time between two such writings; the journal
+# keeps what has been done in between.
 SHARE = 0.02
 
 
@@ -20,7 +20,7 @@ class Saver:
     def __init__(self, path: str | PathLike[str], plan: Plan) -> None:
         self.path = os.fspath(path)
         self.plan = plan
-        self._journal = Journal(self.path, plan_digest(plan))
+        self._journal: Journal
         self._saved = -1
         self._next = 0.0
 
@@ -31,6 +31,7 @@ class Saver:
         for such a journal, or if neither can be written. What is refused is left as it was.
         """
         totals = Totals(self.plan)
+        journal = f"{self.path}.journal"
         exists = os.path.exists(self.path)
         if exists:
             if not resume:
@@ -41,13 +42,13 @@ class Saver:
             if other := difference(self.plan, found):
                 raise ValueError(f"output = {self.path!r}: holds another run, with {other}")
             totals = Totals.restore(self.plan, arrays)
-        elif os.path.exists(self._journal.path):
+        elif os.path.exists(journal):
             raise ValueError(
-                f"output = {self.path!r}: is not there, but its journal {self._journal.path!r} is; "
+                f"output = {self.path!r}: is not there, but its journal {journal!r} is; "
                 f"put it back, or remove the journal"
             )
         try:
-            self._journal.open()
+            self._journal = Journal(journal, plan_digest(self.plan))
         except OSError as error:
             raise cannot_write(self.path, error) from None
         try:
