@@ -18,9 +18,8 @@ from kinetics.crosscheck.commands.options import (
     restitution_option,
     times_option,
 )
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.outputs import OUTPUTS
-from kinetics.validation import short
 
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""

@@ -19,8 +19,7 @@ from kinetics.crosscheck.comparison.theory import (
     Expectation,
     SampledStart,
 )
-from kinetics.errors import InputError
-from kinetics.validation import short
+from kinetics.errors import InputError, short
 
 if TYPE_CHECKING:
     from kinetics import Solution
