@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 
 class InputError(ValueError):
@@ -17,3 +18,9 @@ def warn_missed(what: str, error: float, rtol: float) -> None:
     """Warn that a figure misses its tolerance, at the line that called a method of a Solution."""
     text = f"{what}: the error estimate {error:.1e} exceeds rtol = {rtol:.1e}; raise rtol"
     warnings.warn(text, ToleranceWarning, stacklevel=4)
+
+
+def short(value: Any, limit: int = 60) -> str:
+    """The repr of a bad value, cut so that a message stays on one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -14,20 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
-from kinetics.validation import (
-    check_positive,
-    check_restitution,
-    finite_line,
-    refuse,
-    short,
-    whole_number,
-)
+from kinetics.validation import check_positive, check_restitution, finite_line, refuse, whole_number
 from kinetics.values import Value
 
 MOST_HARMONICS = 256

@@ -27,8 +27,7 @@ from importlib import import_module
 from io import BufferedRandom, BufferedReader
 from typing import TYPE_CHECKING, Any
 
-from kinetics.errors import InputError
-from kinetics.validation import short
+from kinetics.errors import InputError, short
 
 if TYPE_CHECKING:
     import h5py

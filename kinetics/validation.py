@@ -14,17 +14,11 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 
 _SMALLEST, _LARGEST = math.nextafter(0.0, 1.0), sys.float_info.max
-
-
-def short(value: Any, limit: int = 60) -> str:
-    """The repr of a bad value, cut so that a message stays on one line."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
 def refuse(name: str, value: Any, allowed: str) -> NoReturn:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.isotropic import SpeedDensity, as_state
@@ -24,7 +24,6 @@ from kinetics.validation import (
     real_number,
     refuse,
     rising_speeds,
-    short,
 )
 
 _PAIRS = "it must be of shape (n, 2), a finite array of numbers"

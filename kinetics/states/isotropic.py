@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
 from kinetics.states.quadrature import LogMeasure
@@ -25,7 +25,6 @@ from kinetics.validation import (
     normalised,
     refuse,
     rising_speeds,
-    short,
 )
 
 # square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it

@@ -28,9 +28,8 @@ from kinetics.crosscheck.comparison.theory import (
     SampledStart,
     bin_shares,
 )
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.states.isotropic import Monoenergetic
-from kinetics.validation import short
 
 if TYPE_CHECKING:
     from kinetics import Solution

@@ -31,7 +31,7 @@ from kinetics.crosscheck.comparison.statistics import (
 )
 from kinetics.crosscheck.comparison.theory import SampledStart
 from kinetics.crosscheck.verdicts import Verdict, corrected_sigmas, judge_sigmas
-from kinetics.validation import short
+from kinetics.errors import short
 
 if TYPE_CHECKING:
     from kinetics import Scene, Solution

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -100,7 +101,7 @@ def test_a_result_is_numbers_and_arrays_that_can_be_pickled(state: State) -> Non
         if is_dataclass(value):
             for field in fields(value):
                 walk(getattr(value, field.name))
-        elif isinstance(value, dict):
+        elif isinstance(value, Mapping):
             walk(tuple(value.items()))
         elif isinstance(value, tuple):
             for item in value:

@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.errors import InputError
-from kinetics.validation import short
+from kinetics.errors import InputError, short
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]

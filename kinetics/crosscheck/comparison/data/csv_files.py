@@ -22,8 +22,7 @@ from kinetics.crosscheck.comparison.data.columns import (
     first_not_finite,
     shown,
 )
-from kinetics.errors import InputError
-from kinetics.validation import short
+from kinetics.errors import InputError, short
 
 BLOCK = 8 << 20
 """Bytes that are parsed at once: some 1e5 rows, so that memory stays small."""
