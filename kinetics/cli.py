@@ -12,7 +12,7 @@ import click
 
 from kinetics.crosscheck.bench.command import bench
 from kinetics.crosscheck.commands.derive import derive
-from kinetics.crosscheck.commands.options import UNITS
+from kinetics.crosscheck.commands.options import STOP, UNITS
 from kinetics.crosscheck.commands.simulate import simulate
 from kinetics.crosscheck.commands.solve import solve
 from kinetics.crosscheck.comparison.command import compare
@@ -59,7 +59,10 @@ for command in (report, solve, simulate, compare, derive, bench, stress):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command: 0, or 2 for bad input (one line on standard error), 130 after Ctrl-C."""
+    STOP.clear()
     signal.signal(signal.SIGTERM, _terminate)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     if hasattr(sys.stdout, "reconfigure"):  # a terminal that lacks a sign shows ? for it
         sys.stdout.reconfigure(errors="replace")
     try:
@@ -80,6 +83,12 @@ def main(arguments: list[str] | None = None) -> int:
 def _complain(message: str) -> int:
     click.echo(f"lorentz: {' '.join(message.split())}", err=True)
     return BAD_INPUT
+
+
+def _interrupt(number: int, frame: Any) -> None:
+    """As Python does, and leave word for loops that would not notice: see STOP."""
+    STOP.append(KeyboardInterrupt)
+    raise KeyboardInterrupt
 
 
 def _terminate(number: int, frame: Any) -> None:

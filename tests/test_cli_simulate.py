@@ -7,11 +7,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import particles
 from kinetics import cli
+from kinetics.crosscheck.commands import options
 from particles import Ensemble, HardDisks, simulate
 
 
@@ -131,3 +134,17 @@ def test_positions_are_read_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
     assert "box_side = -1" in refused(capsys, *arguments, "--box-side", "-1")
     assert "times = None" in refused(capsys, "--times", "")
     assert "resume = True: needs output" in refused(capsys, "--resume")
+
+
+def test_an_interruption_that_was_swallowed_ends_the_run_at_the_next_configuration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Python drops an exception that a signal raises inside a destructor; a run once went on."""
+
+    def run(*_: Any, progress: Any, **__: Any) -> None:
+        options.STOP.append(KeyboardInterrupt)
+        progress(1, 2)
+        raise AssertionError("the run went on")
+
+    monkeypatch.setattr(particles, "simulate", run)
+    assert cli.main(["simulate", "--media", "2"]) == 130

@@ -123,4 +123,4 @@ def test_the_example_of_the_readme_prints_what_it_says(
 def test_the_two_commands_of_the_readme_stand_alone_on_their_lines() -> None:
     lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     assert "python -m pip install -e . && lorentz report" in lines
-    assert "python -m pip install -e '.[test]' && python -m pytest" in lines
+    assert "python -m pip install -e '.[test]' && python -m pytest -n auto" in lines

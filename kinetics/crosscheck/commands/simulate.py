@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kinetics.crosscheck.commands.options import (
+    STOP,
     UNITS,
     density_option,
     initial_option,
@@ -91,6 +92,12 @@ def simulate(
 
     described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
+
+    def show(done: int, total: int) -> None:
+        if STOP:
+            raise STOP[0]
+        bar.update(done - bar.n)
+
     with tqdm(
         total=arguments["media"], desc="configurations", file=sys.stderr, disable=None, leave=False
     ) as bar:
@@ -98,7 +105,7 @@ def simulate(
             scatterers,
             times=times or None,
             observables=names_in(observables) or None,
-            progress=lambda done, total: bar.update(done - bar.n),
+            progress=show,
             **arguments,
         )
     ends = {name: getattr(run.statuses, name) for name in _ENDS}
