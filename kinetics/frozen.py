@@ -14,7 +14,7 @@ V = TypeVar("V")
 
 
 def read_only(values: ArrayLike) -> NDArray[Any]:
-    """A read-only copy of an array; the array itself if nobody can write to it already."""
+    """A read-only copy of an array; the array itself if it is read-only already."""
     array = np.asarray(values)
     if array.flags.writeable or array.base is not None:
         array = array.copy()

@@ -33,7 +33,8 @@ from kinetics.moments.backward import (
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 
-_FREE = math.log(1e-50)  # of v_rms t/l: below, nobody collides, and its fourth power is in range
+# of v_rms t/l: below it no tracer has collided, and its fourth power is still in range
+_FREE = math.log(1e-50)
 _EARLY = 1.0  # T below which elastic moments are summed as power series, of 40 terms
 
 
