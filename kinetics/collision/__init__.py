@@ -6,7 +6,7 @@ given by weighted samples, and `quadrature.py` what both of them hand to the law
 """
 
 from kinetics.collision.impact import DiskBounce
-from kinetics.collision.law import CollisionLaw
+from kinetics.collision.law import CollisionLaw, law_of
 from kinetics.collision.quadrature import ImpactQuadrature, Survival
 
-__all__ = ["CollisionLaw", "DiskBounce", "ImpactQuadrature", "Survival"]
+__all__ = ["CollisionLaw", "DiskBounce", "ImpactQuadrature", "Survival", "law_of"]

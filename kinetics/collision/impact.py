@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import loggamma
 
 from kinetics.collision.quadrature import ImpactQuadrature, Survival
 from kinetics.numerics import FloatArray
@@ -34,6 +35,8 @@ from kinetics.numerics.gauss import equal_panels, gauss_legendre
 _POINTS = 20
 RESOLVED = 30.0
 _DEEPEST = 40.0  # where s reaches 0: what lies beyond this in -ln s weighs e^-40 = 4e-18
+_CLOSE = 0.5  # |z| below which 1 - E[s^z] is taken from the quadrature, which loses no digit
+_BULK = 8.0  # and in ln v t, all that counts of the scaling state
 _STEEP = 5.0  # U from which exponentials of U are taken apart: either form holds from 1 to 300
 
 
@@ -57,7 +60,7 @@ class DiskBounce:
         return 0.0 - math.log(least) if least > 0.0 else math.inf
 
     @property
-    def lowest_exponent(self) -> float:
+    def lowest_power(self) -> float:
         """-(d - 1) at e = 0, where s = et y; -2 at et = 0, where s = e sqrt(1 - y^2)."""
         if self.restitution == 0.0:
             return 1.0 - self.dimension
@@ -79,7 +82,7 @@ class DiskBounce:
         e, et = self.restitution, self.tangential_restitution
         least, most = min(e, et), max(e, et)
         if least == 0.0:
-            return _DEEPEST if e == 0.0 else 0.5 * _DEEPEST
+            return _DEEPEST
         if least < 1e-8 * most:  # the next term, (least/most)^2/4, is below rounding
             return math.log(2.0) - math.log(least) + math.log(most)
         return math.asinh(math.sqrt((most - least) * (most + least)) / least)
@@ -110,7 +113,9 @@ class DiskBounce:
         Up to the least loss it is 1.
         """
         e, et, d = self.restitution, self.tangential_restitution, self.dimension
-        at = _nodes(e, et, self._top, self._longest(level))
+        # where s reaches 0, low speeds see the bulk of the scaling state from e^-40 of it
+        top = self._top + (_BULK if math.isfinite(self.lowest_power) else 0.0)
+        at = _nodes(e, et, top, self._longest(level))
         s = np.exp(-at.log_loss)
         with np.errstate(divide="ignore"):
             if e < et:
@@ -167,6 +172,19 @@ class DiskBounce:
             return np.sqrt(share)
         share = np.where(share > 1.0 - 1e-12, 1.0, share)  # y = 0, where 1 - y is not rounded
         return share / (1.0 + np.sqrt(1.0 - share))
+
+    def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
+        """1 - et^z (d-1)/(z+d-1) at e = 0; at et = 0 with Beta functions, not close to z = 0."""
+        e, et, d = self.restitution, self.tangential_restitution, self.dimension
+        above = d - 1.0
+        if e == 0.0:
+            gone = np.expm1(z * math.log(et)) if et < 1.0 else 0.0
+            return np.asarray((z - above * gone) / (above + z))
+        if et > 0.0 or z.size == 0 or float(np.abs(z).min()) < _CLOSE:
+            return None
+        first, half = 1.0 + 0.5 * z, 0.5 * above
+        log_power = loggamma(first) - loggamma(first + half) + math.lgamma(1.0 + half)
+        return np.asarray(1.0 - np.exp(log_power + z * math.log(e)))
 
     def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
         """What bounces beyond the nodes add to E[s^p]: 0 but where s reaches 0."""

@@ -143,12 +143,42 @@ class CollisionLaw:
         return self._bounce.largest_loss
 
     @cached_property
-    def lowest_exponent(self) -> float:
+    def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
         There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0.
         """
-        return self._bounce.lowest_exponent
+        return self._bounce.lowest_power
+
+    @cached_property
+    def uniform_power(self) -> float | None:
+        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
+
+        Then lambda(z) = z/(z + q), kappa = 1/q, and the scaling state is known in closed form. None
+        for all other laws.
+        """
+        if self.restitution == 0.0 and self.tangential_restitution == 1.0:
+            return self.dimension - 1.0
+        return None
+
+    @cached_property
+    def energy_loss(self) -> float:
+        """lambda(2) = 1 - E[s^2], the share of its energy that a tracer loses at a bounce."""
+        return float(self.decay_rate(2.0))
+
+    @property
+    def unit_surface(self) -> float:
+        """The circumference of the unit circle, 2 pi, or the surface of the unit sphere, 4 pi."""
+        return 2.0 * math.pi * (self.dimension - 1.0)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What :func:`law_of` makes this law of; ``restitution`` is the law itself for samples."""
+        return {
+            "restitution": self if self._samples is not None else self.restitution,
+            "tangential_restitution": self.tangential_restitution,
+            "dimension": self.dimension,
+        }
 
     @cached_property
     def tail_exponent(self) -> float:
@@ -216,15 +246,18 @@ class CollisionLaw:
         it vanishes (p -> 0, elastic bounces). Negative for p < 0.
         """
         p_ = self._exponents(p)
-        if self.restitution == 0.0:
-            # (p + (d-1)(1 - et^p))/(p + d-1): no cancellation
-            above = self.dimension - 1.0
-            return ((p_ - above * np.expm1(p_ * self._log_tangential)) / (above + p_))[()]
-        q = self.quadrature_for(_size(p_))
         with np.errstate(over="ignore", invalid="ignore"):
-            rate = -np.expm1(-np.multiply.outer(p_, q.log_loss)) @ q.weight
-            rate = rate - self._bounce.beyond(p_)
+            rate = self.decay_symbol(p_)
         return self._finite(p, rate)[()]
+
+    def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
+        """lambda(z) = 1 - E[s^z], shape of z; without checks of the range, for inner loops."""
+        closed = self._bounce.closed_decay(z)
+        if closed is not None:
+            return closed
+        q = self.quadrature_for(_size(z))
+        rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
+        return np.asarray(rate - self._bounce.beyond(z))
 
     @cached_property
     def mean_log_loss(self) -> float:
@@ -274,9 +307,9 @@ class CollisionLaw:
         p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
-        if np.any(p_.real <= self.lowest_exponent):
+        if np.any(p_.real <= self.lowest_power):
             which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_exponent:g}")
+            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
         return p_
 
     @staticmethod
@@ -284,6 +317,30 @@ class CollisionLaw:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
+
+
+def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
+    """The law of these arguments, as the solvers take them.
+
+    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
+    given. Raises InputError for arguments out of range, and for a law that gains energy.
+    """
+    if not isinstance(restitution, CollisionLaw):
+        return CollisionLaw(restitution, tangential_restitution, dimension)
+    law = restitution
+    for name, value, default in (
+        ("tangential_restitution", tangential_restitution, 1.0),
+        ("dimension", dimension, 2),
+    ):
+        if value is not None and value not in (default, getattr(law, name)):
+            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
+    if law.least_loss < 0.0:
+        largest = math.exp(-law.least_loss)
+        raise InputError(
+            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
+            "a tracer that never gains energy (ratios up to 1)"
+        )
+    return law
 
 
 def _size(z: NDArray[Any]) -> float:

@@ -95,7 +95,7 @@ class Bounce(Protocol):
         """The largest -ln s that occurs; infinite where s comes as near to 0 as one likes."""
 
     @property
-    def lowest_exponent(self) -> float:
+    def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it; -inf where s has a lower bound above 0."""
 
     @property
@@ -113,6 +113,9 @@ class Bounce(Protocol):
 
     def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node."""
+
+    def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
+        """1 - E[s^z] where a closed form is better than the quadrature, shape of z; or None."""
 
     def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
         """What bounces that lose more than any node add to E[s^p]; their deflection is pi/2."""

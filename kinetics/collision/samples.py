@@ -74,7 +74,7 @@ class SampledBounce:
         return float(self._arrays[1].max())
 
     @property
-    def lowest_exponent(self) -> float:
+    def lowest_power(self) -> float:
         """Every power has an average."""
         return -math.inf
 
@@ -113,6 +113,10 @@ class SampledBounce:
         """The samples and the cell of each."""
         cell = np.floor(self._arrays[1] / spacing).astype(np.int64)
         return self.quadrature(0), cell
+
+    def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
+        """The sum over the samples serves."""
+        return None
 
     def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
         """Nothing is left out."""

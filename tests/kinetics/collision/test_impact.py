@@ -127,7 +127,7 @@ def test_what_kind_of_law_it_is(
 ) -> None:
     assert law.least_loss == pytest.approx(least, abs=1e-15)
     assert law.largest_loss == pytest.approx(largest)
-    assert law.lowest_exponent == lowest
+    assert law.lowest_power == lowest
     assert law.tail_exponent == pytest.approx(tail)
     assert not law.is_elastic
     assert CollisionLaw(1.0).is_elastic
