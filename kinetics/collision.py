@@ -181,6 +181,11 @@ class CollisionLaw:
     def __post_init__(self) -> None:
         object.__setattr__(self, "restitution", check_restitution(self.restitution))
 
+    @property
+    def lowest_power(self) -> float:
+        """E[s^p] exists for p above it: -1 at e = 0, where a head-on bounce stops the tracer."""
+        return -1.0 if self.restitution == 0.0 else -math.inf
+
     @cached_property
     def quadrature(self) -> ImpactQuadrature:
         """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
@@ -255,10 +260,17 @@ class CollisionLaw:
             return self.decay_rate(p)
         p_ = self._exponents(p)
         q = self.quadrature_for(_size(p_), abs(m))
-        # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
+        turned = q.harmonic_loss(m)
         with np.errstate(over="ignore", invalid="ignore"):
-            lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
-            rate = (lost + (1.0 - lost) * q.harmonic_loss(m)) @ q.weight
+            if self.restitution == 0.0:
+                # s^p near s = 0, where chi = pi/2, in closed form: the points end at s = e^-40
+                head_on = 1.0 - math.cos(0.5 * math.pi * (m % 4))
+                powers = np.exp(-np.multiply.outer(p_, q.log_loss))
+                rate = (p_ + head_on) / (1.0 + p_) + powers @ ((turned - head_on) * q.weight)
+            else:
+                # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
+                lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
+                rate = (lost + (1.0 - lost) * turned) @ q.weight
         return self._finite(p, rate)[()]
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
