@@ -264,7 +264,7 @@ class CollisionLaw:
         with np.errstate(over="ignore", invalid="ignore"):
             if self.restitution == 0.0:
                 # s^p near s = 0, where chi = pi/2, in closed form: the points end at s = e^-40
-                head_on = 1.0 - math.cos(0.5 * math.pi * (m % 4))
+                head_on = (0.0, 1.0, 2.0, 1.0)[m % 4]  # 1 - cos(m pi/2)
                 powers = np.exp(-np.multiply.outer(p_, q.log_loss))
                 rate = (p_ + head_on) / (1.0 + p_) + powers @ ((turned - head_on) * q.weight)
             else:
