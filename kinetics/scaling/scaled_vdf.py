@@ -89,9 +89,9 @@ class ScaledVDF(Value):
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c; InputError for c negative or not finite.
 
-        The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. (Where
-        F < 1e-80 and e is close to 1 it may be three times what was asked.) At e = 0, F is
-        infinite at c = 0.
+        The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. The
+        rounding of c alone moves F by 2e-16 times |d ln F/d ln c|, which :attr:`error_estimate`
+        counts. At e = 0, F is infinite at c = 0.
         """
         c_ = not_negative("c", c)
         flat = c_.ravel()
@@ -143,8 +143,9 @@ class ScaledVDF(Value):
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far.
 
-        The largest of each tilt's defect, window ends and highest modes, of the disagreement of
-        neighbours about the shape of F where they meet, and of what moments lose to noise.
+        The largest of each tilt's defect, window ends and highest modes, and of what moments lose
+        to noise; with the disagreement of neighbours about the shape of F where they meet, and
+        with what the error of the unit of speed makes of F(c) where F is steep.
         """
         return self._axis.error_estimate
 
