@@ -28,6 +28,7 @@ _NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of it
 # An error of the unit of speed moves F(c) along the axis, and counts most where F is steep: where
 # it is more than this share of rtol, the bulk is solved again, to a tenth of rtol.
 _UNNOTICED, _FINER = 0.6, 0.1
+_STEEPEST = 30.0  # of a tilt over a period, in ln g: only nodes that were given can be so few
 _EPSILON = float(np.finfo(float).eps)  # the rounding of a speed moves densities too
 
 
@@ -183,10 +184,10 @@ class SpeedAxis:
             gap = below - above
         if not np.all(np.isfinite(gap)):
             return x, float(gap[2]), 1.0
-        grown = np.exp(
-            [below[2] - below + low.theta * (x - around),
-             above[2] - above + high.theta * (x - around)]
-        )  # fmt: skip
+        # logarithms of the tilted densities at the middle, over those around it
+        fallen = np.stack([below[2] - below, above[2] - above])
+        fallen += np.outer([low.theta, high.theta], x - around)
+        grown = np.exp(np.clip(fallen, -_STEEPEST, _STEEPEST))
         mean = grown @ _PERIOD
         varying, rest = grown - mean[:, None], gap - _PERIOD @ gap
         # the fit takes out what is above rounding
