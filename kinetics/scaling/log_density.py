@@ -28,6 +28,7 @@ _NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of it
 # An error of the unit of speed moves F(c) along the axis, and counts most where F is steep: where
 # it is more than this share of rtol, the bulk is solved again, to a tenth of rtol.
 _UNNOTICED, _FINER = 0.6, 0.1
+_WIDE = 0.6  # deviation of x in the bulk, about that of e = 0.4
 _STEEPEST = 30.0  # of a tilt over a period, in ln g: only nodes that were given can be so few
 _EPSILON = float(np.finfo(float).eps)  # the rounding of a speed moves densities too
 
@@ -80,8 +81,9 @@ class SpeedAxis:
         self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
         bulk = self.tilts[self._bulk]
-        if p == 0.0 and self.refined and self.law.restitution > 0.0:
-            # by the bulk alone, whose tilt is nearly 0: no seam gets into the norm
+        wide = bulk.deviation > _WIDE and self.law.restitution > 0.0
+        if p == 0.0 and self.refined and wide and rounding_share(self.rtol) < 1.0:
+            # the norm by the bulk alone, whose tilt is nearly 0: tilts below a wide one are rough
             x, log_g = bulk.grid.x, bulk.log_at_nodes + self.scales[self._bulk]
             spacing = bulk.grid.spacing
         if self.law.restitution == 0.0:
