@@ -6,7 +6,6 @@ Between the questions (`kinetics.scene`, `kinetics.outputs`) and the backward eq
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,7 +21,6 @@ from kinetics.validation import exponent, whole_number
 
 ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _ELASTIC_ROUNDING = 1e-15
-_LOWEST_AT_ZERO = -0.25  # at e = 0 bounces to s < e^-40, of weight s^(1 + p), are left out
 _HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 _MORE_NODES = 4  # how often one more node of a panel is tried
 
@@ -87,12 +85,9 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
     """
     p = exponent("p", p, _HIGHEST_POWER)
     m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
-    at_rest = scene.restitution == 0.0
-    lowest = max(scene.state.lowest_moment, -1.0 if at_rest else -math.inf)
+    lowest = max(scene.state.lowest_moment, scene.law.lowest_power)
     if p <= lowest:
         raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
-    if at_rest and p < _LOWEST_AT_ZERO:
-        raise InputError(f"p: got {p!r}; at restitution 0 they are solved for p >= -0.25")
     averages = averages_of(scene, rtol, p, p)
     if averages.measure(m) is not None:
         asked = [parts((1.0, speed_power(p, m)))]

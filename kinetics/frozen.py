@@ -18,7 +18,7 @@ def read_only(values: ArrayLike) -> NDArray[Any]:
     array = np.asarray(values)
     if array.flags.writeable or array.base is not None:
         array = array.copy()
-        array.flags.writeable = False
+        array.setflags(write=False)
     return array
 
 
@@ -56,14 +56,21 @@ class FrozenDict(Mapping[K, V]):
         return FrozenDict, (self._items,)
 
 
+_PLAIN = frozenset({float, int, str, bool, complex, type(None)})  # nothing in them can change
+
+
 def frozen(value: Any) -> Any:
     """The value with read-only arrays and dictionaries, in tuples and dictionaries too."""
+    kind = type(value)
+    if kind in _PLAIN or kind is FrozenDict:
+        return value
+    if kind is tuple:
+        return tuple([frozen(item) for item in value])
     if isinstance(value, np.ndarray):
         return read_only(value)
-    if isinstance(value, Mapping):
+    # a dictionary of any kind; asking Mapping about every object takes longer than freezing it
+    if hasattr(kind, "keys") and isinstance(value, Mapping):
         return FrozenDict(value)
-    if type(value) is tuple:
-        return tuple(frozen(item) for item in value)
     return value
 
 

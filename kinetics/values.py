@@ -32,12 +32,14 @@ class Value:
             cls.__repr__ = brief  # type: ignore[method-assign]
 
     def __post_init__(self) -> None:
-        self.store(**vars(self))
+        values = self.__dict__  # past the lock of a frozen dataclass
+        for name, value in values.items():
+            values[name] = frozen(value)
 
     def store(self, **values: Any) -> None:
         """Set fields in ``__post_init__``; arrays and dictionaries as copies that do not change."""
         for name, value in values.items():
-            object.__setattr__(self, name, frozen(value))
+            self.__dict__[name] = frozen(value)
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):

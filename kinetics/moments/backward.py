@@ -239,19 +239,26 @@ class BackwardEquation:
             return self._solved[y]
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
         series = _needed(moment_series(self.law, y, self.known))
+        # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
+        # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
+        apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
         loss, gain = self._kernel(y.harmonic)
         n = self.nodes
         reach = gain.shape[1] // n
         # the panels below, and the point where the first one begins
         x = START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
         below = np.append(x[:reach], START)
-        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), series)
+        rest = np.append(0.0, series[1:]) if apart else series
+        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
         table = np.empty((reach + self.count, n))
         table[:reach] = known[:-1].reshape(reach, n)
         rate = np.exp(x[reach:])
         drive = np.full((self.count, n), y.constant)
         for factor, values in sources:
             drive += factor * values
+        if apart:
+            term = np.exp(y.degree * x[reach:])
+            drive -= self.law.harmonic_decay_rate(y.degree, y.harmonic) * term
         # rows are divided by the collision rate where that is large
         scale = 1.0 / np.maximum(1.0, rate)
         rate *= scale
@@ -266,7 +273,8 @@ class BackwardEquation:
             right[0] = first
             table[reach + j] = inverse[j] @ right
             first = table[reach + j, -1]
-        self._solved[y] = _Panels(table[reach:], series, y.degree)
+        values = table[reach:] + term if apart else table[reach:]
+        self._solved[y] = _Panels(values, series, y.degree)
         return self._solved[y]
 
     def solve(self, observable: Observable) -> FloatArray:

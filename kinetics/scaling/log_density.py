@@ -14,7 +14,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.scaling.low_speeds import LowSpeeds
-from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
+from kinetics.scaling.tilted import Tilt, next_tilt, rounding_share, solve_tilt
 
 # The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
 # lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at
@@ -25,9 +25,12 @@ _PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0  # trapezoid rule over two h
 _NEGLIGIBLE = 4.0  # e^-4 = 2 % of rtol: what lies beyond the speeds that are solved may weigh that
 # The two constants below are measured again by tests/kinetics/measurements/scaling.py.
 _NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of its peak
-# ln g this far below its peak is so steep that the error of the unit of speed counts too much, and
-# the bulk is solved again.
-_FAR = 75.0
+# An error of the unit of speed moves F(c) along the axis, and counts most where F is steep: where
+# it is more than this share of rtol, the bulk is solved again, to a tenth of rtol.
+_UNNOTICED, _FINER = 0.6, 0.1
+_WIDE = 0.6  # deviation of x in the bulk, about that of e = 0.4
+_STEEPEST = 30.0  # of a tilt over a period, in ln g: only nodes that were given can be so few
+_EPSILON = float(np.finfo(float).eps)  # the rounding of a speed moves densities too
 
 
 class SpeedAxis:
@@ -60,6 +63,7 @@ class SpeedAxis:
         self._low_scale = 0.0
         self.refined = False
         self.unresolved = False
+        self._moved = 0.0  # relative error of densities by that of the unit of speed
         self._lost = 0.0  # relative error of moments that reach beyond all that can be solved
         self._sampled: tuple[FloatArray, FloatArray, float] | None = None
 
@@ -67,7 +71,8 @@ class SpeedAxis:
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far."""
         estimates = [t.error for t in self.tilts]
-        return max(*estimates, *self._disagreements, self._lost, 1.0 if self.unresolved else 0.0)
+        estimates += [self._lost, 1.0 if self.unresolved else 0.0]
+        return max(estimates) + math.hypot(*self._disagreements) + self._moved
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -75,6 +80,12 @@ class SpeedAxis:
         """ln of the integral of e^(p x) g, by the trapezoid rule, to ``share`` of the accuracy."""
         self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
+        bulk = self.tilts[self._bulk]
+        wide = bulk.deviation > _WIDE and not self._reaches_rest
+        if p == 0.0 and self.refined and wide and rounding_share(self.rtol) < 1.0:
+            # the norm by the bulk alone, whose tilt is nearly 0: tilts below a wide one are rough
+            x, log_g = bulk.grid.x, bulk.log_at_nodes + self.scales[self._bulk]
+            spacing = bulk.grid.spacing
         if self._reaches_rest:
             # there g ~ e^(q x): the grid goes on below until e^((q+p) x) is negligible
             depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
@@ -168,19 +179,33 @@ class SpeedAxis:
         return self.tilts[0].landmarks[0] + self.scales[0]
 
     def _join(self, low: Tilt, high: Tilt) -> tuple[float, float, float]:
-        """Where two tilts meet, the difference of their logarithms there, and its spread."""
+        """Where two tilts meet, the difference of their logarithms there, and its error.
+
+        Far from its peak, the error of a tilt relative to g is one over the tilted density, times
+        a constant: both of these are fitted to the difference, and taken out of it.
+        """
         reach = low.span * low.deviation
         share = reach / (reach + high.span * high.deviation)
         x = low.centre + share * (high.centre - low.centre)
-        # over a period of the highest modes, of which the noise is made
+        # over a period of the highest modes, whose noise has no part in the average
         around = x + np.linspace(-0.5, 0.5, 5) * (low.grid.spacing + high.grid.spacing)
         with np.errstate(invalid="ignore"):
-            gap = low.log_density(around) - high.log_density(around)
+            below, above = low.log_density(around), high.log_density(around)
+            gap = below - above
         if not np.all(np.isfinite(gap)):
             return x, float(gap[2]), 1.0
-        inner = gap[1:-1]
-        # each of the two has half of it
-        return x, float(_PERIOD @ gap), 0.5 * float(inner.max() - inner.min())
+        # logarithms of the tilted densities at the middle, over those around it
+        fallen = np.stack([below[2] - below, above[2] - above])
+        fallen += np.outer([low.theta, high.theta], x - around)
+        grown = np.exp(np.clip(fallen, -_STEEPEST, _STEEPEST))
+        mean = grown @ _PERIOD
+        varying, rest = grown - mean[:, None], gap - _PERIOD @ gap
+        # the fit takes out what is above rounding
+        normal = (varying * _PERIOD) @ varying.T + rounding_share(self.rtol) ** 2 * np.eye(2)
+        size = np.linalg.solve(normal, varying @ (_PERIOD * rest))
+        left = rest - size @ varying
+        error = 0.5 * (left[1:-1].max() - left[1:-1].min())
+        return x, float(_PERIOD @ gap - size @ mean), float(error)
 
     def _add_above(self) -> bool:
         """The next tilt up; False where too few nodes were asked for to find it."""
@@ -262,19 +287,41 @@ class SpeedAxis:
         while self._bottom > lowest and self._add_below():
             pass
         out = self._joined(x)
-        if not self.refined and self.requested_nodes is None:
-            bulk = self.tilts[self._bulk]
-            drop = np.where(np.isfinite(out), bulk.landmarks[1] - out, 0.0)
-            if np.any(drop > _FAR):
-                self._refine()
-                return self._joined(x)
+        moved = self._steepest(x, out) * self.unit_error
+        if moved > _UNNOTICED * self.rtol and not self.refined and self.requested_nodes is None:
+            self._refine()
+            out = self._joined(x)
+            moved = self._steepest(x, out) * self.unit_error
+        self._moved = max(self._moved, moved)
         return out
+
+    def _steepest(self, x: FloatArray, log_g: FloatArray) -> float:
+        """The largest |d ln g/dx| at x, (n,): at the lowest or the highest where g is not 0."""
+        there = x[np.isfinite(log_g)]
+        if there.size == 0:
+            return 0.0
+        low, high = float(there.min()), float(there.max())
+        step = 0.1 * self.tilts[self._bulk].deviation
+        ends = self._joined(np.array([low, low + step, high - step, high]))
+        slopes = np.abs(np.diff(ends)[::2]) / step
+        return float(np.max(slopes, initial=0.0, where=np.isfinite(slopes)))
+
+    @property
+    def unit_error(self) -> float:
+        """Estimate of the error of ln sqrt(E[Y^2]), by which F(c) is moved along the axis."""
+        bulk = self.tilts[self._bulk]
+        if self.refined:
+            return bulk.deviation * bulk.discretisation_error + _EPSILON
+        # an error of the same size all over the window, of opposite sign on the two sides
+        half = min(bulk.centre - bulk.grid.start, bulk.grid.end - bulk.centre)
+        shift = half**2 / (math.sqrt(2.0 * math.pi) * bulk.deviation)
+        return _NOISE * bulk.noise * shift + _EPSILON
 
     def _refine(self) -> None:
         """Solve the bulk again with the margin of the others, and join it to its neighbours."""
         i = self._bulk
         known = self.tilts[i]
-        fine = solve_tilt(self.law, known.theta, self.rtol)
+        fine = solve_tilt(self.law, known.theta, max(_FINER * self.rtol, _EPSILON))
         self.tilts[i] = fine
         below = 0.0
         if i + 1 < len(self.tilts):

@@ -95,9 +95,9 @@ class ScaledVDF(Value):
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c; InputError for c negative or not finite.
 
-        The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. (Where
-        F < 1e-80 and e is close to 1 it may be three times what was asked.) F(0) is 0 unless
-        bounces come as near to rest as one likes; at e = 0 it is infinite.
+        The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. The
+        rounding of c alone moves F by 2e-16 times |d ln F/d ln c|, which :attr:`error_estimate`
+        counts. F(0) is 0 unless bounces come as near to rest as one likes; at e = 0 it is infinite.
         """
         c_ = not_negative("c", c)
         flat, out = from_rest(self.law, c_.ravel())
@@ -149,8 +149,9 @@ class ScaledVDF(Value):
     def error_estimate(self) -> float:
         """Relative error of the results, over all that was solved so far.
 
-        The largest of each tilt's defect, window ends and highest modes, of the disagreement of
-        neighbours about the shape of F where they meet, and of what moments lose to noise.
+        The largest of each tilt's defect, window ends and highest modes, and of what moments lose
+        to noise; with the disagreement of neighbours about the shape of F where they meet, and
+        with what the error of the unit of speed makes of F(c) where F is steep.
         """
         return self._axis.error_estimate
 

@@ -225,6 +225,11 @@ def _span(rtol: float, margin: float) -> float:
     return max(_NARROWEST, math.sqrt(2.0 * math.log(max(room, 1.0))))
 
 
+def rounding_share(rtol: float) -> float:
+    """Rounding of a tilt over the error for which its grid is chosen, both of its peak."""
+    return _NARROW_ROUNDING / (math.exp(-_MARGIN) * rtol)
+
+
 def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> float | None:
     """The tilt that takes over, up or down, where a known one ends.
 

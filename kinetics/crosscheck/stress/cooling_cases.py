@@ -75,8 +75,7 @@ def _scaled(e: float, rtol: float, nodes: int | None = None) -> Outcome:
     estimate, converged = state.error_estimate, state.status.name == "CONVERGED"
     claimed = max(rtol, 1e-12) if converged else math.inf
     return Outcome(
-        # with the nodes given, it is the estimate that must hold
-        asked=rtol if nodes is None else max(rtol, estimate),
+        asked=rtol,
         reached=reached if finite(reached, F) else math.inf,
         converged=converged,
         invariants={

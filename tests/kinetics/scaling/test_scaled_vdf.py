@@ -284,3 +284,30 @@ def test_vdf_at_small_restitutions(e: float) -> None:
     c = np.array([18.0, 22.5])
     exact = np.array([ScalingSolution(e).vdf(x) for x in c])
     np.testing.assert_allclose(solve_scaled(e).vdf(c), exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("e", "rtol"),
+    [(0.9999, 1e-9), (0.997, 1e-7), (0.9995, 1e-3), (0.78, 3e-8), (0.3, 1e-8), (0.14, 1e-7)],
+)
+def test_both_tails_keep_the_accuracy_asked(e: float, rtol: float) -> None:
+    """F down to 1e-290: errors of joins add up, and one of the unit of speed counts where steep."""
+    exact = ScalingSolution(e)
+    c = np.concatenate(
+        [np.geomspace(1e-3, 0.5, 6), np.geomspace(0.6, 5.0, 20), [20.0, 60.0, 100.0]]
+    )
+    f = exact.vdf(c)
+    seen = f > 1e-290
+    state = solve_scaled(e, rtol)
+    error = np.abs(state.vdf(c)[seen] / f[seen] - 1.0).max()
+    assert error <= rtol
+    assert state.status is SolverStatus.CONVERGED
+
+
+def test_the_rounding_of_the_speed_is_in_the_estimate() -> None:
+    """Near e = 1, F is so steep that c to 2e-16 gives it to 1e-12 only."""
+    state = solve_scaled(0.9999, 1e-12)
+    c = np.array([0.8, 0.95, 1.2])
+    error = np.abs(state.vdf(c) / ScalingSolution(0.9999).vdf(c) - 1.0).max()
+    assert error <= state.error_estimate
+    assert state.status is SolverStatus.TOLERANCE_NOT_REACHED
