@@ -149,7 +149,7 @@ def _profile(
     times, path = np.asarray(scene.times), scene.mean_free_path
     if state.harmonic(m, rtol) is None:
         return None
-    if law.restitution == 1.0:
+    if law.is_elastic:
         from kinetics.densities.elastic import elastic_profile
 
         return elastic_profile(law, path, state, m, times)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw, impact_cells
+from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
@@ -72,7 +72,7 @@ class NodeMasses(Value):
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q, low = impact_cells(law.restitution, spacing)
+    q, low = law.cells(spacing)
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
     down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
     down = np.clip(down, 0.0, 1.0)
