@@ -8,6 +8,7 @@ the speed is such a law.
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -21,6 +22,7 @@ from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError
 from kinetics.validation import check_restitution, real_number, refuse, whole_number
 
+_LEAST_RATE = 1.0 / sys.float_info.max
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -110,12 +112,19 @@ class CollisionLaw:
         if self._samples is not None:
             count = len(self._samples.weight)
             return f"CollisionLaw.from_samples({count} samples, dimension={self.dimension})"
+        return f"CollisionLaw({self.described})"
+
+    @property
+    def described(self) -> str:
+        """The arguments, for texts; those that have their defaults are left out."""
+        if self._samples is not None:
+            return f"restitution={self!r}"
         rest = ""
         if self.tangential_restitution != 1.0:
             rest += f", tangential_restitution={self.tangential_restitution!r}"
         if self.dimension != 2:
             rest += f", dimension={self.dimension}"
-        return f"CollisionLaw(restitution={self.restitution!r}{rest})"
+        return f"restitution={self.restitution!r}{rest}"
 
     # -- what kind of law it is -------------------------------------------------------------------
 
@@ -170,6 +179,15 @@ class CollisionLaw:
     def unit_surface(self) -> float:
         """The circumference of the unit circle, 2 pi, or the surface of the unit sphere, 4 pi."""
         return 2.0 * math.pi * (self.dimension - 1.0)
+
+    def mean_free_path(self, number_density: float, diameter: float) -> float:
+        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres; d the diameter.
+
+        0 or infinite where it is beyond the range of doubles.
+        """
+        across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
+        rate = across * number_density
+        return 1.0 / rate if rate >= _LEAST_RATE else math.inf
 
     @property
     def arguments(self) -> dict[str, Any]:

@@ -52,7 +52,7 @@ class ScalingSolution(Value):
     (True, True)
     """
 
-    restitution: float | CollisionLaw
+    restitution: Any
     tangential_restitution: float | None = 1.0
     dimension: int = 2
     law: CollisionLaw = field(init=False, repr=False, compare=False)

@@ -57,7 +57,7 @@ class ScaledVDF(Value):
     dimension : 2 or 3
     """
 
-    restitution: float | CollisionLaw
+    restitution: Any
     rtol: float
     requested_nodes: int | None = None
     tangential_restitution: float | None = 1.0
@@ -169,22 +169,17 @@ class ScaledVDF(Value):
     def _errors(self) -> tuple[dict[str, float], dict[str, float]]:
         return {"F(c)": self.error_estimate}, {"F(c)": self.rtol}
 
-    @property
-    def _named(self) -> str:
-        """The arguments of the law, those left out that have their defaults."""
-        return repr(self.law).removeprefix("CollisionLaw(").removesuffix(")")
-
     def __repr__(self) -> str:
         nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
         return (
-            f"ScaledVDF({self._named}, rtol={self.rtol!r}{nodes}): "
+            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}{nodes}): "
             f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
 
     def _repr_html_(self) -> str:
         figures = {
-            "law": self._named,
+            "law": self.law.described,
             "cooling rate h": f"{self.cooling_rate:.12g}",
             "a2": f"{self.a2:.12g}",
             "status": self.status.name.lower(),

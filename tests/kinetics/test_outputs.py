@@ -31,8 +31,8 @@ def test_every_row(name: str) -> None:
         assert tuple(solution.values) == row.names
         expected = [len(TIMES) if n == "n_times" else int(n) for n in row.shape]
         assert all(solution.values[n].shape == tuple(expected) for n in row.names)
-        assert row.made_of()
-        assert all(isinstance(part.observable, Observable) for part in row.made_of())
+        assert row.made_of(2)
+        assert all(isinstance(part.observable, Observable) for part in row.made_of(2))
     assert set(row.names) <= set(UNITS)
     steps = {step.part: step.solved for step in solution.plan}
     assert steps[row.step]
@@ -99,7 +99,7 @@ def test_the_velocity_of_the_start_is_averaged_over_all_directions() -> None:
     """<v(0).v(t)> of an isotropic start is not zero, though <v(t)> is."""
 
     def asked(name: str) -> Any:
-        return [part.start for part in outputs.OUTPUTS[name].made_of()]
+        return [part.start for part in outputs.OUTPUTS[name].made_of(2)]
 
     assert asked("velocity_autocorrelation") == [0]
     assert asked("mean_velocity") == [1]
