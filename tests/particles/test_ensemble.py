@@ -170,7 +170,7 @@ BAD = [
     (dict(tracers=2.5), "tracers = 2.5: must be a whole number"),
     (dict(max_collisions=0), "max_collisions = 0"),
     (dict(seed=-1), "seed = -1: must be a whole number from 0"),
-    (dict(workers=0), "workers = 0: must be a positive whole number"),
+    (dict(workers=0), "workers = 0: must be a whole number from 1"),
     (dict(observables=["speed"]), "observables: no 'speed'; there are thermal_speed"),
     (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson,"),
 ]
@@ -193,7 +193,7 @@ def test_media_say_what_is_allowed() -> None:
         Poisson(1.0, 1)
     with pytest.raises(ValueError, match=r"number_density = 0.9: .* at most 0.65"):
         HardDisks(0.9, 1000)
-    with pytest.raises(ValueError, match=r"count = 0: must be a positive whole number"):
+    with pytest.raises(ValueError, match=r"count = 0: must be a whole number from 1 to"):
         HardDisks(0.1, 0)
     with pytest.raises(ValueError, match=r"diameter = nan"):
         BoltzmannGrad(0.1, diameter=float("nan"))
