@@ -123,16 +123,16 @@ def write(
     text, described = _describe(plan)
     everything = {**described, **arrays}
     # In memory: where the disk is full, HDF5 ends the process while it closes its file.
-    with BytesIO() as image:
-        with h5py.File(image, "w") as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["version"] = VERSION
-            file.attrs["done"] = done
-            file.attrs["plan"] = text
-            file.attrs["digest"] = _digest(text, done, everything)
-            for name, array in everything.items():
-                file.create_dataset(name, data=array).attrs["unit"] = _UNITS.get(name, "1")
-        write_whole(check_path("path", path), image.getbuffer())
+    image = BytesIO()
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["done"] = done
+        file.attrs["plan"] = text
+        file.attrs["digest"] = _digest(text, done, everything)
+        for name, array in everything.items():
+            file.create_dataset(name, data=array).attrs["unit"] = _UNITS.get(name, "1")
+    write_whole(check_path("path", path), image.getbuffer())
 
 
 class _Refused(ValueError):
