@@ -149,6 +149,8 @@ def _ends_in_time() -> Iterator[None]:
     thread of the signal, which ends the process `GRACE` seconds later if it is still there.
     """
     before = {number: signal.getsignal(number) for number in _ENDED}
+    report_dropped = sys.unraisablehook
+    sys.unraisablehook = _report_dropped
     listening, telling = socket.socketpair()
     telling.setblocking(False)
     other = signal.set_wakeup_fd(telling.fileno(), warn_on_full_buffer=False)
@@ -161,6 +163,7 @@ def _ends_in_time() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(other)
         telling.close()
+        sys.unraisablehook = report_dropped
         for number, handler in before.items():
             signal.signal(number, handler)
 
@@ -177,6 +180,12 @@ def _end_in_time(listening: socket.socket) -> None:
                     listening.settimeout(max(end - time.monotonic(), 1e-3))
         except TimeoutError:
             os._exit(status)
+
+
+def _report_dropped(dropped: Any) -> None:
+    """Report what is raised in a destructor, but no Ctrl-C: the process ends soon all the same."""
+    if not issubclass(dropped.exc_type, KeyboardInterrupt | SystemExit):
+        sys.__unraisablehook__(dropped)
 
 
 def _interrupt(number: int, frame: Any) -> None:

@@ -1,12 +1,12 @@
 """simulate(): from a medium and a start to an Ensemble."""
 
+from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from itertools import islice
 from os import PathLike
 from queue import SimpleQueue
-from threading import Thread
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -120,12 +120,13 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
 
     Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C.
     Nobody waits for the threads after an exception; each ends after its configuration, or with
-    the process. An exception that a signal raises within a lock of `threading` may leave it locked
-    for ever; concurrent.futures has such locks, and would then wait for ever for threads that wait
-    for them. So the main thread shares with the others nothing but queues that are written in C.
+    the process. An exception that a signal raises inside a lock of `threading` may leave it locked
+    for ever, or unlock it twice. concurrent.futures has such locks, and so has the start of a
+    Thread: there the main thread once waited for ever for a thread that waited for it. So it shares
+    with the threads nothing but queues that are written in C.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
-    done: SimpleQueue[tuple[int, Tally | BaseException]] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Tally | BaseException | None]] = SimpleQueue()
     ended: list[bool] = []
 
     def work() -> None:
@@ -134,13 +135,13 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
                 done.put((c, run_configuration(plan, c)))
             except BaseException as error:  # it is raised again in the main thread
                 done.put((c, error))
+        done.put((-1, None))
 
-    threads = [Thread(target=work, daemon=True) for _ in range(workers)]
-    results: dict[int, Tally | BaseException] = {}
+    results: dict[int, Tally | BaseException | None] = {}
     coming = iter(which)
     try:
-        for thread in threads:
-            thread.start()
+        for _ in range(workers):
+            start_new_thread(work, ())
         for c in islice(coming, 4 * workers):
             asked.put(c)
         for c in which:
@@ -151,15 +152,16 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
                 raise result
             for following in islice(coming, 1):
                 asked.put(following)
+            assert result is not None
             yield result
     except BaseException:
         ended.append(True)
         raise
     finally:
-        for _ in threads:
+        for _ in range(workers):
             asked.put(None)
-    for thread in threads:
-        thread.join()
+    for _ in range(workers):
+        done.get()
 
 
 def _in_executor(

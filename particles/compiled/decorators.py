@@ -6,7 +6,6 @@ been inlined. Here the contents of every file that a kernel may be made of are p
 compiled code is found by, so no file ever has to be deleted by hand.
 """
 
-import warnings
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -14,8 +13,8 @@ from importlib.resources import files
 from typing import Any
 
 from numba import njit
-from numba.core.caching import FunctionCache
 
+from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
@@ -35,41 +34,13 @@ def sources() -> str:
     return total.hexdigest()
 
 
-class _Cache(FunctionCache):
-    """Compiled code on disk; where it cannot be read or written, every process compiles anew."""
-
+class _Cache(Cache):
     def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
         return (*super()._index_key(signature, codegen), sources(), FORM)
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # what a full disk or a loss of power has left there
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        try:
-            super().save_overload(sig, data)
-        except OSError as error:
-            _warn_not_kept(error.strerror or str(error))
-
-
-@cache
-def _warn_not_kept(why: str) -> None:
-    """Say, once, that every process compiles anew."""
-    warnings.warn(
-        f"compiled code cannot be kept ({why}): each start compiles it again, for up to half a "
-        f"minute; set NUMBA_CACHE_DIR to a folder of yours",
-        stacklevel=2,
-    )
 
 
 def kernel(function: Callable) -> Any:
     """Compile a function that Python calls: it runs without the GIL and is kept on disk."""
     compiled: Any = njit(nogil=True, error_model="numpy")(function)
-    if compiled is not function:  # or nothing is compiled (NUMBA_DISABLE_JIT)
-        try:
-            compiled._cache = _Cache(function)
-        except RuntimeError:  # numba finds no folder that it may write to
-            _warn_not_kept("no folder for it can be written")
-    return compiled
+    # The same function again: nothing is compiled (NUMBA_DISABLE_JIT).
+    return compiled if compiled is function else keep(compiled, _Cache)
