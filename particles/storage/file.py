@@ -93,12 +93,15 @@ def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
     medium: Medium = kind(**described)
     times = arrays["plan/times"]
     initial = "monoenergetic" if values.pop("monoenergetic") else "gaussian"
-    return make_plan(
+    plan = make_plan(
         medium=medium,
         initial=arrays.get("plan/velocities", initial),
         times=times if times.size else None,
         **values,
     )
+    if _describe(plan)[0] != text:
+        raise ValueError("a plan of other keys or values than are written")
+    return plan
 
 
 def _digest(text: str, done: int, arrays: dict[str, np.ndarray]) -> str:
