@@ -120,8 +120,8 @@ import particles
 from kinetics import cli
 
 def simulate(*_, **__):
-    print("begun", flush=True)
     try:
+        print("begun", flush=True)
         time.sleep(60)
     finally:
         os.kill(os.getpid(), signal.SIGINT)

@@ -1,6 +1,7 @@
 """Compiled code on disk, in numba's own files; where they cannot be used it is compiled anew."""
 
 import warnings
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -15,6 +16,8 @@ class Cache(FunctionCache):
         try:
             return super().load_overload(sig, target_context)
         except Exception:  # what a full disk or a loss of power has left there
+            with suppress(OSError):
+                self.flush()
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

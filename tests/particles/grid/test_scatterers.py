@@ -250,6 +250,35 @@ def test_positions_from_csv(tmp_path: Path) -> None:
         Positions.from_csv(path, 10.0)
 
 
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        (bytes(range(256)), "disks.csv: must be a CSV file, text in UTF-8"),
+        (b"1,2\n" + b"1" * 200_000 + b",2\n", "disks.csv: must be a CSV file, text in UTF-8"),
+        (b"1,2\n3,\0004\n", "disks.csv, line 2: ['3', '\\x004'] must be two numbers"),
+        (b"1,2\n" + b"3," * 9000, "disks.csv, line 2: ['3', '3', '3', '3',"),
+    ],
+)
+def test_what_is_no_table_of_positions_is_refused(
+    contents: bytes, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "disks.csv"
+    path.write_bytes(contents)
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        Positions.from_csv(path, 10.0)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 120 + len(str(path))
+
+
+def test_positions_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
+        Positions.from_csv(tmp_path / "none.csv", 10.0)
+    with pytest.raises(ValueError, match=r"cannot be read \(Is a directory\)"):
+        Positions.from_csv(tmp_path, 10.0)
+    with pytest.raises(ValueError, match="path = 3: must be the path of a file"):
+        Positions.from_csv(3, 10.0)
+
+
 def test_a_set_of_positions_for_each_configuration() -> None:
     rng = np.random.default_rng(6)
     sets = rng.uniform(0, 6, (3, 20, 2))
