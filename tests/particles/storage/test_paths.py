@@ -84,15 +84,20 @@ def test_a_run_in_another_process_is_in_use(resume: bool, tmp_path: Path) -> Non
 
 def test_a_child_process_does_not_keep_the_lock(tmp_path: Path) -> None:
     journal = journals.Journal(str(tmp_path / "a.journal"), bytes(32))
+    ready, told = os.pipe()
     child = os.fork()
     if not child:
+        os.write(told, b".")
         signal.pause()
     try:
+        os.read(ready, 1)
         journal.close()
         journals.Journal(str(tmp_path / "a.journal"), bytes(32)).close()
     finally:
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
+        os.close(ready)
+        os.close(told)
 
 
 def test_a_journal_removed_before_it_was_locked_is_made_again(
