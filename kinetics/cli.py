@@ -145,8 +145,8 @@ def _ends_in_time() -> Iterator[None]:
     """Meanwhile the first Ctrl-C or SIGTERM raises an exception here, and the process ends in time.
 
     Unwinding removes what is half written and ends the child process. But Python raises nothing
-    while compiled code runs, and drops what is raised in a destructor. So the system also tells a
-    thread of the signal, which ends the process `GRACE` seconds later if it is still there.
+    while compiled code runs, so the system also tells a thread of the signal, which ends the
+    process `GRACE` seconds later if it is still there.
     """
     before = {number: signal.getsignal(number) for number in _ENDED}
     report_dropped = sys.unraisablehook
@@ -164,6 +164,8 @@ def _ends_in_time() -> Iterator[None]:
         signal.set_wakeup_fd(other)
         telling.close()
         sys.unraisablehook = report_dropped
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
 
@@ -182,20 +184,38 @@ def _end_in_time(listening: socket.socket) -> None:
             os._exit(status)
 
 
-def _report_dropped(dropped: Any) -> None:
-    """Report what is raised in a destructor, but no Ctrl-C: the process ends soon all the same."""
-    if not issubclass(dropped.exc_type, KeyboardInterrupt | SystemExit):
-        sys.__unraisablehook__(dropped)
-
-
 def _interrupt(number: int, frame: Any) -> None:
     _ignore_the_next()
-    raise KeyboardInterrupt
+    _raise(KeyboardInterrupt(), frame)
 
 
 def _terminate(number: int, frame: Any) -> None:
     _ignore_the_next()
-    sys.exit(TERMINATED)
+    _raise(SystemExit(TERMINATED), frame)
+
+
+def _raise(exception: BaseException, frame: Any) -> None:
+    """Raise, but not in the middle of an import: half a compiled module may crash. Try again."""
+    while frame is not None and hasattr(signal, "setitimer"):
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            _raise_later(exception)
+            return
+        frame = frame.f_back
+    raise exception
+
+
+def _raise_later(exception: BaseException) -> None:
+    signal.signal(signal.SIGALRM, lambda number, frame: _raise(exception, frame))
+    signal.setitimer(signal.ITIMER_REAL, 0.02)
+
+
+def _report_dropped(dropped: Any) -> None:
+    """Report what is raised in a destructor; a Ctrl-C that was dropped there is raised again."""
+    if not issubclass(dropped.exc_type, KeyboardInterrupt | SystemExit):
+        sys.__unraisablehook__(dropped)
+    elif hasattr(signal, "setitimer"):
+        ended = issubclass(dropped.exc_type, SystemExit)
+        _raise_later(SystemExit(TERMINATED) if ended else KeyboardInterrupt())
 
 
 def _ignore_the_next() -> None:

@@ -1,6 +1,7 @@
 """Where the scatterers stand. A medium is frozen data that validates itself when it is made."""
 
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import pi, sqrt
 from os import PathLike
@@ -218,20 +219,9 @@ class Positions(Value):
         that cannot be read or is not text.
         """
         name = check_path("path", path)
-        rows = []
         try:
             with open(name, newline="", encoding="utf-8") as file:
-                for number, row in enumerate(csv.reader(file), 1):
-                    if not row:
-                        continue
-                    try:
-                        x, y = (float(cell) for cell in row)
-                    except ValueError:
-                        if number == 1:
-                            continue
-                        words = f"{short(row)} must be two numbers"
-                        raise ValueError(f"{name}, line {number}: {words}") from None
-                    rows.append((x, y))
+                rows = list(_pairs(name, csv.reader(file)))
         except (UnicodeDecodeError, csv.Error):
             raise ValueError(f"{name}: must be a CSV file, text in UTF-8") from None
         except OSError as error:
@@ -249,6 +239,19 @@ class Positions(Value):
     def sets(self) -> int | None:
         """Number of sets of positions, None if all configurations share one."""
         return len(self.positions) if self.positions.ndim == 3 else None
+
+
+def _pairs(path: str, table: Iterator[list[str]]) -> Iterator[tuple[float, float]]:
+    """Yield the two numbers of each line; the first may be a header, and lines may be empty."""
+    for number, row in enumerate(table, 1):
+        try:
+            x, y = (float(cell) for cell in row)
+        except ValueError:
+            if row and number > 1:
+                words = f"{short(row)} must be two numbers"
+                raise ValueError(f"{path}, line {number}: {words}") from None
+            continue
+        yield x, y
 
 
 Medium = HardDisks | Poisson | BoltzmannGrad | Positions

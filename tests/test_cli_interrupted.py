@@ -113,6 +113,56 @@ def test_an_exception_that_python_drops_ends_it_all_the_same(
     assert seconds < 2.0
 
 
+def test_while_compiled_code_runs_in_the_main_thread(
+    how: tuple[signal.Signals, int], tmp_path: Path
+) -> None:
+    """Python sees no signal before that code comes back."""
+    code = """
+import hashlib, sys
+import particles
+from kinetics import cli
+
+def simulate(*_, **__):
+    print("begun", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"a", b"b", 2_000_000_000)
+
+particles.simulate = simulate
+sys.exit(cli.main())
+"""
+    run = Running(tmp_path, "simulate", code=code)
+    assert run.process.stdout is not None
+    run.process.stdout.readline()
+    time.sleep(0.2)
+    status, err, seconds = run.end(how[0])
+    assert (status, err) == (how[1], "")
+    assert seconds < 2.0
+
+
+def test_an_import_is_not_broken_off(tmp_path: Path) -> None:
+    """Half a compiled module once ended a command with a segmentation fault."""
+    (tmp_path / "slow.py").write_text(
+        "import time\nprint('begun', flush=True)\ntime.sleep(0.5)\nopen('whole', 'w').close()\n"
+    )
+    code = """
+import sys
+sys.path.insert(0, "")
+import particles
+from kinetics import cli
+
+def simulate(*_, **__):
+    import slow, time
+    time.sleep(60)
+
+particles.simulate = simulate
+sys.exit(cli.main())
+"""
+    run = Running(tmp_path, "simulate", code=code)
+    assert run.process.stdout is not None
+    run.process.stdout.readline()
+    assert run.end(signal.SIGINT)[:2] == (130, "")
+    assert "whole" in os.listdir(tmp_path)
+
+
 def test_a_second_signal_does_not_disturb_the_first(tmp_path: Path) -> None:
     code = """
 import os, signal, sys, time
