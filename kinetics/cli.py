@@ -28,7 +28,7 @@ from kinetics.crosscheck.stress.command import stress
 CONTEXT = {"help_option_names": ["-h", "--help"], "show_default": True, "max_content_width": 100}
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
 _ENDED = {int(signal.SIGINT): INTERRUPTED, int(signal.SIGTERM): TERMINATED}
-GRACE = 1.5
+GRACE = 1.0
 """Seconds that the command has after Ctrl-C or SIGTERM to save what is complete."""
 
 
