@@ -23,15 +23,16 @@ from functools import lru_cache
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import panels_between
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.position.once_collided import radial_edges
 from kinetics.position.tail import origin_terms, origin_transforms
 from kinetics.values import Value
 
 _POINTS = 12
-_CUT = 5  # functions that begin at an inner front end at T as this power of T^2 - R^2
+_CUT = 2  # functions that begin at an inner front end at T as this power of T^2 - R^2
 _AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
-_SMALLEST = 1e-7  # singular value, over the largest, that is fitted: smaller ones raise errors of F
+# Singular values below one of these shares of the largest are left out: they raise errors of F.
+_SMALLEST = (1e-6, 1e-8, 1e-10, 1e-12)
 _ORIGIN = 3.0  # K T from which these fall as powers
 
 
@@ -67,24 +68,59 @@ class FrontTail(Value):
 def fit_fronts(
     k: FloatArray, f: FloatArray, restitution: float, flights: FloatArray
 ) -> tuple[FrontTail, float]:
-    """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
+    """The tail of F through f at K = k, shape (n_k,) each, and what it leaves unknown of r g(r).
 
-    The error is seen in the upper quarter of the range, after a fit to the rest; it is infinite
-    where there are too few points.
+    The latter is the largest difference from a fit without the upper quarter of the range, at
+    radii no closer to a front than 1/K; it is infinite where there are too few points.
     """
     columns = _columns(k, restitution, flights)
     below = k < k.min() + 0.75 * (k.max() - k.min())
     if np.count_nonzero(below) < columns.shape[1]:
         return FrontTail(np.zeros(columns.shape[1]), restitution, flights), np.inf
-    trial = _least_squares(columns[below], f[below], k[below])
-    left = float(np.abs(columns[~below] @ trial - f[~below]).max())
-    return FrontTail(_least_squares(columns, f, k), restitution, flights), left
+    best, left = None, np.inf
+    for smallest in _SMALLEST:
+        full, trial = (
+            FrontTail(_least_squares(columns[use], f[use], k[use], smallest), restitution, flights)
+            for use in (k > 0.0, below)
+        )
+        apart = _difference(full, trial, float(k.max()))
+        if best is None or apart < left:
+            best, left = full, apart
+    assert best is not None
+    return best, left
 
 
-def _least_squares(columns: FloatArray, f: FloatArray, k: FloatArray) -> FloatArray:
+def _difference(one: FrontTail, other: FrontTail, high: float) -> float:
+    """How far the densities are apart that follow with F as it is up to K = high, over l."""
+    from scipy.special import j0
+
+    longest = float(one.flights.max())
+    node, weight = gauss_legendre(8 * math.ceil((40.0 + high * longest) / 8.0))
+    k = high * node
+    missed = weight * high * k * (one.at(k) - other.at(k))
+    largest = 0.0
+    for T in one.flights:
+        rho = T * _places(one.restitution, high * float(T))
+        beyond = one.transform(rho, 0) - other.transform(rho, 0) - j0(np.outer(rho, k)) @ missed
+        largest = max(largest, float(np.abs(rho * beyond).max()))
+    return largest
+
+
+def _places(e: float, turns: float) -> FloatArray:
+    """Radii over T: between the fronts, and near them, but no closer than 1/turns."""
+    near = 2.0 ** np.arange(4) / turns
+    fronts = [1.0, *(ring for ring, _, _ in inner_fronts(e))]
+    x = np.concatenate([np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))])
+    far = np.min([np.abs(x - a) for a in fronts], axis=0) > 0.99 / turns
+    return x[far & (x > 0.0) & (x < 1.0)]
+
+
+def _least_squares(
+    columns: FloatArray, f: FloatArray, k: FloatArray, smallest: float
+) -> FloatArray:
     """Of the errors relative to K^(-5/2)."""
     weight = k**2.5
-    found = np.linalg.lstsq(columns * weight[:, None], f * weight, rcond=_SMALLEST)
+    found = np.linalg.lstsq(columns * weight[:, None], f * weight, rcond=smallest)
     return np.asarray(found[0])
 
 

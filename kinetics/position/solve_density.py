@@ -27,7 +27,7 @@ from kinetics.states.state import State
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # The same for starts with fronts, K T: beyond, the fit of the end is as good as it gets. It is tried
 # from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN at most.
-_LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.15, 25.0
+_LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -37,6 +37,7 @@ _CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
 # Chebyshev points of an interval: some, and so many for each digit; more of them where the
 # interval begins near 0, at which F varies fastest relative to it.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.3
+_FOR_DIGIT_OF_FRONTS = 1.7
 _STEP = 1.25  # from the end of one interval to that of the next, at least; twice at most
 # The four below are measured again by tests/kinetics/measurements/position.py.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
@@ -189,7 +190,8 @@ class _Sweep:
         tolerance : of F; size : about the largest value there
         """
         digits = math.log10(max(10.0, size / tolerance))
-        each = _FOR_DIGIT_AT_ZERO if high > 1.5 * low else _FOR_DIGIT
+        each = _FOR_DIGIT_OF_FRONTS if self.fronts else _FOR_DIGIT
+        each = max(each, _FOR_DIGIT_AT_ZERO) if high > 1.5 * low else each
         nodes = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
         places = points_between(low, high, nodes)
         values, error = self.system.collided(places, self.active, tolerance)
@@ -218,11 +220,13 @@ class _Sweep:
         last = _last(self.panels, time)
         if self.fronts:
             ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
-            if high * self._flights[time] < _FIRST_TURNS:
+            enough = ended * max(1.0, high * self.width[time]) < self.rtol
+            if enough or high * self._flights[time] < _FIRST_TURNS:
                 return None, ended
             flights = self.once.flights[time][self.once.shares[time] > 0.0]
             front, left = fit_fronts(k, f, self.once.restitution, flights)
-            return (front, left) if left < _BETTER * ended else (None, ended)
+            left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
+            return (front, left) if left < ended else (None, ended)
         if self.sharp:
             return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
