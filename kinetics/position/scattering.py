@@ -44,9 +44,9 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
 # starts they decide the error estimate, which the waves of the measurement do not show.
 _MORE, _MOST_MORE = 4, 6
-# A panel on which free flights turn K T by less than _FEW_TURNS is solved by iteration: at 8 that
+# A panel on which free flights turn K T by less than _FEW_TURNS is solved by iteration: at 10 that
 # takes a third of the time of elimination. A few more rounds than that takes are allowed.
-_FEW_TURNS, _ROUNDS = 8.0, 24
+_FEW_TURNS, _ROUNDS = 10.0, 24
 
 
 @dataclass(frozen=True)
