@@ -44,6 +44,8 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
 # starts they decide the error estimate, which the waves of the measurement do not show.
 _MORE, _MOST_MORE = 4, 6
+_MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
+_PANELS = 32  # for which there is room at first
 # A panel on which free flights turn K T by less than _FEW_TURNS is solved by iteration: at 10 that
 # takes a third of the time of elimination. A few more rounds than that takes are allowed.
 _FEW_TURNS, _ROUNDS = 10.0, 24
@@ -116,7 +118,25 @@ def solve_waves(
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     """
-    largest = float(wave_numbers.max())
+    rule, start, count, top = _extent(law, float(wave_numbers.max()), highest, tolerance, kept)
+    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
+
+
+def most_at_once(
+    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int = 0
+) -> int:
+    """How many wave numbers up to ``largest`` can be solved for at once within _MEMORY."""
+    rule, _, count, top = _extent(law, largest, highest, tolerance, kept)
+    n, e = rule.nodes, law.restitution
+    deepest = 40.0 if e == 0.0 else min(40.0, -math.log(e))
+    panels = count + min(count, deepest / rule.width) if kept else deepest / rule.width + _PANELS
+    return max(1, int(_MEMORY / (8.0 * (top + 1.0) * n * (min(panels, 2.0 * count) + 2.0 * n))))
+
+
+def _extent(
+    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int
+) -> tuple[PanelRule, float, int, int]:
+    """The collocation, where the panels begin, how many there are at most, the last harmonic."""
     rule = _rule(largest, highest, tolerance)
     first = math.log(_SERIES / (largest + 2.0))
     start = rule.width * math.floor(min(first, highest) / rule.width)
@@ -127,7 +147,7 @@ def solve_waves(
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square
     top = _harmonics(largest, min(highest, limit), tolerance**2 if kept else tolerance)
-    return Sweep(law, wave_numbers, rule, start, top).run(count, tolerance, kept)
+    return rule, start, count, top
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -169,6 +189,7 @@ class Sweep:
     rule : the collocation
     start : X where the panels begin
     top : the last harmonic, even
+    count : how many panels there are, at most
     """
 
     def __init__(
@@ -178,14 +199,30 @@ class Sweep:
         rule: PanelRule,
         start: float,
         top: int,
+        count: int,
     ) -> None:
         self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
         self.start, self.top = start, top
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        self._factor = np.stack([q.harmonic(m) for m in range(top + 1)])
-        lost = np.stack([q.harmonic_loss(m) for m in range(top + 1)])
-        shifts = PanelShifts(rule, q.log_loss)
-        self._loss, self._gain = shifts.kernel(q.weight, self._factor, lost)
+        # collisions that lose more speed lead from every panel to where the series holds
+        near = q.log_loss <= count * rule.width
+        deflection, weight = q.deflection, q.weight
+        order = np.arange(top + 1)[:, None]
+        factor = np.cos(order * deflection[near])
+        lost = 2.0 * np.sin(0.5 * order * deflection[near]) ** 2  # 1 - factor
+        shifts = PanelShifts(rule, q.log_loss[near])
+        self._loss, self._gain = shifts.kernel(weight[near], factor, lost)
+        # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
+        self._far_ratio = math.exp(-count * rule.width)
+        self._far = np.zeros((_TERMS + 1, top + 1))
+        if not near.all():
+            diagonal = np.arange(rule.nodes)
+            self._loss[:, diagonal, diagonal] += weight[~near].sum()
+            with np.errstate(under="ignore"):
+                ratio = q.ratio[~near] / self._far_ratio  # at most 1, as powers of T overflow
+                powers = weight[~near] * ratio ** np.arange(_TERMS + 1)[:, None]
+            for m in range(top + 1):  # one after another: there may be many points
+                self._far[:, m] = powers @ np.cos(m * deflection[~near])
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -193,14 +230,18 @@ class Sweep:
         gain, recent = self._near_gain(tolerance)
         reach = gain.shape[2] // n
         series = self._coefficients()
+        far = series * self._far[:, :, None]
         # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
-        table = np.zeros((reach + count, self.top + 1, n, size))
+        table = np.zeros((reach + min(count, _PANELS), self.top + 1, n, size))
         table[:reach] = self._below(series, reach)
-        largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
+        largest = np.zeros(reach + count)  # of each panel
+        largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
         known = _sum(series, np.exp(np.array([self.start])))[0]
         done, ended = count, False
         used, left_out, systems = 0, 0.0, 0
         for j in range(count):
+            if reach + j == table.shape[0]:
+                table = np.concatenate([table, np.zeros_like(table)])
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
             drive = np.zeros((used + 1, n, size))
@@ -208,6 +249,9 @@ class Sweep:
                 below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
                 below = below.reshape(used + 1, reach * n, size)
                 drive = rate[:, None] * (gain[: used + 1] @ below)
+            if self._far.any():
+                come = _sum(far[:, : used + 1], self._far_ratio * rate)
+                drive += rate[:, None] * np.moveaxis(come, 1, 0)
             found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
             table[reach + j, : used + 1] = found
