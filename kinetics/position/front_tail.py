@@ -110,7 +110,9 @@ def _places(e: float, turns: float) -> FloatArray:
     """Radii over T: between the fronts, and near them, but no closer than 1/turns."""
     near = 2.0 ** np.arange(4) / turns
     fronts = [1.0, *(ring for ring, _, _ in inner_fronts(e))]
-    x = np.concatenate([np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))])
+    x = np.concatenate(
+        [np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))]
+    )
     far = np.min([np.abs(x - a) for a in fronts], axis=0) > 0.99 / turns
     return x[far & (x > 0.0) & (x < 1.0)]
 

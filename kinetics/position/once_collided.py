@@ -17,6 +17,7 @@ head-on: what a Fourier transform on finitely many wave numbers cannot show.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -126,7 +127,7 @@ def once_collided(
 def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Each speed once, with the share of all tracers that have it."""
     distinct, place = np.unique(speed, return_inverse=True)
-    return distinct, np.bincount(place, weights=share)
+    return distinct, np.bincount(place, weights=share).astype(float)
 
 
 def once_density(rho: FloatArray, T: float, e: float) -> FloatArray:
@@ -172,7 +173,7 @@ def radial_edges(singular: tuple[float, ...], T: float, turns: float = 0.0) -> F
     ends = ends[np.append(True, np.diff(ends) > 1e-12 * T)]
     near = np.append(0.0, 0.5 * 0.25 ** np.arange(_NEAREST, -1.0, -1.0))
     edges = [np.linspace(0.0, T, math.ceil(turns / _TURN) + 1)]
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in itertools.pairwise(ends):
         edges += [low + (high - low) * near, high - (high - low) * near]
     together = np.unique(np.concatenate(edges))
     return together[(together >= 0.0) & (together <= T)]

@@ -19,6 +19,7 @@ or a radial density, needs.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
+from kinetics.position.coupled_harmonics import eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -46,9 +48,8 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 _MORE, _MOST_MORE = 4, 6
 _MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
 _PANELS = 32  # for which there is room at first
-# A panel on which free flights turn K T by less than _FEW_TURNS is solved by iteration: at 10 that
-# takes a third of the time of elimination. A few more rounds than that takes are allowed.
-_FEW_TURNS, _ROUNDS = 10.0, 24
+# A panel on which free flights turn K T by less is solved by iteration: a third of the time.
+_FEW_TURNS = 10.0
 
 
 @dataclass(frozen=True)
@@ -172,6 +173,14 @@ def _even(m: int) -> int:
     return m + m % 2
 
 
+def _cosines(deflection: FloatArray, top: int) -> Iterator[FloatArray]:
+    """cos(m deflection) for m up to ``top``, one after another: there may be many points."""
+    step, turned = np.exp(1j * deflection), np.ones(deflection.size, dtype=complex)
+    for _ in range(top + 1):
+        yield turned.real
+        turned = turned * step
+
+
 def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
     """The series at small T = path (n,): shape (n, ...)."""
     with np.errstate(under="ignore"):
@@ -221,8 +230,8 @@ class Sweep:
             with np.errstate(under="ignore"):
                 ratio = q.ratio[~near] / self._far_ratio  # at most 1, as powers of T overflow
                 powers = weight[~near] * ratio ** np.arange(_TERMS + 1)[:, None]
-            for m in range(top + 1):  # one after another: there may be many points
-                self._far[:, m] = powers @ np.cos(m * deflection[~near])
+            for m, cosine in enumerate(_cosines(deflection[~near], top)):
+                self._far[:, m] = powers @ cosine
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -291,8 +300,8 @@ class Sweep:
     def _coefficients(self) -> FloatArray:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
         q = self.law.quadrature_for(float(_TERMS), self.top)
-        cosine = np.stack([q.harmonic(m) for m in range(self.top + 1)]) * q.weight
-        loss = 1.0 - cosine @ np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+        powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+        loss = 1.0 - np.stack([cosine @ powers for cosine in _cosines(q.deflection, self.top)])
         loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
@@ -350,76 +359,10 @@ class Sweep:
         blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
         inner = None
         if float(self.wave_numbers.max()) * flights < _FEW_TURNS:
-            inner = self._iterate(blocks, turn, right, 1e-3 * tolerance)
+            inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * tolerance)
         if inner is None:
-            inner = self._eliminate(blocks, turn, right)
+            inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)
-
-    def _closure(self) -> FloatArray:
-        """Steady free flights beyond the last harmonic: a_(m+1) = closure a_m, shape (n_k,)."""
-        return self.wave_numbers / (1.0 + np.sqrt(1.0 + self.wave_numbers**2))
-
-    def _iterate(
-        self, blocks: FloatArray, turn: FloatArray, right: FloatArray, least: float
-    ) -> FloatArray | None:
-        """Odd harmonics from even ones and these from those, until less than ``least`` changes.
-
-        With free flights of K (T_1 - T_0) = x on the panel, j rounds leave about x^(2 j)/(2 j)!.
-        The matrices are those of a harmonic, whatever K. None where it takes too many rounds.
-        """
-        inverse = np.linalg.inv(blocks)
-        alone = inverse @ right
-        spread = inverse * turn
-        even, odd = alone[::2].copy(), alone[1::2].copy()
-        closure, k = self._closure(), self.wave_numbers
-        between = np.empty_like(even)
-        for _ in range(_ROUNDS):
-            odd = alone[1::2] + spread[1::2] @ ((even[:-1] - even[1:]) * k)
-            between[0] = -2.0 * odd[0]  # a_1 stands for a_(-1) too
-            np.subtract(odd[:-1], odd[1:], out=between[1:-1])
-            between[-1] = odd[-1] - closure * even[-1]
-            between *= k
-            new = alone[::2] + spread[::2] @ between
-            change = float(np.abs(new - even).max())
-            even = new
-            if change < max(least, 1e-15):
-                out = np.empty_like(alone)
-                out[::2], out[1::2] = even, odd
-                return out
-        return None
-
-    def _eliminate(self, blocks: FloatArray, turn: FloatArray, right: FloatArray) -> FloatArray:
-        """Block elimination from both ends to the middle."""
-        count, wave_numbers = right.shape[0], self.wave_numbers
-        n, size, pairs = self.rule.nodes - 1, wave_numbers.size, (count - 1) // 2
-        closure = self._closure()
-        turn = (turn * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
-        turn = np.concatenate([turn, -turn])
-        right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)
-        blocks = blocks[:, None]
-        # from above a_m = part[0] (a_(m-1), 1), from below a_m = part[1] (a_(m+1), 1)
-        diagonal = np.arange(n)
-        both = np.zeros((2, size, n, n + 1))
-        both[:, :, diagonal, diagonal] = turn[..., 0]
-        both[1, :, diagonal, diagonal] *= 2.0
-        parts = np.zeros((pairs + 1, 2, size, n, n + 1))
-        parts[0, 0, :, diagonal, diagonal] = closure
-        for i in range(pairs):
-            ends = [-1 - i, i]
-            added = turn * parts[i]
-            both[..., n] = right[ends] - added[..., n]
-            parts[i + 1] = np.linalg.solve(blocks[ends] + added[..., :n], both)
-            if i == 0:  # a_1 stands for a_(-1) too
-                both[1, :, diagonal, diagonal] *= 0.5
-        added = (turn * parts[pairs]).sum(axis=0)
-        middle = (right[pairs] - added[..., n])[..., None]
-        a = np.linalg.solve(blocks[pairs] + added[..., :n], middle)
-        found = np.empty((count, size, n))
-        found[pairs] = a[..., 0]
-        for i in range(pairs - 1, -1, -1):
-            a = parts[i + 1, ..., :n] @ a + parts[i + 1, ..., n:]
-            found[[-1 - i, i]] = a[..., 0]
-        return np.moveaxis(found, 1, 2)
 
     def _last_coefficient(self, values: FloatArray) -> float:
         """What the Chebyshev coefficients of the panels leave out, by their last two."""

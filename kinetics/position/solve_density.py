@@ -25,8 +25,8 @@ from kinetics.states.state import State
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
 # to this K and K T for densities.
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
-# The same for starts with fronts, K T: beyond, the fit of the end is as good as it gets. It is tried
-# from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN at most.
+# Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
+# tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
 _LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out

@@ -101,5 +101,7 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
 def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:
     """Least squares of the errors relative to K^-3."""
     weight = k**3
-    found = np.linalg.lstsq(origin_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13)
+    found = np.linalg.lstsq(
+        origin_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13
+    )
     return PowerTail(np.asarray(found[0]), scale)
