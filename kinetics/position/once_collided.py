@@ -36,7 +36,7 @@ _POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is
 _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
 _NEAREST = 20  # panels towards a singular radius, each a quarter of the next
 _TURN = 6.0  # of K R on a panel in R, at most
-_LONGEST = 1e6  # T at which they are too few for any tolerance, also at e = 0: about 1/T
+_LONGEST = 40.0  # T beyond which none is at the front R = T, and few elsewhere
 
 
 @dataclass(frozen=True)

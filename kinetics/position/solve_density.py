@@ -224,6 +224,8 @@ class _Sweep:
             if enough or high * self._flights[time] < _FIRST_TURNS:
                 return None, ended
             flights = self.once.flights[time][self.once.shares[time] > 0.0]
+            if flights.size > 1:  # more functions than the data determine
+                return None, ended
             front, left = fit_fronts(k, f, self.once.restitution, flights)
             left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
             return (front, left) if left < ended else (None, ended)

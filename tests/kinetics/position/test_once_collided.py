@@ -145,7 +145,7 @@ def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
 
 
 def test_the_front_of_two_equal_deflections() -> None:
-    """R is stationary there: no direction of the two impact parameters or of the place changes it."""
+    """R is stationary there: in the impact parameter of both, and in their place."""
     e = 0.37
     a = inner_fronts(e)[2][0]
     x, y = np.meshgrid(np.linspace(-0.999, 0.999, 1201), np.linspace(-1.0, 1.0, 1601))
