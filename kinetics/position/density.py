@@ -43,10 +43,10 @@ class Displacement(Value):
     uncollided : the density of those that have not collided, if the start has a speed density
     front_radius, front_weight : where and how many they are if it has none, in d and as
         shares of all tracers, shape (n_times, n_speeds); n_speeds = 0 for densities
-    once : the once-collided of a start of few speeds
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
+    once : the once-collided of a start of few speeds; None in files of version 0.1
     """
 
     mean_free_path: float
@@ -58,10 +58,10 @@ class Displacement(Value):
     uncollided: UncollidedDensity
     front_radius: FloatArray
     front_weight: FloatArray
-    once: OnceCollided
     reach: FloatArray
     error_estimate: float
     systems: Mapping[int, int]
+    once: OnceCollided | None = None
 
     @property
     def wave_numbers(self) -> int:
@@ -72,13 +72,15 @@ class Displacement(Value):
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
         near = np.minimum(r, self.reach[time])
         collided = near / self.mean_free_path * (self._transform(time, r, 0) / self.mean_free_path)
-        return np.asarray(collided + self.once.at(time, r) + self.uncollided.at(time, r))
+        if self.once is not None:
+            collided = collided + self.once.at(time, r)
+        return np.asarray(collided + self.uncollided.at(time, r))
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
         inside = r / self.mean_free_path * self._transform(time, r, 1)
         inside = np.where(r <= self.reach[time], inside, self._at_zero(time))
-        return np.asarray(inside + self.once.within(time, r))
+        return inside if self.once is None else np.asarray(inside + self.once.within(time, r))
 
     def _at_zero(self, time: int) -> float:
         """Share of all tracers that the panels stand for: F at k = 0."""
@@ -98,17 +100,19 @@ class Displacement(Value):
         path = self.mean_free_path
         value = self._transform(time, r, 0) / path / path / (2.0 * math.pi)
         slope = -self._transform(time, r, 2) / path / path / path / (2.0 * math.pi)
-        if self.once.kept_apart(time):
-            apart, its_slope = self._once_in_plane(time, r)
+        if self.once is not None and self.once.kept_apart(time):
+            apart, its_slope = self._once_in_plane(self.once, time, r)
             value, slope = value + apart, slope + its_slope
         return value, slope
 
-    def _once_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _once_in_plane(
+        self, once: OnceCollided, time: int, r: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """The same of the once-collided; the slope from a difference, right to about 1e-9."""
         near = np.maximum(r, 1e-4 * self.mean_free_path)  # at e = 0 it falls as 1/r
         step = 1e-5 * near
         low, at, high = (
-            self.once.at(time, x) / (2.0 * math.pi * x) for x in (near - step, near, near + step)
+            once.at(time, x) / (2.0 * math.pi * x) for x in (near - step, near, near + step)
         )
         return at, (high - low) / (2.0 * step)
 

@@ -97,6 +97,7 @@ def test_all_collisions_against_followed_tracers(e: float, T: float) -> None:
     share, deviation = twice_or_more(e, T, edges, 200_000)
     displacement = found._displacement
     assert displacement is not None
+    assert displacement.once is not None
     once = displacement.once.within(0, PATH * edges)
     all_others = found.position_fraction(PATH * edges)[0] - np.diff(once)
     assert np.abs((all_others - share) / deviation).max() < 4.0
