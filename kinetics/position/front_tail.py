@@ -30,6 +30,7 @@ from kinetics.values import Value
 
 _POINTS = 12
 _CUT = 2  # functions that begin at an inner front end at T as this power of T^2 - R^2
+_NEAREST = 0.03  # of a front to 0 or 1: nearer ones are not resolved by K T of about 100
 _AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
 # Singular values below one of these shares of the largest are left out: they raise errors of F.
 _SMALLEST = (1e-6, 1e-8, 1e-10, 1e-12)
@@ -208,7 +209,7 @@ def inner_fronts(e: float) -> tuple[tuple[float, tuple[float, ...], int], ...]:
     stationary = _two_equal_deflections(e)
     if stationary is not None:
         found.append((stationary, (1.5, 2.5), 0))
-    return tuple(found)
+    return tuple(front for front in found if _NEAREST < front[0] < 1.0 - _NEAREST)
 
 
 def _two_equal_deflections(e: float) -> float | None:

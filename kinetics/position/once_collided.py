@@ -121,7 +121,9 @@ def once_collided(
         flights = np.outer(times, speeds) / mean_free_path
         # those that flew e T after a head-on collision at once
         seen = (np.exp(-e * flights) > least) & (flights > least) & (flights < _LONGEST)
-    return OnceCollided(e, mean_free_path, flights, np.where(seen, shares, 0.0))
+    # all speeds or none: what is left is as smooth as the worst of them
+    every = seen.all(axis=1, keepdims=True)
+    return OnceCollided(e, mean_free_path, flights, np.where(every, shares, 0.0))
 
 
 def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
