@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.densities.harmonic import LOWEST_SPEED
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
@@ -62,6 +63,21 @@ class GridDensity(Value):
                 low = (x < edge) & (v > 0.0)
                 out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
         return out
+
+    def error_at_low_speeds(self, i: int, rounding: float) -> float:
+        """Error of f at the i-th time relative to its maximum, for so much rounding of g.
+
+        f = g/v has most of it at the lowest speed at which it is promised, or where g is no
+        longer resolved and f goes on by its slope: there f itself bounds the error.
+        """
+        g, x = np.abs(self.values[i]), self.grid.x
+        top = float(g.max())
+        promised = math.log(LOWEST_SPEED) + 0.5 * math.log(float(g @ np.exp(2.0 * x) / g.sum()))
+        cut = self._low_end(i)[0]
+        low = max(promised, cut)
+        share = rounding / top if cut < promised else max(rounding / top, self.resolved)
+        inside = x >= low
+        return share * top * math.exp(-low) / float(np.max(g[inside] * np.exp(-x[inside])))
 
     def _width(self, i: int) -> float:
         """Maximum of g over that of g/v, in units of exp(x)."""

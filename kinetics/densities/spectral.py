@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
-from kinetics.densities.intertwining import choose_turn, intertwine, resolved
+from kinetics.densities.harmonic import LOWEST_SPEED, Profile, count_before_scaling, then_scaling
+from kinetics.densities.intertwining import TAPER, Spectrum, choose_turn, intertwine
 from kinetics.densities.stepping import stepped
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
@@ -39,7 +39,7 @@ _SHARE, _LARGE_SHARE = 0.005, 0.3
 _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
 # Of f relative to its maximum, where nothing but rounding is left; and what steps reach. Both:
 # tests/kinetics/measurements/densities.py
-_BEST, _BEST_STEPPED = 8e-13, 1e-10
+_BEST, _BEST_STEPPED = 4e-13, 1e-10
 # At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
 # g = v f holds f with the rounding of g over v only.
 _FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
@@ -107,7 +107,7 @@ class _Found:
     values: FloatArray  # (n_times, rows, nodes)
     moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
     highest: FloatArray  # size of the highest modes, (n_times,)
-    rounding: float  # what it may have left, relative to the maximum
+    rounding: float  # what it may have left of g
 
 
 def _window(
@@ -223,7 +223,7 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
             raise problem.too_much(wanted)
         values, highest = stepped(law, grid, rows, m, tau, rtol)
-        found = _Found(grid, values, tau, highest, max(_LARGE_SHARE * rtol, _BEST_STEPPED))
+        found = _Found(grid, values, tau, highest, LOWEST_SPEED * max(_LARGE_SHARE * rtol, _BEST_STEPPED))
     values = found.values[:, 0]
     if rows.shape[0] == 2:
         values = values + 1j * found.values[:, 1]
@@ -236,14 +236,19 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         values=values,
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
-        resolved=max(_SHARE * rtol, 3.0 * found.rounding),
+        resolved=max(_SHARE * rtol, 3.0 * found.rounding / _LEAST_MAXIMUM),
         filled=filled,
     )
     ends = _ends(values, 0.0 if m == 0 else _LEAST_MAXIMUM)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
     if filled:
         missed = max(missed, _ROUNDING_OF_G / filled)
-    return density, max(0.1 * rtol, _BEST, found.rounding, rough, missed)
+    elif m:
+        missed = max(missed, found.rounding / LOWEST_SPEED)
+    else:
+        rest = [density.error_at_low_speeds(i, found.rounding) for i in range(values.shape[0])]
+        missed = max([missed, *rest])
+    return density, max(0.1 * rtol, _BEST, rough, missed)
 
 
 def _apart(found: GridDensity, other: GridDensity) -> float:
@@ -267,23 +272,20 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     exp(-v t/l).
     """
     law, m, rtol, nodes = problem.law, problem.m, problem.rtol, problem.nodes
-    modes = np.fft.rfft(rows)
-    kept = resolved(modes) / grid.nodes * 2.0 * math.pi / grid.spacing
-    spacing = grid.spacing
-    turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
+    spectrum, spacing = Spectrum.of(grid, rows), grid.spacing
+    turn = choose_turn(law, m, spectrum, rtol, spacing)
     while turn.error > _LARGE_SHARE * rtol and nodes is None:
         # more modes allow a larger angle, but cost in proportion
-        other = choose_turn(law, kept, math.pi / (_FINER * spacing), m, rtol)
+        other = choose_turn(law, m, spectrum, rtol, _FINER * spacing)
         if other.error > _WORTH_IT * turn.error:
             break
         turn, spacing = other, _FINER * spacing
     # more modes than these are left empty: dividing by their gain would raise the rounding
-    highest = math.pi / spacing
-    size = np.abs(modes).max(axis=0)
-    least = float(grid.wave_numbers[np.nonzero(size > _SHARE * rtol * size.max())[0][-1]])
+    highest, size = math.pi / spacing, spectrum.size
+    least = spectrum.step * float(np.nonzero(size > _SHARE * rtol * size.max())[0][-1])
     while turn.error > _LARGE_SHARE * rtol and nodes is not None and _FEWER * highest > least:
         highest *= _FEWER
-        other = choose_turn(law, min(kept, highest), highest, m, rtol, math.pi / spacing)
+        other = choose_turn(law, m, spectrum, rtol, spacing, highest)
         turn = min(turn, other, key=lambda t: t.error)
     if turn.error > max(_LARGE_SHARE * rtol, _BEST_STEPPED):
         return None
@@ -291,6 +293,8 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
     # there exp(-v t/l) is e^-7 rtol
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
+    if turn.angle:
+        left, right = left - TAPER, right + TAPER
     if nodes is None:
         count = _good_count(math.ceil((right - left) / spacing))
         if count > _MOST_NODES or count * problem.tau.size > _MOST_VALUES:
@@ -301,7 +305,7 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     gain = log_gain(law, wide.wave_numbers, m)
     hidden = intertwine(wide, problem.on(wide), gain, turn, m)
     moved, values, last = hidden.at(problem.tau)
-    return _Found(wide, values, moved * wide.spacing, last, turn.error)
+    return _Found(wide, values, moved * wide.spacing, last, 3.0 * hidden.noise)
 
 
 def _good_count(least: int) -> int:
