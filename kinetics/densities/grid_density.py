@@ -64,6 +64,11 @@ class GridDensity(Value):
                 out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
         return out
 
+    def lowest_promised(self, i: int) -> float:
+        """The lowest x at which f keeps its accuracy relative to its maximum."""
+        g, x = np.abs(self.values[i]), self.grid.x
+        return math.log(LOWEST_SPEED) + 0.5 * math.log(float(g @ np.exp(2.0 * x) / g.sum()))
+
     def error_at_low_speeds(self, i: int, rounding: float) -> float:
         """Error of f at the i-th time relative to its maximum, for so much rounding of g.
 
@@ -72,8 +77,7 @@ class GridDensity(Value):
         """
         g, x = np.abs(self.values[i]), self.grid.x
         top = float(g.max())
-        promised = math.log(LOWEST_SPEED) + 0.5 * math.log(float(g @ np.exp(2.0 * x) / g.sum()))
-        cut = self._low_end(i)[0]
+        promised, cut = self.lowest_promised(i), self._low_end(i)[0]
         low = max(promised, cut)
         share = rounding / top if cut < promised else max(rounding / top, self.resolved)
         inside = x >= low

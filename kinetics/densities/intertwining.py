@@ -33,10 +33,11 @@ _KEPT = 40.0  # epsilon of the largest mode: a smaller one is rounding, and is n
 _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
 _ENOUGH = 0.005  # of rtol: with less rounding than that no larger angle is tried
 _FOLDED = 1e-2  # of rtol that modes folded onto those in use may leave
-# Width in ln v over which a state on a turned axis ends at both ends of the window, as an error
-# function that stops at this argument, and what it has there.
+# Width in ln v over which a state is brought to zero at both ends of the window, by an error
+# function that stops at this argument, and its value there.
 TAPER, _STEEPEST = 3.0, 4.0
 _LEFT = 0.5 * math.erfc(_STEEPEST)
+_UNTAPERED = 1e-6  # of rtol: rounding of the highest modes that needs no such end
 _AT_ENDS = 4  # nodes at which the rounding of the highest modes is looked at
 _TOGETHER = 20_000  # numbers of a piece of the time axis that stay in the cache
 
@@ -54,12 +55,14 @@ class Turn:
     error : rounding that is expected in f, relative to its maximum
     raised : ln of the most by which what is small is raised
     highest : wave number up to which modes are used
+    tapered : whether the window ends softly, because high modes raise their rounding above all else
     """
 
     angle: float
     error: float
     raised: float
     highest: float
+    tapered: bool = False
 
 
 @dataclass(frozen=True)
@@ -147,12 +150,12 @@ def choose_turn(
         mean = k[1] / nyquist * float(np.sum(np.exp(-2.0 * (height + raised))))
         nodes = 2.0 * nyquist / spectrum.step
         noise = rounding_noise(field, math.sqrt(mean), nodes)
-        uncertain = math.log(_KEPT * _EPSILON * spectrum.size.max()) + height[kept].max()
-        if angle:
-            noise += _LEFT * math.exp(min(uncertain, 300.0))
-        error = error_of_noise(noise)
+        # size of the rounding of the highest modes that are kept
+        logarithm = math.log(_KEPT * _EPSILON * spectrum.size.max()) + float(height[kept].max())
+        uncertain = math.exp(min(logarithm, 300.0))
+        error = error_of_noise(noise + _LEFT * uncertain)
         if error < best.error:
-            best = Turn(angle, error, raised, highest)
+            best = Turn(angle, error, raised, highest, uncertain > _UNTAPERED * rtol)
         if error < _ENOUGH * rtol:
             break
     return best
@@ -227,8 +230,8 @@ class Intertwined:
 def _taper(grid: LogGrid) -> tuple[FloatArray, FloatArray]:
     """Factors that fall to zero at the lower and at the upper end of the window, (nodes,) each.
 
-    A turned axis raises the highest modes that are kept, and with them their rounding. They fill
-    the window; a jump of theirs from one end to the other would have modes of all wave numbers.
+    The highest modes that are kept may be raised, and with them their rounding. They fill the
+    window; a jump of theirs from one end to the other would have modes of all wave numbers.
     """
     from scipy.special import erfc
 
@@ -264,7 +267,7 @@ def intertwine(
     field = math.sqrt(float(np.mean(np.abs(fields) ** 2, axis=1).max()))
     mean = 2.0 / grid.nodes * float(np.sum(np.abs(back) ** 2))
     noise = rounding_noise(field, math.sqrt(mean), grid.nodes)
-    if angle:
+    if turn.tapered:
         ends = np.abs(fields[:, [*range(_AT_ENDS), *range(-_AT_ENDS, 0)]])
         noise += _LEFT * float(ends.max())
         low, high = _taper(grid)
@@ -277,7 +280,7 @@ def intertwine(
     whole[:, 1:] *= 1j / k[1:]
     u = inverse(whole) - mean * grid.spacing * np.arange(grid.nodes)
     floor = mean[:, 0] * grid.spacing * grid.nodes
-    if not angle:
+    if not turn.tapered:
         u -= u[:, -1:]
     else:
         # u is 0 where the upper taper falls; one node there would have the rounding of high modes

@@ -42,13 +42,16 @@ _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
 _BEST, _BEST_STEPPED = 4e-13, 1e-10
 # At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
 # g = v f holds f with the rounding of g over v only.
-_FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
+_FILLED = 1e-3
 # Two solutions are compared at about so many speeds, where g is above this share of its maximum.
 _SAMPLES, _COMPARED = 200, 1e-6
 # Steps of three searches, each a compromise between their number and the work of the last: for a
 # finer grid whose error must fall by so much, for fewer modes, and for more nodes.
 _FINER, _WORTH_IT, _FEWER, _MORE = 0.6, 0.3, 0.8, 1.4
 _SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of ln v
+# There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: zeros
+# of 1 - E[s^z cos(m chi)] in z, of which tests/kinetics/measurements/densities.py prints the highest
+_SLOWEST = 0.6
 # Harmonics m > 0 die away; errors of theirs are relative to a density of ln v of order 1 at least.
 _LEAST_MAXIMUM = 0.3
 
@@ -227,23 +230,17 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     values = found.values[:, 0]
     if rows.shape[0] == 2:
         values = values + 1j * found.values[:, 1]
-    # the polynomial leaves the cube of the share: a twentieth of rtol
-    filled = (
-        min(_FILLED, (0.05 * rtol) ** (1.0 / 3.0)) if m == 0 and law.restitution == 0.0 else 0.0
-    )
     density = GridDensity(
         grid=found.grid,
         values=values,
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
         resolved=max(_SHARE * rtol, 3.0 * found.rounding / _LEAST_MAXIMUM),
-        filled=filled,
+        filled=_FILLED if m == 0 and law.restitution == 0.0 else 0.0,
     )
     ends = _ends(values, 0.0 if m == 0 else _LEAST_MAXIMUM)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
-    if filled:
-        missed = max(missed, _ROUNDING_OF_G / filled)
-    elif m:
+    if m:
         missed = max(missed, found.rounding / LOWEST_SPEED)
     else:
         rest = [density.error_at_low_speeds(i, found.rounding) for i in range(values.shape[0])]
@@ -259,9 +256,11 @@ def _apart(found: GridDensity, other: GridDensity) -> float:
         there = np.nonzero(size > _COMPARED * size.max())[0]
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
-        first, second = found.at(i, v), other.at(i, v)
+        second = other.at(i, v)
+        promised = np.exp(np.minimum(0.0, x - found.lowest_promised(i)))
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
-        worst = max(worst, float(np.abs(first - second).max(initial=0.0)) / top)
+        difference = np.abs(found.at(i, v) - second) * promised
+        worst = max(worst, float(difference.max(initial=0.0)) / top)
     return worst
 
 
@@ -290,10 +289,14 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     if turn.error > max(_LARGE_SHARE * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
-    left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
+    if m == 0:
+        tail += math.log(law.mean_log_loss)
+    elif law.restitution < _SMALL_E:
+        tail /= _SLOWEST
+    left = min(grid.start, tail)
     # there exp(-v t/l) is e^-7 rtol
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
-    if turn.angle:
+    if turn.tapered:
         left, right = left - TAPER, right + TAPER
     if nodes is None:
         count = _good_count(math.ceil((right - left) / spacing))
