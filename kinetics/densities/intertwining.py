@@ -148,7 +148,7 @@ def choose_turn(
         logs = np.minimum(log_size + height + raised, 300.0)  # no overflow
         field = math.sqrt(2.0 * k[1] / spectrum.step * float(np.sum(np.exp(2.0 * logs))))
         mean = k[1] / nyquist * float(np.sum(np.exp(-2.0 * (height + raised))))
-        nodes = 2.0 * nyquist / spectrum.step
+        nodes = round(2.0 * nyquist / spectrum.step)
         noise = rounding_noise(field, math.sqrt(mean), nodes)
         # size of the rounding of the highest modes that are kept
         logarithm = math.log(_KEPT * _EPSILON * spectrum.size.max()) + float(height[kept].max())
@@ -265,8 +265,8 @@ def intertwine(
 
     fields = inverse(whole)
     field = math.sqrt(float(np.mean(np.abs(fields) ** 2, axis=1).max()))
-    mean = 2.0 / grid.nodes * float(np.sum(np.abs(back) ** 2))
-    noise = rounding_noise(field, math.sqrt(mean), grid.nodes)
+    amplified = math.sqrt(2.0 / grid.nodes * float(np.sum(np.abs(back) ** 2)))
+    noise = rounding_noise(field, amplified, grid.nodes)
     if turn.tapered:
         ends = np.abs(fields[:, [*range(_AT_ENDS), *range(-_AT_ENDS, 0)]])
         noise += _LEFT * float(ends.max())

@@ -20,7 +20,13 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import LOWEST_SPEED, Profile, count_before_scaling, then_scaling
+from kinetics.densities.harmonic import (
+    LEAST_MAXIMUM,
+    LOWEST_SPEED,
+    Profile,
+    count_before_scaling,
+    then_scaling,
+)
 from kinetics.densities.intertwining import TAPER, Spectrum, choose_turn, intertwine
 from kinetics.densities.stepping import stepped
 from kinetics.errors import InputError
@@ -52,8 +58,6 @@ _SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of
 # There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: zeros
 # of 1 - E[s^z cos(m chi)] in z, of which tests/kinetics/measurements/densities.py prints the highest
 _SLOWEST = 0.6
-# Harmonics m > 0 die away; errors of theirs are relative to a density of ln v of order 1 at least.
-_LEAST_MAXIMUM = 0.3
 
 
 @dataclass(frozen=True)
@@ -226,7 +230,9 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
             raise problem.too_much(wanted)
         values, highest = stepped(law, grid, rows, m, tau, rtol)
-        found = _Found(grid, values, tau, highest, LOWEST_SPEED * max(_LARGE_SHARE * rtol, _BEST_STEPPED))
+        found = _Found(
+            grid, values, tau, highest, LOWEST_SPEED * max(_LARGE_SHARE * rtol, _BEST_STEPPED)
+        )
     values = found.values[:, 0]
     if rows.shape[0] == 2:
         values = values + 1j * found.values[:, 1]
@@ -235,10 +241,10 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         values=values,
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
-        resolved=max(_SHARE * rtol, 3.0 * found.rounding / _LEAST_MAXIMUM),
+        resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
         filled=_FILLED if m == 0 and law.restitution == 0.0 else 0.0,
     )
-    ends = _ends(values, 0.0 if m == 0 else _LEAST_MAXIMUM)
+    ends = _ends(values, 0.0 if m == 0 else LEAST_MAXIMUM)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
     if m:
         missed = max(missed, found.rounding / LOWEST_SPEED)
@@ -257,7 +263,8 @@ def _apart(found: GridDensity, other: GridDensity) -> float:
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
         second = other.at(i, v)
-        promised = np.exp(np.minimum(0.0, x - found.lowest_promised(i)))
+        lowest = other.lowest_promised(i) - other.shift[i] + found.shift[i]
+        promised = np.exp(np.minimum(0.0, x - lowest))
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
         difference = np.abs(found.at(i, v) - second) * promised
         worst = max(worst, float(difference.max(initial=0.0)) / top)
