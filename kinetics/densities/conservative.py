@@ -369,8 +369,12 @@ def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, stat
         there = v > LOWEST_SPEED
         most = max(float((mass / v)[there].max()), LEAST_MAXIMUM * h)
         error = _SAFE * float((change / v)[there].max()) / most
-        if not state.smooth:
-            error = min(error, _guessed_error(law, h, math.inf if peaks else float(path)))
+        guess = _guessed_error(law, h, math.inf if peaks else float(path))
+        if h > _COARSEST:
+            # too coarse for derivatives
+            error = max(error, guess)
+        elif not state.smooth:
+            error = min(error, guess)
         worst = max(worst, error)
     return worst
 

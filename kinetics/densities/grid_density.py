@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,24 +65,28 @@ class GridDensity(Value):
                 out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
         return out
 
-    def lowest_promised(self, i: int) -> float:
-        """The lowest x at which f keeps its accuracy relative to its maximum."""
-        g, x = np.abs(self.values[i]), self.grid.x
-        return math.log(LOWEST_SPEED) + 0.5 * math.log(float(g @ np.exp(2.0 * x) / g.sum()))
+    @cached_property
+    def lowest_promised(self) -> FloatArray:
+        """The lowest x at which f keeps its accuracy relative to its maximum, shape (n_times,)."""
+        size = np.abs(self.values)
+        second = size @ np.exp(2.0 * self.grid.x) / size.sum(axis=1)
+        return np.asarray(math.log(LOWEST_SPEED) + 0.5 * np.log(second))
 
-    def error_at_low_speeds(self, i: int, rounding: float) -> float:
-        """Error of f at the i-th time relative to its maximum, for so much rounding of g.
+    def error_at_low_speeds(self, rounding: float) -> float:
+        """Largest error of f relative to its maximum, for so much rounding of g.
 
         f = g/v has most of it at the lowest speed at which it is promised, or where g is no
         longer resolved and f goes on by its slope: there f itself bounds the error.
         """
-        g, x = np.abs(self.values[i]), self.grid.x
-        top = float(g.max())
-        promised, cut = self.lowest_promised(i), self._low_end(i)[0]
-        low = max(promised, cut)
-        share = rounding / top if cut < promised else max(rounding / top, self.resolved)
-        inside = x >= low
-        return share * top * math.exp(-low) / float(np.max(g[inside] * np.exp(-x[inside])))
+        size, x = np.abs(self.values), self.grid.x
+        top, nodes = size.max(axis=1), np.arange(x.size)
+        weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
+        cut = x[np.where(weak, nodes, -1).max(axis=1, initial=-1) + 1]
+        low = np.maximum(self.lowest_promised, cut)
+        share = np.where(cut < low, rounding / top, np.maximum(rounding / top, self.resolved))
+        with np.errstate(under="ignore"):
+            most = np.where(x >= low[:, None], size * np.exp(-x), 0.0).max(axis=1)
+        return float(np.max(share * top * np.exp(-low) / most, initial=0.0))
 
     def _width(self, i: int) -> float:
         """Maximum of g over that of g/v, in units of exp(x)."""

@@ -24,8 +24,8 @@ from kinetics.values import Value
 # Of the thermal speed: above it a density keeps its accuracy relative to its maximum, and below it
 # the density of ln v does.
 LOWEST_SPEED = 1e-2
-# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of ln v
-# with this maximum; that of the isotropic one is larger: tests/kinetics/measurements/densities.py
+# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of
+# ln v with this maximum; the isotropic one has a larger: tests/kinetics/measurements/densities.py
 LEAST_MAXIMUM = 0.3
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow

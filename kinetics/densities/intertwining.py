@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
@@ -98,22 +98,22 @@ class Spectrum:
         return np.asarray(np.interp(k, known, log_size, right=log_size[-1]))
 
 
-def rounding_noise(field: float, back: float, nodes: int) -> float:
+def rounding_noise(raised: ArrayLike, nodes: int) -> Any:
     """Standard deviation of the rounding in a density g of ln v; it is the same at all nodes.
 
     A Fourier transform of n values leaves white noise of epsilon sqrt(log2 n) times their root
     mean square. Each mode of that of the field is multiplied by `back`, and the last transform
     adds its own; g is of order 1.
 
-    field, back : root mean squares
+    raised : root mean square of the field times that of `back`, of any shape, which is returned
     """
-    return _EPSILON * math.sqrt(math.log2(nodes)) * math.hypot(1.0, field * back)
+    return _EPSILON * math.sqrt(math.log2(nodes)) * np.hypot(1.0, raised)
 
 
-def error_of_noise(noise: float) -> float:
+def error_of_noise(noise: Any) -> Any:
     """Rounding of f = g/v relative to its maximum, from the standard deviation of that of g.
 
-    Three standard deviations, at the lowest speed at which f is promised.
+    Three standard deviations, at the lowest speed at which f is promised; shape of `noise`.
     """
     return 3.0 * noise / LOWEST_SPEED
 
@@ -135,30 +135,36 @@ def choose_turn(
     highest = highest or nyquist
     k = np.linspace(0.0, highest, max(32, math.ceil(0.5 * highest)) + 1)
     gain, log_size = log_gain(law, k, m).real, spectrum.at(k)
-    kept = k <= spectrum.kept
-    best = Turn(0.0, math.inf, 0.0, highest)
-    for angle in _ANGLES:
-        height = gain + angle * k
-        raised = -float(height.min())
-        # modes from there on would fold onto those that are used
-        folding = (math.pi - 2.0 * angle) * (2.0 * nyquist - highest)
-        if angle and folding < -math.log(_FOLDED * rtol) + raised:
-            break
-        # both are sums over the modes k and -k; the root of the second is below sqrt(2)
-        logs = np.minimum(log_size + height + raised, 300.0)  # no overflow
-        field = math.sqrt(2.0 * k[1] / spectrum.step * float(np.sum(np.exp(2.0 * logs))))
-        mean = k[1] / nyquist * float(np.sum(np.exp(-2.0 * (height + raised))))
-        nodes = round(2.0 * nyquist / spectrum.step)
-        noise = rounding_noise(field, math.sqrt(mean), nodes)
-        # size of the rounding of the highest modes that are kept
-        logarithm = math.log(_KEPT * _EPSILON * spectrum.size.max()) + float(height[kept].max())
-        uncertain = math.exp(min(logarithm, 300.0))
-        error = error_of_noise(noise + _LEFT * uncertain)
-        if error < best.error:
-            best = Turn(angle, error, raised, highest, uncertain > _UNTAPERED * rtol)
-        if error < _ENOUGH * rtol:
-            break
-    return best
+    angles = np.array(_ANGLES)
+    height = gain + np.multiply.outer(angles, k)
+    raised = -height.min(axis=1)
+    # modes from there on would fold onto those that are used
+    folding = (math.pi - 2.0 * angles) * (2.0 * nyquist - highest)
+    folded = folding < raised - math.log(_FOLDED * rtol)
+    folded[0] = False
+    last = int(np.argmax(folded)) or angles.size
+    height, raised = height[:last], raised[:last]
+    # sums over the modes k and -k; exponents that would overflow belong to useless angles
+    with np.errstate(under="ignore"):
+        sizes = np.exp(2.0 * np.minimum(log_size + height, 300.0)).sum(axis=1)
+        inverses = np.exp(-2.0 * np.maximum(height, -300.0)).sum(axis=1)
+    field_and_back = np.sqrt(2.0 * k[1] / spectrum.step * sizes) * np.sqrt(
+        k[1] / nyquist * inverses
+    )
+    noise = rounding_noise(field_and_back, round(2.0 * nyquist / spectrum.step))
+    # size of the rounding of the highest modes that are kept
+    uncertain = np.exp(np.minimum(height[:, k <= spectrum.kept].max(axis=1), 300.0))
+    uncertain = _KEPT * _EPSILON * float(spectrum.size.max()) * uncertain
+    error = error_of_noise(noise + _LEFT * uncertain)
+    good = np.nonzero(error < _ENOUGH * rtol)[0]
+    best = int(good[0]) if good.size else int(error.argmin())
+    return Turn(
+        angle=float(angles[best]),
+        error=float(error[best]),
+        raised=float(raised[best]),
+        highest=highest,
+        tapered=bool(uncertain[best] > _UNTAPERED * rtol),
+    )
 
 
 def resolved(modes: ComplexArray) -> int:
@@ -266,7 +272,7 @@ def intertwine(
     fields = inverse(whole)
     field = math.sqrt(float(np.mean(np.abs(fields) ** 2, axis=1).max()))
     amplified = math.sqrt(2.0 / grid.nodes * float(np.sum(np.abs(back) ** 2)))
-    noise = rounding_noise(field, amplified, grid.nodes)
+    noise = float(rounding_noise(field * amplified, grid.nodes))
     if turn.tapered:
         ends = np.abs(fields[:, [*range(_AT_ENDS), *range(-_AT_ENDS, 0)]])
         noise += _LEFT * float(ends.max())

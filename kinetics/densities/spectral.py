@@ -55,8 +55,8 @@ _SAMPLES, _COMPARED = 200, 1e-6
 # finer grid whose error must fall by so much, for fewer modes, and for more nodes.
 _FINER, _WORTH_IT, _FEWER, _MORE = 0.6, 0.3, 0.8, 1.4
 _SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of ln v
-# There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: zeros
-# of 1 - E[s^z cos(m chi)] in z, of which tests/kinetics/measurements/densities.py prints the highest
+# There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: a
+# zero of 1 - E[s^z cos(m chi)] in z, tests/kinetics/measurements/densities.py
 _SLOWEST = 0.6
 
 
@@ -249,8 +249,7 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     if m:
         missed = max(missed, found.rounding / LOWEST_SPEED)
     else:
-        rest = [density.error_at_low_speeds(i, found.rounding) for i in range(values.shape[0])]
-        missed = max([missed, *rest])
+        missed = max(missed, density.error_at_low_speeds(found.rounding))
     return density, max(0.1 * rtol, _BEST, rough, missed)
 
 
@@ -263,7 +262,7 @@ def _apart(found: GridDensity, other: GridDensity) -> float:
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
         second = other.at(i, v)
-        lowest = other.lowest_promised(i) - other.shift[i] + found.shift[i]
+        lowest = other.lowest_promised[i] - other.shift[i] + found.shift[i]
         promised = np.exp(np.minimum(0.0, x - lowest))
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
         difference = np.abs(found.at(i, v) - second) * promised
