@@ -36,9 +36,9 @@ from kinetics.values import Value
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
-# A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares of
-# a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times. These two and the sweeps for each
-# e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
+# A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares
+# of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times. These two and the sweeps for
+# each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
 _ERROR, _ERROR_NEAR_ONE = 1.6, 0.2
 _SAFE = 1.1  # the estimate is a first order in the square of the spacing: true within a tenth
 _SWEEPS = 80.0

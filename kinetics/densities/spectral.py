@@ -261,12 +261,11 @@ def _apart(found: GridDensity, other: GridDensity) -> float:
         there = np.nonzero(size > _COMPARED * size.max())[0]
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
-        second = other.at(i, v)
         lowest = other.lowest_promised[i] - other.shift[i] + found.shift[i]
         promised = np.exp(np.minimum(0.0, x - lowest))
+        first, second = promised * found.at(i, v), promised * other.at(i, v)
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
-        difference = np.abs(found.at(i, v) - second) * promised
-        worst = max(worst, float(difference.max(initial=0.0)) / top)
+        worst = max(worst, float(np.abs(first - second).max(initial=0.0)) / top)
     return worst
 
 
