@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,7 +17,7 @@ from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.values import Value
 
-_MOST_TERMS = 2_000_000  # of a Fourier sum at once, nodes times points: 32 megabytes
+_MOST_TERMS = 1_000_000  # of a Fourier sum, or of densities, at once: 16 megabytes
 _STEEP = 1e4  # slope of ln f below a step of f, where f is zero
 _STEP = 1e3  # the density of ln v falls by more than this at a node: it has a step there
 _POLYNOMIAL = np.array(
@@ -68,9 +69,9 @@ class GridDensity(Value):
     @cached_property
     def lowest_promised(self) -> FloatArray:
         """The lowest x at which f keeps its accuracy relative to its maximum, shape (n_times,)."""
-        size = np.abs(self.values)
-        second = size @ np.exp(2.0 * self.grid.x) / size.sum(axis=1)
-        return np.asarray(math.log(LOWEST_SPEED) + 0.5 * np.log(second))
+        squares = np.exp(2.0 * self.grid.x)
+        second = [size @ squares / size.sum(axis=1) for size in self._sizes()]
+        return math.log(LOWEST_SPEED) + 0.5 * np.log(np.concatenate([*second, []]))
 
     def error_at_low_speeds(self, rounding: float) -> float:
         """Largest error of f relative to its maximum, for so much rounding of g.
@@ -78,15 +79,26 @@ class GridDensity(Value):
         f = g/v has most of it at the lowest speed at which it is promised, or where g is no
         longer resolved and f goes on by its slope: there f itself bounds the error.
         """
-        size, x = np.abs(self.values), self.grid.x
-        top, nodes = size.max(axis=1), np.arange(x.size)
-        weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
-        cut = x[np.where(weak, nodes, -1).max(axis=1, initial=-1) + 1]
-        low = np.maximum(self.lowest_promised, cut)
-        share = np.where(cut < low, rounding / top, np.maximum(rounding / top, self.resolved))
-        with np.errstate(under="ignore"):
-            most = np.where(x >= low[:, None], size * np.exp(-x), 0.0).max(axis=1)
-        return float(np.max(share * top * np.exp(-low) / most, initial=0.0))
+        x, nodes, worst, first = self.grid.x, np.arange(self.grid.nodes), 0.0, 0
+        per_speed = np.exp(-x)
+        for size in self._sizes():
+            promised = self.lowest_promised[first : first + len(size)]
+            first += len(size)
+            top = size.max(axis=1)
+            weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
+            cut = x[np.where(weak, nodes, -1).max(axis=1) + 1]
+            low = np.maximum(promised, cut)
+            share = np.where(cut < low, rounding / top, np.maximum(rounding / top, self.resolved))
+            with np.errstate(under="ignore"):
+                most = np.where(x >= low[:, None], size * per_speed, 0.0).max(axis=1)
+            worst = max(worst, float(np.max(share * top * np.exp(-low) / most)))
+        return worst
+
+    def _sizes(self) -> Iterator[FloatArray]:
+        """The sizes of g for some times after another, so that memory stays flat."""
+        step = max(1, _MOST_TERMS // self.grid.nodes)
+        for first in range(0, len(self.values), step):
+            yield np.abs(self.values[first : first + step])
 
     def _width(self, i: int) -> float:
         """Maximum of g over that of g/v, in units of exp(x)."""

@@ -32,7 +32,7 @@ _KEPT = 40.0  # epsilon of the largest mode: a smaller one is rounding, and is n
 # Angles that are tried. Near pi/2 exp(-v t/l) falls as cos(angle): there they are closer.
 _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.54)
 _ENOUGH = 0.005  # of rtol: with less rounding than that no larger angle is tried
-_FOLDED = 1e-2  # of rtol that modes folded onto those in use may leave
+_FOLDED = 1e-3  # of rtol that modes folded onto those in use may leave
 # Width in ln v over which a state is brought to zero at both ends of the window, by an error
 # function that stops at this argument, and its value there.
 TAPER, _STEEPEST = 3.0, 4.0

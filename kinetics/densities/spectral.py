@@ -344,6 +344,6 @@ def _ends(values: NDArray[Any], least: float) -> float:
     """Largest value at the ends of the window relative to the maximum, or to the least of it."""
     if values.shape[0] == 0:
         return 0.0
-    top = np.abs(values).max(axis=1)
+    top = np.array([np.abs(g).max() for g in values])
     ends = np.abs(values[:, [0, 1, -2, -1]]).max(axis=1)
     return float(np.max(ends / np.maximum(top, max(least, 1e-300))))
