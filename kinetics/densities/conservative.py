@@ -21,6 +21,7 @@ from kinetics.collision import CollisionLaw, impact_cells
 from kinetics.densities.harmonic import (
     LEAST_MAXIMUM,
     LOWEST_SPEED,
+    HarmonicProblem,
     Profile,
     count_before_scaling,
     then_scaling,
@@ -247,25 +248,13 @@ def _choose_nodes(
     return _Nodes(top - spacing * (count - 2), spacing, count), work
 
 
-def solve_conservative(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    m: int,
-    times: FloatArray,
-    rtol: float,
-    nodes: int | None = None,
-) -> Profile:
-    """Harmonic m at the times, e < 1.
-
-    law, mean_free_path : the collision law, and l in d
-    state : the start, of any kind
-    times : in d/U, rising, shape (n_times,)
-    nodes : of the axis of ln v; chosen from rtol by default
+def solve_conservative(asked: HarmonicProblem) -> Profile:
+    """The harmonic at the times, of a start of any kind, e < 1.
 
     Raises InputError where following the state would take too long, or its harmonic m is zero.
     """
-    start_rtol = min(rtol, _BEST_START)
+    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
+    mean_free_path, start_rtol = asked.mean_free_path, min(rtol, _BEST_START)
     start, speeds = state.harmonic(m, start_rtol), state.harmonic(0, start_rtol)
     if start is None or speeds is None:
         raise InputError(f"initial: harmonic {m} of this state is zero")
@@ -274,7 +263,7 @@ def solve_conservative(
     early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
     paths = times[:early] / mean_free_path
     path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
-    axis, work = _choose_nodes(law, start, path, peaks, rtol, nodes)
+    axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
     if work > _MOST_WORK:
         raise InputError(
             f"times: got up to {times[early - 1]:g} at restitution {law.restitution!r}; the "

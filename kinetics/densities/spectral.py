@@ -23,6 +23,7 @@ from kinetics.densities.grid_density import GridDensity
 from kinetics.densities.harmonic import (
     LEAST_MAXIMUM,
     LOWEST_SPEED,
+    HarmonicProblem,
     Profile,
     count_before_scaling,
     then_scaling,
@@ -34,7 +35,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.tilted import band_of, window_of
 from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import SpeedFunction, State
+from kinetics.states.state import SpeedFunction
 
 # Limits of the work: nodes at once and in steps, values at nodes and times (a quarter of a
 # gigabyte), and turns of the highest mode times nodes (half a minute of steps).
@@ -62,28 +63,22 @@ _SLOWEST = 0.6
 
 @dataclass(frozen=True)
 class _Problem:
-    """One harmonic of a start, and what is asked of it.
+    """What is asked, and the start as this method takes it.
 
     Attributes
     ----------
-    law : the collision law, e < 1
-    m : the angular harmonic
+    asked : the question
     start : f_m as a function of v in U
     speeds : the initial speeds as weighted points
     tau : ln(1 + v_rms t/l) of the times before the scaling state, shape (n_times,)
-    rtol : the accuracy asked for
     nodes : of the grid, or None
-    latest : the last time in d/U, for messages
     """
 
-    law: CollisionLaw
-    m: int
+    asked: HarmonicProblem
     start: SpeedFunction
     speeds: LogMeasure
     tau: FloatArray
-    rtol: float
     nodes: int | None
-    latest: float
 
     @property
     def log_unit(self) -> float:
@@ -94,15 +89,16 @@ class _Problem:
         """Real and imaginary part of g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
-        if self.m == 0:
+        if self.asked.m == 0:
             g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
 
     def too_much(self, wanted: float) -> InputError:
         """The error that says how many nodes this would need."""
+        latest, restitution = self.asked.times[-1], self.asked.law.restitution
         return InputError(
-            f"times: got up to {self.latest:g} at restitution {self.law.restitution!r}; the density"
-            f" would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
+            f"times: got up to {latest:g} at restitution {restitution!r}; the density would need"
+            f" {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
         )
 
 
@@ -159,37 +155,27 @@ def _scaling_band(law: CollisionLaw, depth: float, deviation: float) -> float:
     return band_of(law, 0.0, depth, deviation)
 
 
-def solve_spectral(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    m: int,
-    times: FloatArray,
-    rtol: float,
-    nodes: int | None = None,
-) -> Profile | None:
-    """Harmonic m at the times, e < 1; None where the state is too rough for this method.
+def solve_spectral(asked: HarmonicProblem) -> Profile | None:
+    """The harmonic at the times, e < 1; None where the state is too rough for this method.
 
-    law, mean_free_path : the collision law, and l in d
-    times : in d/U, rising, shape (n_times,)
-    nodes : of the grid. They may be too few: what twice as many give is the check
-
-    Raises InputError where it would take too many nodes.
+    Nodes that are given may be too few: what twice as many give is the check. Raises InputError
+    where it would take too many nodes.
     """
+    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
     speeds, start = state.harmonic(0, 1e-3 * rtol), state.profile(m)
     if speeds is None or start is None:
         return None
     log_unit = 0.5 * speeds.log_second_moment()
-    shift = np.log(times / mean_free_path + math.exp(-log_unit))
+    shift = np.log(times / asked.mean_free_path + math.exp(-log_unit))
     tau = shift + log_unit
     early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
-    problem = _Problem(law, m, start, speeds, tau[:early], rtol, nodes, float(times[-1]))
+    problem = _Problem(asked, start, speeds, tau[:early], asked.nodes)
     found = _solve(problem)
     if found is None:
         return None
     density, error = found
-    if nodes is not None and early:
-        error = max(error, _apart(density, _otherwise(problem, nodes)))
+    if asked.nodes is not None and early:
+        error = max(error, _apart(density, _otherwise(problem, asked.nodes)))
     return Profile(
         density=then_scaling(law, density, early, shift[early:], rtol),
         count=times.size,
@@ -213,7 +199,8 @@ def _otherwise(problem: _Problem, nodes: int) -> GridDensity:
 
 def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     """The density and its error relative to the maximum; None where the start is too rough."""
-    law, m, rtol, tau = problem.law, problem.m, problem.rtol, problem.tau
+    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
+    tau = problem.tau
     depth = math.log(1.0 / rtol) + _BELOW_RTOL
     duration = float(tau[-1]) if tau.size else 0.0
     left, right, band = _window(law, problem.speeds, depth, duration)
@@ -275,7 +262,8 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     The window is that of g and more: u reaches further down, as v, and further up, as
     exp(-v t/l).
     """
-    law, m, rtol, nodes = problem.law, problem.m, problem.rtol, problem.nodes
+    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
+    nodes = problem.nodes
     spectrum, spacing = Spectrum.of(grid, rows), grid.spacing
     turn = choose_turn(law, m, spectrum, rtol, spacing)
     while turn.error > _LARGE_SHARE * rtol and nodes is None:
@@ -334,7 +322,7 @@ def _resolve(
         rows = problem.on(grid)
         spectrum = np.abs(np.fft.rfft(rows)).max(axis=0)
         rough = float(spectrum[-3:].max() / max(float(spectrum.max()), 1e-300))
-        enough = rough <= _SHARE * problem.rtol or 2 * count > _MOST_NODES_STEPPED
+        enough = rough <= _SHARE * problem.asked.rtol or 2 * count > _MOST_NODES_STEPPED
         if problem.nodes is not None or enough:
             return grid, rows, rough
         count = int(_MORE * count)

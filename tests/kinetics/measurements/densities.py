@@ -15,7 +15,7 @@ from kinetics import CollisionLaw, Gaussian, Monoenergetic, Scene, SpeedDensity,
 from kinetics.crosscheck.references import load
 from kinetics.densities import conservative, harmonic, marginal, spectral
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import Profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.densities.spectral import solve_spectral
 
 REFERENCES = load()["speed_density"]
@@ -37,7 +37,9 @@ def spectral_error(e: str, start: str, rtol: float) -> tuple[float, float]:
     """Error reached and estimate of the spectral method."""
     kept = REFERENCES[e][start]
     times = np.array([float(t) for t in kept])
-    found = solve_spectral(CollisionLaw(float(e)), 1.0, STARTS[start], 0, times, rtol)
+    found = solve_spectral(
+        HarmonicProblem(CollisionLaw(float(e)), 1.0, STARTS[start], 0, times, rtol)
+    )
     assert found is not None
     return error_of(found, kept), found.error_estimate
 
@@ -92,7 +94,9 @@ def measure_maximum() -> None:
     print("harmonic.LEAST_MAXIMUM of the isotropic density of ln v")
     least, times = math.inf, np.geomspace(1e-2, 1e6, 30)
     for e in (0.0, 0.1, 0.4, 0.8):
-        found = solve_spectral(CollisionLaw(e), 1.0, Gaussian(2.0, 2.0), 0, times, 1e-4)
+        found = solve_spectral(
+            HarmonicProblem(CollisionLaw(e), 1.0, Gaussian(2.0, 2.0), 0, times, 1e-4)
+        )
         assert found is not None
         density = found.density if isinstance(found.density, GridDensity) else found.density.early
         least = min(least, float(density.values.max(axis=1).min()))
@@ -105,8 +109,10 @@ def measure_spacing() -> None:
     v, times = np.geomspace(0.02, 3.0, 200), np.array([0.5, 5.0, 50.0])
     for e in (0.0, 0.3, 0.6, 0.8, 0.9):
         law = CollisionLaw(e)
-        exact = solve_spectral(law, 1.0, Gaussian(), 0, times, 1e-8)
-        found = conservative.solve_conservative(law, 1.0, Gaussian(), 0, times, 1e-9, 1500)
+        exact = solve_spectral(HarmonicProblem(law, 1.0, Gaussian(), 0, times, 1e-8))
+        found = conservative.solve_conservative(
+            HarmonicProblem(law, 1.0, Gaussian(), 0, times, 1e-9, 1500)
+        )
         assert exact is not None
         assert isinstance(found.density, conservative.NodeMasses)
         size = exact.continuous(v).max(axis=1, keepdims=True)
@@ -120,7 +126,9 @@ def measure_spacing() -> None:
 
         conservative._Axis._arriving = counting  # type: ignore[method-assign]
         late = np.array([1e4, 1e6])
-        conservative.solve_conservative(law, 1.0, Monoenergetic(), 0, late, 1e-12, 400)
+        conservative.solve_conservative(
+            HarmonicProblem(law, 1.0, Monoenergetic(), 0, late, 1e-12, 400)
+        )
         conservative._Axis._arriving = arriving  # type: ignore[method-assign]
         sweeps = count[0] * law.mean_log_loss / (1.0 + math.log1p(1e6))
         print(
