@@ -159,7 +159,7 @@ class _Axis:
         """exp(A step) as a Poisson average of powers of 1 + A/fastest."""
         apart = 1 if self.peak and self.first == 0 else 0
         speed = self.speed[self.first :] / fastest
-        current = self.mass[self.first :]
+        current = self.mass[self.first :].copy()
         mean = fastest * step
         weight = math.exp(-mean)
         out = weight * current
@@ -167,7 +167,7 @@ class _Axis:
         # beyond 12 standard deviations of the Poisson distribution the weights are e^-72
         while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
             moving = speed * current
-            current = current - moving
+            current -= moving
             if apart:
                 moving[2] += moving[0]  # node 1 is the empty one above
             arriving = self._arriving(moving[apart:])
@@ -177,7 +177,7 @@ class _Axis:
             n += 1
             weight *= mean / n
             summed += weight
-            out = out + weight * current
+            out += weight * current
         # the truncated Poisson weights are made to sum to 1: mass is kept to rounding
         self.mass[self.first :] = out / summed
 
@@ -189,7 +189,8 @@ class _Axis:
         """
         full = moving.size + self.kernel.size - 1
         if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
-            return np.convolve(moving, self.kernel)
+            # what np.convolve does, without its checks
+            return np.correlate(moving, self.kernel[::-1], "full")
         if self._transformed is None or self._transformed[0] < full:
             from scipy.fft import next_fast_len
 
@@ -351,8 +352,10 @@ def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, stat
             continue
         slowed = 1.0 / (1.0 + kappa * path)
         spread = variance * (1.0 - slowed**2) + first * slowed**2 + 0.25 * h * h
-        change = (bias * (1.0 - slowed) + first * slowed) * np.abs(np.gradient(mass, h))
-        change[1:-1] += 0.5 * spread * np.abs(np.diff(mass, 2)) / h**2
+        change = np.zeros(mass.size)
+        change[1:-1] = (bias * (1.0 - slowed) + first * slowed) / (2.0 * h) * np.abs(
+            mass[2:] - mass[:-2]
+        ) + 0.5 * spread / h**2 * np.abs(mass[2:] - 2.0 * mass[1:-1] + mass[:-2])
         typical = 0.5 * math.log(float(mass @ np.exp(2.0 * (found.x - top))) / mass.sum())
         v = np.exp(found.x - top - typical)
         there = v > LOWEST_SPEED
