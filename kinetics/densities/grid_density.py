@@ -79,20 +79,31 @@ class GridDensity(Value):
         f = g/v has most of it at the lowest speed at which it is promised, or where g is no
         longer resolved and f goes on by its slope: there f itself bounds the error.
         """
-        x, nodes, worst, first = self.grid.x, np.arange(self.grid.nodes), 0.0, 0
+        x, worst, done = self.grid.x, 0.0, 0
         per_speed = np.exp(-x)
         for size in self._sizes():
-            promised = self.lowest_promised[first : first + len(size)]
-            first += len(size)
-            top = size.max(axis=1)
-            weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
-            cut = x[np.where(weak, nodes, -1).max(axis=1) + 1]
-            low = np.maximum(promised, cut)
+            part = slice(done, done + len(size))
+            done += len(size)
+            top, first = self._resolved[0][part], self._resolved[1][part]
+            cut = x[first]
+            low = np.maximum(self.lowest_promised[part], cut)
             share = np.where(cut < low, rounding / top, np.maximum(rounding / top, self.resolved))
             with np.errstate(under="ignore"):
                 most = np.where(x >= low[:, None], size * per_speed, 0.0).max(axis=1)
             worst = max(worst, float(np.max(share * top * np.exp(-low) / most)))
         return worst
+
+    @cached_property
+    def _resolved(self) -> tuple[FloatArray, NDArray[np.intp]]:
+        """The maximum of |g|, and the first node below it at which g is resolved, (n_times,)."""
+        tops, firsts = [np.zeros(0)], [np.zeros(0, dtype=int)]
+        nodes = np.arange(self.grid.nodes)
+        for size in self._sizes():
+            top = size.max(axis=1)
+            weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
+            tops.append(top)
+            firsts.append(np.minimum(np.where(weak, nodes, -1).max(axis=1) + 1, nodes[-1]))
+        return np.concatenate(tops), np.concatenate(firsts)
 
     def _sizes(self) -> Iterator[FloatArray]:
         """The sizes of g for some times after another, so that memory stays flat."""
@@ -113,16 +124,16 @@ class GridDensity(Value):
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
-        size = np.abs(self.values[i])
-        top = int(size.argmax())
-        weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
-        first = int(weak[-1]) + 1 if weak.size else 0
-        if weak.size and size[first] > _STEP * self.resolved * size[top]:
+        g, top, first = self.values[i], self._resolved[0][i], int(self._resolved[1][i])
+        lowest = float(abs(g[first]))
+        if first and lowest > _STEP * self.resolved * top:
             return float(self.grid.x[first]), _STEEP
         # one e-fold further up, for the slope
         step = max(1, round(1.0 / self.grid.spacing))
-        second = min(first + step, size.size - 1)
-        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
+        second = min(first + step, g.size - 1)
+        if second == first:
+            return float(self.grid.x[first]), 0.0
+        rise = math.log(max(float(abs(g[second])), 1e-300) / max(lowest, 1e-300))
         slope = rise / ((second - first) * self.grid.spacing) - 1.0
         return float(self.grid.x[first]), max(0.0, slope)
 
