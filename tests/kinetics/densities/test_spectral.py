@@ -1,8 +1,6 @@
 """The speed density in time: mass, positivity, moments, late times, and exact short answers."""
 
 import math
-import tracemalloc
-from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -10,9 +8,6 @@ import numpy as np
 import pytest
 
 from kinetics import (
-    Beam,
-    CollisionLaw,
-    Gaussian,
     InputError,
     ScalingSolution,
     Scene,
@@ -21,8 +16,6 @@ from kinetics import (
     SpeedDensity,
     solve,
 )
-from kinetics.densities.harmonic import HarmonicProblem
-from kinetics.densities.spectral import solve_spectral
 
 TIMES = np.array([0.0, 0.5, 10.0, 60.0, 1e3, 1e5, 1e9])
 OUTPUTS = ("speed_density", "thermal_speed", "a2")
@@ -204,40 +197,3 @@ def test_small_restitutions_keep_what_is_promised_and_claim_it(e: float) -> None
             promised = v >= 1e-2 * v0
             assert np.max(np.abs(f - exact)[promised]) <= rtol * exact.max()
             assert np.max(np.abs(f - exact) * v) <= rtol * np.max(exact * v)
-
-
-@pytest.mark.parametrize("m", [0, 4])
-def test_memory_is_some_times_that_of_the_result(m: int) -> None:
-    times = np.geomspace(0.1, 1e3, 800)
-    asked = HarmonicProblem(CollisionLaw(0.99), 1.0, Gaussian(1.0, 2.0), m, times, 1e-10)
-    solve_spectral(replace(asked, times=times[:2]))  # what is kept for the next question
-    tracemalloc.start()
-    try:
-        found = solve_spectral(asked)
-        peak = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert found is not None
-    assert peak < 3.5 * 8 * times.size * found.nodes + 4e7
-
-
-@pytest.mark.parametrize("m", [1, 2, 4, 8])
-@pytest.mark.parametrize("e", [0.0, 1e-4, 0.03, 0.93])
-def test_harmonics_of_a_beam_fit_into_their_window(e: float, m: int) -> None:
-    # they fall as v^0.6 at low speeds, and what the window cut off was 5 times what was asked
-    times = np.array([0.0, 0.1, 1.0, 10.0])
-    start = Beam(0.3, Gaussian())
-    for rtol in (1e-8, 1e-11):
-        found = solve_spectral(HarmonicProblem(CollisionLaw(e), 1.0, start, m, times, rtol))
-        assert found is not None
-        assert found.error_estimate <= rtol
-
-
-@pytest.mark.parametrize("e", [0.0, 0.5, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99])
-def test_a_tight_tolerance_is_reached_and_claimed(e: float) -> None:
-    scene = Scene(e, times=[1.0, 30.0, 300.0], outputs=("speed_density",))
-    found, other = solve(scene, 1e-12), solve(scene, 1e-13)
-    assert found.status is SolverStatus.CONVERGED
-    v = np.geomspace(1e-2, 3.0, 100)
-    f, best = found.speed_density(v), other.speed_density(v)
-    assert np.all(np.abs(f - best) < 1e-12 * best.max(axis=1, keepdims=True))
