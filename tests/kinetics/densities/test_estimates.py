@@ -53,7 +53,7 @@ def test_bounces_that_the_nodes_do_not_resolve_are_said_so() -> None:
 
 @pytest.mark.parametrize("m", [0, 4])
 def test_memory_is_some_times_that_of_the_result(m: int) -> None:
-    times = np.geomspace(0.1, 1e3, 800)
+    times = np.geomspace(0.1, 1e3, 2500)
     asked = HarmonicProblem(CollisionLaw(0.99), 1.0, Gaussian(1.0, 2.0), m, times, 1e-10)
     solve_spectral(replace(asked, times=times[:2]))  # what is kept for the next question
     tracemalloc.start()
@@ -63,7 +63,7 @@ def test_memory_is_some_times_that_of_the_result(m: int) -> None:
     finally:
         tracemalloc.stop()
     assert found is not None
-    assert peak < 3.5 * 8 * times.size * found.nodes + 4e7
+    assert peak < 3.5 * 8 * times.size * found.nodes
 
 
 @pytest.mark.parametrize("m", [1, 2, 4, 8])
