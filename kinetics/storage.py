@@ -19,12 +19,13 @@ from __future__ import annotations
 import contextlib
 import enum
 import hashlib
+import io
 import os
 import secrets
+import stat
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
-from io import BufferedRandom, BufferedReader
 from typing import TYPE_CHECKING, Any
 
 from kinetics.errors import InputError, short
@@ -65,6 +66,8 @@ HOMES = {
     "ThenScaling": "kinetics.densities.harmonic",
     # density of the displacement
     "Displacement": "kinetics.position.density",
+    "FrontTail": "kinetics.position.front_tail",
+    "OnceCollided": "kinetics.position.once_collided",
     "PowerTail": "kinetics.position.tail",
     "UncollidedDensity": "kinetics.position.ballistic_front",
     "WavePanel": "kinetics.position.wave_panel",
@@ -101,27 +104,50 @@ def save(value: Any, path: str | os.PathLike[str]) -> None:
 
     what = type(value).__name__
     _name_of(type(value), what, value)
-    target = os.fspath(path)
+    # In memory: where the disk is full, HDF5 ends the process while it closes its file.
+    image = io.BytesIO()
+    with h5py.File(image, "w", userblock_size=_HEADER) as file:
+        _write(file, "value", value, what)
+    image.seek(0)
+    image.write(_header(hashlib.sha256(image.getbuffer()[_HEADER:]).hexdigest()))
+    _write_whole(_path(path), image.getbuffer())
+
+
+def _write_whole(target: str, contents: memoryview) -> None:
+    """Write a file beside its target, under a random name, and rename it."""
     folder, base = os.path.split(target)
-    beside = os.path.join(folder, f".{base}.{secrets.token_hex(4)}.part")
+    beside = os.path.join(folder, f".{base}.{secrets.token_hex(8)}.part")
     try:
-        with open(beside, "xb"):
-            pass
-        with h5py.File(beside, "w", userblock_size=_HEADER) as file:
-            _write(file, "value", value, what)
-        with open(beside, "rb+") as written:
-            header = _header(written)
-            written.seek(0)
-            written.write(header)
-            written.flush()
-            os.fsync(written.fileno())
+        _require_file(target)
+        with open(beside, "xb", buffering=0) as file:  # x: never through a symbolic link
+            while contents:
+                contents = contents[file.write(contents[: 2**24]) :]
+            os.fsync(file.fileno())
         os.replace(beside, target)
     except OSError as error:
-        reason = error.strerror or str(error).splitlines()[0]
+        reason = error.strerror or str(error)
         raise InputError(f"path: got {target!r}; it cannot be written ({reason})") from None
     finally:
         with contextlib.suppress(OSError):
-            os.unlink(beside)
+            os.unlink(beside)  # it is there only if something went wrong
+
+
+def _path(path: str | os.PathLike[str]) -> str:
+    try:
+        text = os.fsdecode(path)
+    except TypeError:
+        text = ""
+    if not text or "\0" in text:
+        raise InputError(f"path: got {short(path)}; it must be the path of a file")
+    return text
+
+
+def _require_file(path: str) -> None:
+    """Raise InputError where a device or a pipe is, which might be waited for or be replaced."""
+    with contextlib.suppress(OSError):
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            raise InputError(f"path: got {path!r}; it is a device or a pipe, not a file")
 
 
 def load(path: str | os.PathLike[str]) -> Any:
@@ -134,11 +160,12 @@ def load(path: str | os.PathLike[str]) -> Any:
     """
     import h5py
 
-    name = os.fspath(path)
+    name = _path(path)
+    _require_file(name)
     _check_header(name)
     try:
         with h5py.File(name, "r") as file:
-            return _read(file["value"], name)
+            return _read(_child(file, "value"), name)
     except InputError:
         raise
     except Exception as error:  # h5py raises errors of nearly any class
@@ -149,10 +176,8 @@ def _damaged(path: str, why: str) -> InputError:
     return InputError(f"path: got {path!r}; it is damaged, or from another program ({why})")
 
 
-def _header(file: BufferedReader | BufferedRandom) -> bytes:
-    """The first bytes of a file: its format, its version and the digest of all the rest."""
-    file.seek(_HEADER)
-    digest = hashlib.file_digest(file, "sha256").hexdigest()
+def _header(digest: str) -> bytes:
+    """The first bytes of a file: its format, its version and the SHA-256 of all the rest."""
     return f"{FORMAT} version {VERSION} sha256 {digest}\n".encode().ljust(_HEADER, b"\0")
 
 
@@ -160,7 +185,8 @@ def _check_header(path: str) -> None:
     """Raise InputError unless the file is one of ours, of this version, and undamaged."""
     try:
         with open(path, "rb") as file:
-            found, expected = file.read(_HEADER), _header(file)
+            found = file.read(_HEADER)
+            expected = _header(hashlib.file_digest(file, "sha256").hexdigest())
     except OSError as error:
         raise InputError(f"path: got {path!r}; it cannot be read ({error.strerror})") from None
     words = found[: found.find(b"\n")].decode("ascii", "replace").split(" version ")
@@ -281,19 +307,37 @@ def _read(item: Any, path: str) -> Any:
         return _class_of(item.attrs["class"], path)[item.asstr()[()]]  # type: ignore[index]
     if kind == "str":
         return item.asstr()[()]
+    if kind == "array" or kind in _SCALARS:
+        _require_own(item)
     if kind in _SCALARS:
         return _SCALARS[kind](item[()])
     if kind == "array":
         return read_only(item[()])
     if kind in ("tuple", "list"):
-        found = [_read(item[str(i)], path) for i in range(len(item))]
+        found = [_read(_child(item, str(i)), path) for i in range(len(item))]
         return tuple(found) if kind == "tuple" else found
-    children: dict[Any, Any] = {key: _read(child, path) for key, child in item.items()}
+    children: dict[Any, Any] = {key: _read(_child(item, key), path) for key in item}
     if kind == "object":
         return _rebuild(_class_of(item.attrs["class"], path), children)
     if item.attrs["keys"] == "int":
         children = {int(key): child for key, child in children.items()}
     return children if kind == "dict" else FrozenDict(children)
+
+
+def _child(group: h5py.Group, name: str) -> Any:
+    """An object of a group; KeyError for a link to another place, which may be another file."""
+    import h5py
+
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise KeyError(name)
+    return group[name]
+
+
+def _require_own(dataset: h5py.Dataset) -> None:
+    """Raise ValueError for data of another file, or that are larger than what is stored of them."""
+    elsewhere = dataset.is_virtual or dataset.external or dataset.chunks is not None
+    if elsewhere or dataset.id.get_storage_size() != dataset.nbytes:
+        raise ValueError
 
 
 def _rebuild(cls: type[Any], parts: dict[str, Any]) -> Any:

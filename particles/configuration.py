@@ -39,11 +39,6 @@ ESCAPE_PATHS = 1e6
 _last = threading.local()
 
 
-def forget() -> None:
-    """Give back the memory kept for this thread's next configuration."""
-    _last.cells = None
-
-
 @dataclass(frozen=True, eq=False)
 class Plan(Value):
     """What is to be run, checked. velocities (media or none, tracers, 2), or None to draw them."""

@@ -1,13 +1,15 @@
 """Where the scatterers stand. A medium is frozen data that validates itself when it is made."""
 
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import isfinite, pi, sqrt
+from math import pi, sqrt
 from os import PathLike
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
+from particles.checks import check_path, check_positive, check_whole, real_array, refuse, short
 from particles.values import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
@@ -20,20 +22,10 @@ LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
 LISTED = 5.0
 # At lower densities flights are so long that too few digits of the impact parameter are exact.
 LEAST_DENSITY = 1e-10  # in d^-2
+FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
 # In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
-
-
-def _positive(name: str, value: Any) -> None:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and isfinite(value) and value > 0):
-        raise ValueError(f"{name} = {value!r}: must be a positive finite number")
-
-
-def _whole(name: str, value: Any, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        kind = "a positive whole number" if least else "a whole number, not negative"
-        raise ValueError(f"{name} = {value!r}: must be {kind}")
+LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 
 def _not_too_thin(name: str, value: float, in_diameters: float) -> None:
@@ -54,15 +46,15 @@ class _Random:
     listed: ClassVar[float] = LISTED  # of a periodic box; for the benchmark, which varies it
 
     def __post_init__(self) -> None:
-        _positive("number_density", self.number_density)
-        _positive("diameter", self.diameter)
-        _whole("count", self.count, 1)
-        _not_too_thin("number_density", self.number_density, self.number_density * self.diameter**2)
-        if self.box not in ("periodic", None):
-            raise ValueError(f"box = {self.box!r}: must be 'periodic', or None for the plane")
+        density = check_positive("number_density", self.number_density)
+        d = check_positive("diameter", self.diameter)
+        check_whole("count", self.count, 1, LARGEST_COUNT)
+        _not_too_thin("number_density", self.number_density, density * d * d)
+        if self.box is not None and not (isinstance(self.box, str) and self.box == "periodic"):
+            refuse("box", self.box, "must be 'periodic', or None for the plane")
         name = type(self).__name__
         if self.box is None:
-            largest = LARGEST_PLANE_DENSITY[name] / self.diameter**2
+            largest = LARGEST_PLANE_DENSITY[name] / (d * d)
             if self.number_density > largest:
                 raise ValueError(
                     f"number_density = {self.number_density}: at most {largest:g} in the unbounded "
@@ -106,10 +98,11 @@ class HardDisks(_Random):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _whole("equilibrate", self.equilibrate, 0)
+        check_whole("equilibrate", self.equilibrate, 0, 2**31)
         if self.equilibrate and self.box is None:
             raise ValueError(f"equilibrate = {self.equilibrate}: needs box = 'periodic'")
-        largest = LARGEST_RSA_DENSITY / self.diameter**2
+        d = float(self.diameter)
+        largest = LARGEST_RSA_DENSITY / (d * d)
         if self.number_density > largest:
             raise ValueError(
                 f"number_density = {self.number_density}: disks cannot be placed at random so "
@@ -140,9 +133,8 @@ class BoltzmannGrad:
     diameter: float = 1.0
 
     def __post_init__(self) -> None:
-        _positive("number_density", self.number_density)
-        _positive("diameter", self.diameter)
-        in_diameters = self.number_density * self.diameter * self.diameter
+        d = check_positive("diameter", self.diameter)
+        in_diameters = check_positive("number_density", self.number_density) * d * d
         if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
             raise ValueError(
                 f"number_density = {self.number_density!r}: {in_diameters:.3g} scatterers per d^2 "
@@ -171,17 +163,12 @@ class Positions(Value):
     number_density: float = field(init=False)
 
     def __post_init__(self) -> None:
-        _positive("box_side", self.box_side)
-        _positive("diameter", self.diameter)
-        if self.box_side < SMALLEST_BOX * self.diameter:
-            raise ValueError(
-                f"box_side = {self.box_side}: must be at least {SMALLEST_BOX:g} d = "
-                f"{SMALLEST_BOX * self.diameter:g}"
-            )
-        try:
-            array = np.array(self.positions, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError("positions: must be an array of numbers") from None
+        box = check_positive("box_side", self.box_side)
+        d = check_positive("diameter", self.diameter)
+        if box < SMALLEST_BOX * d:
+            allowed = f"must be at least {SMALLEST_BOX:g} d = {SMALLEST_BOX * d:g}"
+            refuse("box_side", self.box_side, allowed)
+        array = real_array("positions", self.positions, "must be an array of real numbers")
         if array.ndim not in (2, 3) or array.shape[-1] != 2 or array.size == 0:
             raise ValueError(
                 f"positions of shape {array.shape}: must be (count, 2) or (media, count, 2)"
@@ -189,22 +176,26 @@ class Positions(Value):
         bad = np.argwhere(~np.isfinite(array).all(axis=-1))
         if len(bad):
             raise ValueError(f"positions[{bad[0][-1]}] = {array[tuple(bad[0])]}: must be finite")
-        start = (self.box_side / 2,) * 2 if self.start is None else self.start
-        origin = np.array(start, dtype=np.float64)
+        start = (box / 2,) * 2 if self.start is None else self.start
+        origin = real_array("start", start, "must be two finite numbers")
         if origin.shape != (2,) or not np.isfinite(origin).all():
-            raise ValueError(f"start = {self.start!r}: must be two finite numbers")
+            refuse("start", self.start, "must be two finite numbers")
+        far = np.argwhere((abs(array) > FARTHEST * box).any(axis=-1))
+        if len(far) or abs(origin).max() > FARTHEST * box:
+            where = f"positions[{far[0][-1]}] = {array[tuple(far[0])]}" if len(far) else "start"
+            raise ValueError(f"{where}: more than {FARTHEST:g} boxes away, beyond their digits")
         # Relative to the start, in (-box/2, box/2): the nearest image.
         offset = array - origin
-        offset -= self.box_side * np.round(offset / self.box_side)
+        offset -= box * np.round(offset / box)
         distance = np.hypot(offset[..., 0], offset[..., 1])
-        covering = np.argwhere(distance < self.diameter)
+        covering = np.argwhere(distance < d)
         if len(covering):
             raise ValueError(
                 f"positions[{covering[0][-1]}] = {array[tuple(covering[0])]}: covers the start "
                 f"({origin[0]:g}, {origin[1]:g}), which must be at least {self.diameter:g} away"
             )
-        density = array.shape[-2] / self.box_side**2
-        _not_too_thin("box_side", self.box_side, density * self.diameter**2)
+        density = array.shape[-2] / (box * box)
+        _not_too_thin("box_side", self.box_side, density * d * d)
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
         object.__setattr__(self, "number_density", density)
@@ -224,22 +215,19 @@ class Positions(Value):
     ) -> "Positions":  # fmt: skip
         """Read positions from a CSV file of two columns, x and y; one header line may precede.
 
-        Raises ValueError, naming the line, for one that does not hold two numbers.
+        Raises ValueError, naming the line, for one that does not hold two numbers, and for a file
+        that cannot be read or is not text.
         """
-        rows = []
-        with open(path, newline="", encoding="utf-8") as file:
-            for number, row in enumerate(csv.reader(file), 1):
-                if not row:
-                    continue
-                try:
-                    x, y = (float(cell) for cell in row)
-                except ValueError:
-                    if number == 1:
-                        continue
-                    raise ValueError(f"{path}, line {number}: {row} must be two numbers") from None
-                rows.append((x, y))
+        name = check_path("path", path)
+        try:
+            with open(name, newline="", encoding="utf-8") as file:
+                rows = list(_pairs(name, csv.reader(file)))
+        except (UnicodeDecodeError, csv.Error):
+            raise ValueError(f"{name}: must be a CSV file, text in UTF-8") from None
+        except OSError as error:
+            raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
         if not rows:
-            raise ValueError(f"{path}: holds no positions")
+            raise ValueError(f"{name}: holds no positions")
         return cls(np.array(rows), box_side, diameter, start)
 
     @property
@@ -251,6 +239,19 @@ class Positions(Value):
     def sets(self) -> int | None:
         """Number of sets of positions, None if all configurations share one."""
         return len(self.positions) if self.positions.ndim == 3 else None
+
+
+def _pairs(path: str, table: Iterator[list[str]]) -> Iterator[tuple[float, float]]:
+    """Yield the two numbers of each line; the first may be a header, and lines may be empty."""
+    for number, row in enumerate(table, 1):
+        try:
+            x, y = (float(cell) for cell in row)
+        except ValueError:
+            if row and number > 1:
+                words = f"{short(row)} must be two numbers"
+                raise ValueError(f"{path}, line {number}: {words}") from None
+            continue
+        yield x, y
 
 
 Medium = HardDisks | Poisson | BoltzmannGrad | Positions

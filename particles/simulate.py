@@ -1,24 +1,26 @@
 """simulate(): from a medium and a start to an Ensemble."""
 
-import os
+from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future
+from itertools import islice
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from particles.configuration import OBSERVABLES, Plan, Tally, forget, run_configurations
+from particles.arguments import check_workers, make_plan
+from particles.checks import check_path, refuse
+from particles.configuration import Plan, Tally, run_configuration, run_configurations
 from particles.ensemble import Ensemble
-from particles.media import Medium, Positions
+from particles.media import Medium
+from particles.memory import require_memory
 from particles.totals import Totals
 
 if TYPE_CHECKING:
     from particles.storage.saving import Saver
-
-LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
-SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 
 
 def simulate(
@@ -58,19 +60,26 @@ def simulate(
         The file must not exist unless resume is True; then the run goes on from it, to the same
         bits as one that was never stopped.
 
-    Raises ValueError for bad input, where the disks cannot be placed, and for an output that
-    exists (without resume), is damaged, in use, or holds another run; it is left as it was.
+    Raises ValueError for bad input, for a run that needs more memory than the machine has, where
+    the disks cannot be placed, and for an output that exists (without resume), is damaged, in use
+    by another process, cannot be written, or holds another run. What was there is left as it was.
+    Where the disk fills up during the run, what is done stays, and resume goes on from it.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(medium, restitution, initial, times, observables, **whole)
     workers = check_workers(workers)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        refuse("executor", executor, "must be a concurrent.futures.Executor")
+    if progress is not None and not callable(progress):
+        refuse("progress", progress, "must be a function of (done, total)")
+    require_memory(plan, workers)
     if output is None:
         if resume:
             raise ValueError("resume = True: needs output, the file to go on from")
         return _complete(Totals(plan), None, workers, executor, progress).ensemble()
     from particles.storage.saving import Saver
 
-    saver = Saver(output, plan)
+    saver = Saver(check_path("output", output), plan)
     totals = saver.begin(resume)
     try:
         _complete(totals, saver, workers, executor, progress)
@@ -98,130 +107,66 @@ def _complete(
     return totals
 
 
-def check_workers(workers: int | None) -> int:
-    """Return the number of threads to use."""
-    if workers is None:
-        affinity = getattr(os, "sched_getaffinity", None)
-        return len(affinity(0)) if affinity else os.cpu_count() or 1
-    if isinstance(workers, bool) or not isinstance(workers, (int, np.integer)) or workers < 1:
-        raise ValueError(f"workers = {workers!r}: must be a positive whole number")
-    return int(workers)
-
-
-def make_plan(
-    medium: Medium, restitution: float, initial: Any, times: Any,
-    observables: Iterable[str] | None, **whole: int | None,
-) -> Plan:  # fmt: skip
-    """Check every argument of `simulate` and return what is to be run.
-
-    whole: media, tracers, max_collisions and seed. Raises ValueError for what is not allowed.
-    """
-    if not isinstance(medium, Medium):
-        raise ValueError(
-            f"medium = {medium!r}: must be HardDisks, Poisson, BoltzmannGrad or Positions"
-        )
-    if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
-        raise ValueError(f"restitution = {restitution!r}: must be a number from 0 to 1")
-    media, tracers = (_check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
-    if isinstance(medium, Positions) and medium.sets not in (None, media):
-        raise ValueError(f"media = {media}: must be {medium.sets}, the sets of positions given")
-    seed = _check_whole("seed", whole["seed"], 0, 2**64 - 1)
-    most = whole["max_collisions"]
-    if most is None and times is None:
-        raise ValueError("times = None: give output times, or max_collisions, or both")
-    return Plan(
-        medium=medium,
-        restitution=float(restitution),
-        monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(initial, media, tracers),
-        times=_check_times(times),
-        media=media,
-        tracers=tracers,
-        max_collisions=None if most is None else _check_whole("max_collisions", most, 1, 2**62),
-        seed=seed,
-        observables=_check_observables(observables),
-    )
-
-
-def _check_whole(name: str, value: Any, low: int, high: int) -> int:
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not whole or not low <= value <= high:
-        raise ValueError(f"{name} = {value!r}: must be a whole number from {low} to {high}")
-    return int(value)
-
-
-def _check_times(times: Any) -> np.ndarray:
-    if times is None:
-        return np.empty(0)
-    try:
-        array = np.array(times, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"times = {times!r}: must be a sequence of numbers") from None
-    if array.ndim != 1 or array.size == 0:
-        raise ValueError(f"times = {times!r}: must be a sequence of at least one time")
-    if not (np.isfinite(array).all() and array[0] >= 0 and array[-1] <= LARGEST_TIME):
-        raise ValueError(
-            f"times = {times!r}: must be finite, not negative, at most {LARGEST_TIME:g}"
-        )
-    if (np.diff(array) <= 0).any():
-        raise ValueError(f"times = {times!r}: must increase")
-    return array
-
-
-def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
-    if isinstance(initial, str):
-        if initial not in ("gaussian", "monoenergetic"):
-            raise ValueError(
-                f"initial = {initial!r}: must be 'gaussian', 'monoenergetic' or velocities"
-            )
-        return None
-    try:
-        velocities = np.array(initial, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError("initial: must be a name or an array of velocities") from None
-    if velocities.shape not in ((tracers, 2), (media, tracers, 2)):
-        raise ValueError(
-            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, 2) = "
-            f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
-        )
-    speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    good = (speeds >= SMALLEST_SPEED) & (speeds <= 1.0 / SMALLEST_SPEED)
-    if not good.all():
-        raise ValueError(
-            f"initial holds the velocity {velocities[~good][0]}: its size must be from "
-            f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
-        )
-    return velocities
-
-
-def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
-    if observables is None:
-        return frozenset()
-    names = frozenset([observables] if isinstance(observables, str) else observables)
-    for name in sorted(names - set(OBSERVABLES), key=str):
-        raise ValueError(f"observables: no {name!r}; there are {', '.join(OBSERVABLES)}")
-    return names
-
-
 def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Tally]:
-    """Yield the tallies of these configurations in order, whatever order they are done in."""
-    if executor is None and (workers == 1 or len(which) == 1):
-        try:
-            for c in which:
-                yield from run_configurations(plan, c, c + 1)
-        finally:
-            forget()
-        return
-    if executor is not None:
-        # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
-        size = max(1, len(which) // 64)
-        yield from _in_order(executor, plan, which, size, 256)
-        return
-    with ThreadPoolExecutor(workers) as pool:
-        yield from _in_order(pool, plan, which, 1, 4 * workers)
+    """Return the tallies of these configurations in order, whatever order they are done in."""
+    if executor is None:
+        return _in_threads(plan, which, min(workers, len(which)))
+    # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
+    return _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
 
 
-def _in_order(pool: Executor, plan: Plan, which: range, size: int, ahead: int) -> Iterator[Tally]:
+def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
+    """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
+
+    Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C.
+    Nobody waits for the threads after an exception; each ends after its configuration, or with
+    the process. An exception that a signal raises inside a lock of `threading` may leave it locked
+    for ever, or unlock it twice. concurrent.futures has such locks, and so has the start of a
+    Thread: there the main thread once waited for ever for a thread that waited for it. So it shares
+    with the threads nothing but queues that are written in C.
+    """
+    asked: SimpleQueue[int | None] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Tally | BaseException | None]] = SimpleQueue()
+    ended: list[bool] = []
+
+    def work() -> None:
+        while (c := asked.get()) is not None and not ended:
+            try:
+                done.put((c, run_configuration(plan, c)))
+            except BaseException as error:  # it is raised again in the main thread
+                done.put((c, error))
+        done.put((-1, None))
+
+    results: dict[int, Tally | BaseException | None] = {}
+    coming = iter(which)
+    try:
+        for _ in range(workers):
+            start_new_thread(work, ())
+        for c in islice(coming, 4 * workers):
+            asked.put(c)
+        for c in which:
+            while c not in results:
+                results.update((done.get(),))
+            result = results.pop(c)
+            if isinstance(result, BaseException):
+                raise result
+            for following in islice(coming, 1):
+                asked.put(following)
+            assert result is not None
+            yield result
+    except BaseException:
+        ended.append(True)
+        raise
+    finally:
+        for _ in range(workers):
+            asked.put(None)
+    for _ in range(workers):
+        done.get()
+
+
+def _in_executor(
+    pool: Executor, plan: Plan, which: range, size: int, ahead: int
+) -> Iterator[Tally]:
     """Submit blocks of `size` configurations, at most `ahead` at a time; yield them in order."""
     pending: deque[Future[list[Tally]]] = deque()
     starts = iter(range(which.start, which.stop, size))

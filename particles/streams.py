@@ -58,9 +58,3 @@ def to_unit(word: Any) -> float:
 def uniform(state: Any, gamma: Any, counter: int) -> float:
     """Return draw number `counter` as an odd multiple of 2**-53 in (0, 1)."""
     return to_unit(bits(state, gamma, counter))
-
-
-@njit(cache=True)
-def plane_key(seed: Any, configuration: int) -> Any:
-    """Return the key of the streams of an unbounded plane's regions, a 64-bit integer."""
-    return open_stream(seed, CELLS, configuration, 0)[0]

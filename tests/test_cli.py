@@ -344,3 +344,17 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
         cwd=tmp_path,
     )
     assert done.stderr == ""
+
+
+def test_a_status_that_a_command_sets_is_the_one_of_the_process(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`lorentz stress` ends with 1 if a case ended as it must not."""
+
+    @click.command()
+    @click.pass_context
+    def bad(context: click.Context) -> None:
+        context.exit(1)
+
+    monkeypatch.setitem(cli.cli.commands, "bad", bad)
+    assert cli.main(["bad"]) == 1

@@ -14,7 +14,6 @@ import pytest
 
 import particles
 from kinetics import cli
-from kinetics.crosscheck.commands import options
 from particles import Ensemble, HardDisks, simulate
 
 
@@ -136,15 +135,69 @@ def test_positions_are_read_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
     assert "resume = True: needs output" in refused(capsys, "--resume")
 
 
-def test_an_interruption_that_was_swallowed_ends_the_run_at_the_next_configuration(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Python drops an exception that a signal raises inside a destructor; a run once went on."""
+def test_what_is_too_large_gets_the_estimate(capsys: pytest.CaptureFixture[str]) -> None:
+    """Numbers that no machine has memory for."""
+    for arguments in (
+        ["simulate", "--count", "1000000000000"],
+        ["simulate", "--media", "2000000000", "--observables", "speed_histogram,finals"],
+        ["simulate", "--media", "2000000000", "--tracers", "1000000", "--observables", "finals"],
+        ["report", "--count", "1000000000000"],
+    ):
+        line = refused(capsys, *arguments[1:]) if arguments[0] == "simulate" else None
+        if line is None:
+            assert cli.main(arguments) == cli.BAD_INPUT
+            line = capsys.readouterr().err
+        assert " GB of memory, this machine has " in line
+        assert line.count("\n") == 1
 
-    def run(*_: Any, progress: Any, **__: Any) -> None:
-        options.STOP.append(KeyboardInterrupt)
-        progress(1, 2)
-        raise AssertionError("the run went on")
+
+def test_too_little_memory_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(*_: Any, **__: Any) -> None:
+        raise MemoryError("Unable to allocate 834. GiB for an array")
 
     monkeypatch.setattr(particles, "simulate", run)
-    assert cli.main(["simulate", "--media", "2"]) == 130
+    assert refused(capsys) == (
+        "lorentz: not enough memory: Unable to allocate 834. GiB for an array\n"
+    )
+
+
+def test_a_binary_file_of_positions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "disks.csv"
+    path.write_bytes(bytes(range(256)))
+    line = refused(capsys, "--positions", str(path), "--box-side", "10")
+    assert line == f"lorentz: {path}: must be a CSV file, text in UTF-8\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize("json", [[], ["--json"]])
+def test_an_output_that_takes_nothing_is_one_line(json: list[str], tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "kinetics.cli", "simulate", "--medium", "boltzmann-grad",
+             "--media", "2", "--times", "1", *json],
+            stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
+        )  # fmt: skip
+    assert (done.returncode, done.stderr) == (2, "lorentz: No space left on device\n")
+
+
+def test_warnings_are_one_line_and_numpys_are_not_shown(tmp_path: Path) -> None:
+    code = """
+import sys, warnings
+import numpy as np
+import particles
+from kinetics import cli
+
+def simulate(*_, **__):
+    np.float64(1e300) * np.float64(1e300)
+    warnings.warn("mind the\\nstep")
+    raise ValueError("the end")
+
+particles.simulate = simulate
+sys.exit(cli.main())
+"""
+    command = [sys.executable, "-c", code, "simulate"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.stderr == "lorentz: warning: mind the step\nlorentz: the end\n"
+    assert done.returncode == 2

@@ -84,7 +84,9 @@ class Survival:
 class Bounce(Protocol):
     """What the collision law asks of a bounce."""
 
-    dimension: int
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
 
     @property
     def least_loss(self) -> float:

@@ -13,8 +13,8 @@ from importlib.resources import files
 from typing import Any
 
 from numba import njit
-from numba.core.caching import FunctionCache
 
+from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
@@ -34,7 +34,7 @@ def sources() -> str:
     return total.hexdigest()
 
 
-class _Cache(FunctionCache):
+class _Cache(Cache):
     def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
         return (*super()._index_key(signature, codegen), sources(), FORM)
 
@@ -42,6 +42,5 @@ class _Cache(FunctionCache):
 def kernel(function: Callable) -> Any:
     """Compile a function that Python calls: it runs without the GIL and is kept on disk."""
     compiled: Any = njit(nogil=True, error_model="numpy")(function)
-    if compiled is not function:  # or nothing is compiled (NUMBA_DISABLE_JIT)
-        compiled._cache = _Cache(function)
-    return compiled
+    # The same function again: nothing is compiled (NUMBA_DISABLE_JIT).
+    return compiled if compiled is function else keep(compiled, _Cache)

@@ -19,6 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from particles.compiled import slots as loop
+from particles.compiled.cache import keep
 from particles.compiled.slots import SLOTS
 from particles.events import GRAZING, NEVER
 
@@ -125,7 +126,8 @@ def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     return _crowd(slots, cell, x, y)  # type: ignore[call-arg]
 
 
-@njit(cache=True)
+@keep
+@njit
 def _both(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y)
 

@@ -26,6 +26,9 @@ EMPTY = 1e150  # far away, and its square is still finite
 BLOCK = 2
 WINDOW = 7
 _NOWHERE = -(2**62)
+# A scatterer is listed at most 4 times where cells are wider than 2, 9 times otherwise. Listings
+# are counted in 32 bits.
+LISTINGS = 9
 
 
 class Cells(NamedTuple):
@@ -67,11 +70,11 @@ def empty_box(box: float, number_density: float, count: int, listed: float = LIS
     A cell lists about `listed` of them (see cell_side): speed depends on it, the physics does not.
     Their number along a side is odd, so that the centre of the box is the centre of a cell.
     """
-    n = max(int(box / cell_side(number_density, listed)), 1)
-    n -= n % 2 == 0
+    n = _cells_along(box, number_density, listed)
     side = box / n
-    # A scatterer is listed at most 4 times where cells are wider than 2, 9 times otherwise.
-    room = 9 * count
+    room = LISTINGS * count
+    if room >= 2**31:
+        raise ValueError(f"count = {count}: must be at most {(2**31 - 1) // LISTINGS} in a box")
     return Cells(
         side=side,
         n=n,
@@ -87,6 +90,19 @@ def empty_box(box: float, number_density: float, count: int, listed: float = LIS
         pairs=np.empty((0, 2), np.int64),
         who=np.empty((0, SLOTS), np.int64),
     )
+
+
+def _cells_along(box: float, number_density: float, listed: float) -> int:
+    n = max(int(box / cell_side(number_density, listed)), 1)
+    return n - (n % 2 == 0)
+
+
+def box_bytes(box: float, number_density: float, count: int, listed: float = LISTED) -> int:
+    """Return the bytes that `empty_box` asks for."""
+    of_a_cell = 2 * SLOTS * 8 + 4 + 4  # slots, fill, head
+    of_a_listing = 4 + 2 * 8  # links, nodes
+    n = _cells_along(box, number_density, listed)
+    return n * n * of_a_cell + LISTINGS * count * of_a_listing
 
 
 def plane(

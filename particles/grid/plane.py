@@ -18,7 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import int64, njit, uint64
 
-from particles.streams import bits, mix, plane_key, to_unit
+from particles.compiled.decorators import kernel
+from particles.streams import CELLS, bits, mix, open_stream, to_unit
 
 # Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
 _SQRT2, _SQRT3 = 0x6A09E667F3BCC909, 0xBB67AE8584CAA73B
@@ -58,8 +59,14 @@ def make_law(side: float, edge: float, hard: bool, seed: np.uint64, configuratio
     A circle of radius 1 reaches over an edge if its centre is within 1 of it; a candidate that
     excludes such a hard disk is within 2 of the edge. So bands are twice as wide as these lengths.
     """
-    key = np.uint64(plane_key(seed, configuration))
+    key = np.uint64(_plane_key(seed, configuration))
     return Law(side, 4.0 if hard else 2.0, edge, hard, key)
+
+
+@kernel
+def _plane_key(seed: Any, configuration: int) -> Any:
+    """Return the key of the streams of an unbounded plane's regions, a 64-bit integer."""
+    return open_stream(seed, CELLS, configuration, 0)[0]
 
 
 @lru_cache(maxsize=8)

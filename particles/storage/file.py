@@ -26,14 +26,19 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import fields
+from io import BytesIO
 from os import PathLike
 from typing import Any
 
 import h5py
 import numpy as np
 
-from particles.configuration import Plan
+from particles.arguments import make_plan
+from particles.checks import check_path
+from particles.configuration import RAW, Plan
+from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
 from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 VERSION = 1
@@ -78,7 +83,7 @@ def _describe(plan: Plan) -> tuple[str, dict[str, np.ndarray]]:
 
 
 def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
-    """Return the plan that `_describe` was given."""
+    """Return the plan that `_describe` was given, its values checked as the user's were."""
     values = json.loads(text)
     described = values.pop("medium")
     kind = _MEDIA[described.pop("kind")]
@@ -86,12 +91,17 @@ def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
         described["positions"] = arrays["plan/positions"]
         described["start"] = tuple(described["start"])
     medium: Medium = kind(**described)
-    return Plan(
+    times = arrays["plan/times"]
+    initial = "monoenergetic" if values.pop("monoenergetic") else "gaussian"
+    plan = make_plan(
         medium=medium,
-        velocities=arrays.get("plan/velocities"),
-        times=arrays["plan/times"],
-        **(values | {"observables": frozenset(values["observables"])}),
+        initial=arrays.get("plan/velocities", initial),
+        times=times if times.size else None,
+        **values,
     )
+    if _describe(plan)[0] != text:
+        raise ValueError("a plan of other keys or values than are written")
+    return plan
 
 
 def _digest(text: str, done: int, arrays: dict[str, np.ndarray]) -> str:
@@ -112,36 +122,24 @@ def plan_digest(plan: Plan) -> bytes:
 def write(
     path: str | PathLike[str], plan: Plan, arrays: Mapping[str, np.ndarray], done: int
 ) -> None:
-    """Write a run beside `path` and rename it there. Raises ValueError if it cannot be written."""
-    target = os.fspath(path)
-    beside = f"{target}.part"
+    """Write a run, replacing what is at `path`. Raises ValueError if it cannot be written."""
     text, described = _describe(plan)
     everything = {**described, **arrays}
-    try:
-        with h5py.File(beside, "w") as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["version"] = VERSION
-            file.attrs["done"] = done
-            file.attrs["plan"] = text
-            file.attrs["digest"] = _digest(text, done, everything)
-            for name, array in everything.items():
-                file.create_dataset(name, data=array).attrs["unit"] = _UNITS.get(name, "1")
-        with open(beside, "rb+") as file:
-            os.fsync(file.fileno())
-        os.replace(beside, target)
-    except BaseException as error:
-        # Also after an interruption: HDF5 would not open the same file again for the next one.
-        if os.path.isfile(beside):
-            os.unlink(beside)
-        if isinstance(error, OSError):
-            raise cannot_write(target, error) from None
-        raise
+    # In memory: where the disk is full, HDF5 ends the process while it closes its file.
+    image = BytesIO()
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["version"] = VERSION
+        file.attrs["done"] = done
+        file.attrs["plan"] = text
+        file.attrs["digest"] = _digest(text, done, everything)
+        for name, array in everything.items():
+            file.create_dataset(name, data=array).attrs["unit"] = _UNITS.get(name, "1")
+    write_whole(check_path("path", path), image.getbuffer())
 
 
-def cannot_write(path: str, error: OSError) -> ValueError:
-    """Return what is said where a file cannot be written."""
-    reason = error.strerror or str(error).splitlines()[0]
-    return ValueError(f"output = {path!r}: cannot be written ({reason})")
+class _Refused(ValueError):
+    """A file that is not a saved run of this version; the message says why."""
 
 
 def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
@@ -149,35 +147,80 @@ def read(path: str | PathLike[str]) -> tuple[Plan, dict[str, np.ndarray], int]:
 
     Raises ValueError for a file that is missing, damaged, or not one of ours; it is only read.
     """
-    name = os.fspath(path)
-    arrays: dict[str, np.ndarray] = {}
-
-    def collect(key: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            arrays[key] = item[()]
-
+    name = check_path("path", path)
     if not os.path.exists(name):
         raise ValueError(f"{name}: no such file")
+    require_regular(name)
     try:
-        with h5py.File(name, "r") as file:
-            if file.attrs.get("format") != FORMAT:
-                raise ValueError(f"{name}: is not a saved simulation")
-            if file.attrs["version"] != VERSION:
-                raise ValueError(
-                    f"{name}: version {file.attrs['version']}; this program reads {VERSION}"
-                )
-            done = int(file.attrs["done"])
-            text, digest = str(file.attrs["plan"]), str(file.attrs["digest"])
-            file.visititems(collect)
-    except (OSError, KeyError, RuntimeError) as error:
-        # h5py's own words are long and name its internals.
-        raise ValueError(
-            f"{name}: is damaged, or not a saved simulation ({type(error).__name__})"
-        ) from None
+        plan, arrays, done = _read(name)
+    except _Refused as error:
+        raise ValueError(f"{name}: {error}") from None
+    except Exception as error:  # of nearly any class; h5py's own words are long
+        what = f"is damaged, or not a saved simulation ({type(error).__name__})"
+        raise ValueError(f"{name}: {what}") from None
+    return plan, arrays, done
+
+
+def _read(path: str) -> tuple[Plan, dict[str, np.ndarray], int]:
+    with h5py.File(path, "r") as file:
+        if file.attrs.get("format") != FORMAT:
+            raise _Refused("is not a saved simulation")
+        if file.attrs["version"] != VERSION:
+            raise _Refused(f"version {file.attrs['version']}; this program reads {VERSION}")
+        done, text, digest = (file.attrs[name] for name in ("done", "plan", "digest"))
+        arrays = _own_arrays(file, os.path.getsize(path))
     if _digest(text, done, arrays) != digest:
-        raise ValueError(f"{name}: is damaged (its contents do not match their digest)")
+        raise _Refused("is damaged (its contents do not match their digest)")
+    # The digest tells accidents. What follows refuses a file that was made to do harm.
     plan = _understand(text, arrays)
-    return plan, {k: v for k, v in arrays.items() if not k.startswith("plan/")}, done
+    results = {name: array for name, array in arrays.items() if not name.startswith("plan/")}
+    if not 0 <= done <= plan.media or not _fit(plan, done, results):
+        raise _Refused("is damaged (its arrays do not fit its plan)")
+    return plan, results, int(done)
+
+
+def _own_arrays(file: h5py.File, size: int) -> dict[str, np.ndarray]:
+    """Return all arrays of a file of so many bytes, none of which may claim to be larger."""
+    arrays: dict[str, np.ndarray] = {}
+
+    def collect(name: str, item: Any) -> None:
+        nonlocal size
+        if not isinstance(item, h5py.Dataset):
+            return
+        size -= item.nbytes
+        elsewhere = item.is_virtual or item.external or item.chunks is not None
+        if elsewhere or size < 0 or item.id.get_storage_size() != item.nbytes:
+            raise _Refused(f"is damaged (the array {name!r} is not stored in it as a whole)")
+        if item.dtype not in (np.float64, np.int64):
+            raise _Refused(f"is damaged (the array {name!r} has the type {item.dtype})")
+        arrays[name] = item[()]
+
+    file.visititems(collect)
+    return arrays
+
+
+def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
+    """Tell whether the results of a file have the types and shapes that its plan gives them."""
+    times, tracers = plan.times.size, done * plan.tracers
+    shapes: dict[str, tuple[int, ...]] = {
+        "moments": (done, times, MOMENTS),
+        "path_sums": (done, TOTALS),
+        "statuses": (STATUSES,),
+        "traps": (len(arrays["traps"]), 1 + TRAPS),
+    }
+    if done:
+        for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2].astype(int) + 2, strict=True):
+            if name in plan.observables:
+                rows = 1 if name == "free_path_histogram" else times
+                shapes[f"histograms/{name}/sums"] = (3, rows, bins)
+                shapes[f"histograms/{name}/samples"] = (2, rows)
+        for name in plan.observables.intersection(RAW):
+            shape = (tracers, FINALS) if name == "finals" else (times, tracers, 2)
+            shapes[f"raw/{name}"] = shape
+    whole = {name for name in shapes if name == "statuses" or name.startswith("histograms")}
+    return {name: array.shape for name, array in arrays.items()} == shapes and all(
+        array.dtype == (np.int64 if name in whole else np.float64) for name, array in arrays.items()
+    )
 
 
 def difference(plan: Plan, found: Plan) -> str:

@@ -2,11 +2,11 @@
 
 import os
 import time
-from os import PathLike
 
 from particles.configuration import Plan, Tally
-from particles.storage.file import cannot_write, difference, plan_digest, read, write
+from particles.storage.file import difference, plan_digest, read, write
 from particles.storage.journal import Journal
+from particles.storage.whole_files import cannot_write, remove_leftovers, require_regular
 from particles.totals import Totals
 
 # Writing the whole file may take this share of the time between two such writings; the journal
@@ -17,8 +17,8 @@ SHARE = 0.02
 class Saver:
     """Saves a run to its file (particles.storage.file) and journal (particles.storage.journal)."""
 
-    def __init__(self, path: str | PathLike[str], plan: Plan) -> None:
-        self.path = os.fspath(path)
+    def __init__(self, path: str, plan: Plan) -> None:
+        self.path = path
         self.plan = plan
         self._journal: Journal
         self._saved = -1
@@ -27,40 +27,42 @@ class Saver:
     def begin(self, resume: bool) -> Totals:
         """Return the totals to go on from, and make sure that the run can be saved.
 
-        Raises ValueError for a file that exists (without resume), is damaged or holds another run,
-        for such a journal, or if neither can be written. What is refused is left as it was.
+        Raises ValueError for a run that exists (without resume), is in use, is damaged or is
+        another one, or if it cannot be written. What is refused is left as it was.
         """
+        require_regular(self.path)
+        try:
+            self._journal = Journal(f"{self.path}.journal", plan_digest(self.plan))
+        except OSError as error:
+            raise cannot_write(self.path, error) from None
+        try:
+            return self._begin(resume)
+        except BaseException:
+            if self._journal.created:
+                self._journal.remove()
+            self._journal.close()
+            raise
+
+    def _begin(self, resume: bool) -> Totals:
         totals = Totals(self.plan)
-        journal = f"{self.path}.journal"
         exists = os.path.exists(self.path)
+        if exists and not resume:
+            raise _exists(self.path)
         if exists:
-            if not resume:
-                raise ValueError(
-                    f"output = {self.path!r}: exists; resume=True (--resume) would go on from it"
-                )
             found, arrays, self._saved = read(self.path)
             if other := difference(self.plan, found):
                 raise ValueError(f"output = {self.path!r}: holds another run, with {other}")
             totals = Totals.restore(self.plan, arrays)
-        elif os.path.exists(journal):
-            raise ValueError(
-                f"output = {self.path!r}: is not there, but its journal {journal!r} is; "
-                f"put it back, or remove the journal"
-            )
+        self._add_journal(totals)
+        if totals.configurations and not resume:
+            raise _exists(self._journal.path)
+        remove_leftovers(self.path)
         try:
-            self._journal = Journal(journal, plan_digest(self.plan))
+            self._journal.begin()
         except OSError as error:
-            raise cannot_write(self.path, error) from None
-        try:
-            self._add_journal(totals)
-            if not exists:
-                self._save(totals)
-        except BaseException:
-            if exists:
-                self._journal.close()
-            else:
-                self._journal.remove()
-            raise
+            raise cannot_write(self._journal.path, error) from None
+        if not exists:
+            self._save(totals)
         return totals
 
     def add(self, tally: Tally, totals: Totals) -> None:
@@ -82,11 +84,18 @@ class Saver:
             self._journal.close()
 
     def stop(self) -> None:
-        """Save what is complete after an exception; one configuration may be half added by then."""
-        _, arrays, _ = read(self.path)
-        totals = Totals.restore(self.plan, arrays)
-        self._add_journal(totals)
-        self.finish(totals)
+        """Save what is complete after an exception; one configuration may be half added by then.
+
+        Where that cannot be done, as on a full disk, the journal stays and the run goes on from it.
+        """
+        try:
+            _, arrays, self._saved = read(self.path)
+            totals = Totals.restore(self.plan, arrays)
+            self._add_journal(totals)
+            self._journal.begin()
+            self.finish(totals)
+        finally:
+            self._journal.close()
 
     def _add_journal(self, totals: Totals) -> None:
         for tally in self._journal.recover(totals.configurations):
@@ -99,3 +108,7 @@ class Saver:
         self._saved = totals.configurations
         ended = time.monotonic()
         self._next = ended + (ended - began) / SHARE
+
+
+def _exists(path: str) -> ValueError:
+    return ValueError(f"output = {path!r}: exists; resume=True (--resume) would go on from it")

@@ -302,6 +302,41 @@ def test_missing_and_surplus_parts(tmp_path: Path) -> None:
         refused(path, "damaged")
 
 
+def test_data_that_are_not_in_the_file_are_not_read(tmp_path: Path) -> None:
+    """Of another file, or promised only: a dataset of 1e12 numbers of which none is stored."""
+    path, other = tmp_path / "a.h5", tmp_path / "other.h5"
+    with h5py.File(other, "w") as file:
+        file["times"] = np.array([1.0])
+        file["times"].attrs["kind"] = "array"
+    layout = h5py.VirtualLayout((1,), np.float64)
+    layout[0] = h5py.VirtualSource(str(other), "times", (1,))[0]
+    place = "value/times"
+    for change in (
+        lambda file: file.create_dataset(place, shape=(10**12,), dtype=np.float64),
+        lambda file: file.create_dataset(place, shape=(10**12,), dtype=np.float64, chunks=(10**6,)),
+        lambda file: file.create_dataset(place, (1,), np.float64, external=[(str(other), 0, 8)]),
+        lambda file: file.create_virtual_dataset(place, layout),
+        lambda file: file.__setitem__(place, h5py.ExternalLink(str(other), "times")),
+        lambda file: file.__setitem__(place, h5py.SoftLink("/value/number_density")),
+    ):
+        Scene(0.7, times=[1.0]).save(path)
+        with h5py.File(path, "r+") as file:
+            del file[place]
+            change(file)
+            if isinstance(file.get(place, getlink=True), h5py.HardLink):
+                file[place].attrs["kind"] = "array"
+        sealed(path)
+        refused(path, "damaged")
+
+
+def test_a_path_that_is_none(tmp_path: Path) -> None:
+    for path in (3, "", "a\0b"):
+        with pytest.raises(InputError, match=r"^path: got .*; it must be the path of a file"):
+            load(path)
+        with pytest.raises(InputError, match=r"^path: got .*; it must be the path of a file"):
+            Scene(0.7, times=[1.0]).save(path)
+
+
 def test_nothing_in_a_file_is_executed(tmp_path: Path) -> None:
     VALUES["solution with densities"]().save(tmp_path / "a.h5")
 

@@ -170,13 +170,47 @@ BAD = [
     (dict(tracers=2.5), "tracers = 2.5: must be a whole number"),
     (dict(max_collisions=0), "max_collisions = 0"),
     (dict(seed=-1), "seed = -1: must be a whole number from 0"),
-    (dict(workers=0), "workers = 0: must be a positive whole number"),
+    (dict(workers=0), "workers = 0: must be a whole number from 1"),
     (dict(observables=["speed"]), "observables: no 'speed'; there are thermal_speed"),
     (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson,"),
+    (dict(observables=3), "observables = 3: must be names out of thermal_speed"),
+    (dict(observables=[["a"]]), "observables = [['a']]: must be names out of"),
+    (dict(executor=3), "executor = 3: must be a concurrent.futures.Executor"),
+    (dict(progress=3), "progress = 3: must be a function of (done, total)"),
+    (dict(output=3), "output = 3: must be the path of a file"),
+    (dict(output=""), "output = '': must be the path of a file"),
+    (dict(output="a\0b"), "output = 'a\\x00b': must be the path of a file"),
+    (dict(workers=10**6), "workers = 1000000: must be a whole number from 1 to 10000"),
+    (dict(times=[1j]), "times = [1j]: must be a sequence of numbers"),
+    (dict(times=np.array([1 + 1j])), "times = array([1.+1.j]): must be a sequence of numbers"),
+    (dict(times=np.ma.array([1.0, 2.0], mask=[0, 1])), "must be a sequence of numbers"),
+    (dict(times=["1"]), "times = ['1']: must be a sequence of numbers"),
+    (dict(initial=np.full((2, 2), 1j)), "must be a name or an array of real velocities"),
+    (dict(initial=np.ma.masked_all((2, 2))), "must be a name or an array of real velocities"),
+    (dict(initial=np.full((2, 2), 1e308)), "initial holds the velocity [1.e+308 1.e+308]"),
+    *(
+        ({name: 10**400}, f"{name} = 1{'0' * 56}...: ")
+        for name in (
+            "restitution",
+            "times",
+            "media",
+            "tracers",
+            "max_collisions",
+            "seed",
+            "workers",
+            "medium",
+            "initial",
+            "observables",
+            "executor",
+            "progress",
+            "output",
+        )
+    ),
+    (dict(seed=10**5000), "seed = <int>: must be a whole number from 0"),
 ]
 
 
-@pytest.mark.parametrize(("changes", "message"), BAD, ids=[m[:24] for _, m in BAD])
+@pytest.mark.parametrize(("changes", "message"), BAD, ids=[m[:32] for _, m in BAD])
 def test_bad_input_gets_one_clear_line(changes: dict, message: str) -> None:
     good = dict(
         medium=Poisson(0.1, 100), restitution=0.5, times=[1.0], media=2, tracers=2, workers=1
@@ -193,7 +227,7 @@ def test_media_say_what_is_allowed() -> None:
         Poisson(1.0, 1)
     with pytest.raises(ValueError, match=r"number_density = 0.9: .* at most 0.65"):
         HardDisks(0.9, 1000)
-    with pytest.raises(ValueError, match=r"count = 0: must be a positive whole number"):
+    with pytest.raises(ValueError, match=r"count = 0: must be a whole number from 1 to"):
         HardDisks(0.1, 0)
     with pytest.raises(ValueError, match=r"diameter = nan"):
         BoltzmannGrad(0.1, diameter=float("nan"))

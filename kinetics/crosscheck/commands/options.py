@@ -12,11 +12,6 @@ UNITS = (
 )
 
 
-STOP: list[type[BaseException]] = []
-"""Set by the first Ctrl-C. Python drops an exception that a signal raises inside a destructor or a
-callback of C code: long loops look here as well, so that it is not lost."""
-
-
 class Numbers(click.ParamType):
     """Numbers separated by commas, "1,10,100": a tuple of floats, perhaps empty."""
 

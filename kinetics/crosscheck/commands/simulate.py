@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kinetics.crosscheck.commands.options import (
-    STOP,
     UNITS,
     density_option,
     initial_option,
@@ -94,8 +93,6 @@ def simulate(
     scatterers = make_medium(number_density, **described)
 
     def show(done: int, total: int) -> None:
-        if STOP:
-            raise STOP[0]
         bar.update(done - bar.n)
 
     with tqdm(

@@ -52,6 +52,8 @@ def gather_case(
     simulated.
     """
     from particles import BoltzmannGrad, HardDisks
+    from particles.arguments import check_workers, make_plan
+    from particles.memory import require_memory
 
     e, density = restitution, settings.number_density
     times = output_times(last, settings.n_times)
@@ -67,6 +69,11 @@ def gather_case(
             workers=settings.workers, observables=("finals",),
         )  # fmt: skip
 
+    plan = make_plan(
+        disk_medium, e, "gaussian", times, ("finals",), media=settings.media,
+        tracers=settings.tracers, seed=seed + 1, max_collisions=None,
+    )  # fmt: skip
+    require_memory(plan, check_workers(settings.workers))
     tell(f"e = {e:g}: kinetic equation")
     solved = _solutions(e, times, settings)
     tell(f"e = {e:g}: Boltzmann-Grad particles")

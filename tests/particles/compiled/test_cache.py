@@ -1,12 +1,18 @@
 """Compiled code on disk is not used after a change to any file that it is made of."""
 
+import errno
+import importlib.util
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numba
+import pytest
+
 import particles
+from particles.compiled import cache, search
 
 PROGRAM = """
 import numpy as np
@@ -43,3 +49,72 @@ def test_a_change_in_another_file_than_the_kernels_is_compiled(tmp_path: Path) -
     after, hits = run(tmp_path)
     assert hits == 0
     assert after < before
+
+
+KERNELS = """
+from particles.compiled.search import FORM
+from particles.grid import build, equilibrate
+from particles.kernel import follow, free_paths
+print(FORM)
+"""
+
+
+def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(
+    tmp_path: Path,
+) -> None:
+    """As for a user without a home, in a read-only installation; a file keeps root out as well."""
+    source = Path(particles.__file__).parent
+    copy = tmp_path / "particles"
+    shutil.copytree(source, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in copy.rglob("__init__.py"):
+        (file.parent / "__pycache__").write_text("")
+    (tmp_path / "home").write_text("")
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "HOME": str(tmp_path / "home")}
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        environment.pop(name, None)
+    done = subprocess.run(
+        [sys.executable, "-c", KERNELS], cwd=tmp_path, env=environment, capture_output=True,
+        text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, f"{search.FORM}\n"), done.stderr
+    assert done.stderr.count("Warning") == 1
+    assert "compiled code cannot be kept (no folder for it can be written)" in done.stderr
+
+
+def three(monkeypatch: pytest.MonkeyPatch, folder: Path) -> int:
+    """What a small compiled function returns, compiled and kept as by a new process."""
+    file = folder / "small.py"
+    file.write_text(
+        "from numba import njit\n"
+        "from particles.compiled.cache import keep\n"
+        "@keep\n@njit\ndef three(): return 3\n"
+    )
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(folder / "kept"))
+    loader = importlib.util.spec_from_file_location("small", file)
+    module = importlib.util.module_from_spec(loader)
+    loader.loader.exec_module(module)
+    assert module.three() == 3
+    return sum(module.three.stats.cache_hits.values())
+
+
+def test_damaged_files_of_compiled_code_are_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for kind in ("nbi", "nbc"):
+        assert three(monkeypatch, tmp_path) == (kind == "nbc")
+        assert three(monkeypatch, tmp_path) == 1
+        for file in tmp_path.rglob(f"*.{kind}"):
+            file.write_bytes(b"")
+        assert three(monkeypatch, tmp_path) == 0
+        assert three(monkeypatch, tmp_path) == 1
+
+
+def test_a_full_disk_stops_no_compiling(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*arguments: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    cache._warn_not_kept.cache_clear()
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile._open_for_write", full)
+    with pytest.warns(UserWarning, match=r"cannot be kept \(No space left on device\)"):
+        assert three(monkeypatch, tmp_path) == 0
+    assert three(monkeypatch, tmp_path) == 0  # and said once

@@ -250,6 +250,35 @@ def test_positions_from_csv(tmp_path: Path) -> None:
         Positions.from_csv(path, 10.0)
 
 
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        (bytes(range(256)), "disks.csv: must be a CSV file, text in UTF-8"),
+        (b"1,2\n" + b"1" * 200_000 + b",2\n", "disks.csv: must be a CSV file, text in UTF-8"),
+        (b"1,2\n3,\0004\n", "disks.csv, line 2: ['3', '\\x004'] must be two numbers"),
+        (b"1,2\n" + b"3," * 9000, "disks.csv, line 2: ['3', '3', '3', '3',"),
+    ],
+)
+def test_what_is_no_table_of_positions_is_refused(
+    contents: bytes, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "disks.csv"
+    path.write_bytes(contents)
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        Positions.from_csv(path, 10.0)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 120 + len(str(path))
+
+
+def test_positions_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
+        Positions.from_csv(tmp_path / "none.csv", 10.0)
+    with pytest.raises(ValueError, match=r"cannot be read \(Is a directory\)"):
+        Positions.from_csv(tmp_path, 10.0)
+    with pytest.raises(ValueError, match="path = 3: must be the path of a file"):
+        Positions.from_csv(3, 10.0)
+
+
 def test_a_set_of_positions_for_each_configuration() -> None:
     rng = np.random.default_rng(6)
     sets = rng.uniform(0, 6, (3, 20, 2))
@@ -267,8 +296,8 @@ BAD = [
     (lambda: Poisson(1.0, 1), "count = 1: the box would be 1 d wide at number_density = 1.0; it"),
     (lambda: HardDisks(0.9, 1000), "number_density = 0.9: disks cannot be placed at random so"),
     (lambda: HardDisks(0.9, 1000), "at most 0.65 for diameter = 1.0"),
-    (lambda: HardDisks(0.1, 0), "count = 0: must be a positive whole number"),
-    (lambda: HardDisks(0.1, 99, equilibrate=-1), "equilibrate = -1: must be a whole number, not"),
+    (lambda: HardDisks(0.1, 0), "count = 0: must be a whole number from 1 to"),
+    (lambda: HardDisks(0.1, 99, equilibrate=-1), "equilibrate = -1: must be a whole number from 0"),
     (lambda: HardDisks(0.1, box=None, equilibrate=5), "equilibrate = 5: needs box = 'periodic'"),
     (lambda: HardDisks(0.4, box=None), "number_density = 0.4: at most 0.3 in the unbounded plane"),
     (lambda: Poisson(0.1, 99, box=10.0), "box = 10.0: must be 'periodic', or None for the plane"),
@@ -278,8 +307,26 @@ BAD = [
     (lambda: Positions([[1, 1], [0, 9.2]], 10, start=(0, 0)), "positions[1] = [0.  9.2]: covers"),
     (lambda: Positions([[1, 1], [np.nan, 2]], 10), "positions[1] = [nan  2.]: must be finite"),
     (lambda: Positions([1, 2, 3], 10), "positions of shape (3,): must be (count, 2)"),
-    (lambda: Positions([["a", "b"]], 10), "positions: must be an array of numbers"),
+    (
+        lambda: Positions([["a", "b"]], 10),
+        "positions = [['a', 'b']]: must be an array of real numbers",
+    ),
     (lambda: Positions([[1, 2]], 10, start=(1,)), "start = (1,): must be two finite numbers"),
+    (lambda: Positions([[1, 2]], 10, start="ab"), "start = 'ab': must be two finite numbers"),
+    (lambda: Positions([[1, 2j]], 10), "positions = [[1, 2j]]: must be an array of real numbers"),
+    (lambda: Positions(np.ones((1, 2), complex), 10), "must be an array of real numbers"),
+    (lambda: Positions(np.ma.masked_all((1, 2)), 10), "must be an array of real numbers"),
+    (lambda: Positions([[1, 1e14]], 10), "[1.e+00 1.e+14]: more than 1e+12 boxes away"),
+    (lambda: Positions([[1, 2]], 10, start=(0, -1e308)), "start: more than 1e+12 boxes away"),
+    (lambda: Positions([[1, 2]], 1e308, diameter=1e300), "box_side = 1e+308: 0 scatterers per"),
+    (lambda: Positions([[1, 2]], 10**400), f"box_side = 1{'0' * 56}...: must be a positive"),
+    (lambda: HardDisks(0.04, diameter=1e308), "count = 40000: the box would be"),
+    (lambda: HardDisks(0.04, diameter=10**400), f"diameter = 1{'0' * 56}...: must be a positive"),
+    (lambda: HardDisks(0.04, 10**400), f"count = 1{'0' * 56}...: must be a whole number from 1"),
+    (lambda: HardDisks(0.04, box=np.ones(2)), "box = array([1., 1.]): must be 'periodic', or None"),
+    (lambda: Poisson(10**200, diameter=10**200), "count = 40000: the box would be"),
+    (lambda: BoltzmannGrad(10**400), f"number_density = 1{'0' * 56}...: must be a positive"),
+    (lambda: BoltzmannGrad(10**200, 10**200), "inf scatterers per d^2"),
 ]
 
 

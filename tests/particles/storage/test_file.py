@@ -190,9 +190,9 @@ def test_where_a_file_cannot_be_written_nothing_is_left(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"output = .*nowhere.* cannot be written"):
         simulate(MEDIUM, **ARGUMENTS, output=tmp_path / "nowhere" / "run.h5")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(ValueError, match=r"folder"):
+    with pytest.raises(ValueError, match=r"folder: is a folder, not a file"):
         simulate(MEDIUM, **ARGUMENTS, output=tmp_path / "folder")
-    with pytest.raises(ValueError, match="folder"):
+    with pytest.raises(ValueError, match=r"folder: is a folder, not a file"):
         simulate(BoltzmannGrad(0.1), 0.5, times=[1.0], media=2).save(tmp_path / "folder")
     assert os.listdir(tmp_path) == ["folder"]
     with pytest.raises(ValueError, match="resume = True: needs output"):

@@ -158,9 +158,10 @@ def test_a_damaged_or_foreign_journal_is_refused(killed: Path) -> None:
     refused(killed, "belongs to another run")
     journal.write_text("x,y\n1,2\n")
     refused(killed, "is not a journal")
-    journal.write_bytes(good)
+    # The file of the run is gone, and the journal does not begin where a run begins.
+    journal.write_bytes(good[: at[0]] + good[at[1] :])
     killed.unlink()
-    refused(killed, "is not there, but its journal")
+    refused(killed, "configuration 0 is not in it")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
@@ -169,7 +170,7 @@ def test_two_processes_do_not_save_to_one_file(killed: Path) -> None:
 
     with open(f"{killed}.journal", "rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        refused(killed, "another process is at this run")
+        refused(killed, "in use by another process")
 
 
 LONG = """

@@ -1,0 +1,103 @@
+"""The arguments of `simulate`, checked, as a Plan."""
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from particles.checks import check_whole, real_array, refuse
+from particles.configuration import OBSERVABLES, Plan
+from particles.media import Medium, Positions
+
+LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
+SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
+MOST_WORKERS = 10_000
+
+
+def make_plan(
+    medium: Medium, restitution: float, initial: Any, times: Any,
+    observables: Iterable[str] | None, **whole: int | None,
+) -> Plan:  # fmt: skip
+    """Check every argument of `simulate` and return what is to be run.
+
+    whole: media, tracers, max_collisions and seed. Raises ValueError for what is not allowed.
+    """
+    if not isinstance(medium, Medium):
+        refuse("medium", medium, "must be HardDisks, Poisson, BoltzmannGrad or Positions")
+    if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
+        refuse("restitution", restitution, "must be a number from 0 to 1")
+    media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
+    if isinstance(medium, Positions) and medium.sets not in (None, media):
+        refuse("media", media, f"must be {medium.sets}, the sets of positions given")
+    seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
+    most = whole["max_collisions"]
+    if most is None and times is None:
+        refuse("times", times, "give output times, or max_collisions, or both")
+    return Plan(
+        medium=medium,
+        restitution=float(restitution),
+        monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
+        velocities=_check_initial(initial, media, tracers),
+        times=_check_times(times),
+        media=media,
+        tracers=tracers,
+        max_collisions=None if most is None else check_whole("max_collisions", most, 1, 2**62),
+        seed=seed,
+        observables=_check_observables(observables),
+    )
+
+
+def check_workers(workers: int | None) -> int:
+    """Return the number of threads to use."""
+    if workers is None:
+        affinity = getattr(os, "sched_getaffinity", None)
+        return len(affinity(0)) if affinity else os.cpu_count() or 1
+    return check_whole("workers", workers, 1, MOST_WORKERS)
+
+
+def _check_times(times: Any) -> np.ndarray:
+    if times is None:
+        return np.empty(0)
+    array = real_array("times", times, "must be a sequence of numbers")
+    if array.ndim != 1 or array.size == 0:
+        refuse("times", times, "must be a sequence of at least one time")
+    if not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= LARGEST_TIME):
+        refuse("times", times, f"must be finite, not negative, at most {LARGEST_TIME:g}")
+    if (np.diff(array) <= 0).any():
+        refuse("times", times, "must increase")
+    return array
+
+
+def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
+    if isinstance(initial, str):
+        if initial not in ("gaussian", "monoenergetic"):
+            refuse("initial", initial, "must be 'gaussian', 'monoenergetic' or velocities")
+        return None
+    velocities = real_array("initial", initial, "must be a name or an array of real velocities")
+    if velocities.shape not in ((tracers, 2), (media, tracers, 2)):
+        raise ValueError(
+            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, 2) = "
+            f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
+        )
+    with np.errstate(over="ignore"):
+        speeds = np.hypot(velocities[..., 0], velocities[..., 1])
+    good = (speeds >= SMALLEST_SPEED) & (speeds <= 1.0 / SMALLEST_SPEED)
+    if not good.all():
+        raise ValueError(
+            f"initial holds the velocity {velocities[~good][0]}: its size must be from "
+            f"{SMALLEST_SPEED:g} to {1.0 / SMALLEST_SPEED:g}"
+        )
+    return velocities
+
+
+def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
+    if observables is None:
+        return frozenset()
+    try:
+        names = frozenset([observables] if isinstance(observables, str) else observables)
+    except TypeError:
+        refuse("observables", observables, f"must be names out of {', '.join(OBSERVABLES)}")
+    for name in sorted(names - set(OBSERVABLES), key=str):
+        raise ValueError(f"observables: no {name!r}; there are {', '.join(OBSERVABLES)}")
+    return names

@@ -1,0 +1,63 @@
+"""Checks of single arguments: ValueError in one line, `name = VALUE: must be ...`."""
+
+import os
+import sys
+from typing import Any, NoReturn
+
+import numpy as np
+
+
+def short(value: Any, limit: int = 60) -> str:
+    """Return the repr of a value on one line, cut to `limit` characters."""
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # an int of more digits than Python writes out
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def refuse(name: str, value: Any, allowed: str) -> NoReturn:
+    """Raise ValueError for the argument of this name and value."""
+    raise ValueError(f"{name} = {short(value)}: {allowed}") from None
+
+
+def check_positive(name: str, value: Any) -> float:
+    """Return a positive finite number as a float."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not (number and 0 < value <= sys.float_info.max):
+        refuse(name, value, "must be a positive finite number")
+    return float(value)
+
+
+def check_whole(name: str, value: Any, low: int, high: int) -> int:
+    """Return a whole number from low to high as an int."""
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not whole or not low <= value <= high:
+        refuse(name, value, f"must be a whole number from {low} to {high}")
+    return int(value)
+
+
+def real_array(name: str, value: Any, allowed: str) -> np.ndarray:
+    """Return real numbers as a new array of doubles; complex and masked ones are refused.
+
+    Numbers that are too large for a double become infinite.
+    """
+    try:
+        array = np.array(value)
+        if array.dtype.kind not in "biufO" or np.ma.is_masked(value):
+            raise TypeError
+        with np.errstate(over="ignore"):
+            return array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError):
+        refuse(name, value, allowed)
+
+
+def check_path(name: str, value: Any) -> str:
+    """Return the path of a file as text."""
+    try:
+        text = os.fsdecode(value)
+    except TypeError:
+        text = ""
+    if not text or "\0" in text:
+        refuse(name, value, "must be the path of a file")
+    return text
