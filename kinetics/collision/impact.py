@@ -23,7 +23,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import loggamma
 
 from kinetics.collision.quadrature import ImpactQuadrature, Survival
 from kinetics.numerics import FloatArray
@@ -182,6 +181,8 @@ class DiskBounce:
             return np.asarray((z - above * gone) / (above + z))
         if et > 0.0 or z.size == 0 or float(np.abs(z).min()) < _CLOSE:
             return None
+        from scipy.special import loggamma
+
         first, half = 1.0 + 0.5 * z, 0.5 * above
         log_power = loggamma(first) - loggamma(first + half) + math.lgamma(1.0 + half)
         return np.asarray(1.0 - np.exp(log_power + z * math.log(e)))
@@ -190,7 +191,8 @@ class DiskBounce:
         """What bounces beyond the nodes add to E[s^p]: 0 but where s reaches 0."""
         e, et, d = self.restitution, self.tangential_restitution, self.dimension
         if e == 0.0:  # s = et y, down to y = e^-top
-            return (d - 1.0) * np.exp(-self._top * (p + d - 1.0) + p * math.log(et)) / (p + d - 1.0)
+            above = d - 1.0
+            return above * np.exp(p * math.log(et) - self._top * (p + above)) / (p + above)
         if et == 0.0:  # s = 2 e e^-u and dy = 4 e^-2u du
             log_ratio = math.log(2.0) + math.log(e) - self._top
             least = 4.0 * math.exp(-2.0 * self._top)

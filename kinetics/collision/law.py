@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision.impact import RESOLVED, DiskBounce
-from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival
+from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError
 from kinetics.validation import check_restitution, real_number, refuse, whole_number
@@ -311,13 +311,13 @@ class CollisionLaw:
             return self.decay_rate(p)
         p_ = self._exponents(p)
         q = self.quadrature_for(_size(p_), abs(m))
-        kept, gone = q.harmonic(m), q.harmonic_loss(m)
+        gone = q.harmonic_loss(m)
         # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
         with np.errstate(over="ignore", invalid="ignore"):
             lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
             rate = (lost + (1.0 - lost) * gone) @ q.weight
-            # bounces beyond the nodes deflect as the one that loses most
-            rate = rate - self._bounce.beyond(p_) * kept[q.log_loss.argmax()]
+            # bounces beyond the nodes, which nearly stop the tracer, deflect by a right angle
+            rate = rate - self._bounce.beyond(p_) * at_right_angle(m, self.dimension)
         return self._finite(p, rate)[()]
 
     @property

@@ -65,6 +65,18 @@ class ImpactQuadrature:
         return np.asarray((1.0 - x) * last)
 
 
+def at_right_angle(m: int, dimension: int) -> float:
+    """Harmonic m at the deflection pi/2: cos(m pi/2), or P_m(0); 0 for odd m."""
+    if m % 2:
+        return 0.0
+    if dimension == 2:
+        return 1.0 if m % 4 == 0 else -1.0
+    value = 1.0
+    for n in range(2, abs(m) + 1, 2):
+        value *= -(n - 1.0) / n
+    return value
+
+
 @dataclass(frozen=True)
 class Survival:
     """Integrals of the chance to lose more than xi: int_0^inf P(xi > u) e^u f(u) du = sum w_k f_k.

@@ -12,7 +12,7 @@ integers and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -55,13 +55,15 @@ class ScalingSolution(Value):
     restitution: Any
     tangential_restitution: float | None = 1.0
     dimension: int = 2
-    law: CollisionLaw = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
-        object.__setattr__(self, "law", law)
-        for name, value in law.arguments.items():
+        for name, value in self.law.arguments.items():
             object.__setattr__(self, name, value)
+
+    @cached_property
+    def law(self) -> CollisionLaw:
+        """The collision law of these restitutions, in this dimension."""
+        return law_of(self.restitution, self.tangential_restitution, self.dimension)
 
     @cached_property
     def cooling_rate(self) -> float:

@@ -29,7 +29,7 @@ def test_every_row(name: str) -> None:
         assert list(solution.values) == []
     else:
         assert tuple(solution.values) == row.names
-        expected = [len(TIMES) if n == "n_times" else int(n) for n in row.shape]
+        expected = [{"n_times": len(TIMES), "d": 2}[n] for n in row.shape]
         assert all(solution.values[n].shape == tuple(expected) for n in row.names)
         assert row.made_of(2)
         assert all(isinstance(part.observable, Observable) for part in row.made_of(2))
@@ -55,7 +55,7 @@ def test_a_new_output_is_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
 
     row = Output(
         "mean_speed_ratio", VELOCITY, "<v>/v0", "1", ("n_times",), "mean speed over thermal speed",
-        lambda: parts((1.0, speed_power(1.0)), (0.5, speed_power(2.0))),
+        lambda _: parts((1.0, speed_power(1.0)), (0.5, speed_power(2.0))),
         lambda averages: averages.power(1.0) / np.sqrt(averages.power(2.0)),
     )  # fmt: skip
     monkeypatch.setitem(OUTPUTS, row.name, row)
