@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
@@ -39,6 +40,8 @@ def real_number(
     """A finite number from low to high, as a float."""
     allowed = allowed or f"it must be a number from {low:g} to {high:g}"
     try:
+        if np.ndim(value) or np.iscomplexobj(value) or np.ma.is_masked(value):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         refuse(name, value, allowed)
@@ -88,15 +91,29 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
 # -- arrays of any shape --------------------------------------------------------------------------
 
 
-def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
-    """Real numbers in an array of any shape; NaN is let through."""
+def _real(value: Any, kinds: str) -> Array:
+    """Real numbers as an array of floats, a copy; TypeError or ValueError for anything else.
+
+    ``kinds`` are the kinds of dtypes that are let through. Masked values are not, and neither is
+    anything of which NumPy warns that it would lose a part of it.
+    """
     try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "iuf":
-            raise TypeError
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            array = np.asarray(value)
+            if array.dtype.kind not in kinds or np.ma.is_masked(value):
+                raise TypeError
+            return array.astype(float)
+    except (Warning, OverflowError) as error:
+        raise TypeError from error
+
+
+def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
+    """Real numbers in an array of any shape; NaN is let through, complex and masked are not."""
+    try:
+        return _real(value, "iuf")
     except (TypeError, ValueError):
         refuse(name, value, allowed)
-    return array.astype(float)
 
 
 def restitutions(value: ArrayLike) -> Array:
@@ -137,11 +154,8 @@ def finite_array(
     Complex and masked values are refused.
     """
     try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c" or np.ma.is_masked(values):
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError, OverflowError):
+        array = _real(values, "biufO")
+    except (TypeError, ValueError):
         refuse(name, values, allowed)
     if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
