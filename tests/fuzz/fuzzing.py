@@ -60,9 +60,10 @@ def result_or_refusal(call: Callable[..., Any], *arguments: Any, **keywords: Any
         except ValueError as error:
             if type(error) not in (InputError, ValueError):
                 raise
-            check_line(str(error))
-            assert NAMED.match(str(error)), str(error)
-            return None
+            refusal = str(error)
+    check_line(refusal)
+    assert NAMED.match(refusal), refusal
+    return None
 
 
 @contextlib.contextmanager
