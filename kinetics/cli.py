@@ -21,6 +21,7 @@ from kinetics.crosscheck.stress.command import stress
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "show_default": True, "max_content_width": 100}
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
+_LONGEST_LINE = 390
 
 
 def _print_version(context: click.Context, option: click.Parameter, asked: bool) -> None:
@@ -81,7 +82,12 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _complain(message: str) -> int:
-    click.echo(f"lorentz: {' '.join(message.split())}", err=True)
+    line = " ".join(message.split())
+    if (
+        len(line) > _LONGEST_LINE
+    ):  # of a long value: its name stands before it, what is allowed after
+        line = f"{line[:240]} ... {line[-135:]}"
+    click.echo(f"lorentz: {line}", err=True)
     return BAD_INPUT
 
 

@@ -91,8 +91,8 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
 # -- arrays of any shape --------------------------------------------------------------------------
 
 
-def _real(value: Any, kinds: str) -> Array:
-    """Real numbers as an array of floats, a copy; TypeError or ValueError for anything else.
+def _numbers(value: Any, kinds: str) -> NDArray[Any]:
+    """Numbers as an array of floats or of complex numbers, a copy; TypeError or ValueError else.
 
     ``kinds`` are the kinds of dtypes that are let through. Masked values are not, and neither is
     anything of which NumPy warns that it would lose a part of it.
@@ -103,17 +103,22 @@ def _real(value: Any, kinds: str) -> Array:
             array = np.asarray(value)
             if array.dtype.kind not in kinds or np.ma.is_masked(value):
                 raise TypeError
-            return array.astype(float)
+            return array.astype(complex if array.dtype.kind == "c" else float)
     except (Warning, OverflowError) as error:
         raise TypeError from error
 
 
-def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
-    """Real numbers in an array of any shape; NaN is let through, complex and masked are not."""
+def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
+    """Numbers of these kinds of dtypes in an array of any shape; NaN is let through."""
     try:
-        return _real(value, "iuf")
+        return _numbers(value, kinds)
     except (TypeError, ValueError):
         refuse(name, value, allowed)
+
+
+def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
+    """Real numbers in an array of any shape; NaN is let through, complex and masked are not."""
+    return number_array(name, value, "iuf", allowed)
 
 
 def restitutions(value: ArrayLike) -> Array:
@@ -153,10 +158,7 @@ def finite_array(
 
     Complex and masked values are refused.
     """
-    try:
-        array = _real(values, "biufO")
-    except (TypeError, ValueError):
-        refuse(name, values, allowed)
+    array = number_array(name, values, "biufO", allowed)
     if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
     array.flags.writeable = False

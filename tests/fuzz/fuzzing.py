@@ -18,9 +18,10 @@ from hypothesis import strategies as st
 from kinetics import InputError, ToleranceWarning
 
 LONGEST = 400  # characters of a refusal that lists the names that are known; else 200 or so
+ODDS = 19  # against a broken value
 LONGEST_RUN = 120  # seconds of one example, before it counts as one that does not end
-NAMED = re.compile(r"^(--)?\w+(\[\d+\])?(\.\w+)?( and --[\w-]+)?(:| = | of | holds )")
-"""A refusal begins with the name of an argument."""
+NAMED = re.compile(r"^[\w./\[\]-]+( and --[\w-]+)?(:| = | of | holds )")
+"""A refusal begins with the name of an argument, or of a file."""
 
 
 def examples(few: int) -> Any:
@@ -146,9 +147,9 @@ def broken() -> st.SearchStrategy[Any]:
 
 
 def mostly(usual: st.SearchStrategy[Any], rare: st.SearchStrategy[Any] | None = None) -> Any:
-    """The usual values, and in one of twenty examples a broken one."""
+    """The usual values, and once in twenty times a broken one."""
     other = broken() if rare is None else rare
-    return st.integers(0, 19).flatmap(lambda k: other if k == 7 else usual)
+    return st.integers(0, ODDS).flatmap(lambda k: other if k == 7 else usual)
 
 
 def geometric(low: float, high: float) -> st.SearchStrategy[float]:
