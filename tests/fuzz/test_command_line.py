@@ -68,7 +68,7 @@ RADII = options(
         "-e": _float,
         "--radii": numbers(0.0, 4.0),
         "--rtol": st.just("1e-2"),
-        "--times": st.just("9"),
+        "--times": st.just("3000"),
     },
     ("-e", "--radii", "--rtol", "--times"),
 ).map(lambda words: ["solve", *words])
@@ -136,12 +136,12 @@ def refused(draw: Any) -> list[str]:
     return [name, *words, *draw(st.sampled_from(REFUSED[name]))]
 
 
-@examples(80)
+@examples(70)
 def test_solve(tries: int) -> None:
     fuzz(check_command, SOLVE | SCALED, tries)
 
 
-@examples(5)
+@examples(4)
 def test_radii(tries: int) -> None:
     fuzz(check_command, RADII, tries)
 

@@ -30,7 +30,7 @@ DATA = st.fixed_dictionaries(
 )
 
 
-@examples(12)
+@examples(16)
 def test_comparisons(tries: int) -> None:
     fuzz(check_comparison, DATA, tries)
 

@@ -54,7 +54,7 @@ SCALED = st.fixed_dictionaries(
 )
 
 
-@examples(60)
+@examples(30)
 def test_the_scaled_distribution(tries: int) -> None:
     fuzz(_scaled, SCALED, tries)
 

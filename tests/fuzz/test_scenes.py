@@ -131,7 +131,8 @@ _STATES = {
 # -- scenes
 
 CHEAP = [name for name, row in OUTPUTS.items() if row.values is not None]
-DEAR = [name for name in OUTPUTS if name not in CHEAP]
+LATE = {"position_density", "intermediate_scattering"}  # early ones take seconds
+DENSE = [name for name in OUTPUTS if name not in CHEAP and name not in LATE]
 _time = mostly(geometric(1e-2, 1e4), st.sampled_from([0.0, 5e-324, 1e-300, 1e100, 1e300, 1e308]))
 
 
@@ -161,17 +162,29 @@ def scenes(outputs: Any) -> Any:
 
 
 AVERAGES = scenes(st.lists(st.sampled_from(CHEAP), min_size=1, max_size=4))
-DENSITIES = scenes(st.lists(st.sampled_from(DEAR), min_size=1, max_size=1))
+DENSITIES = scenes(st.lists(st.sampled_from(DENSE), min_size=1, max_size=1))
+POSITIONS = scenes(st.sampled_from(sorted(LATE)))
 
 
-@examples(100)
+@examples(90)
 def test_averages(tries: int) -> None:
     fuzz(check_scene, AVERAGES, tries)
 
 
-@examples(30)
+@examples(25)
 def test_densities(tries: int) -> None:
     fuzz(check_scene, DENSITIES.map(_loose), tries)
+
+
+@examples(5)
+def test_positions(tries: int) -> None:
+    fuzz(check_scene, POSITIONS.map(_late), tries)
+
+
+def _late(asked: dict[str, Any]) -> dict[str, Any]:
+    """The scene at a time after many collisions, where the displacement costs no seconds."""
+    asked["times"] = [1e3 * time for time in [1.0, 7.0]]
+    return _loose(asked)
 
 
 def _loose(asked: dict[str, Any]) -> dict[str, Any]:
