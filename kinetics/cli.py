@@ -21,7 +21,6 @@ from kinetics.crosscheck.stress.command import stress
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "show_default": True, "max_content_width": 100}
 BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
-_LONGEST_LINE = 390
 
 
 def _print_version(context: click.Context, option: click.Parameter, asked: bool) -> None:

@@ -39,7 +39,7 @@ def options(usual: dict[str, Any], always: tuple[str, ...] = ()) -> Any:
         for name, values in usual.items()
     }
     needed = st.tuples(*(pairs.pop(name) for name in always))
-    some = st.lists(st.one_of(*pairs.values()), max_size=4)
+    some = st.lists(st.one_of(*pairs.values()), max_size=4) if pairs else st.just([])
     odd = mostly(st.just([]), st.sampled_from([["--nonsense"], ["--json=1"], ["-"], ["x" * 900]]))
     flags = st.sampled_from([[], ["--json"]])
     parts = st.tuples(needed, some, odd, flags)
@@ -219,4 +219,4 @@ def _no_constant(name: str) -> None:
 def _check_document(document: dict[str, Any]) -> None:
     if document.get("status") == "converged":
         for name in HEADS:
-            assert None not in document.get(name, []), name
+            assert None not in np.ravel(document.get(name, [])), name
