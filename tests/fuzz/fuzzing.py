@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from kinetics import InputError, ToleranceWarning
@@ -37,6 +37,7 @@ def fuzz(check: Callable[[Any], None], arguments: st.SearchStrategy[Any], tries:
         derandomize=True,
         deadline=None,
         database=None,
+        phases=[Phase.generate],  # shrinking a slow example takes minutes
         suppress_health_check=list(HealthCheck),
     )(tried)()
 
