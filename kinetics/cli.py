@@ -83,7 +83,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _complain(message: str) -> int:
     line = " ".join(message.split())
     if (
-        len(line) > _LONGEST_LINE
+        len(line) > 390
     ):  # of a long value: its name stands before it, what is allowed after
         line = f"{line[:240]} ... {line[-135:]}"
     click.echo(f"lorentz: {line}", err=True)
