@@ -82,9 +82,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _complain(message: str) -> int:
     line = " ".join(message.split())
-    if (
-        len(line) > 390
-    ):  # of a long value: its name stands before it, what is allowed after
+    if len(line) > 390:  # what is wrong stands first, and what is allowed last
         line = f"{line[:240]} ... {line[-135:]}"
     click.echo(f"lorentz: {line}", err=True)
     return BAD_INPUT
