@@ -30,7 +30,7 @@ DATA = st.fixed_dictionaries(
 )
 
 
-@examples(16)
+@examples(8)
 def test_comparisons(tries: int) -> None:
     fuzz(check_comparison, DATA, tries)
 

@@ -14,6 +14,8 @@ SPEEDS = mostly(
     st.lists(st.floats(0.0, 8.0), min_size=1, max_size=3), st.lists(extremes()) | broken()
 )
 
+ENDS = st.sampled_from([0.0, 1e-250, 1e-3, 0.99, 1 - 2.0**-53, 1.0])  # others take seconds
+
 LAWS = st.fixed_dictionaries(
     {
         "restitution": mostly(restitutions()),
@@ -45,7 +47,7 @@ def _law(asked: dict[str, Any]) -> None:
 
 SCALED = st.fixed_dictionaries(
     {
-        "restitution": mostly(restitutions()),
+        "restitution": mostly(st.integers(5, 95).map(lambda k: k / 100), ENDS | broken()),
         "rtol": mostly(st.sampled_from([1e-12, 1e-10, 1e-6, 1e-3, 0.1])),
         "nodes": mostly(st.none(), st.integers(8, 200) | broken()),
         "p": POWERS,

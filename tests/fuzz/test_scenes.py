@@ -166,7 +166,7 @@ DENSITIES = scenes(st.lists(st.sampled_from(DENSE), min_size=1, max_size=1))
 POSITIONS = scenes(st.sampled_from(sorted(LATE)))
 
 
-@examples(90)
+@examples(101)
 def test_averages(tries: int) -> None:
     fuzz(check_scene, AVERAGES, tries)
 
@@ -176,7 +176,7 @@ def test_densities(tries: int) -> None:
     fuzz(check_scene, DENSITIES.map(_loose), tries)
 
 
-@examples(5)
+@examples(2)
 def test_positions(tries: int) -> None:
     fuzz(check_scene, POSITIONS.map(_late), tries)
 
