@@ -20,7 +20,9 @@ from kinetics import InputError, ToleranceWarning
 LONGEST = 400  # characters of a refusal that lists the names that are known; else 200 or so
 ODDS = 19  # against a broken value
 LONGEST_RUN = 120  # seconds of one example, before it counts as one that does not end
-NAMED = re.compile(r"^[\w./\[\]-]+( and --[\w-]+)?(:| = | of | holds )")
+NAMED = re.compile(
+    r"^[\w./\[\]-]+( and --[\w-]+)?(:| = | of | holds )|^.+: (must be a file|no such file)"
+)
 """A refusal begins with the name of an argument, or of a file."""
 
 
