@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre
-from kinetics.validation import check_restitution, refuse
+from kinetics.validation import check_restitution, number_array, refuse, whole_number
 
 # Gauss-Legendre points on each panel in the variable u below. They are exact to rounding for
 # s^z cos(m chi) while (|z| + m) times the length of a panel is below _RESOLVED: measured again by
@@ -32,6 +32,7 @@ _POINTS = 20
 _RESOLVED = 30.0
 _DEEPEST = 40.0  # at e = 0, ln(1/s) is unbounded; what lies beyond this weighs e^-40 = 4e-18
 _STEEP = 5.0  # U from which exponentials of U are taken apart: either form holds from 1 to 300
+_HIGHEST_HARMONIC = 1_000_000
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -254,8 +255,7 @@ class CollisionLaw:
 
         A float for a real p, an array of the shape of p for an array.
         """
-        if isinstance(m, bool) or not isinstance(m, int | np.integer):
-            refuse("m", m, "it must be a whole number")
+        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
         if m == 0:
             return self.decay_rate(p)
         p_ = self._exponents(p)
@@ -274,10 +274,7 @@ class CollisionLaw:
         return self._finite(p, rate)[()]
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
-        p_ = np.asarray(p)
-        if p_.dtype.kind not in "iufc":
-            refuse("p", p, "it must be a number or an array of numbers")
-        p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
+        p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if self.restitution == 0.0 and np.any(p_.real <= -1.0):

@@ -33,6 +33,7 @@ _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
 _TAIL_POINTS = 9
 _LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
+_LEAST_RESTITUTION = 1e-100  # above 0: at 1e-120 <c^-2> is wrong, at 1e-250 nothing is solved
 
 
 @dataclass(frozen=True)
@@ -246,7 +247,8 @@ def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = No
 
     Raises
     ------
-    InputError (a ValueError) : restitution not in [0, 1), rtol or nodes out of range
+    InputError (a ValueError) : restitution not 0 and not from 1e-100 to below 1; rtol or nodes out
+        of range
 
     >>> vdf = solve_scaled(restitution=0.7)
     >>> round(vdf.cooling_rate, 12), vdf.status.name
@@ -255,6 +257,9 @@ def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = No
     e = check_restitution(restitution)
     if e == 1.0:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
+        refuse("restitution", restitution, allowed)
+    if 0.0 < e < _LEAST_RESTITUTION:
+        allowed = f"the solver takes 0, or {_LEAST_RESTITUTION:g} at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     if nodes is not None:
         nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
