@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import html
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -161,15 +160,16 @@ def _check_times(times: Any) -> FloatArray:
 
 def _check_outputs(outputs: Any) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
-    if isinstance(outputs, str) or not isinstance(outputs, Iterable):
-        outputs = (outputs,)
-    names = tuple(dict.fromkeys(outputs))
+    try:
+        names = [outputs] if isinstance(outputs, str) else list(outputs)
+    except TypeError:
+        names = [outputs]
     known = ", ".join(OUTPUTS)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if name not in OUTPUTS:
-            near = difflib.get_close_matches(str(name), OUTPUTS, n=1)
+        if not isinstance(name, str) or name not in OUTPUTS:
+            near = difflib.get_close_matches(name, OUTPUTS, n=1) if isinstance(name, str) else []
             hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"outputs: got {name!r}; {hint}known are {known}")
-    return names
+            refuse("outputs", name, f"{hint}known are {known}")
+    return tuple(str(name) for name in dict.fromkeys(names))

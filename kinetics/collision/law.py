@@ -20,9 +20,16 @@ from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError
-from kinetics.validation import check_restitution, real_number, refuse, whole_number
+from kinetics.validation import (
+    check_restitution,
+    number_array,
+    real_number,
+    refuse,
+    whole_number,
+)
 
 _LEAST_RATE = 1.0 / sys.float_info.max
+_HIGHEST_HARMONIC = 1_000_000
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -305,8 +312,7 @@ class CollisionLaw:
         In space cos(m chi) is P_m(cos chi), and exp(i m phi) any spherical harmonic of degree m.
         A float for a real p, an array of the shape of p for an array.
         """
-        if isinstance(m, bool) or not isinstance(m, int | np.integer):
-            refuse("m", m, "it must be a whole number")
+        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
         if m == 0:
             return self.decay_rate(p)
         p_ = self._exponents(p)
@@ -327,10 +333,7 @@ class CollisionLaw:
         return math.log(self.tangential_restitution)
 
     def _exponents(self, p: ArrayLike) -> NDArray[Any]:
-        p_ = np.asarray(p)
-        if p_.dtype.kind not in "iufc":
-            refuse("p", p, "it must be a number or an array of numbers")
-        p_ = p_.astype(complex if p_.dtype.kind == "c" else float)
+        p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):

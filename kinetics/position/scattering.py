@@ -153,7 +153,7 @@ def _extent(
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     """Panels that resolve exp(-T + i K T), which varies fastest of all."""
-    turns = largest * min(1.0, math.exp(highest) / _TURNING)
+    turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))

@@ -126,7 +126,8 @@ class _Sweep:
         self._solved_error = np.zeros(width.size)
         speeds = points_of(system.state, 1.0, 1e-3)
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
-        self._flights = system.times * typical  # T of a typical tracer
+        with np.errstate(over="ignore"):
+            self._flights = system.times * typical  # T of a typical tracer
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""

@@ -34,6 +34,7 @@ _TAIL_POINTS = 9
 _LARGEST_TAIL = 10.2565  # the exponent 1/(1-e^2) at e = 0.95
 _LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
+_LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
 
 
 @dataclass(frozen=True)
@@ -262,7 +263,8 @@ def solve_scaled(
 
     Raises
     ------
-    InputError (a ValueError) : a law that is elastic or gains energy, an argument out of range
+    InputError (a ValueError) : a law that is elastic, gains energy or may leave less than 1e-100
+        of a speed (but 0); an argument out of range
 
     >>> vdf = solve_scaled(restitution=0.7)
     >>> round(vdf.cooling_rate, 12), vdf.status.name
@@ -271,6 +273,9 @@ def solve_scaled(
     law = law_of(restitution, tangential_restitution, dimension)
     if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
+        refuse("restitution", restitution, allowed)
+    if _LARGEST_LOSS < law.largest_loss < math.inf:
+        allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     if nodes is not None:
         nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
