@@ -99,5 +99,5 @@ def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
     except TypeError:
         refuse("observables", observables, f"must be names out of {', '.join(OBSERVABLES)}")
     for name in sorted(names - set(OBSERVABLES), key=str):
-        raise ValueError(f"observables: no {name!r}; there are {', '.join(OBSERVABLES)}")
+        refuse("observables", name, f"must be names out of {', '.join(OBSERVABLES)}")
     return names
