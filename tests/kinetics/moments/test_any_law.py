@@ -1,0 +1,161 @@
+"""Averages over time of spheres and of rough scatterers, against series of 60 digits."""
+
+import math
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from kinetics import AngularHarmonics, Beam, CollisionLaw, Gaussian, InputError, Scene, solve
+from kinetics.status import SolverStatus
+
+PATH = 1.0 / (math.pi * 0.04)  # of spheres of number density 0.04
+PLANE = 12.5
+TERMS = 160
+
+
+def power(e: Any, et: Any, dimension: int, p: int) -> Any:
+    """E[s^p]; in space s^2 is uniform between e^2 and et^2."""
+    if dimension == 3:
+        ends = (et ** (p + 2) - e ** (p + 2)) / (p + 2) if p != -2 else mp.log(et / e)
+        return 2 * ends / (et**2 - e**2)
+    return e**p * mp.hyp2f1(-mp.mpf(p) / 2, 0.5, 1.5, 1 - (et / e) ** 2)
+
+
+def rates(e: float, et: float, dimension: int, m: int, first: int = 0) -> list[Any]:
+    """1 - E[s^p P_m(cos chi)], or with cos(m chi) in the plane, p = first, first + 1, ...
+
+    With y^2 = (s^2 - e^2)/(et^2 - e^2), s cos(chi) is a sum of two powers of s.
+    """
+    e, et = mp.mpf(e), mp.mpf(et)
+    powers = {p: power(e, et, dimension, p) for p in range(first - 2, first + TERMS + 3)}
+    slope = (e + et) / (et**2 - e**2)
+    level = -e - slope * e**2  # s cos(chi) = level + slope s^2
+    found = []
+    for p in range(first, first + TERMS):
+        one = level * powers[p - 1] + slope * powers[p + 1]
+        two = level**2 * powers[p - 2] + 2 * level * slope * powers[p] + slope**2 * powers[p + 2]
+        plane = (powers[p], one, 2 * two - powers[p])
+        space = (powers[p], one, (3 * two - powers[p]) / 2)
+        found.append(1 - (plane if dimension == 2 else space)[m])
+    return found
+
+
+def series(decay: list[Any], driving: list[tuple[Any, list[Any]]], constant: int = 0) -> list[Any]:
+    """Coefficients of T^k of y' = sum of driving + constant - decay y, y(0) = 0 or 1."""
+    a = [mp.mpf(0 if driving or constant else 1)]
+    for k in range(TERMS):
+        source = mp.mpf(constant) if k == 0 else mp.mpf(0)
+        source += sum(factor * other[k] for factor, other in driving)
+        a.append((source - decay[k] * a[k]) / (k + 1))
+    return a
+
+
+@pytest.mark.parametrize(
+    ("e", "et", "dimension"), [(0.7, 1.0, 3), (0.3, 0.8, 3), (0.7, 0.4, 2), (1.0, 0.6, 3)]
+)
+def test_displacement_and_speed_of_one_speed(e: float, et: float, dimension: int) -> None:
+    """Every tracer at speed U: <v^2>, <r^2> and <r^4> as power series in T = U t/l."""
+    with mp.workdps(60):
+        zero, one, two = (rates(e, et, dimension, m) for m in range(3))
+        # along the start, <r^2>, second harmonic, third order, <r^4>: the wave number expanded
+        chi = series(one, [], constant=1)
+        square = series(zero, [(2, chi)])
+        factors = {2: (0.25, 0.125, 0.5, 64), 3: (mp.mpf(2) / 3, mp.mpf(1) / 6, mp.mpf(2) / 5, 40)}
+        a, b, c, d = factors[dimension]
+        second = series(two, [(a, chi)])
+        third = series(one, [(b, square), (c, second)])
+        fourth = series(zero, [(d, third)])
+        energy = series(rates(e, et, dimension, 0, 2), [])
+        path = PLANE if dimension == 2 else PATH
+        t = np.array([0.1, 1.0, 4.0, 10.0])
+        exact = [[float(mp.polyval(y[::-1], x)) for x in t] for y in (square, fourth, energy)]
+    scene = Scene(
+        e, tangential_restitution=et, dimension=dimension, initial="monoenergetic", times=t * path,
+        outputs=("thermal_speed", "msd", "kurtosis"),
+    )  # fmt: skip
+    found = solve(scene, rtol=1e-11)
+    assert found.status is SolverStatus.CONVERGED
+    assert np.allclose(found.msd / path**2, exact[0], rtol=2e-11, atol=0.0)
+    assert np.allclose(found.kurtosis, np.divide(exact[1], np.square(exact[0])), rtol=6e-11)
+    assert np.allclose(found.thermal_speed**2, exact[2], rtol=4e-11, atol=0.0)
+
+
+def test_elastic_spheres() -> None:
+    """Isotropic scattering: <r^2> = 2 (T - 1 + e^-T), and <r^4> by an inverse Laplace transform."""
+    t = np.array([1e-3, 0.5, 3.0, 30.0, 1e6])
+    scene = Scene(
+        1.0, dimension=3, initial="monoenergetic", times=t * PATH,
+        outputs=("msd", "kurtosis", "diffusion_coefficient"),
+    )  # fmt: skip
+    found = solve(scene)
+    with mp.workdps(40):
+        square = [2 * (x - 1 + mp.exp(-x)) for x in map(mp.mpf, t)]
+        # 40/(3 p^2 (p+1)^2) (1/p + 4/(5 (p+1))), inverted by hand
+        fourth = [
+            mp.mpf(40) / 3 * (
+                x**2 / 2 - 2 * x + 3 - (x + 3) * mp.exp(-x)
+                + mp.mpf(4) / 5 * (x - 3 + (x**2 / 2 + 2 * x + 3) * mp.exp(-x))
+            )
+            for x in map(mp.mpf, t)
+        ]  # fmt: skip
+        kurtosis = [float(f / s**2) for f, s in zip(fourth, square, strict=True)]
+    assert np.allclose(found.msd / PATH**2, np.array(square, dtype=float), rtol=1e-12)
+    assert np.allclose(found.kurtosis, kurtosis, rtol=1e-11)
+    assert found.diffusion_coefficient[-1] == pytest.approx(PATH / 3.0, rel=1e-5)
+
+
+def test_rates_that_nearly_agree() -> None:
+    """The elastic <r^4> has a formula for equal decay rates and one for others: no step between."""
+
+    def kurtosis(cosine: float) -> float:
+        # harmonics 1 and 2 decay by 1 - c and 1 - P_2(c)
+        law = CollisionLaw.from_samples([0.5, 0.5], [1.0, 1.0], [cosine, -0.9], 3)
+        scene = Scene(law, times=[3.0 * PATH], initial="monoenergetic", outputs="kurtosis")
+        return float(solve(scene).kurtosis[0])
+
+    steps = np.linspace(0.0, 0.9, 181)
+    values = np.array([kurtosis(float(c)) for c in steps])
+    assert np.abs(np.diff(values, 4)).max() < 1e-6 * np.ptp(values)
+
+
+def test_starts_in_space() -> None:
+    """Maxwell: <v^2> = 3, a2 = 0; a beam along x: <v> along x, traces as they must be."""
+    t = [0.0, 5.0]
+    maxwell = solve(
+        Scene(0.7, dimension=3, times=t, outputs=("thermal_speed", "temperature", "a2"))
+    )
+    assert maxwell.thermal_speed[0] == pytest.approx(math.sqrt(3.0), rel=1e-10)
+    assert maxwell.temperature[0] == pytest.approx(1.0, rel=1e-10)
+    assert maxwell.a2[0] == pytest.approx(0.0, abs=1e-10)
+    outputs = ("mean_velocity", "velocity_tensor", "thermal_speed", "mean_displacement")
+    beam = solve(Scene(0.7, dimension=3, initial=Beam(), times=t, outputs=outputs))
+    assert np.allclose(beam.mean_velocity[0], [1.0, 0.0, 0.0])
+    assert np.allclose(beam.velocity_tensor[0], np.diag([1.0, 0.0, 0.0]))
+    assert np.allclose(np.trace(beam.velocity_tensor[1]), beam.thermal_speed[1] ** 2)
+    assert beam.mean_displacement.shape == (2, 3)
+
+    def maxwell_speed(v: Any) -> Any:
+        return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
+
+    given = AngularHarmonics({0: maxwell_speed, 1: lambda v: 0.3 * maxwell_speed(v)})
+    drift = solve(Scene(0.7, dimension=3, initial=given, times=t, outputs="mean_velocity"))
+    assert drift.mean_velocity[0, 0] == pytest.approx(0.3 * math.sqrt(8.0 / math.pi), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        ({"initial": Gaussian(1.0, 2.0)}, "initial: got Gaussian"),
+        ({"initial": Beam(0.5)}, "initial: got Beam"),
+        ({"outputs": "speed_density"}, "outputs: got 'speed_density'; it is available for smooth"),
+        ({"outputs": ["position_density"]}, "outputs: got 'position_density'"),
+        ({"number_density": 1e-320}, "number_density: got 1e-320"),
+    ],
+)
+def test_what_is_not_available_in_space_is_one_line(arguments: Any, line: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Scene(0.7, dimension=3, times=[1.0], **arguments)
+    assert str(caught.value).startswith(line)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,125 @@
+"""The scaling state of spheres, of rough scatterers and of laws of one's own."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kinetics import CollisionLaw, InputError, ScalingSolution, solve_scaled
+from kinetics.status import SolverStatus
+
+# e, et, dimension: s rising and falling with the impact parameter, one ratio for all bounces,
+# ratios down to 0
+LAWS = [
+    (0.5, 1.0, 3),
+    (0.9, 1.0, 3),
+    (0.0, 1.0, 3),
+    (0.5, 0.8, 2),
+    (0.8, 0.5, 2),
+    (0.7, 0.7, 2),
+    (1.0, 0.5, 2),
+    (0.3, 0.05, 3),
+    (0.0, 0.5, 3),
+]
+C = np.concatenate([np.geomspace(1e-3, 0.05, 6), np.linspace(0.1, 4.0, 40)])
+
+
+@pytest.mark.parametrize(
+    ("e", "h"), [(0.0, 0.81650), (0.4, 0.57859), (0.7, 0.29805), (0.9, 0.09994)]
+)
+def test_cooling_rate_of_spheres(e: float, h: float) -> None:
+    """2 sqrt(kappa lambda(1)), worked out by hand to five digits."""
+    exact = ScalingSolution(e, dimension=3)
+    assert exact.cooling_rate == pytest.approx(h, abs=6e-6)
+    kappa = 0.5 + (e**2 * math.log(e) / (1.0 - e**2) if e else 0.0)
+    first = 1.0 - 2.0 * (1.0 - e**3) / (3.0 * (1.0 - e**2))
+    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(kappa * first), rel=1e-14)
+
+
+def test_spheres_that_keep_no_normal_velocity() -> None:
+    """F = 3 exp(-sqrt(6) c)/(2 pi c), a2 = 3 <c^4>/5 - 1 = 1."""
+    expected = 3.0 * np.exp(-math.sqrt(6.0) * C) / (2.0 * math.pi * C)
+    exact, vdf = ScalingSolution(0.0, dimension=3), solve_scaled(0.0, dimension=3)
+    assert np.allclose(exact.vdf(C), expected, rtol=1e-14, atol=0.0)
+    assert np.allclose(vdf.vdf(C), expected, rtol=1e-12, atol=0.0)
+    assert exact.a2 == pytest.approx(1.0, rel=1e-13)
+    assert exact.moment(-1.5) == pytest.approx(
+        vdf.moment(-1.5), rel=1e-11
+    )  # exists above -2 in space
+    with pytest.raises(InputError, match="p > -2"):
+        vdf.moment(-2.0)
+
+
+def test_one_speed_ratio_for_all_bounces() -> None:
+    """e = et: lambda(p) = 1 - e^p, kappa = -ln e."""
+    e = 0.7
+    exact = ScalingSolution(e, e)
+    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(-math.log(e) * (1.0 - e)), rel=1e-14)
+    assert exact.tail_power == -2.0
+    assert exact.diffusion_slope == pytest.approx(2.0 / (-math.log(e) * 4.0 / 3.0), rel=1e-14)
+
+
+@pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
+def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None:
+    exact = ScalingSolution(e, et, dimension)
+    vdf = solve_scaled(e, 1e-12, tangential_restitution=et, dimension=dimension)
+    same = {"rel": 1e-11, "abs": 0.0}
+    assert vdf.cooling_rate == pytest.approx(exact.cooling_rate, **same)
+    for p in (0.5, 1.0, 4.0, 7.0):
+        assert vdf.moment(p) == pytest.approx(exact.moment(p), **same)
+    assert np.allclose(vdf.vdf(C), exact.vdf(C), rtol=3e-12, atol=1e-280)
+    assert vdf.status is SolverStatus.CONVERGED
+    assert vdf.a2 == pytest.approx(
+        dimension / (dimension + 2.0) * exact.moment(4.0) - 1.0, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
+def test_norm_and_unit_of_speed(e: float, et: float, dimension: int) -> None:
+    """Integral of F over all velocities is 1, and so is that of c^2 F."""
+    exact = ScalingSolution(e, et, dimension)
+    x = np.linspace(-40.0, 4.0, 1500) if min(e, et) == 0.0 else np.linspace(-9.0, 3.5, 400)
+    c = np.exp(x)
+    shell = 2.0 * math.pi * c**2 if dimension == 2 else 4.0 * math.pi * c**3  # per unit of ln c
+    f = exact.vdf(c) * shell * (x[1] - x[0])
+    assert f.sum() == pytest.approx(1.0, rel=1e-9)
+    assert (c**2 * f).sum() == pytest.approx(1.0, rel=1e-9)
+
+
+def test_bounces_without_tangential_velocity_leave_slow_tracers() -> None:
+    """et = 0 in the plane: F(0) is finite."""
+    vdf = solve_scaled(0.5, 1e-10, tangential_restitution=0.0)
+    exact = ScalingSolution(0.5, 0.0)
+    assert vdf.vdf(0.0) == pytest.approx(vdf.vdf(1e-9), rel=1e-8)
+    assert vdf.vdf(0.3) == pytest.approx(exact.vdf(0.3), rel=1e-9)
+
+
+def test_a_mixture_of_two_kinds_of_disks() -> None:
+    one, other = CollisionLaw(0.9).quadrature_for(40.0), CollisionLaw(0.3).quadrature_for(40.0)
+    law = CollisionLaw.from_samples(
+        np.concatenate([0.5 * one.weight, 0.5 * other.weight]),
+        np.concatenate([one.ratio, other.ratio]),
+        np.concatenate([one.cosine, other.cosine]),
+    )
+    exact, vdf = ScalingSolution(law), solve_scaled(law, 1e-10)
+    kappa = 0.5 * (CollisionLaw(0.9).mean_log_loss + CollisionLaw(0.3).mean_log_loss)
+    first = 0.5 * (CollisionLaw(0.9).decay_rate(1.0) + CollisionLaw(0.3).decay_rate(1.0))
+    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(kappa * first), rel=1e-13)
+    assert vdf.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-10)
+    c = np.linspace(0.2, 3.0, 20)
+    assert np.allclose(vdf.vdf(c), exact.vdf(c), rtol=1e-9)
+
+
+def test_what_has_no_scaling_state_is_one_line() -> None:
+    gains = CollisionLaw.from_samples([0.5, 0.5], [0.5, 1.5], [0.0, 0.0])
+    for ask in (lambda: solve_scaled(gains), lambda: ScalingSolution(gains)):
+        with pytest.raises(
+            InputError, match=r"^restitution: got a law with speed ratios up to 1.5"
+        ):
+            ask()
+    with pytest.raises(InputError, match=r"^restitution: got 1"):
+        solve_scaled(1.0, dimension=3)
+    with pytest.raises(InputError, match=r"^dimension: got 3; restitution is a law"):
+        ScalingSolution(CollisionLaw(0.5), dimension=3)
+    with pytest.raises(InputError, match="no power times an exponential"):
+        _ = ScalingSolution(1.0, 0.5).log_tail_amplitude
