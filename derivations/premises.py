@@ -70,6 +70,14 @@ def contact(dimension: int) -> tuple[sp.Matrix, tuple[sp.Symbol, ...]]:
     return sp.Matrix([*across, sp.cos(s.theta)]), (s.theta, s.azimuth)
 
 
+def in_sines(expression: sp.Expr, *angles: sp.Symbol) -> sp.Expr:
+    """A polynomial in sines and cosines with every squared cosine as 1 - sine^2."""
+    for angle in angles:
+        sine, cosine = sp.sin(angle), sp.cos(angle)
+        expression = sp.expand(sp.rem(sp.expand(expression), cosine**2 + sine**2 - 1, cosine))
+    return expression
+
+
 @cache
 def flux_per_angle(dimension: int) -> sp.Expr:
     """Collisions per unit time and unit of the angles of the contact, over rho0 d^(D-1) |v|.
@@ -78,7 +86,7 @@ def flux_per_angle(dimension: int) -> sp.Expr:
     """
     normal, angles = contact(dimension)
     tangents = normal.jacobian(angles)
-    element = sp.sqrt(sp.trigsimp((tangents.T * tangents).det()))
+    element = sp.sqrt(in_sines((tangents.T * tangents).det(), *angles))
     return normal[-1] * element.replace(sp.Abs, lambda sine: sine)  # theta > 0 in space
 
 

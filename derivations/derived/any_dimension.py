@@ -13,7 +13,7 @@ from sympy.core.function import UndefinedFunction
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from ..premises import cross_section
+from ..premises import cross_section, in_sines
 from .record import Derived, Step, derives, result
 
 
@@ -39,31 +39,51 @@ def _any_average() -> Derived:
     )
 
 
+@cache
+def _by_parts() -> sp.Expr:
+    """The moment of order p of D F + c F' in D dimensions, over <c^p>."""
+    shape = sp.Function("F")(s.c)
+    weight = s.c ** (s.p + s.dim - 1)  # c^p in the volume element
+    boundary = sp.diff(weight * s.c * shape, s.c)
+    rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - boundary
+    return sp.simplify(rest / (weight * shape))
+
+
+@cache
+def following_moment() -> sp.Expr:
+    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>."""
+    return -s.h / 2 * _by_parts() * Avg(s.c**s.p) / s.lam(s.p)
+
+
+@cache
+def mean_scaled_speed() -> sp.Expr:
+    """<c>, from p -> 0: p/lambda(p) -> 1/kappa, since d(1 - s^p)/dp = -ln s there; <c^0> = 1."""
+    if sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0) != -sp.log(s.s):
+        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
+    limit = following_moment() * s.lam(s.p) / s.p / s.klog
+    return limit.subs(Avg(s.c**s.p), 1)
+
+
+@cache
+def cooling_rate() -> sp.Expr:
+    """h in kappa and lambda(1), from <c^2> = 1."""
+    second = following_moment().subs(s.p, 1).subs(Avg(s.c), mean_scaled_speed())
+    (rate,) = sp.solve(second - 1, s.h)
+    return rate
+
+
 @derives("beyond:any-moments")
 def _any_moments() -> Derived:
-    shape = sp.Function("F")(s.c)
-    # (h/2) (D F + c F') c^p in the volume element c^(D-1) dc, by parts
-    weight = s.c ** (s.p + s.dim - 1)
-    boundary = weight * s.c * shape
-    rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - sp.diff(boundary, s.c)
-    by_parts = sp.simplify(rest / (weight * shape))  # of <c^p>
-    unknown = sp.Symbol("unknown")
-    (following,) = sp.solve(-s.lam(s.p) * unknown - s.h / 2 * by_parts * Avg(s.c**s.p), unknown)
-    # p -> 0: p/lambda(p) -> 1/kappa, since d(1 - s^p)/dp = -ln s there; <c^0> = 1
-    slope = sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0)
-    if slope != -sp.log(s.s):
-        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
-    first = sp.cancel(following / (s.p / s.lam(s.p))).subs(Avg(s.c**s.p), 1) / s.klog
-    second = following.subs(s.p, 1).subs(Avg(s.c), first)
-    (rate,) = sp.solve(second - 1, s.h)
+    first, following = mean_scaled_speed(), following_moment()
     return result(
-        sp.Tuple(eq(Avg(s.c), first), eq(Avg(s.c ** (s.p + 1)), following), eq(s.h, rate)),
+        sp.Tuple(
+            eq(Avg(s.c), first), eq(Avg(s.c ** (s.p + 1)), following), eq(s.h, cooling_rate())
+        ),
         Step("f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')"),
-        Step("its moment of order p over <c^p>, by parts: free of D", by_parts),
+        Step("its moment of order p over <c^p>, by parts: free of D", _by_parts()),
         Step("the same moment of the collisions is -lambda(p) <c^(p+1)>", following),
-        Step("d(1 - s^p)/dp at p = 0, whose mean is kappa", slope),
-        Step("<c>", first),
-        Step("<c^2>, which is 1", second),
+        Step("<c>: p -> 0, where p/lambda(p) tends to 1/kappa", first),
+        Step("<c^2> = 1 gives h", cooling_rate()),
         note="In any dimension, with v0 the root mean square speed.",
     )
 
@@ -75,7 +95,8 @@ def squared_displacement() -> sp.Expr:
     With r' = r + L u: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since
     E[u'] = c u; L is exponential with mean l whatever the speed.
     """
-    c, a, b, g = s.cos_chi, *sp.symbols("a b g")
+    c = s.cos_chi
+    a, b, g = sp.symbols("a b g")
     length = sp.Symbol("length", positive=True)
     mean, square = (
         sp.integrate(length**n * sp.exp(-length / s.l) / s.l, (length, 0, sp.oo)) for n in (1, 2)
@@ -83,8 +104,7 @@ def squared_displacement() -> sp.Expr:
     power = sp.Symbol("power")  # c^N
     along = a * (1 - power)  # <r.u> after N collisions: starts from 0
     step = along.subs(power, c * power) - c * (along + mean)
-    (height,) = {sp.cancel(root) for root in sp.solve(sp.Poly(step, power).coeffs(), a).values()}
-    along = along.subs(a, height)
+    along = along.subs(sp.solve(sp.Poly(step, power).coeffs(), a))
     total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
     growth = b + g * power * (1 - c) - 2 * mean * along - square
     found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
@@ -94,11 +114,14 @@ def squared_displacement() -> sp.Expr:
 @derives("beyond:any-slope")
 def _any_slope() -> Derived:
     after = squared_displacement()
-    # late, <N> grows by 1/kappa per ln t: <c> t v0/l with v0 = 2 l/(h t) and <c> = h/(2 kappa)
-    flights = 2 / s.h * (s.h / (2 * s.klog))
+    # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
+    flights = 2 / s.h * mean_scaled_speed()
     per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
-    if sp.simplify(after.subs(s.N, 1) - 2 * s.l**2) != 0 or after.subs(s.N, 0) != 0:
-        raise ArithmeticError("one flight has <L^2> = 2 l^2")
+    # second route: <u_i.u_j> = c^|i - j|, with <L^2> = 2 l^2 where i = j and <L>^2 elsewhere
+    for flown in range(5):
+        pairs = sum(s.cos_chi ** abs(i - j) for i in range(flown) for j in range(flown)) + flown
+        if sp.cancel(after.subs(s.N, flown) - s.l**2 * pairs) != 0:
+            raise ArithmeticError(f"<r^2> after {flown} flights is not the sum over their pairs")
     return result(
         sp.Tuple(
             eq(s.msdN(s.N), after),
@@ -106,6 +129,7 @@ def _any_slope() -> Derived:
         ),
         Step("one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)"),
         Step("solved from <r^2> = <r.u> = 0", after),
+        Step("second route, for N = 0 ... 4: the sum over pairs, <u_i.u_j> = c^|i-j|, is the same"),
         Step("per collision, late", per_flight),
         Step("collisions per ln t", flights),
         note="Only E[u'] = <cos chi> u is used, which holds in any dimension by symmetry about u. "
@@ -116,7 +140,8 @@ def _any_slope() -> Derived:
 # -- the chain of <r^4> ---------------------------------------------------------------------------
 
 _COSINE = sp.Symbol("cosine", real=True)
-_ANGLE = sp.Symbol("angle", real=True)
+_Z = sp.Symbol("z", nonzero=True)
+"""exp(i angle): over all angles only its power 0 has an average."""
 
 MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
     (1, 1): s.chi1,
@@ -126,41 +151,43 @@ MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
     (4, 0): s.rho4,
 }
 """The functions of the chain by (order in k, harmonic)."""
+_START = (0, 0)
+"""The order 0 of <exp(i k.r)>, which is 1."""
 
 
 def _cosine(dimension: int) -> sp.Expr:
-    """The cosine of the angle between k and the velocity."""
-    return sp.cos(_ANGLE) if dimension == 2 else _COSINE
+    """The cosine of the angle between k and the velocity; in the plane _Z is exp(i angle)."""
+    return (_Z + 1 / _Z) / 2 if dimension == 2 else _COSINE
 
 
 def harmonic(order: int, dimension: int) -> sp.Expr:
-    """Space: P_m of that cosine. Plane: the sum of exp(i m phi) and exp(-i m phi), 1 for m = 0."""
+    """Space: P_m of that cosine. Plane: exp(i m phi) + exp(-i m phi), 1 for m = 0."""
     if dimension == 3:
         return sp.legendre(order, _COSINE)
-    return 2 * sp.cos(order * _ANGLE) if order else sp.Integer(1)
+    return _Z**order + _Z**-order if order else sp.Integer(1)
 
 
 def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
     """The average over all directions of the velocity."""
     if dimension == 2:
-        return sp.integrate(sp.expand(weight), (_ANGLE, 0, 2 * sp.pi)) / (2 * sp.pi)
+        return sp.expand(weight).coeff(_Z, 0)
     return sp.integrate(sp.expand(weight), (_COSINE, -1, 1)) / 2
 
 
+@cache
 def kernel(order: int, dimension: int) -> sp.Expr:
     """The factor by which a deflection chi multiplies a harmonic, averaged about the velocity."""
     before = harmonic(order, dimension)
-    if dimension == 2:
-        after = [before.subs(_ANGLE, _ANGLE + sign * s.chi) for sign in (1, -1)]
-        mean = sum(sp.expand_trig(part) for part in after) / 2
+    if dimension == 2:  # chi to either side
+        mean = sum(before.subs(_Z, _Z * sp.exp(sign * sp.I * s.chi)) for sign in (1, -1)) / 2
         factor = sp.cos(order * s.chi)
-    else:
-        turned = _COSINE * sp.cos(s.chi)
-        turned += sp.sqrt(1 - _COSINE**2) * sp.sin(s.chi) * sp.cos(s.azimuth)
-        inside = sp.expand(before.subs(_COSINE, turned))
-        mean = sp.integrate(inside, (s.azimuth, 0, 2 * sp.pi)) / (2 * sp.pi)
+        left = sp.expand(mean - factor.rewrite(sp.exp) * before)
+    else:  # any azimuth
+        across = sp.sqrt(1 - _COSINE**2) * sp.sin(s.chi) * (_Z + 1 / _Z) / 2
+        turned = before.subs(_COSINE, _COSINE * sp.cos(s.chi) + across)
         factor = sp.legendre(order, sp.cos(s.chi))
-    if sp.simplify(sp.expand_trig(mean - factor * before)) != 0:
+        left = in_sines(sp.expand(turned).coeff(_Z, 0) - factor * before, s.chi)
+    if left != 0:
         raise ArithmeticError(f"a deflection does not keep harmonic {order}")
     return factor
 
@@ -196,7 +223,7 @@ def sources(dimension: int) -> dict[tuple[int, int], dict[tuple[int, int], sp.Ex
     chain: dict[tuple[int, int], dict[tuple[int, int], sp.Expr]] = {}
     for order, m in MEMBERS:
         chain[order, m] = {}
-        for other in MEMBERS:
+        for other in (_START, *MEMBERS):
             if other[0] == order - 1:
                 factor = coupling(m, other[1], dimension) * scale(other, dimension)
                 factor /= scale((order, m), dimension)
@@ -210,29 +237,25 @@ def chain_equation(member: tuple[int, int], dimension: int) -> sp.Eq:
     unknown = MEMBERS[member]
     after = Avg(kernel(member[1], dimension) * unknown(s.s * s.zeta))
     drive = sum(
-        factor * MEMBERS[other](s.zeta) for other, factor in sources(dimension)[member].items()
+        factor * (1 if other == _START else MEMBERS[other](s.zeta))
+        for other, factor in sources(dimension)[member].items()
     )
-    if member == (1, 1):
-        drive = sp.Integer(1)
-    return eq(
-        sp.Derivative(unknown(s.zeta), s.zeta), after - unknown(s.zeta) + drive
-    )
+    return eq(sp.Derivative(unknown(s.zeta), s.zeta), after - unknown(s.zeta) + drive)
 
 
 @cache
-def one_collision_terms(dimension: int) -> tuple[sp.Expr, sp.Expr]:
+def one_collision_terms(dimension: int) -> tuple[sp.Tuple, sp.Tuple]:
     """(from the chain, from the flights): <r^4> to first order in the number of collisions.
 
     The coefficients of zeta^4 and zeta^5 as a pair each: (1, the polynomial in s and cos(chi)
     whose average over one collision is that coefficient).
     """
-    lowest: dict[tuple[int, int], sp.Expr] = {}
-    following: dict[tuple[int, int], sp.Expr] = {}
+    lowest: dict[tuple[int, int], sp.Expr] = {_START: sp.Integer(1)}
+    following: dict[tuple[int, int], sp.Expr] = {_START: sp.Integer(0)}
     for member, drive in sources(dimension).items():
         order, m = member
-        before = sum(factor * lowest[other] for other, factor in drive.items())
+        first = sum(factor * lowest[other] for other, factor in drive.items()) / order
         after = sum(factor * following[other] for other, factor in drive.items())
-        first = (before if drive else sp.Integer(1)) / order
         collided = (kernel(m, dimension) * s.s**order - 1) * first
         lowest[member], following[member] = first, (after + collided) / (order + 1)
     # one collision at zeta = x: x along v, (1 - x) s along v', at an angle chi
@@ -251,7 +274,7 @@ def late_flatness(dimension: int) -> sp.Expr:
     and S_2 tend to constants, rho_2 grows as X, W_1 as X and rho_4 as X^2.
     """
     drive = sources(dimension)
-    x, a, b = sp.symbols("X a b")
+    x = sp.Symbol("X")
     log_ratio = sp.Symbol("ln_s", real=True)  # its average is -kappa
     collided = kernel(1, dimension).subs(sp.cos(s.chi), s.cos_chi)  # E[cos(chi)]
     along = 1 / (1 - collided)
@@ -261,10 +284,10 @@ def late_flatness(dimension: int) -> sp.Expr:
         change = sp.Poly(sp.expand((x + log_ratio) ** power - x**power), x).LT()
         return (change[1] * change[0].as_expr()).subs(log_ratio, -s.klog)
 
-    (second,) = sp.solve(a * shift(1) + drive[2, 0][1, 1] * along, a)
+    second = -drive[2, 0][1, 1] * along / shift(1)
     third = drive[3, 1][2, 0] * second * x / (1 - collided)
-    (fourth,) = sp.solve(b * shift(2) + drive[4, 0][3, 1] * third, b)
-    return sp.simplify(fourth / second**2)
+    fourth = -drive[4, 0][3, 1] * third / shift(2)
+    return sp.cancel(fourth / second**2)
 
 
 def _quartic(dimension: int, convention: str) -> Derived:

@@ -19,7 +19,9 @@ from ..premises import (
     cross_section,
     flux_per_angle,
     flux_per_impact,
+    in_sines,
 )
+from .any_dimension import cooling_rate
 from .record import Derived, Number, Step, derives, numbers_at, result
 
 
@@ -52,14 +54,9 @@ def one_collision(dimension: int) -> tuple[sp.Expr, sp.Expr]:
     after = velocity_after(dimension)
 
     def in_impact_parameter(expression: sp.Expr) -> sp.Expr:
-        if dimension == 3:
-            sine = sp.sin(s.azimuth)
-            expression = sp.expand(expression.subs(sp.cos(s.azimuth) ** 2, 1 - sine**2))
-        sine, square = sp.sin(s.theta), sp.cos(s.theta) ** 2
-        even = sp.expand(expression).subs(sp.cos(s.theta) ** 4, (1 - s.y**2) ** 2)
-        return sp.expand(even.subs(square, 1 - s.y**2).subs(sine, s.y))
+        return in_sines(expression, *contact(dimension)[1]).subs(sp.sin(s.theta), s.y)
 
-    return in_impact_parameter(sp.expand(after.dot(after))), in_impact_parameter(after[-1])
+    return in_impact_parameter(after.dot(after)), in_impact_parameter(after[-1])
 
 
 @cache
@@ -75,8 +72,8 @@ def _one_collision() -> Derived:
     square, along = _polynomials()
     return result(
         sp.Tuple(eq(s.s**2, square), eq(s.s * sp.cos(s.chi), along)),
-        Step("v'/|v| in the plane, v along the last axis", velocity_after(2)),
-        Step("v'/|v| in space", velocity_after(3)),
+        Step("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
+        Step("v'/|v| in space", sp.Tuple(*velocity_after(3))),
         Step("|v'|^2/|v|^2 with y = sin(theta), the same in both", square),
         Step("v'.v/|v|^2, the same in both", along),
         note="Both depend on e/e_t alone, but for a factor: s(e, e_t) = e_t s(e/e_t, 1), and the "
@@ -88,8 +85,8 @@ def _uniform_flux(dimension: int) -> sp.Expr:
     """The element of the cross section over that of the angles, which the flux must equal."""
     normal, angles = contact(dimension)
     across = normal[: dimension - 1, 0]  # the part of the normal across the velocity
-    element = sp.trigsimp(across.jacobian(angles).det())
-    if sp.simplify(flux_per_angle(dimension) - element) != 0:
+    element = in_sines(across.jacobian(angles).det(), *angles[1:])
+    if sp.expand(flux_per_angle(dimension) - element) != 0:
         raise ArithmeticError("the flux is not uniform over the cross section")
     return element
 
@@ -142,7 +139,7 @@ def plane_average(weight: sp.Expr) -> sp.Expr:
 def space_average(weight: sp.Expr) -> sp.Expr:
     """The average over a collision in space of a function of s and y, with e_t != e."""
     square, _ = _polynomials()
-    (in_ratio,) = {root**2 for root in sp.solve(square - s.s**2, s.y)}  # y^2 in terms of s
+    in_ratio = sp.cancel((s.s**2 - square.coeff(s.y, 0)) / square.coeff(s.y, 2))  # y^2
     per_ratio = impact_density(3) / (2 * s.y) * sp.diff(in_ratio, s.s)
     integrand = sp.expand(sp.cancel(per_ratio) * weight.subs(s.y, sp.sqrt(in_ratio)))
     return sum(sp.integrate(term, (s.s, s.e, s.et)) for term in sp.Add.make_args(integrand))
@@ -168,7 +165,7 @@ def _plane_equal() -> Derived:
 @cache
 def space_power() -> sp.Expr:
     """E[s^p] in space, in e and e_t."""
-    return sp.factor(space_average(s.s**s.p))
+    return sp.powsimp(sp.factor(space_average(s.s**s.p)))
 
 
 @derives("beyond:space-power")
@@ -184,13 +181,13 @@ def _space_power() -> Derived:
 @cache
 def space_log_loss() -> sp.Expr:
     """kappa = E[-ln s] in space, in e and e_t."""
-    return sp.simplify(space_average(-sp.log(s.s)))
+    return sp.cancel(space_average(-sp.log(s.s)))
 
 
 @derives("beyond:space-log")
 def _space_log() -> Derived:
     smooth = space_log_loss().subs(s.et, 1)
-    if sp.simplify(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss()) != 0:
+    if sp.cancel(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss()) != 0:
         raise ArithmeticError("kappa is not the derivative of lambda(p) at p = 0")
     return result(
         sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, smooth)),
@@ -243,28 +240,28 @@ def _space_isotropic() -> Derived:
 
 @cache
 def space_cooling_rate() -> sp.Expr:
-    """h(e) = 2 sqrt(kappa lambda(1)) of smooth spheres, e_t = 1."""
-    first = sp.factor(1 - space_power().subs(s.p, 1).subs(s.et, 1))
-    return 2 * sp.sqrt(space_log_loss().subs(s.et, 1)) * sp.sqrt(first)
+    """h(e) of smooth spheres, e_t = 1."""
+    smooth = {s.klog: space_log_loss().subs(s.et, 1), s.lam(1): _smooth_loss_one()}
+    return cooling_rate().subs(smooth)
+
+
+def _smooth_loss_one() -> sp.Expr:
+    """lambda(1) of smooth spheres."""
+    return sp.factor(1 - space_power().subs(s.p, 1).subs(s.et, 1))
 
 
 @derives("beyond:space-cooling")
 def _space_cooling() -> Derived:
-    first = sp.factor(1 - space_power().subs(s.p, 1).subs(s.et, 1))
-
-    def rate(e: float) -> float:
-        return float(sp.limit(space_cooling_rate(), s.e, 0) if e == 0 else rate_at(e))
-
-    def rate_at(e: float) -> sp.Expr:
+    def rate(e: float) -> sp.Expr:
         return space_cooling_rate().subs(s.e, sp.Rational(str(e))).evalf(20)
 
     return result(
         eq(s.h, space_cooling_rate()),
         Step("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
-        Step("lambda(1) with e_t = 1", first),
-        Step("h = 2 sqrt(kappa lambda(1)) (beyond:any-moments)", space_cooling_rate()),
+        Step("lambda(1) with e_t = 1", _smooth_loss_one()),
+        Step("inserted in the rate of beyond:any-moments", cooling_rate()),
         note="With v0 the root mean square speed, as in the plane: dv0/dt = -h v0^2/(2 l).",
-        numbers=numbers_at((0, 0.4, 0.7, 0.9), {"h at e = {e}": rate}),
+        numbers=numbers_at((0.4, 0.7, 0.9), {"h at e = {e}": rate}),
     )
 
 
@@ -272,12 +269,12 @@ def _space_cooling() -> Derived:
 def space_e_zero_solution() -> sp.Expr:
     """F(c) of smooth spheres at e = 0: E[Y^n] = (n+1)!, so that Y has the density y exp(-y)."""
     order = sp.Symbol("order", positive=True)
-    loss = sp.factor(_loss_at_e_zero().subs(s.p, order))
-    start = 1 / sp.limit(space_log_loss().subs(s.et, 1), s.e, 0)
-    # E[Y^(n+1)] = n E[Y^n]/lambda(n) (beyond:moments)
-    found = sp.integrate(s.x ** (order + 1) * sp.exp(-s.x), (s.x, 0, sp.oo))
+    loss = _loss_at_e_zero()
+    start = 1 / sp.diff(loss, s.p).subs(s.p, 0)  # E[Y] = 1/kappa (beyond:moments)
+    found = sp.gamma(order + 2)  # the integral of y^order y exp(-y)
     ratio = sp.gammasimp(found.subs(order, order + 1) / found)
-    if sp.simplify(ratio - order / loss) != 0 or found.subs(order, 1) != start:
+    # E[Y^(n+1)] = n E[Y^n]/lambda(n)
+    if sp.cancel(ratio - order / loss.subs(s.p, order)) != 0 or found.subs(order, 1) != start:
         raise ArithmeticError("the moments of Y at e = 0 are not those of y exp(-y)")
     scale = sp.sqrt(found.subs(order, 2))  # c = Y/sqrt(E[Y^2])
     density = scale * (s.x * sp.exp(-s.x)).subs(s.x, scale * s.c)
@@ -286,7 +283,7 @@ def space_e_zero_solution() -> sp.Expr:
 
 def _loss_at_e_zero() -> sp.Expr:
     """lambda(p) of smooth spheres at e = 0."""
-    return sp.factor(1 - sp.limit(space_power().subs(s.et, 1), s.e, 0))
+    return sp.factor(1 - space_power().subs({s.et: 1, s.e: 0}))
 
 
 @cache

@@ -173,8 +173,7 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
         sp.Tuple(
             eq(
                 s.klog,
-                _half
-                + (s.e**2 * sp.log(s.e) - s.et**2 * sp.log(s.et)) / (s.et**2 - s.e**2),
+                _half + (s.e**2 * sp.log(s.e) - s.et**2 * sp.log(s.et)) / (s.et**2 - s.e**2),
             ),
             eq(s.klog, _half + s.e**2 * sp.log(s.e) / (1 - s.e**2)),
         ),
@@ -210,7 +209,7 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
         ),
     ),
     "beyond:any-average": (
-        "moments of an isotropic VDF in any dimension",
+        "moments of the speed in any dimension",
         eq(Partial(Avg(s.v**s.p), s.t), -s.lam(s.p) * Avg(s.v ** (s.p + 1)) / s.l),
     ),
     "beyond:any-moments": (
@@ -228,10 +227,7 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
                 s.msdN(s.N),
                 2
                 * s.l**2
-                * (
-                    s.N / (1 - s.cos_chi)
-                    - s.cos_chi * (1 - s.cos_chi**s.N) / (1 - s.cos_chi) ** 2
-                ),
+                * (s.N / (1 - s.cos_chi) - s.cos_chi * (1 - s.cos_chi**s.N) / (1 - s.cos_chi) ** 2),
             ),
             eq(Partial(s.msd(s.t), sp.log(s.t)), 2 * s.l**2 / (s.klog * (1 - s.cos_chi))),
         ),
@@ -270,7 +266,7 @@ EQUATIONS = {
     label: PrintedEquation(label, title, section, formula=formula)
     for section, stated in (
         ("Beyond the paper", _STATED),
-        ("Beyond the paper: any collision law, plane and space", _ANY_LAW),
+        ("Beyond the paper: any collision law", _ANY_LAW),
     )
     for label, (title, formula) in stated.items()
 }
