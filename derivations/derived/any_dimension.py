@@ -322,3 +322,26 @@ def _quartic_space() -> Derived:
         3,
         "in powers of i k and P_m(cos): S_2 of order 2 with m = 2, W_1 of order 3 with m = 1",
     )
+
+
+@cache
+def elastic_transform(dimension: int) -> sp.Expr:
+    """The Laplace transform of <r^4> in zeta at one speed, e = e_t = 1, where s = 1."""
+    rates = {0: sp.Integer(0), 1: s.nu1, 2: s.nu2}
+    found: dict[tuple[int, int], sp.Expr] = {_START: 1 / s.laplace}
+    for member, drive in sources(dimension).items():
+        total = sum(factor * found[other] for other, factor in drive.items())
+        found[member] = total / (s.laplace + rates[member[1]])
+    return sp.factor(found[4, 0])
+
+
+@derives("beyond:quartic-elastic")
+def _quartic_elastic() -> Derived:
+    transforms = [elastic_transform(dimension) for dimension in (2, 3)]
+    return result(
+        sp.Tuple(*(eq(s.rho4z(s.laplace), transform) for transform in transforms)),
+        Step("the chain in the plane with s = 1, E[cos(m chi)] - 1 = -nu_m", transforms[0]),
+        Step("the chain in space with s = 1, E[P_m(cos(chi))] - 1 = -nu_m", transforms[1]),
+        note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for "
+        "disks, nu_1 = nu_2 = 1 for spheres.",
+    )

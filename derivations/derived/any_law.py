@@ -70,13 +70,22 @@ def _polynomials() -> tuple[sp.Expr, sp.Expr]:
 @derives("beyond:one-collision")
 def _one_collision() -> Derived:
     square, along = _polynomials()
+    smooth = {s.e: s.e / s.et, s.et: 1}
+    smooth_square, smooth_along = (part.subs(smooth, simultaneous=True) for part in (square, along))
+    scaled = (
+        sp.expand(square - s.et**2 * smooth_square),
+        sp.expand(along - s.et * smooth_along),
+    )
+    if scaled != (0, 0):
+        raise ArithmeticError("e_t is not a scale of the speed alone")
     return result(
         sp.Tuple(eq(s.s**2, square), eq(s.s * sp.cos(s.chi), along)),
         Step("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
         Step("v'/|v| in space", sp.Tuple(*velocity_after(3))),
         Step("|v'|^2/|v|^2 with y = sin(theta), the same in both", square),
         Step("v'.v/|v|^2, the same in both", along),
-        note="Both depend on e/e_t alone, but for a factor: s(e, e_t) = e_t s(e/e_t, 1), and the "
+        Step("s^2 and s cos(chi) less e_t^2 and e_t times those of e/e_t, 1", sp.Tuple(*scaled)),
+        note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
         "deflection is that of the restitution e/e_t with e_t = 1.",
     )
 

@@ -260,6 +260,19 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
             eq(s.flatness, sp.Rational(5, 3)),
         ),
     ),
+    "beyond:quartic-elastic": (
+        "elastic <r^4> as a Laplace transform: in the plane, in space",
+        sp.Tuple(
+            *(
+                eq(
+                    s.rho4z(s.laplace),
+                    (first / s.laplace + second / (s.laplace + s.nu2))
+                    / (s.laplace**2 * (s.laplace + s.nu1) ** 2),
+                )
+                for first, second in ((16, 8), (sp.Rational(40, 3), sp.Rational(32, 3)))
+            )
+        ),
+    ),
 }
 
 EQUATIONS = {
