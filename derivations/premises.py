@@ -108,6 +108,11 @@ def cross_section(dimension: int) -> sp.Expr:
     return sp.integrate(flux_per_impact(dimension), (s.y, -1 if dimension == 2 else 0, 1))
 
 
+def mean_free_path(dimension: int) -> sp.Expr:
+    """|v| over the rate of collisions."""
+    return 1 / (s.rho0 * s.d ** (dimension - 1) * cross_section(dimension))
+
+
 def over_angle(weight: sp.Expr) -> sp.Expr:
     """The integral of cos(theta) weight over |theta| < pi/2, with y = sin(theta): weight(y)."""
     return sp.factor(sp.integrate(sp.expand(weight), (s.y, -1, 1)))

@@ -191,6 +191,10 @@ rho2 = _function("rho_2", "<r^2>/l^2 of tracers that start with one speed")
 rho4 = _function("rho_4", "<r^4>/l^4 of tracers that start with one speed")
 laplace = _positive("z", "variable of the Laplace transform in zeta")
 rho4z = _function("rho_4_tilde", "Laplace transform of rho_4 in zeta", latex=r"\tilde{\rho}_4")
+wave = _positive("K", "wave number times l")
+Fhat = _function(
+    "F_hat", "Fourier and Laplace transform of the density of position", latex=r"\hat{F}"
+)
 nu1 = _positive("nu_1", "decay rate of the first harmonic, 1 - E[cos(chi)]")
 nu2 = _positive("nu_2", "decay rate of the second harmonic")
 S2 = _function("S_2", "second harmonic of <exp(i k.r)>, of order k^2, in units of l^2")

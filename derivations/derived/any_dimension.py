@@ -13,7 +13,7 @@ from sympy.core.function import UndefinedFunction
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from ..premises import cross_section, in_sines
+from ..premises import cross_section, in_sines, mean_free_path
 from .record import Derived, Step, derives, result
 
 
@@ -24,8 +24,8 @@ def _any_average() -> Derived:
     for dimension in (2, 3):
         rate = s.rho0 * s.d ** (dimension - 1) * cross_section(dimension) * s.v
         change = rate * s.v**s.p * (ratio_power - 1)  # E[(s v)^p] - v^p, times the rate
-        (density,) = sp.solve(rate - s.v / s.l, s.rho0)
-        changes.append(sp.powsimp(change.subs(s.rho0, density)))
+        # rho0 in terms of l, the mean free path
+        changes.append(sp.powsimp(change * mean_free_path(dimension) / s.l))
     if changes[0] != changes[1]:
         raise ArithmeticError("with the mean free path the moments still know the dimension")
     averaged = changes[0].subs(ratio_power, 1 - s.lam(s.p))

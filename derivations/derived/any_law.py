@@ -20,6 +20,7 @@ from ..premises import (
     flux_per_angle,
     flux_per_impact,
     in_sines,
+    mean_free_path,
 )
 from .any_dimension import cooling_rate
 from .record import Derived, Number, Step, derives, numbers_at, result
@@ -100,11 +101,6 @@ def _uniform_flux(dimension: int) -> sp.Expr:
     return element
 
 
-def _mean_free_path(dimension: int) -> sp.Expr:
-    """|v| over the rate of collisions."""
-    return 1 / (s.rho0 * s.d ** (dimension - 1) * cross_section(dimension))
-
-
 def impact_density(dimension: int) -> sp.Expr:
     """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
     return flux_per_impact(dimension) / cross_section(dimension)
@@ -113,7 +109,7 @@ def impact_density(dimension: int) -> sp.Expr:
 @derives("beyond:measure-plane")
 def _measure_plane() -> Derived:
     return result(
-        sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, _mean_free_path(2))),
+        sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
         Step("collisions per angle: flux through the circle, over d rho0 |v|", flux_per_angle(2)),
         Step("which is the element of the cross section", _uniform_flux(2)),
         Step("collisions per impact parameter", flux_per_impact(2)),
@@ -128,7 +124,7 @@ def _measure_space() -> Derived:
         sp.Tuple(
             eq(s.chance(s.y), impact_density(3)),
             eq(s.chance(s.y**2), squared),
-            eq(s.l, _mean_free_path(3)),
+            eq(s.l, mean_free_path(3)),
         ),
         Step("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
         Step("which is the element of the cross section", _uniform_flux(3)),

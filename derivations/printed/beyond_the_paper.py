@@ -123,6 +123,7 @@ _STATED: dict[str, tuple[str, sp.Basic]] = {
 _first, _second, _third, _fourth = (sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4))
 _later = s.s * s.zeta  # v t/l after a collision that multiplies the speed by s
 _chi1, _rho2, _S2, _W1, _rho4 = (f(s.zeta) for f in (s.chi1, s.rho2, s.S2, s.W1, s.rho4))
+_first_flight = sp.atan(s.wave / (1 + s.laplace)) / s.wave
 
 
 def _grows(function: sp.Expr) -> sp.Expr:
@@ -258,6 +259,27 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
             ),
             eq(_grows(_rho4), Avg(s.rho4(_later)) - _rho4 + 40 * _W1),
             eq(s.flatness, sp.Rational(5, 3)),
+        ),
+    ),
+    "beyond:isotropic-plane": (
+        "isotropic scattering at one speed in the plane, and its density of position",
+        sp.Tuple(
+            eq(
+                s.Fhat(s.wave, s.laplace),
+                1 / (sp.sqrt((1 + s.laplace) ** 2 + s.wave**2) - 1),
+            ),
+            eq(
+                s.g(s.r, s.zeta),
+                sp.exp(-s.zeta) * s.delta(s.r - s.zeta)
+                + s.r * sp.exp(sp.sqrt(s.zeta**2 - s.r**2) - s.zeta) / sp.sqrt(s.zeta**2 - s.r**2),
+            ),
+        ),
+    ),
+    "beyond:isotropic-space": (
+        "isotropic scattering at one speed in space",
+        eq(
+            s.Fhat(s.wave, s.laplace),
+            _first_flight / (1 - _first_flight),
         ),
     ),
     "beyond:quartic-elastic": (

@@ -16,6 +16,7 @@ from ..derived import (  # noqa: F401  (they register their derivations)
     cooling,
     figures,
     flux,
+    isotropic_scattering,
     kinetic_equation,
     position,
     random_walk,
