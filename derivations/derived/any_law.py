@@ -177,7 +177,7 @@ def space_power() -> sp.Expr:
 def _space_power() -> Derived:
     return result(
         eq(Avg(s.s**s.p), space_power()),
-        Step("y^2 is uniform on [0, 1], so s^2 is between e^2 and e_t^2", _polynomials()[0]),
+        Step("y^2 is uniform on [0, 1], so s^2 is uniform from e^2 to e_t^2", _polynomials()[0]),
         Step("E[s^p], the integral of s^p 2 s/(e_t^2 - e^2) from e to e_t", space_power()),
         note="As e_t -> e it tends to e^p. lambda(p) = 1 - E[s^p].",
     )
@@ -186,7 +186,11 @@ def _space_power() -> Derived:
 @cache
 def space_log_loss() -> sp.Expr:
     """kappa = E[-ln s] in space, in e and e_t."""
-    return sp.cancel(space_average(-sp.log(s.s)))
+    total = sp.expand(space_average(-sp.log(s.s)))
+    logarithms = [sp.log(s.e), sp.log(s.et)]
+    parts = [sp.factor(total.coeff(part)) * part for part in logarithms]
+    rest = total.subs(dict.fromkeys(logarithms, 0))
+    return sp.cancel(rest) + sum(parts)
 
 
 @derives("beyond:space-log")

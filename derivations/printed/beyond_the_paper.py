@@ -196,7 +196,7 @@ _ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
             s.h,
             2
             * sp.sqrt(_half + s.e**2 * sp.log(s.e) / (1 - s.e**2))
-            * sp.sqrt((1 - s.e) * (1 + 2 * s.e) / (3 * (1 + s.e))),
+            * sp.sqrt((1 - s.e) * (1 + 2 * s.e) / (1 + s.e) / 3),
         ),
     ),
     "beyond:space-e-zero": (
