@@ -35,9 +35,10 @@ def averages_of(scene: Scene, rtol: float, degree: float = 2.0, lowest: float = 
 
 def asked_for(averages: Averages, outputs: Sequence[str]) -> Asked:
     """What must be solved for each output; a part that the initial state makes zero is left out."""
+    made_of = [OUTPUTS[name].made_of(averages.law.dimension) for name in sorted(outputs)]
     return [
-        tuple(part for part in OUTPUTS[name].made_of() if averages.measure(part.start) is not None)
-        for name in sorted(outputs)
+        tuple(part for part in parts if averages.measure(part.start) is not None)
+        for parts in made_of
     ]
 
 

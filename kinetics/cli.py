@@ -113,7 +113,10 @@ def _run(arguments: list[str] | None) -> int:
 
 
 def _complain(message: str) -> int:
-    click.echo(f"lorentz: {' '.join(message.split())}", err=True)
+    line = " ".join(message.split())
+    if len(line) > 390:  # what is wrong stands first, and what is allowed last
+        line = f"{line[:240]} ... {line[-135:]}"
+    click.echo(f"lorentz: {line}", err=True)
     return BAD_INPUT
 
 

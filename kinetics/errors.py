@@ -22,5 +22,10 @@ def warn_missed(what: str, error: float, rtol: float) -> None:
 
 def short(value: Any, limit: int = 60) -> str:
     """The repr of a bad value, cut so that a message stays on one line."""
-    text = " ".join(repr(value).split())
+    if isinstance(value, str | bytes | list | tuple) and len(value) > limit:
+        value = value[:limit]  # each part takes a character at least: what follows is cut anyway
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # whole numbers of more than 4300 digits, and anything whose own repr fails
+        return f"a {type(value).__name__} that has no short text"
     return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -71,7 +71,7 @@ class Output(NamedTuple):
     symbol, unit : for heads of columns; the unit is "1" for dimensionless quantities
     shape : of the array, n_times first; the arguments of the method, for those that are functions
     description : in words, with the paper's label
-    made_of : the observables that must be solved, see :class:`Part`
+    made_of : the observables that must be solved in this dimension, see :class:`Part`
     values : makes the array, or a tuple of arrays, one for each of ``names``
     also : name and unit of a second array that comes with it
     """
@@ -82,7 +82,7 @@ class Output(NamedTuple):
     unit: str
     shape: tuple[str, ...]
     description: str
-    made_of: Callable[[], tuple[Part, ...]] = tuple
+    made_of: Callable[[int], tuple[Part, ...]] = lambda dimension: ()
     values: Callable[[Averages], Any] | None = None
     also: tuple[tuple[str, str], ...] = ()
 
@@ -113,38 +113,38 @@ _ROWS = (
     Output(
         "thermal_speed", VELOCITY, "v0", "U", _PER_TIME,
         "sqrt(<v^2>) (paper, label v0defi)",
-        lambda: parts((0.5, backward.speed_power(2.0))),
+        lambda d: parts((0.5, backward.speed_power(2.0))),
         lambda averages: formulas.thermal_speed(averages),
     ),
     Output(
         "temperature", VELOCITY, "T", "m U^2", _PER_TIME,
-        "<v^2>/2 (paper, label thermo)",
-        lambda: parts((1.0, backward.speed_power(2.0))),
+        "<v^2>/d, d the dimension (paper, label thermo)",
+        lambda d: parts((1.0, backward.speed_power(2.0))),
         lambda averages: formulas.temperature(averages),
     ),
     Output(
         "a2", VELOCITY, "a2", "1", _PER_TIME,
-        "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5)",
-        lambda: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
+        "<v^4>/(2 <v^2>^2) - 1 (paper, label sonine5); in space 3 <v^4>/(5 <v^2>^2) - 1",
+        lambda d: parts((2.0, backward.speed_power(2.0)), (1.0, backward.speed_power(4.0))),
         lambda averages: formulas.a2(averages),
     ),
     Output(
         "collisions", COLLISIONS, "collisions", "1", _PER_TIME,
         "mean number of collisions per tracer since t = 0",
-        lambda: parts((1.0, backward.MEAN_COLLISIONS)),
+        lambda d: parts((1.0, backward.MEAN_COLLISIONS)),
         lambda averages: formulas.collisions(averages),
     ),
     Output(
         "msd", DISPLACEMENT, "<r^2>", "d^2", _PER_TIME,
         "mean square displacement (paper, label msd)",
-        lambda: parts((1.0, backward.SQUARED_DISPLACEMENT)),
+        lambda d: parts((1.0, backward.SQUARED_DISPLACEMENT)),
         lambda averages: displacement.mean_square_displacement(averages),
     ),
     Output(
         "kurtosis", DISPLACEMENT, "<r^4>/<r^2>^2", "1", _PER_TIME,
-        "<r^4>/<r^2>^2: 2 for a Gaussian in the plane",
-        lambda: parts(
-            (2.0, backward.SQUARED_DISPLACEMENT), (1.0, backward.QUARTIC_DISPLACEMENT)
+        "<r^4>/<r^2>^2: 2 for a Gaussian in the plane, 5/3 in space",
+        lambda d: parts(
+            (2.0, backward.SQUARED_DISPLACEMENT), (1.0, backward.quartic_displacement(d))
         ),
         lambda averages: displacement.kurtosis(averages),
     ),
@@ -152,20 +152,20 @@ _ROWS = (
         "velocity_autocorrelation", DISPLACEMENT, "<v(0).v>", "U^2", _PER_TIME,
         "<v(0).v(t)>; its error is relative to v_rms(0) v_rms(t), against which it may be small",
         # over all initial velocities: v(0) itself takes the direction out
-        lambda: parts((1.0, backward.speed_power(1.0, 1)), start=0),
+        lambda d: parts((1.0, backward.speed_power(1.0, 1)), start=0),
         lambda averages: displacement.velocity_autocorrelation(averages),
     ),
     Output(
         "diffusion_coefficient", DISPLACEMENT, "D", "d U", _PER_TIME,
-        "D = (1/4) d<r^2>/dt; and msd_slope = d<r^2>/d ln t, in d^2",
-        lambda: parts((1.0, backward.MSD_SLOPE)),
+        "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
+        lambda d: parts((1.0, backward.MSD_SLOPE)),
         lambda averages: displacement.diffusion_coefficient(averages),
         also=(("msd_slope", "d^2"),),
     ),
     Output(
-        "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "2"),
-        "(<x>, <y>)",
-        lambda: parts((1.0, backward.DISPLACEMENT_ALONG_START)),
+        "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
+        "(<x>, <y>), in space (<x>, <y>, <z>)",
+        lambda d: parts((1.0, backward.DISPLACEMENT_ALONG_START)),
         lambda averages: displacement.mean_displacement(averages),
     ),
     Output(
@@ -177,15 +177,15 @@ _ROWS = (
         "F(k, t) = <exp(i k.r)>",
     ),
     Output(
-        "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "2"),
-        "(<v_x>, <v_y>)",
-        lambda: parts((1.0, backward.speed_power(1.0, 1))),
+        "mean_velocity", VELOCITY, "<v>", "U", ("n_times", "d"),
+        "(<v_x>, <v_y>), in space (<v_x>, <v_y>, <v_z>)",
+        lambda d: parts((1.0, backward.speed_power(1.0, 1))),
         lambda averages: formulas.mean_velocity(averages),
     ),
     Output(
-        "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "2", "2"),
+        "velocity_tensor", VELOCITY, "<v v>", "U^2", ("n_times", "d", "d"),
         "<v_i v_j>",
-        lambda: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
+        lambda d: parts((1.0, backward.speed_power(2.0)), (1.0, backward.speed_power(2.0, 2))),
         lambda averages: formulas.velocity_tensor(averages),
     ),
     Output(

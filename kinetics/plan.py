@@ -31,10 +31,10 @@ class PlanStep:
     reason: str
 
 
-def powers_of(outputs: Iterable[str]) -> list[tuple[float, int]]:
+def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
     """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
     rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
-    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of()}
+    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of(dimension)}
     return sorted(found)
 
 
@@ -45,7 +45,7 @@ def make_plan(
     displacement: Displacement | None,
 ) -> tuple[PlanStep, ...]:
     """What was solved, what was skipped, and why."""
-    pairs = powers_of(outputs)
+    pairs = powers_of(outputs, averages.law.dimension)
     solved = sorted({m for _, m in pairs} | set(profiles))
     isotropic = averages.state.highest_harmonic == 0
     others = "the start is isotropic" if isotropic else "no output needs more"
@@ -86,7 +86,7 @@ def _displacement_step(averages: Averages, outputs: Iterable[str]) -> PlanStep:
     rows = [row for row in OUTPUTS.values() if row.name in asked and row.step == DISPLACEMENT]
     if not rows:
         return PlanStep(DISPLACEMENT, False, NOT_ASKED)
-    count = len({y for row in rows for _, y, _ in row.made_of()})
+    count = len({y for row in rows for _, y, _ in row.made_of(averages.law.dimension)})
     how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
     return PlanStep(DISPLACEMENT, True, f"{', '.join(row.name for row in rows)}: {how}")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import html
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -13,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw
+from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, check_restitution, finite_line, refuse, whole_number
+from kinetics.validation import check_positive, finite_line, refuse, whole_number
 from kinetics.values import Value
 
 MOST_HARMONICS = 256
@@ -32,7 +31,7 @@ class Scene(Value):
 
     Parameters
     ----------
-    restitution : e in [0, 1]
+    restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
     number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
@@ -41,6 +40,9 @@ class Scene(Value):
     times : in d/U, shape (n_times,), not falling, not negative
     outputs : names from `kinetics.outputs.OUTPUTS`
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
+    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
+    dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
+        x axis, and densities are not available yet)
 
     Raises
     ------
@@ -51,49 +53,53 @@ class Scene(Value):
     scenes are equal if their systems, initial states, times and outputs are.
     """
 
-    restitution: float
+    restitution: Any
     number_density: float = 0.04
     diameter: float = 1.0
     initial: Any = field(default="gaussian", compare=False)
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
     harmonics: int = 8
+    tangential_restitution: float | None = 1.0
+    dimension: int = 2
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
         checked: dict[str, Any] = {
-            "restitution": check_restitution(self.restitution),
+            **law.arguments,
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
-        area = 2.0 * checked["diameter"] * checked["number_density"]
-        if not (0.0 < area < math.inf and 1.0 / area < math.inf):
+        if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
+            formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
                 f"number_density: got {short(self.number_density)} at diameter "
-                f"{short(self.diameter)}; the mean free path 1/(2 diameter number_density) must be "
+                f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
                 "a finite number above 0"
             )
-        checked["state"] = as_state(self.initial)
+        checked["state"] = _start(self.initial, law.dimension)
         checked["times"] = _check_times(self.times)
         checked["outputs"] = _check_outputs(self.outputs)
+        _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in d."""
-        return 1.0 / (2.0 * self.diameter * self.number_density)
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d."""
+        return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property
     def law(self) -> CollisionLaw:
-        """The collision law of this restitution."""
-        return CollisionLaw(self.restitution)
+        """The collision law of these restitutions, in this dimension."""
+        return law_of(self.restitution, self.tangential_restitution, self.dimension)
 
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
         initial = self.initial if isinstance(self.initial, str) else self.state
         return (
-            f"restitution={self.restitution!r}, number_density={self.number_density!r}, "
+            f"{self.law.described}, number_density={self.number_density!r}, "
             f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
         )
 
@@ -123,6 +129,26 @@ def _span(times: ArrayLike) -> str:
     return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
 
 
+def _start(initial: Any, dimension: int) -> State:
+    """The initial state in this dimension."""
+    state = as_state(initial)
+    if dimension == 2:
+        return state
+    found = state.in_space()
+    if found is None:
+        allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
+        refuse("initial", initial, allowed)
+    return found
+
+
+def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
+    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
+    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
+    for name in outputs:
+        if OUTPUTS[name].values is None and not smooth_disks:
+            refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
+
+
 def _check_times(times: Any) -> FloatArray:
     """The times as a read-only array; InputError if they cannot be used."""
     allowed = "times must be real, finite, not negative and not falling, at least one"
@@ -134,15 +160,16 @@ def _check_times(times: Any) -> FloatArray:
 
 def _check_outputs(outputs: Any) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
-    if isinstance(outputs, str) or not isinstance(outputs, Iterable):
-        outputs = (outputs,)
-    names = tuple(dict.fromkeys(outputs))
+    try:
+        names = [outputs] if isinstance(outputs, str) else list(outputs)
+    except TypeError:
+        names = [outputs]
     known = ", ".join(OUTPUTS)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if name not in OUTPUTS:
-            near = difflib.get_close_matches(str(name), OUTPUTS, n=1)
+        if not isinstance(name, str) or name not in OUTPUTS:
+            near = difflib.get_close_matches(name, OUTPUTS, n=1) if isinstance(name, str) else []
             hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"outputs: got {name!r}; {hint}known are {known}")
-    return names
+            refuse("outputs", name, f"{hint}known are {known}")
+    return tuple(str(name) for name in dict.fromkeys(names))

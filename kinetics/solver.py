@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinetics.averaging import asked_for, averages_of, error_of, in_range, with_enough_nodes
-from kinetics.densities.harmonic import Profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
@@ -67,7 +67,7 @@ def solve(
         refuse("scene", scene, "it must be a Scene")
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
-    degree = max([2.0, *(p for p, _ in powers_of(scene.outputs))])
+    degree = max([2.0, *(p for p, _ in powers_of(scene.outputs, scene.dimension))])
     averages = averages_of(scene, rtol, degree)
     asked = asked_for(averages, scene.outputs)
     averages = with_enough_nodes(averages, asked)
@@ -146,17 +146,19 @@ def _profile(
 ) -> Profile | None:
     """Harmonic m by the method asked for, or the best one; None where the start makes it zero."""
     law, state = scene.law, scene.state
-    times, path = np.asarray(scene.times), scene.mean_free_path
+    asked = HarmonicProblem(
+        law, scene.mean_free_path, state, m, np.asarray(scene.times), rtol, nodes
+    )
     if state.harmonic(m, rtol) is None:
         return None
-    if law.restitution == 1.0:
+    if law.is_elastic:
         from kinetics.densities.elastic import elastic_profile
 
-        return elastic_profile(law, path, state, m, times)
+        return elastic_profile(asked)
     if method != "conservative" and (state.smooth or method == "spectral"):
         from kinetics.densities.spectral import solve_spectral
 
-        profile = solve_spectral(law, path, state, m, times, rtol, nodes)
+        profile = solve_spectral(asked)
         if profile is not None:
             return profile
         if method == "spectral":
@@ -164,4 +166,4 @@ def _profile(
             refuse("method", method, allowed)
     from kinetics.densities.conservative import solve_conservative
 
-    return solve_conservative(law, path, state, m, times, rtol, nodes)
+    return solve_conservative(asked)

@@ -39,8 +39,9 @@ _HEADER = 512  # bytes of the user block, the smallest that HDF5 allows
 
 HOMES = {
     # what a user saves, and what these are made of
-    "CollisionLaw": "kinetics.collision",
+    "CollisionLaw": "kinetics.collision.law",
     "Comparison": "kinetics.crosscheck.comparison.result",
+    "SampledBounce": "kinetics.collision.samples",
     "PlanStep": "kinetics.plan",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",
@@ -51,6 +52,7 @@ HOMES = {
     "AngularHarmonics": "kinetics.states.directed",
     "Beam": "kinetics.states.directed",
     "Gaussian": "kinetics.states.isotropic",
+    "Maxwell": "kinetics.states.isotropic",
     "Monoenergetic": "kinetics.states.isotropic",
     "PolarGrid": "kinetics.states.directed",
     "SpeedDensity": "kinetics.states.isotropic",
@@ -66,6 +68,8 @@ HOMES = {
     "ThenScaling": "kinetics.densities.harmonic",
     # density of the displacement
     "Displacement": "kinetics.position.density",
+    "FrontTail": "kinetics.position.front_tail",
+    "OnceCollided": "kinetics.position.once_collided",
     "PowerTail": "kinetics.position.tail",
     "UncollidedDensity": "kinetics.position.ballistic_front",
     "WavePanel": "kinetics.position.wave_panel",

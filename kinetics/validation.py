@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
@@ -39,6 +40,8 @@ def real_number(
     """A finite number from low to high, as a float."""
     allowed = allowed or f"it must be a number from {low:g} to {high:g}"
     try:
+        if np.ndim(value) or np.iscomplexobj(value) or np.ma.is_masked(value):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         refuse(name, value, allowed)
@@ -88,15 +91,34 @@ def one_of(name: str, value: Any, names: Iterable[str]) -> str:
 # -- arrays of any shape --------------------------------------------------------------------------
 
 
-def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
-    """Real numbers in an array of any shape; NaN is let through."""
+def _numbers(value: Any, kinds: str) -> NDArray[Any]:
+    """Numbers as an array of floats or of complex numbers, a copy; TypeError or ValueError else.
+
+    ``kinds`` are the kinds of dtypes that are let through. Masked values are not, and neither is
+    anything of which NumPy warns that it would lose a part of it.
+    """
     try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "iuf":
-            raise TypeError
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            array = np.asarray(value)
+            if array.dtype.kind not in kinds or np.ma.is_masked(value):
+                raise TypeError
+            return array.astype(complex if array.dtype.kind == "c" else float)
+    except (Warning, OverflowError) as error:
+        raise TypeError from error
+
+
+def number_array(name: str, value: ArrayLike, kinds: str, allowed: str) -> NDArray[Any]:
+    """Numbers of these kinds of dtypes in an array of any shape; NaN is let through."""
+    try:
+        return _numbers(value, kinds)
     except (TypeError, ValueError):
         refuse(name, value, allowed)
-    return array.astype(float)
+
+
+def real_array(name: str, value: ArrayLike, allowed: str = "it must be real numbers") -> Array:
+    """Real numbers in an array of any shape; NaN is let through, complex and masked are not."""
+    return number_array(name, value, "iuf", allowed)
 
 
 def restitutions(value: ArrayLike) -> Array:
@@ -136,13 +158,7 @@ def finite_array(
 
     Complex and masked values are refused.
     """
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "c" or np.ma.is_masked(values):
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError, OverflowError):
-        refuse(name, values, allowed)
+    array = number_array(name, values, "biufO", allowed)
     if array.ndim not in dimensions or not np.all(np.isfinite(array)):
         refuse(name, values, allowed)
     array.flags.writeable = False

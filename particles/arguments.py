@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from particles.checks import check_whole, real_array, refuse
+from particles.checks import check_whole, real_array, refuse, short
 from particles.configuration import OBSERVABLES, Plan
 from particles.media import Medium, Positions
 
@@ -98,6 +98,6 @@ def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
         names = frozenset([observables] if isinstance(observables, str) else observables)
     except TypeError:
         refuse("observables", observables, f"must be names out of {', '.join(OBSERVABLES)}")
-    for name in sorted(names - set(OBSERVABLES), key=str):
-        raise ValueError(f"observables: no {name!r}; there are {', '.join(OBSERVABLES)}")
+    for name in sorted(names - set(OBSERVABLES), key=short):
+        refuse("observables", name, f"must be names out of {', '.join(OBSERVABLES)}")
     return names

@@ -72,6 +72,8 @@ def simulate(
         refuse("executor", executor, "must be a concurrent.futures.Executor")
     if progress is not None and not callable(progress):
         refuse("progress", progress, "must be a function of (done, total)")
+    if not isinstance(resume, (bool, np.bool_)):
+        refuse("resume", resume, "must be True or False")
     require_memory(plan, workers)
     if output is None:
         if resume:

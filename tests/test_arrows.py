@@ -176,7 +176,7 @@ def test_the_check_sees_imports_of_every_kind() -> None:
     assert list(named(source, "kinetics.states.isotropic", False)) == [
         ("kinetics.collision", "CollisionLaw")
     ]
-    assert follow("kinetics", "CollisionLaw") == "kinetics.collision"
+    assert follow("kinetics", "CollisionLaw") == "kinetics.collision.law"
 
 
 def loaded_by(package: str) -> set[str]:

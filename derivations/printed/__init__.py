@@ -61,9 +61,10 @@ def printed_equation(label: str) -> PrintedEquation:
 
     Raises ValueError for a label that does not exist.
     """
-    if label not in ROWS:
+    if not isinstance(label, str) or label not in ROWS:
+        got = repr(label[:60]) if isinstance(label, str) else f"a {type(label).__name__}"
         raise ValueError(
-            f"label: got {label!r}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
+            f"label: got {got}; it must be one of the {len(ROWS)} rows, such as 'sonine9', "
             "'taun#2' or 'beyond:a2' (verify() gives them all)"
         )
     return ROWS[label]

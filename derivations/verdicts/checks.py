@@ -144,4 +144,13 @@ def verify(labels: Iterable[str] | None = None) -> tuple[Check, ...]:
 
     Raises ValueError naming the label that does not exist.
     """
-    return tuple(check(label) for label in (ROWS if labels is None else labels))
+    if labels is None:
+        return tuple(check(label) for label in ROWS)
+    try:
+        wanted = None if isinstance(labels, str | bytes) else list(labels)
+    except TypeError:
+        wanted = None
+    if wanted is None:
+        kind = type(labels).__name__
+        raise ValueError(f"labels: got a {kind}; it must be several labels, such as ['sonine9']")
+    return tuple(check(label) for label in wanted)

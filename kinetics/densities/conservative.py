@@ -17,8 +17,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw, impact_cells
-from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
+from kinetics.collision import CollisionLaw
+from kinetics.densities.harmonic import (
+    LEAST_MAXIMUM,
+    LOWEST_SPEED,
+    HarmonicProblem,
+    Profile,
+    count_before_scaling,
+    then_scaling,
+)
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
@@ -30,10 +37,11 @@ from kinetics.values import Value
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
-# Error over the square of the spacing: 1.6, and near e = 1, where the shares of a bounce spread the
-# ring of speeds, of variance (1-e^2)/5, by spacing^2 each, 0.2/(1-e)^2. These three and the sweeps
-# for each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
+# A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares
+# of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times. These two and the sweeps for
+# each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
 _ERROR, _ERROR_NEAR_ONE = 1.6, 0.2
+_SAFE = 1.1  # the estimate is a first order in the square of the spacing: true within a tenth
 _SWEEPS = 80.0
 _DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
 _COARSEST, _FINEST = 0.1, 2e-3  # spacings that the solver chooses by itself
@@ -72,7 +80,7 @@ class NodeMasses(Value):
 
 def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
     """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q, low = impact_cells(law.restitution, spacing)
+    q, low = law.cells(spacing)
     # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
     down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
     down = np.clip(down, 0.0, 1.0)
@@ -151,7 +159,7 @@ class _Axis:
         """exp(A step) as a Poisson average of powers of 1 + A/fastest."""
         apart = 1 if self.peak and self.first == 0 else 0
         speed = self.speed[self.first :] / fastest
-        current = self.mass[self.first :]
+        current = self.mass[self.first :].copy()
         mean = fastest * step
         weight = math.exp(-mean)
         out = weight * current
@@ -159,7 +167,7 @@ class _Axis:
         # beyond 12 standard deviations of the Poisson distribution the weights are e^-72
         while 1.0 - summed > 1e-16 and n < mean + 40.0 + 12.0 * math.sqrt(mean):
             moving = speed * current
-            current = current - moving
+            current -= moving
             if apart:
                 moving[2] += moving[0]  # node 1 is the empty one above
             arriving = self._arriving(moving[apart:])
@@ -169,7 +177,7 @@ class _Axis:
             n += 1
             weight *= mean / n
             summed += weight
-            out = out + weight * current
+            out += weight * current
         # the truncated Poisson weights are made to sum to 1: mass is kept to rounding
         self.mass[self.first :] = out / summed
 
@@ -181,7 +189,8 @@ class _Axis:
         """
         full = moving.size + self.kernel.size - 1
         if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
-            return np.convolve(moving, self.kernel)
+            # what np.convolve does, without its checks
+            return np.correlate(moving, self.kernel[::-1], "full")
         if self._transformed is None or self._transformed[0] < full:
             from scipy.fft import next_fast_len
 
@@ -198,12 +207,11 @@ class _Axis:
 
 @dataclass(frozen=True)
 class _Nodes:
-    """The nodes of an axis: x = ln v = first + spacing * (0 ... count - 1), and the error there."""
+    """The nodes of an axis: x = ln v = first + spacing * (0 ... count - 1)."""
 
     first: float
     spacing: float
     count: int
-    error: float
 
     @property
     def x(self) -> FloatArray:
@@ -211,18 +219,25 @@ class _Nodes:
 
 
 def _choose_nodes(
-    law: CollisionLaw, start: LogMeasure, path: float, rtol: float, nodes: int | None
+    law: CollisionLaw,
+    start: LogMeasure,
+    path: float,
+    peaks: bool,
+    rtol: float,
+    nodes: int | None,
 ) -> tuple[_Nodes, float]:
     """An axis from above the fastest tracers down to those that hardly move, and its work.
 
     path : of a tracer of speed U until the last time, in l
+    peaks : whether the start is one of delta peaks
 
     The work is in products of masses with shares of bounces.
     """
-    e, top = law.restitution, float(start.x.max())
+    top = float(start.x.max())
     lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
-    coefficient = _ERROR + _ERROR_NEAR_ONE / (1.0 - e) ** 2
+    fastest = math.inf if peaks else path * math.exp(min(top, 300.0))
+    coefficient = _guessed_error(law, 1.0, fastest)
     wanted = max(_FINEST, math.sqrt(rtol / coefficient))
     spacing = span / nodes if nodes else min(_COARSEST, wanted)
     count = math.ceil(span / spacing) + 3
@@ -231,28 +246,16 @@ def _choose_nodes(
     reach = min(float(law.quadrature.log_loss.max()), _DEEPEST) / spacing + 2.0
     work = sweeps * min(count, _DEEPEST / spacing) * min(reach, count)
     # one empty node above the fastest tracers
-    return _Nodes(top - spacing * (count - 2), spacing, count, coefficient * spacing**2), work
+    return _Nodes(top - spacing * (count - 2), spacing, count), work
 
 
-def solve_conservative(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    m: int,
-    times: FloatArray,
-    rtol: float,
-    nodes: int | None = None,
-) -> Profile:
-    """Harmonic m at the times, e < 1.
-
-    law, mean_free_path : the collision law, and l in d
-    state : the start, of any kind
-    times : in d/U, rising, shape (n_times,)
-    nodes : of the axis of ln v; chosen from rtol by default
+def solve_conservative(asked: HarmonicProblem) -> Profile:
+    """The harmonic at the times, of a start of any kind, e < 1.
 
     Raises InputError where following the state would take too long, or its harmonic m is zero.
     """
-    start_rtol = min(rtol, _BEST_START)
+    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
+    mean_free_path, start_rtol = asked.mean_free_path, min(rtol, _BEST_START)
     start, speeds = state.harmonic(m, start_rtol), state.harmonic(0, start_rtol)
     if start is None or speeds is None:
         raise InputError(f"initial: harmonic {m} of this state is zero")
@@ -260,16 +263,18 @@ def solve_conservative(
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
     paths = times[:early] / mean_free_path
-    axis, work = _choose_nodes(law, start, float(paths[-1]) if early else 0.0, rtol, nodes)
+    path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
+    axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
     if work > _MOST_WORK:
         raise InputError(
-            f"times: got up to {times[early - 1]:g} at restitution {law.restitution!r}; the "
+            f"times: got up to {times[early - 1]:g} at restitution {law.smooth_disks!r}; the "
             f"conservative method would need {work:.1e} products on {axis.count} nodes, ask for "
             "earlier times, a larger rtol, or averages only"
         )
     kernel, mass = bounce_kernel(law, axis.spacing, m), _start_masses(state, start, m, axis)
     uncollided = start.weight if start.x.size == 1 else None
     found = NodeMasses(axis.x, axis.spacing, _follow(axis, mass, kernel, paths, uncollided))
+    error = _sharing_error(law, found, paths, state)
     peak_speed, peak_weight = None, None
     if uncollided is not None:
         peak_speed = math.exp(float(start.x[0]))
@@ -281,8 +286,8 @@ def solve_conservative(
         profile,
         density=then_scaling(law, found, early, shift[early:], rtol),
         count=times.size,
-        # harmonics m > 0 have no moments of one sign to compare; they share the nodes of m = 0
-        error_estimate=axis.error if m else max(axis.error, _moment_error(averages, profile)),
+        # harmonics m > 0 have no moments of one sign to compare
+        error_estimate=error if m else max(error, _moment_error(averages, profile)),
     )
 
 
@@ -312,6 +317,58 @@ def _follow(
         out[i] = axis.mass[-nodes.count :][::-1]
     out.flags.writeable = False
     return out
+
+
+def _guessed_error(law: CollisionLaw, spacing: float, path: float) -> float:
+    """The error of f relative to its maximum, for a smooth start, as measured.
+
+    path : of the fastest tracer at the start until that time, in l; infinite for delta peaks, of
+        which even the first bounces make densities as narrow as the late ring of speeds
+    """
+    late = 1.0 - (1.0 + law.mean_log_loss * path) ** -2.0
+    return (_ERROR + _ERROR_NEAR_ONE / (1.0 - law.smooth_disks) ** 2 * late) * spacing**2
+
+
+def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, state: State) -> float:
+    """What the shares of the bounces, and the straight lines between nodes, change in f.
+
+    A bounce moves its tracers by the mean of its shares, not by ln s, and spreads them: the bias
+    and the variance of ln v that come with one bounce, and with the start. Both are lost again as
+    tracers slow down, as 1/(1 + N) and its square after N = kappa v t/l. A density g of ln v
+    changes by bias g' and by variance g''/2; a straight line is off by h^2 g''/8. This is relative
+    to the maximum of f = g/v, or to that of a density of order 1, at the speeds for which f is
+    promised. The steps and kinks of a start that is not smooth have derivatives as large as the
+    nodes let them be: there the guess for smooth ones bounds it, and next to them f is worse.
+    """
+    h, q, kappa = found.spacing, law.quadrature, law.mean_log_loss
+    shares = bounce_kernel(law, h, 0)
+    moved = h * np.arange(shares.size)
+    bias = abs(float(shares @ moved - q.weight @ q.log_loss)) / kappa
+    variance = abs(float(shares @ moved**2 - q.weight @ q.log_loss**2)) / (2.0 * kappa)
+    first = h * h / 6.0  # both, of the shares of the start
+    top, peaks, worst = float(found.x[-1]), state.profile(0) is None, 0.0
+    for mass, path in zip(np.abs(found.mass), paths * math.exp(min(top, 300.0)), strict=True):
+        if not mass.any():
+            continue
+        slowed = 1.0 / (1.0 + kappa * path)
+        spread = variance * (1.0 - slowed**2) + first * slowed**2 + 0.25 * h * h
+        change = np.zeros(mass.size)
+        change[1:-1] = (bias * (1.0 - slowed) + first * slowed) / (2.0 * h) * np.abs(
+            mass[2:] - mass[:-2]
+        ) + 0.5 * spread / h**2 * np.abs(mass[2:] - 2.0 * mass[1:-1] + mass[:-2])
+        typical = 0.5 * math.log(float(mass @ np.exp(2.0 * (found.x - top))) / mass.sum())
+        v = np.exp(found.x - top - typical)
+        there = v > LOWEST_SPEED
+        most = max(float((mass / v)[there].max()), LEAST_MAXIMUM * h)
+        error = _SAFE * float((change / v)[there].max()) / most
+        guess = _guessed_error(law, h, math.inf if peaks else float(path))
+        if h > _COARSEST:
+            # too coarse for derivatives
+            error = max(error, guess)
+        elif not state.smooth:
+            error = min(error, guess)
+        worst = max(worst, error)
+    return worst
 
 
 def _moment_error(averages: Averages, profile: Profile) -> float:

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw
-from kinetics.densities.harmonic import Profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.states.state import State
@@ -46,11 +45,10 @@ class ElasticDensity(Value):
             return np.asarray(start(v) * np.exp(-self.rate * self.times[i] * v))
 
 
-def elastic_profile(
-    law: CollisionLaw, mean_free_path: float, state: State, m: int, times: FloatArray
-) -> Profile:
-    """Harmonic m at the times, exactly; InputError for samples, which have no density."""
-    rate = float(law.harmonic_decay_rate(0.0, m)) / mean_free_path
+def elastic_profile(asked: HarmonicProblem) -> Profile:
+    """The harmonic at the times, exactly; InputError for samples, which have no density."""
+    state, m, times = asked.state, asked.m, asked.times
+    rate = float(asked.law.harmonic_decay_rate(0.0, m)) / asked.mean_free_path
     density = ElasticDensity(state, m, rate, times)
     speed, weight = None, None
     if state.profile(m) is None:

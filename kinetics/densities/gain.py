@@ -33,7 +33,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
 
     Shape (n,). Branches are not followed: only exp of the result has a meaning. For e < 1.
     """
-    if m == 0 and law.restitution == 0.0:
+    if m == 0 and law.smooth_disks == 0.0:
         return np.zeros(k.size, dtype=complex)  # lambda = z/(1 + z), G = 1/z
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > _NEGLIGIBLE * q.weight.max()

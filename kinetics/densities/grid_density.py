@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.densities.harmonic import LOWEST_SPEED
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.values import Value
 
-_MOST_TERMS = 2_000_000  # of a Fourier sum at once, nodes times points: 32 megabytes
+_MOST_TERMS = 1_000_000  # of a Fourier sum, or of densities, at once: 16 megabytes
 _STEEP = 1e4  # slope of ln f below a step of f, where f is zero
 _STEP = 1e3  # the density of ln v falls by more than this at a node: it has a step there
 _POLYNOMIAL = np.array(
@@ -63,6 +66,51 @@ class GridDensity(Value):
                 out[low] = self._from_above(i, edge, np.exp(x[low] - edge))
         return out
 
+    @cached_property
+    def lowest_promised(self) -> FloatArray:
+        """The lowest x at which f keeps its accuracy relative to its maximum, shape (n_times,)."""
+        squares = np.exp(2.0 * self.grid.x)
+        second = [size @ squares / size.sum(axis=1) for size in self._sizes()]
+        return math.log(LOWEST_SPEED) + 0.5 * np.log(np.concatenate([*second, []]))
+
+    def error_at_low_speeds(self, rounding: float) -> float:
+        """Largest error of f relative to its maximum, for so much rounding of g.
+
+        f = g/v has most of it at the lowest speed at which it is promised, or where g is no
+        longer resolved and f goes on by its slope: there f itself bounds the error.
+        """
+        x, worst, done = self.grid.x, 0.0, 0
+        per_speed = np.exp(-x)
+        for size in self._sizes():
+            part = slice(done, done + len(size))
+            done += len(size)
+            top, first = self._resolved[0][part], self._resolved[1][part]
+            cut = x[first]
+            low = np.maximum(self.lowest_promised[part], cut)
+            share = np.where(cut < low, rounding / top, np.maximum(rounding / top, self.resolved))
+            with np.errstate(under="ignore"):
+                most = np.where(x >= low[:, None], size * per_speed, 0.0).max(axis=1)
+            worst = max(worst, float(np.max(share * top * np.exp(-low) / most)))
+        return worst
+
+    @cached_property
+    def _resolved(self) -> tuple[FloatArray, NDArray[np.intp]]:
+        """The maximum of |g|, and the first node below it at which g is resolved, (n_times,)."""
+        tops, firsts = [np.zeros(0)], [np.zeros(0, dtype=int)]
+        nodes = np.arange(self.grid.nodes)
+        for size in self._sizes():
+            top = size.max(axis=1)
+            weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
+            tops.append(top)
+            firsts.append(np.minimum(np.where(weak, nodes, -1).max(axis=1) + 1, nodes[-1]))
+        return np.concatenate(tops), np.concatenate(firsts)
+
+    def _sizes(self) -> Iterator[FloatArray]:
+        """The sizes of g for some times after another, so that memory stays flat."""
+        step = max(1, _MOST_TERMS // self.grid.nodes)
+        for first in range(0, len(self.values), step):
+            yield np.abs(self.values[first : first + step])
+
     def _width(self, i: int) -> float:
         """Maximum of g over that of g/v, in units of exp(x)."""
         size = np.abs(self.values[i])
@@ -76,16 +124,16 @@ class GridDensity(Value):
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""
-        size = np.abs(self.values[i])
-        top = int(size.argmax())
-        weak = np.nonzero(size[: top + 1] < self.resolved * size[top])[0]
-        first = int(weak[-1]) + 1 if weak.size else 0
-        if weak.size and size[first] > _STEP * self.resolved * size[top]:
+        g, top, first = self.values[i], self._resolved[0][i], int(self._resolved[1][i])
+        lowest = float(abs(g[first]))
+        if first and lowest > _STEP * self.resolved * top:
             return float(self.grid.x[first]), _STEEP
         # one e-fold further up, for the slope
         step = max(1, round(1.0 / self.grid.spacing))
-        second = min(first + step, size.size - 1)
-        rise = math.log(max(float(size[second]), 1e-300) / max(float(size[first]), 1e-300))
+        second = min(first + step, g.size - 1)
+        if second == first:
+            return float(self.grid.x[first]), 0.0
+        rise = math.log(max(float(abs(g[second])), 1e-300) / max(lowest, 1e-300))
         slope = rise / ((second - first) * self.grid.spacing) - 1.0
         return float(self.grid.x[first]), max(0.0, slope)
 

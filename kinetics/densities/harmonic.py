@@ -19,11 +19,42 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
+from kinetics.states.state import State
 from kinetics.values import Value
 
+# Of the thermal speed: above it a density keeps its accuracy relative to its maximum, and below it
+# the density of ln v does.
+LOWEST_SPEED = 1e-2
+# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of
+# ln v with this maximum; the isotropic one has a larger: tests/kinetics/measurements/densities.py
+LEAST_MAXIMUM = 0.3
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
 _SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
+
+
+@dataclass(frozen=True)
+class HarmonicProblem:
+    """One angular harmonic of the velocity density, as every solver here is asked for it.
+
+    Attributes
+    ----------
+    law : the collision law
+    mean_free_path : l in d
+    state : the start
+    m : the angular harmonic
+    times : in d/U, rising, shape (n_times,)
+    rtol : the accuracy asked for, of f relative to its maximum
+    nodes : of the speed axis; None where the solver chooses them
+    """
+
+    law: CollisionLaw
+    mean_free_path: float
+    state: State
+    m: int
+    times: FloatArray
+    rtol: float
+    nodes: int | None = None
 
 
 class Density(Protocol):
@@ -117,5 +148,5 @@ def then_scaling(
     if late_shift.size == 0:
         return early
     return ThenScaling(
-        early, count, late_shift, solve_scaled(law.restitution, max(rtol, _BEST_SCALED))
+        early, count, late_shift, solve_scaled(law.smooth_disks, max(rtol, _BEST_SCALED))
     )

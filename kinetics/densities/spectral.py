@@ -20,15 +20,22 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.densities.gain import log_gain
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import Profile, count_before_scaling, then_scaling
-from kinetics.densities.intertwining import choose_turn, intertwine, resolved
+from kinetics.densities.harmonic import (
+    LEAST_MAXIMUM,
+    LOWEST_SPEED,
+    HarmonicProblem,
+    Profile,
+    count_before_scaling,
+    then_scaling,
+)
+from kinetics.densities.intertwining import TAPER, Spectrum, choose_turn, intertwine
 from kinetics.densities.stepping import stepped
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.tilted import band_of, window_of
 from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import SpeedFunction, State
+from kinetics.states.state import SpeedFunction
 
 # Limits of the work: nodes at once and in steps, values at nodes and times (a quarter of a
 # gigabyte), and turns of the highest mode times nodes (half a minute of steps).
@@ -39,44 +46,39 @@ _SHARE, _LARGE_SHARE = 0.005, 0.3
 _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
 # Of f relative to its maximum, where nothing but rounding is left; and what steps reach. Both:
 # tests/kinetics/measurements/densities.py
-_BEST, _BEST_STEPPED = 8e-13, 1e-10
+_BEST, _BEST_STEPPED = 4e-13, 1e-10
 # At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
 # g = v f holds f with the rounding of g over v only.
-_FILLED, _ROUNDING_OF_G = 1e-3, 5e-15
+_FILLED = 1e-3
 # Two solutions are compared at about so many speeds, where g is above this share of its maximum.
 _SAMPLES, _COMPARED = 200, 1e-6
 # Steps of three searches, each a compromise between their number and the work of the last: for a
 # finer grid whose error must fall by so much, for fewer modes, and for more nodes.
 _FINER, _WORTH_IT, _FEWER, _MORE = 0.6, 0.3, 0.8, 1.4
 _SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of ln v
-# Harmonics m > 0 die away; errors of theirs are relative to a density of ln v of order 1 at least.
-_LEAST_MAXIMUM = 0.3
+# There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: a
+# zero of 1 - E[s^z cos(m chi)] in z, tests/kinetics/measurements/densities.py
+_SLOWEST = 0.6
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """One harmonic of a start, and what is asked of it.
+    """What is asked, and the start as this method takes it.
 
     Attributes
     ----------
-    law : the collision law, e < 1
-    m : the angular harmonic
+    asked : the question
     start : f_m as a function of v in U
     speeds : the initial speeds as weighted points
     tau : ln(1 + v_rms t/l) of the times before the scaling state, shape (n_times,)
-    rtol : the accuracy asked for
     nodes : of the grid, or None
-    latest : the last time in d/U, for messages
     """
 
-    law: CollisionLaw
-    m: int
+    asked: HarmonicProblem
     start: SpeedFunction
     speeds: LogMeasure
     tau: FloatArray
-    rtol: float
     nodes: int | None
-    latest: float
 
     @property
     def log_unit(self) -> float:
@@ -87,15 +89,16 @@ class _Problem:
         """Real and imaginary part of g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
-        if self.m == 0:
+        if self.asked.m == 0:
             g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
         return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
 
     def too_much(self, wanted: float) -> InputError:
         """The error that says how many nodes this would need."""
+        latest, restitution = self.asked.times[-1], self.asked.law.smooth_disks
         return InputError(
-            f"times: got up to {self.latest:g} at restitution {self.law.restitution!r}; the density"
-            f" would need {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
+            f"times: got up to {latest:g} at restitution {restitution!r}; the density would need"
+            f" {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
         )
 
 
@@ -107,7 +110,7 @@ class _Found:
     values: FloatArray  # (n_times, rows, nodes)
     moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
     highest: FloatArray  # size of the highest modes, (n_times,)
-    rounding: float  # what it may have left, relative to the maximum
+    rounding: float  # what it may have left of g
 
 
 def _window(
@@ -134,7 +137,7 @@ def _window(
     # before that the ring of nearly elastic tracers is still as wide as the start
     formed = kept > -math.log(law.mean_log_loss) - 1.0
     band = _scaling_band(law, depth, deviation) if formed else 8.0
-    if law.restitution < _SMALL_E:
+    if law.smooth_disks < _SMALL_E:
         low = min(low, -depth)
     return low - 0.5, right + 0.5, band
 
@@ -152,37 +155,27 @@ def _scaling_band(law: CollisionLaw, depth: float, deviation: float) -> float:
     return band_of(law, 0.0, depth, deviation)
 
 
-def solve_spectral(
-    law: CollisionLaw,
-    mean_free_path: float,
-    state: State,
-    m: int,
-    times: FloatArray,
-    rtol: float,
-    nodes: int | None = None,
-) -> Profile | None:
-    """Harmonic m at the times, e < 1; None where the state is too rough for this method.
+def solve_spectral(asked: HarmonicProblem) -> Profile | None:
+    """The harmonic at the times, e < 1; None where the state is too rough for this method.
 
-    law, mean_free_path : the collision law, and l in d
-    times : in d/U, rising, shape (n_times,)
-    nodes : of the grid. They may be too few: what twice as many give is the check
-
-    Raises InputError where it would take too many nodes.
+    Nodes that are given may be too few: what twice as many give is the check. Raises InputError
+    where it would take too many nodes.
     """
+    law, state, m, times, rtol = asked.law, asked.state, asked.m, asked.times, asked.rtol
     speeds, start = state.harmonic(0, 1e-3 * rtol), state.profile(m)
     if speeds is None or start is None:
         return None
     log_unit = 0.5 * speeds.log_second_moment()
-    shift = np.log(times / mean_free_path + math.exp(-log_unit))
+    shift = np.log(times / asked.mean_free_path + math.exp(-log_unit))
     tau = shift + log_unit
     early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
-    problem = _Problem(law, m, start, speeds, tau[:early], rtol, nodes, float(times[-1]))
+    problem = _Problem(asked, start, speeds, tau[:early], asked.nodes)
     found = _solve(problem)
     if found is None:
         return None
     density, error = found
-    if nodes is not None and early:
-        error = max(error, _apart(density, _otherwise(problem, nodes)))
+    if asked.nodes is not None and early:
+        error = max(error, _apart(density, _otherwise(problem, asked.nodes)))
     return Profile(
         density=then_scaling(law, density, early, shift[early:], rtol),
         count=times.size,
@@ -206,7 +199,8 @@ def _otherwise(problem: _Problem, nodes: int) -> GridDensity:
 
 def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     """The density and its error relative to the maximum; None where the start is too rough."""
-    law, m, rtol, tau = problem.law, problem.m, problem.rtol, problem.tau
+    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
+    tau = problem.tau
     depth = math.log(1.0 / rtol) + _BELOW_RTOL
     duration = float(tau[-1]) if tau.size else 0.0
     left, right, band = _window(law, problem.speeds, depth, duration)
@@ -223,27 +217,27 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
             raise problem.too_much(wanted)
         values, highest = stepped(law, grid, rows, m, tau, rtol)
-        found = _Found(grid, values, tau, highest, max(_LARGE_SHARE * rtol, _BEST_STEPPED))
+        found = _Found(
+            grid, values, tau, highest, LOWEST_SPEED * max(_LARGE_SHARE * rtol, _BEST_STEPPED)
+        )
     values = found.values[:, 0]
     if rows.shape[0] == 2:
         values = values + 1j * found.values[:, 1]
-    # the polynomial leaves the cube of the share: a twentieth of rtol
-    filled = (
-        min(_FILLED, (0.05 * rtol) ** (1.0 / 3.0)) if m == 0 and law.restitution == 0.0 else 0.0
-    )
     density = GridDensity(
         grid=found.grid,
         values=values,
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
-        resolved=max(_SHARE * rtol, 3.0 * found.rounding),
-        filled=filled,
+        resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
+        filled=_FILLED if m == 0 and law.smooth_disks == 0.0 else 0.0,
     )
-    ends = _ends(values, 0.0 if m == 0 else _LEAST_MAXIMUM)
+    ends = _ends(values, 0.0 if m == 0 else LEAST_MAXIMUM)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
-    if filled:
-        missed = max(missed, _ROUNDING_OF_G / filled)
-    return density, max(0.1 * rtol, _BEST, found.rounding, rough, missed)
+    if m:
+        missed = max(missed, found.rounding / LOWEST_SPEED)
+    else:
+        missed = max(missed, density.error_at_low_speeds(found.rounding))
+    return density, max(0.1 * rtol, _BEST, rough, missed)
 
 
 def _apart(found: GridDensity, other: GridDensity) -> float:
@@ -254,7 +248,9 @@ def _apart(found: GridDensity, other: GridDensity) -> float:
         there = np.nonzero(size > _COMPARED * size.max())[0]
         x = found.grid.x[there[:: max(1, there.size // _SAMPLES)]]
         v = np.exp(x - found.shift[i])
-        first, second = found.at(i, v), other.at(i, v)
+        lowest = other.lowest_promised[i] - other.shift[i] + found.shift[i]
+        promised = np.exp(np.minimum(0.0, x - lowest))
+        first, second = promised * found.at(i, v), promised * other.at(i, v)
         top = max(float(np.abs(second).max(initial=0.0)), 1e-300)
         worst = max(worst, float(np.abs(first - second).max(initial=0.0)) / top)
     return worst
@@ -266,31 +262,35 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     The window is that of g and more: u reaches further down, as v, and further up, as
     exp(-v t/l).
     """
-    law, m, rtol, nodes = problem.law, problem.m, problem.rtol, problem.nodes
-    modes = np.fft.rfft(rows)
-    kept = resolved(modes) / grid.nodes * 2.0 * math.pi / grid.spacing
-    spacing = grid.spacing
-    turn = choose_turn(law, kept, math.pi / spacing, m, rtol)
+    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
+    nodes = problem.nodes
+    spectrum, spacing = Spectrum.of(grid, rows), grid.spacing
+    turn = choose_turn(law, m, spectrum, rtol, spacing)
     while turn.error > _LARGE_SHARE * rtol and nodes is None:
         # more modes allow a larger angle, but cost in proportion
-        other = choose_turn(law, kept, math.pi / (_FINER * spacing), m, rtol)
+        other = choose_turn(law, m, spectrum, rtol, _FINER * spacing)
         if other.error > _WORTH_IT * turn.error:
             break
         turn, spacing = other, _FINER * spacing
     # more modes than these are left empty: dividing by their gain would raise the rounding
-    highest = math.pi / spacing
-    size = np.abs(modes).max(axis=0)
-    least = float(grid.wave_numbers[np.nonzero(size > _SHARE * rtol * size.max())[0][-1]])
+    highest, size = math.pi / spacing, spectrum.size
+    least = spectrum.step * float(np.nonzero(size > _SHARE * rtol * size.max())[0][-1])
     while turn.error > _LARGE_SHARE * rtol and nodes is not None and _FEWER * highest > least:
         highest *= _FEWER
-        other = choose_turn(law, min(kept, highest), highest, m, rtol, math.pi / spacing)
+        other = choose_turn(law, m, spectrum, rtol, spacing, highest)
         turn = min(turn, other, key=lambda t: t.error)
     if turn.error > max(_LARGE_SHARE * rtol, _BEST_STEPPED):
         return None
     tail = math.log(_SHARE * rtol) - turn.raised
-    left = min(grid.start, tail + math.log(law.mean_log_loss) if m == 0 else tail)
+    if m == 0:
+        tail += math.log(law.mean_log_loss)
+    elif law.smooth_disks < _SMALL_E:
+        tail /= _SLOWEST
+    left = min(grid.start, tail)
     # there exp(-v t/l) is e^-7 rtol
     right = max(grid.end, math.log((7.0 - math.log(rtol) + turn.raised) / math.cos(turn.angle)))
+    if turn.tapered:
+        left, right = left - TAPER, right + TAPER
     if nodes is None:
         count = _good_count(math.ceil((right - left) / spacing))
         if count > _MOST_NODES or count * problem.tau.size > _MOST_VALUES:
@@ -301,7 +301,7 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     gain = log_gain(law, wide.wave_numbers, m)
     hidden = intertwine(wide, problem.on(wide), gain, turn, m)
     moved, values, last = hidden.at(problem.tau)
-    return _Found(wide, values, moved * wide.spacing, last, turn.error)
+    return _Found(wide, values, moved * wide.spacing, last, 3.0 * hidden.noise)
 
 
 def _good_count(least: int) -> int:
@@ -322,7 +322,7 @@ def _resolve(
         rows = problem.on(grid)
         spectrum = np.abs(np.fft.rfft(rows)).max(axis=0)
         rough = float(spectrum[-3:].max() / max(float(spectrum.max()), 1e-300))
-        enough = rough <= _SHARE * problem.rtol or 2 * count > _MOST_NODES_STEPPED
+        enough = rough <= _SHARE * problem.asked.rtol or 2 * count > _MOST_NODES_STEPPED
         if problem.nodes is not None or enough:
             return grid, rows, rough
         count = int(_MORE * count)
@@ -332,6 +332,6 @@ def _ends(values: NDArray[Any], least: float) -> float:
     """Largest value at the ends of the window relative to the maximum, or to the least of it."""
     if values.shape[0] == 0:
         return 0.0
-    top = np.abs(values).max(axis=1)
+    top = np.array([np.abs(g).max() for g in values])
     ends = np.abs(values[:, [0, 1, -2, -1]]).max(axis=1)
     return float(np.max(ends / np.maximum(top, max(least, 1e-300))))

@@ -15,7 +15,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.scaling.symbols import decay_symbol, harmonic_symbol
+from kinetics.scaling.symbols import harmonic_symbol
 
 _SHARE = 0.01  # of rtol that the error of one step may have, because the errors of steps add up
 _FINEST, _FINEST_ABSOLUTE = 3e-14, 1e-15  # what rounding allows the integrator to reach
@@ -34,7 +34,7 @@ def stepped(
     from scipy.integrate import solve_ivp
 
     z = -1j * grid.wave_numbers
-    loss = decay_symbol(law, z) if m == 0 else harmonic_symbol(law, z, m)
+    loss = law.decay_symbol(z) if m == 0 else harmonic_symbol(law, z, m)
     # the highest mode of a real transform has no partner: its odd part is left out
     z[-1] = 0.0
     rate = np.exp(grid.x)

@@ -87,6 +87,17 @@ _THIRD_ORDER = Observable(
     harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
 )
 QUARTIC_DISPLACEMENT: Observable = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
+# The same in space: P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5
+_SECOND_IN_SPACE = Observable(harmonic=2, sources=((2.0 / 3.0, DISPLACEMENT_ALONG_START),))
+_THIRD_IN_SPACE = Observable(
+    harmonic=1, sources=((1.0 / 6.0, SQUARED_DISPLACEMENT), (0.4, _SECOND_IN_SPACE))
+)
+_QUARTIC_IN_SPACE = Observable(sources=((40.0, _THIRD_IN_SPACE),), growth=2)
+
+
+def quartic_displacement(dimension: int) -> Observable:
+    """r^4, in the plane or in space."""
+    return QUARTIC_DISPLACEMENT if dimension == 2 else _QUARTIC_IN_SPACE
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:

@@ -24,17 +24,20 @@ from kinetics.collision import CollisionLaw
 from kinetics.moments.backward import (
     DISPLACEMENT_ALONG_START,
     MSD_SLOPE,
-    QUARTIC_DISPLACEMENT,
     SQUARED_DISPLACEMENT,
     Observable,
     moment_series,
+    quartic_displacement,
     speed_power,
 )
+from kinetics.moments.formulas import as_vector
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 
 # of v_rms t/l: below it no tracer has collided, and its fourth power is still in range
 _FREE = math.log(1e-50)
+# b - a over a below which partial fractions lose digits, and the terms of a series that does not
+_APART, _CLOSE_TERMS = 1e-2, 8
 _EARLY = 1.0  # T below which elastic moments are summed as power series, of 40 terms
 
 
@@ -79,7 +82,8 @@ def kurtosis(averages: Averages) -> FloatArray:
     if averages.elastic:
         return _elastic_kurtosis(averages)
     second = averages.average(SQUARED_DISPLACEMENT, leading=2)
-    return np.asarray(averages.average(QUARTIC_DISPLACEMENT, leading=4) / second**2)
+    fourth = averages.average(quartic_displacement(averages.law.dimension), leading=4)
+    return np.asarray(fourth / second**2)
 
 
 def velocity_autocorrelation(averages: Averages) -> FloatArray:
@@ -95,11 +99,12 @@ def velocity_autocorrelation(averages: Averages) -> FloatArray:
 
 
 def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
-    """D(t) = (1/4) d<r^2>/dt in d U, and the slope d<r^2>/d ln t = 4 D t in d^2, (n_times,) each.
+    """D(t) = d<r^2>/dt/(2 d) in d U, and the slope d<r^2>/d ln t in d^2, (n_times,) each.
 
-    The elastic D tends to (3/8) l <v>; for e < 1 the slope tends to
-    2 l^2/(kappa (1 - <cos chi>)).
+    The elastic D tends to (3/8) l <v> in the plane and (1/3) l <v> in space; tracers that cool have
+    a slope that tends to 2 l^2/(kappa (1 - <cos chi>)).
     """
+    twice = 2.0 * averages.law.dimension
     path, times = averages.mean_free_path, averages.times
     free, flight = _free(averages)
     if averages.elastic:
@@ -109,23 +114,23 @@ def diffusion_coefficient(averages: Averages) -> tuple[FloatArray, FloatArray]:
             done = -np.expm1(-nu * _elastic_paths(averages)) / nu
         speeds = np.exp(averages.speeds.x - first)
         value = path * ((done * speeds) @ averages.speeds.weight)
-        value = 0.5 * math.exp(first) * np.where(free, flight, value)
+        value = 2.0 / twice * math.exp(first) * np.where(free, flight, value)
         with np.errstate(over="ignore", under="ignore"):
-            return value, np.where(free, 2.0 * flight**2, 4.0 * value * times)
+            return value, np.where(free, 2.0 * flight**2, twice * value * times)
     mean = averages.average(MSD_SLOPE)
     speed = np.exp(averages.log_reference)
     # T_ref = v_ref t/l stays of order 1 late: no power of t over- or underflows
     with np.errstate(over="ignore", under="ignore"):
         stretch = np.exp(averages.log_reference + averages.log_stretch)
-        value = np.where(free, 0.5 * speed * flight, 0.25 * path * mean * speed)
+        value = np.where(free, 2.0 / twice * speed * flight, path * mean * speed / twice)
         return value, np.where(free, 2.0 * flight**2, path * (path * mean * stretch))
 
 
 def mean_displacement(averages: Averages) -> FloatArray:
-    """<r>(t) of a directed start in d, shape (n_times, 2)."""
+    """<r>(t) of a directed start in d, shape (n_times, 2), in space (n_times, 3)."""
     found = averages.measure(1)
     if found is None:
-        return np.zeros((averages.times.size, 2))
+        return np.zeros((averages.times.size, averages.law.dimension))
     if averages.elastic:
         nu = averages.law.harmonic_decay_rate(0.0, 1)
         with np.errstate(over="ignore", under="ignore"):
@@ -137,7 +142,7 @@ def mean_displacement(averages: Averages) -> FloatArray:
     first = 0.5 * averages.speeds.log_second_moment()
     freely = flight * (np.exp(found.x - first) @ found.weight)
     along = np.where(free, freely, averages.mean_free_path * along)
-    return np.stack([along.real, -along.imag], axis=-1)
+    return as_vector(averages, along)
 
 
 # -- the elastic case -----------------------------------------------------------------------------
@@ -169,7 +174,8 @@ def _elastic_kurtosis(averages: Averages) -> FloatArray:
     weight = averages.speeds.weight
     unit = np.where(reference < 0.0, 2.0 * reference, reference)[:, None]
     moments = []
-    for y, order in ((SQUARED_DISPLACEMENT, 2), (QUARTIC_DISPLACEMENT, 4)):
+    fourth = quartic_displacement(averages.law.dimension)
+    for y, order in ((SQUARED_DISPLACEMENT, 2), (fourth, 4)):
         with np.errstate(invalid="ignore", under="ignore"):
             log_moment = _log_elastic_moment(averages.law, y, order, log_path)
             # at t = 0, where both logarithms are -inf, the ballistic limit
@@ -186,26 +192,53 @@ def _log_elastic_moment(
     """ln(<r^order>/l^order) of a tracer that keeps its speed, order 2 or 4, at ln(v t/l).
 
     <r^4> is the inverse Laplace transform of 16/(p^2 (p+a)^2) (1/p + 1/(2 (p+b))), with a and b
-    the decay rates of the harmonics 1 and 2, by partial fractions.
+    the decay rates of the harmonics 1 and 2; in space of 40/(3 p^2 (p+a)^2) (1/p + 4/(5 (p+b))).
     """
     early = log_path < math.log(_EARLY)
     series = moment_series(law, y)[order:]
     with np.errstate(under="ignore"):
         near = np.polynomial.polynomial.polyval(np.exp(np.where(early, log_path, 0.0)), series)
     first = order * log_path + np.log(near)
-    a, b = law.harmonic_decay_rate(0.0, 1), law.harmonic_decay_rate(0.0, 2)
     far = np.maximum(log_path, math.log(_EARLY))
     with np.errstate(under="ignore"):
-        inverse = np.exp(-far)  # 1/T: the moments over their leading power of T
-        path = np.exp(np.minimum(far, 50.0))
-        fall_a, fall_b = np.exp(-a * path), np.exp(-b * path)
-        if order == 2:
-            late = 2.0 / a**2 * (a - inverse * (1.0 - fall_a))
-            return np.asarray(np.where(early, first, far + np.log(late)))
-        triple = 8.0 / a**2 + inverse * (-32.0 / a**3 + inverse * 48.0 / a**4)
-        triple -= inverse * fall_a * (16.0 / a**3 + inverse * 48.0 / a**4)
-        f, g = 8.0 / (a * a * b), 8.0 / (a * a * (b - a))
+        late = _late_square(law, far) if order == 2 else _late_fourth(law, far)
+    return np.asarray(np.where(early, first, 0.5 * order * far + np.log(late)))
+
+
+def _late_square(law: CollisionLaw, log_path: FloatArray) -> FloatArray:
+    """<r^2>/(l^2 T) at ln T = log_path."""
+    a = law.harmonic_decay_rate(0.0, 1)
+    fall = np.exp(-a * np.exp(np.minimum(log_path, 50.0)))
+    return np.asarray(2.0 / a**2 * (a - np.exp(-log_path) * (1.0 - fall)))
+
+
+def _late_fourth(law: CollisionLaw, log_path: FloatArray) -> FloatArray:
+    """<r^4>/(l^4 T^2) at ln T = log_path, by partial fractions."""
+    a, b = law.harmonic_decay_rate(0.0, 1), law.harmonic_decay_rate(0.0, 2)
+    first, second = (16.0, 8.0) if law.dimension == 2 else (40.0 / 3.0, 32.0 / 3.0)
+    inverse = np.exp(-log_path)  # 1/T: the moments over their leading power of T
+    path = np.exp(np.minimum(log_path, 50.0))
+    fall_a, fall_b = np.exp(-a * path), np.exp(-b * path)
+    triple = 0.5 / a**2 + inverse * (-2.0 / a**3 + inverse * 3.0 / a**4)
+    triple -= inverse * fall_a * (1.0 / a**3 + inverse * 3.0 / a**4)
+    if abs(b - a) > _APART * a:
+        f, g = 1.0 / (a * a * b), 1.0 / (a * a * (b - a))
         double = inverse * (f + inverse * f * (-2.0 / a - 1.0 / b))
         double += inverse * fall_a * (g + inverse * g * (2.0 / a - 1.0 / (b - a)))
-        double += inverse**2 * fall_b * 8.0 / (b * b * (a - b) ** 2)
-        return np.asarray(np.where(early, first, 2.0 * far + np.log(triple + double)))
+        double += inverse**2 * fall_b / (b * b * (a - b) ** 2)
+    else:
+        # 1/(p+b) as a series in b - a: smooth elastic spheres have a = b = 1
+        double = np.zeros_like(path)
+        for n in range(_CLOSE_TERMS):
+            double += (a - b) ** n * inverse**2 * _double_pole(a, n + 3, path, fall_a)
+    return np.asarray(first * triple + second * double)
+
+
+def _double_pole(a: float, n: int, path: FloatArray, fall: FloatArray) -> FloatArray:
+    """The inverse Laplace transform of 1/(p^2 (p+a)^n) at T = path, fall = exp(-a T)."""
+    out = path / a**n - n / a ** (n + 1)
+    term = fall.copy()
+    for j in range(1, n + 1):
+        out = out + (n - j + 1) / a ** (n - j + 2) * term
+        term = term * path / j
+    return np.asarray(out)

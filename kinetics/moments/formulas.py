@@ -7,8 +7,10 @@ needs are solved once, whichever function asks first.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.moments.backward import MEAN_COLLISIONS
 from kinetics.moments.velocity import Averages
@@ -26,25 +28,39 @@ def thermal_speed(averages: Averages) -> FloatArray:
 
 
 def temperature(averages: Averages) -> FloatArray:
-    """<v^2>/2 in m U^2, shape (n_times,) (paper, label ``thermo``)."""
-    return np.asarray(0.5 * _reference(averages) ** 2 * averages.power(2.0))
+    """<v^2>/d in m U^2, shape (n_times,) (paper, label ``thermo``)."""
+    square = _reference(averages) ** 2 * averages.power(2.0)
+    return np.asarray(square / averages.law.dimension)
 
 
 def a2(averages: Averages) -> FloatArray:
-    """<v^4>/(2 <v^2>^2) - 1, shape (n_times,) (paper, label ``sonine5``)."""
-    return np.asarray(0.5 * averages.power(4.0) / averages.power(2.0) ** 2 - 1.0)
+    """<v^4> d/((d+2) <v^2>^2) - 1, shape (n_times,) (paper, label ``sonine5``)."""
+    gaussian = averages.law.dimension / (averages.law.dimension + 2.0)
+    return np.asarray(gaussian * averages.power(4.0) / averages.power(2.0) ** 2 - 1.0)
 
 
 def mean_velocity(averages: Averages) -> FloatArray:
-    """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1 of the velocity."""
-    along = _reference(averages) * averages.power(1.0, 1)
-    return np.stack([along.real, -along.imag], axis=-1)
+    """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
+    return as_vector(averages, _reference(averages) * averages.power(1.0, 1))
+
+
+def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
+    """The vector whose harmonic 1 is ``along``, (n_times,): (n_times, 2), in space (n_times, 3)."""
+    if averages.law.dimension == 2:
+        return np.stack([along.real, -along.imag], axis=-1)
+    return np.stack([along.real, 0.0 * along.real, 0.0 * along.real], axis=-1)
 
 
 def velocity_tensor(averages: Averages) -> FloatArray:
-    """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2 of the velocity."""
+    """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
     square = _reference(averages) ** 2
     trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
+    if averages.law.dimension == 3:
+        # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z
+        tensor = np.zeros((averages.times.size, 3, 3))
+        tensor[:, 0, 0] = (trace + 2.0 * second.real) / 3.0
+        tensor[:, 1, 1] = tensor[:, 2, 2] = (trace - second.real) / 3.0
+        return tensor
     xx, yy = 0.5 * (trace + second.real), 0.5 * (trace - second.real)
     xy = -0.5 * second.imag
     return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)

@@ -91,7 +91,7 @@ class Averages:
     @property
     def elastic(self) -> bool:
         """Speeds are kept: nothing needs to be solved."""
-        return self.law.restitution == 1.0
+        return self.law.is_elastic
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""

@@ -2,7 +2,8 @@
 
 - `scattering`: one system of equations for each wave number; `intermediate_scattering`: F(k, t)
 - `density`: g(r, t) as a result; `solve_density`: which wave numbers it takes
-- `tail`, `ballistic_front`: how F ends in k, and tracers that have not collided
+- `tail`, `front_tail`: how F ends in k; `coupled_harmonics`: the linear systems of `scattering`
+- `ballistic_front`, `once_collided`: tracers that have not collided, and that have collided once
 
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
 Begin with `scattering.py`.

@@ -6,8 +6,9 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
     g(r, t) = r integral of k J_0(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
-(:mod:`kinetics.position.ballistic_front`). Only the others are transformed: their F falls fast in
-k, until a power of 1/k is left (:mod:`kinetics.position.tail`).
+(:mod:`kinetics.position.ballistic_front`), and of a start of few speeds those that have collided
+once (:mod:`kinetics.position.once_collided`). Only the others are transformed: their F falls fast
+in k, until powers of 1/k are left (:mod:`kinetics.position.tail`, `front_tail`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ import numpy as np
 
 from kinetics.numerics import FloatArray
 from kinetics.position.ballistic_front import UncollidedDensity
+from kinetics.position.front_tail import FrontTail
+from kinetics.position.once_collided import OnceCollided
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
 from kinetics.values import Value
@@ -34,7 +37,7 @@ class Displacement(Value):
     mean_free_path : l, in d
     times : in d/U, shape (n_times,)
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
-    panels : F of the collided on intervals of k l
+    panels : F of the collided, but of the once-collided that are kept apart, on intervals of k l
     tails : and beyond them, for each time; None where nothing is left
     cut : k l from which F is tapered, for each time; infinite where it ends by itself
     uncollided : the density of those that have not collided, if the start has a speed density
@@ -43,13 +46,14 @@ class Displacement(Value):
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
+    once : the once-collided of a start of few speeds; None in files of version 0.1
     """
 
     mean_free_path: float
     times: FloatArray
     root_mean_square: FloatArray
     panels: tuple[WavePanel, ...]
-    tails: tuple[PowerTail | None, ...]
+    tails: tuple[PowerTail | FrontTail | None, ...]
     cut: FloatArray
     uncollided: UncollidedDensity
     front_radius: FloatArray
@@ -57,6 +61,7 @@ class Displacement(Value):
     reach: FloatArray
     error_estimate: float
     systems: Mapping[int, int]
+    once: OnceCollided | None = None
 
     @property
     def wave_numbers(self) -> int:
@@ -67,17 +72,23 @@ class Displacement(Value):
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
         near = np.minimum(r, self.reach[time])
         collided = near / self.mean_free_path * (self._transform(time, r, 0) / self.mean_free_path)
+        if self.once is not None:
+            collided = collided + self.once.at(time, r)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
         inside = r / self.mean_free_path * self._transform(time, r, 1)
-        return np.where(r <= self.reach[time], inside, self._collided(time))
+        inside = np.where(r <= self.reach[time], inside, self._at_zero(time))
+        return inside if self.once is None else np.asarray(inside + self.once.within(time, r))
 
-    def _collided(self, time: int) -> float:
-        """Share of all tracers that have collided: F at k = 0."""
-        f = self.panels[0].of(time) if self.panels else None
-        return 0.0 if f is None else self.panels[0].at_zero(f)
+    def _at_zero(self, time: int) -> float:
+        """Share of all tracers that the panels stand for: F at k = 0."""
+        for panel in self.panels:
+            f = panel.of(time)
+            if f is not None:  # the first panel of a time begins at 0
+                return panel.at_zero(f)
+        return 0.0
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
@@ -89,7 +100,21 @@ class Displacement(Value):
         path = self.mean_free_path
         value = self._transform(time, r, 0) / path / path / (2.0 * math.pi)
         slope = -self._transform(time, r, 2) / path / path / path / (2.0 * math.pi)
+        if self.once is not None and self.once.kept_apart(time):
+            apart, its_slope = self._once_in_plane(self.once, time, r)
+            value, slope = value + apart, slope + its_slope
         return value, slope
+
+    def _once_in_plane(
+        self, once: OnceCollided, time: int, r: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same of the once-collided; the slope from a difference, right to about 1e-9."""
+        near = np.maximum(r, 1e-4 * self.mean_free_path)  # at e = 0 it falls as 1/r
+        step = 1e-5 * near
+        low, at, high = (
+            once.at(time, x) / (2.0 * math.pi * x) for x in (near - step, near, near + step)
+        )
+        return at, (high - low) / (2.0 * step)
 
     def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
         """Integral over K of F times K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) at r; 0 out of reach."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +17,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.position.scattering import Waves, solve_waves
+from kinetics.position.scattering import Waves, most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
@@ -107,15 +108,21 @@ class Scattering:
 
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
-    ) -> Waves:
-        """Solve the backward equation for K = k l, up to the largest T of the times."""
+    ) -> Iterator[tuple[slice, Waves]]:
+        """Solve the backward equation for K = k l, up to the largest T of the times.
+
+        A few wave numbers after another, where all at once would take too much memory.
+        """
         speeds = points_of(self.state, 1.0, tolerance)
         highest = float(speeds.x.max() + self.log_stretch(which).max())
         # where directions count, each harmonic that is kept adds its own error
-        share = 0.1 if kept else 0.3
-        found = solve_waves(self.law, wave_numbers, highest, share * tolerance, kept)
-        self.systems[found.rule.nodes - 1] += found.systems
-        return found
+        least = (0.1 if kept else 0.3) * tolerance
+        most = most_at_once(self.law, float(wave_numbers.max()), highest, least, kept)
+        for first in range(0, wave_numbers.size, most):
+            part = slice(first, first + most)
+            found = solve_waves(self.law, wave_numbers[part], highest, least, kept)
+            self.systems[found.rule.nodes - 1] += found.systems
+            yield part, found
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
@@ -124,15 +131,17 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
         """
-        waves, stretch = self._waves(wave_numbers, which, tolerance), self.log_stretch(which)
-        profile = self.state.profile(0)
-        out = None
-        if profile is not None and self.state.smooth:
-            out = self._on_panels(waves, profile, stretch, tolerance)
-        if out is None:
-            speeds = points_of(self.state, waves.rule.width, tolerance)
-            out = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
-        return out, waves.error_estimate
+        stretch, profile = self.log_stretch(which), self.state.profile(0)
+        out, error = np.empty((which.size, wave_numbers.size)), 0.0
+        for part, waves in self._waves(wave_numbers, which, tolerance):
+            found = None
+            if profile is not None and self.state.smooth:
+                found = self._on_panels(waves, profile, stretch, tolerance)
+            if found is None:
+                speeds = points_of(self.state, waves.rule.width, tolerance)
+                found = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
+            out[:, part], error = found, max(error, waves.error_estimate)
+        return out, error
 
     def _on_panels(
         self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
@@ -176,20 +185,24 @@ class Scattering:
         kept = 0
         if direction is not None and most != 0:
             kept = 10**6 if most is None else most
-        waves = self._waves(wave_numbers, which, tolerance, kept)
-        width = waves.rule.width
-        speeds = points_of(self.state, width, tolerance)
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
-        for m in range(min(kept + 1, waves.values.shape[1])):
-            start = speeds if m == 0 else _harmonic_of(self.state, m, width, tolerance)
-            if start is None:
-                continue
-            turn = np.exp(1j * m * (direction or 0.0))
-            for i, stretch in enumerate(self.log_stretch(which)):
-                mean = start.weight @ waves(start.x + stretch, m)
-                # harmonics m and -m together
-                out[i] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
-        return out, waves.error_estimate
+        error = 0.0
+        for part, waves in self._waves(wave_numbers, which, tolerance, kept):
+            error = max(error, waves.error_estimate)
+            for m in range(min(kept + 1, waves.values.shape[1])):
+                width = waves.rule.width
+                if m == 0:
+                    start: LogMeasure | None = points_of(self.state, width, tolerance)
+                else:
+                    start = _harmonic_of(self.state, m, width, tolerance)
+                if start is None:
+                    continue
+                turn = np.exp(1j * m * (direction or 0.0))
+                for i, stretch in enumerate(self.log_stretch(which)):
+                    mean = start.weight @ waves(start.x + stretch, m)
+                    # harmonics m and -m together
+                    out[i, part] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
+        return out, error
 
 
 def _collided(waves: Waves, x: FloatArray) -> FloatArray:

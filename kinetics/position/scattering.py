@@ -19,6 +19,7 @@ or a radial density, needs.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
+from kinetics.position.coupled_harmonics import eliminate, iterate
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -44,6 +46,10 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
 # starts they decide the error estimate, which the waves of the measurement do not show.
 _MORE, _MOST_MORE = 4, 6
+_MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
+_PANELS = 32  # for which there is room at first
+# A panel on which free flights turn K T by less is solved by iteration: a third of the time.
+_FEW_TURNS = 10.0
 
 
 @dataclass(frozen=True)
@@ -113,23 +119,41 @@ def solve_waves(
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     """
-    largest = float(wave_numbers.max())
+    rule, start, count, top = _extent(law, float(wave_numbers.max()), highest, tolerance, kept)
+    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
+
+
+def most_at_once(
+    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int = 0
+) -> int:
+    """How many wave numbers up to ``largest`` can be solved for at once within _MEMORY."""
+    rule, _, count, top = _extent(law, largest, highest, tolerance, kept)
+    n, e = rule.nodes, law.smooth_disks
+    deepest = 40.0 if e == 0.0 else min(40.0, -math.log(e))
+    panels = count + min(count, deepest / rule.width) if kept else deepest / rule.width + _PANELS
+    return max(1, int(_MEMORY / (8.0 * (top + 1.0) * n * (min(panels, 2.0 * count) + 2.0 * n))))
+
+
+def _extent(
+    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int
+) -> tuple[PanelRule, float, int, int]:
+    """The collocation, where the panels begin, how many there are at most, the last harmonic."""
     rule = _rule(largest, highest, tolerance)
     first = math.log(_SERIES / (largest + 2.0))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     limit = highest
-    if law.restitution < 1.0:
+    if law.smooth_disks < 1.0:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square
     top = _harmonics(largest, min(highest, limit), tolerance**2 if kept else tolerance)
-    return Sweep(law, wave_numbers, rule, start, top).run(count, tolerance, kept)
+    return rule, start, count, top
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     """Panels that resolve exp(-T + i K T), which varies fastest of all."""
-    turns = largest * min(1.0, math.exp(highest) / _TURNING)
+    turns = largest * min(1.0, math.exp(min(highest, 700.0)) / _TURNING)
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
@@ -149,6 +173,14 @@ def _even(m: int) -> int:
     return m + m % 2
 
 
+def _cosines(deflection: FloatArray, top: int) -> Iterator[FloatArray]:
+    """cos(m deflection) for m up to ``top``, one after another: there may be many points."""
+    step, turned = np.exp(1j * deflection), np.ones(deflection.size, dtype=complex)
+    for _ in range(top + 1):
+        yield turned.real
+        turned = turned * step
+
+
 def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
     """The series at small T = path (n,): shape (n, ...)."""
     with np.errstate(under="ignore"):
@@ -166,6 +198,7 @@ class Sweep:
     rule : the collocation
     start : X where the panels begin
     top : the last harmonic, even
+    count : how many panels there are, at most
     """
 
     def __init__(
@@ -175,14 +208,30 @@ class Sweep:
         rule: PanelRule,
         start: float,
         top: int,
+        count: int,
     ) -> None:
         self.law, self.wave_numbers, self.rule = law, wave_numbers, rule
         self.start, self.top = start, top
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
-        self._factor = np.stack([q.harmonic(m) for m in range(top + 1)])
-        lost = np.stack([q.harmonic_loss(m) for m in range(top + 1)])
-        shifts = PanelShifts(rule, q.log_loss)
-        self._loss, self._gain = shifts.kernel(q.weight, self._factor, lost)
+        # collisions that lose more speed lead from every panel to where the series holds
+        near = q.log_loss <= count * rule.width
+        deflection, weight = q.deflection, q.weight
+        order = np.arange(top + 1)[:, None]
+        factor = np.cos(order * deflection[near])
+        lost = 2.0 * np.sin(0.5 * order * deflection[near]) ** 2  # 1 - factor
+        shifts = PanelShifts(rule, q.log_loss[near])
+        self._loss, self._gain = shifts.kernel(weight[near], factor, lost)
+        # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
+        self._far_ratio = math.exp(-count * rule.width)
+        self._far = np.zeros((_TERMS + 1, top + 1))
+        if not near.all():
+            diagonal = np.arange(rule.nodes)
+            self._loss[:, diagonal, diagonal] += weight[~near].sum()
+            with np.errstate(under="ignore"):
+                ratio = q.ratio[~near] / self._far_ratio  # at most 1, as powers of T overflow
+                powers = weight[~near] * ratio ** np.arange(_TERMS + 1)[:, None]
+            for m, cosine in enumerate(_cosines(deflection[~near], top)):
+                self._far[:, m] = powers @ cosine
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -190,14 +239,18 @@ class Sweep:
         gain, recent = self._near_gain(tolerance)
         reach = gain.shape[2] // n
         series = self._coefficients()
+        far = series * self._far[:, :, None]
         # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
-        table = np.zeros((reach + count, self.top + 1, n, size))
+        table = np.zeros((reach + min(count, _PANELS), self.top + 1, n, size))
         table[:reach] = self._below(series, reach)
-        largest = np.abs(table).max(axis=(1, 2, 3), initial=0.0)  # of each panel
+        largest = np.zeros(reach + count)  # of each panel
+        largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
         known = _sum(series, np.exp(np.array([self.start])))[0]
         done, ended = count, False
         used, left_out, systems = 0, 0.0, 0
         for j in range(count):
+            if reach + j == table.shape[0]:
+                table = np.concatenate([table, np.zeros_like(table)])
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
             drive = np.zeros((used + 1, n, size))
@@ -205,7 +258,10 @@ class Sweep:
                 below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
                 below = below.reshape(used + 1, reach * n, size)
                 drive = rate[:, None] * (gain[: used + 1] @ below)
-            found = self._solve_panel(rate, drive, known[: used + 1])
+            if self._far.any():
+                come = _sum(far[:, : used + 1], self._far_ratio * rate)
+                drive += rate[:, None] * np.moveaxis(come, 1, 0)
+            found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
             table[reach + j, : used + 1] = found
             known = table[reach + j, :, -1]
@@ -244,8 +300,8 @@ class Sweep:
     def _coefficients(self) -> FloatArray:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
         q = self.law.quadrature_for(float(_TERMS), self.top)
-        cosine = np.stack([q.harmonic(m) for m in range(self.top + 1)]) * q.weight
-        loss = 1.0 - cosine @ np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+        powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
+        loss = 1.0 - np.stack([cosine @ powers for cosine in _cosines(q.deflection, self.top)])
         loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
@@ -284,51 +340,29 @@ class Sweep:
         needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
         return min(self.top, _even(needed))
 
-    def _solve_panel(self, rate: FloatArray, drive: FloatArray, known: FloatArray) -> FloatArray:
-        """One panel: block elimination from both ends to the middle; shape (m, nodes, n_k).
+    def _solve_panel(
+        self, rate: FloatArray, drive: FloatArray, known: FloatArray, tolerance: float
+    ) -> FloatArray:
+        """One panel: shape (m, nodes, n_k).
 
         rate : T at the nodes; drive : the gain from below, shape (m, nodes, n_k); known : a_m at
         the first node, shape (m, n_k). The number of harmonics is odd.
         """
-        count, wave_numbers = drive.shape[0], self.wave_numbers
-        n, size, pairs = self.rule.nodes - 1, wave_numbers.size, (count - 1) // 2
-        # steady free flights beyond the last harmonic: a_(m+1) = closure a_m
-        closure = wave_numbers / (1.0 + np.sqrt(1.0 + wave_numbers**2))
+        count, flights = drive.shape[0], rate[-1] - rate[0]
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
-        turn = (0.5 * rate * scale * wave_numbers[:, None])[None, :, :, None]  # (1, n_k, nodes, 1)
-        turn = np.concatenate([turn, -turn])
         blocks: FloatArray = (
             self.rule.derivative[1:] * scale[:, None]
             + (rate * scale)[:, None] * self._loss[:count, 1:]
         )
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
-        right = np.ascontiguousarray(np.moveaxis(right, 2, 1))  # (m, n_k, nodes)
-        blocks = blocks[:, None, :, 1:]
-        # from above a_m = part[0] (a_(m-1), 1), from below a_m = part[1] (a_(m+1), 1)
-        diagonal = np.arange(n)
-        both = np.zeros((2, size, n, n + 1))
-        both[:, :, diagonal, diagonal] = turn[..., 0]
-        both[1, :, diagonal, diagonal] *= 2.0
-        parts = np.zeros((pairs + 1, 2, size, n, n + 1))
-        parts[0, 0, :, diagonal, diagonal] = closure
-        for i in range(pairs):
-            ends = [-1 - i, i]
-            added = turn * parts[i]
-            both[..., n] = right[ends] - added[..., n]
-            parts[i + 1] = np.linalg.solve(blocks[ends] + added[..., :n], both)
-            if i == 0:  # a_1 stands for a_(-1) too
-                both[1, :, diagonal, diagonal] *= 0.5
-        added = (turn * parts[pairs]).sum(axis=0)
-        middle = (right[pairs] - added[..., n])[..., None]
-        a = np.linalg.solve(blocks[pairs] + added[..., :n], middle)
-        found = np.empty((count, size, n + 1))
-        found[:, :, 0] = known
-        found[pairs, :, 1:] = a[..., 0]
-        for i in range(pairs - 1, -1, -1):
-            a = parts[i + 1, ..., :n] @ a + parts[i + 1, ..., n:]
-            found[[-1 - i, i], :, 1:] = a[..., 0]
-        return np.moveaxis(found, 1, 2)
+        blocks, turn = np.ascontiguousarray(blocks[:, :, 1:]), 0.5 * rate * scale
+        inner = None
+        if float(self.wave_numbers.max()) * flights < _FEW_TURNS:
+            inner = iterate(blocks, turn, right, self.wave_numbers, 1e-3 * tolerance)
+        if inner is None:
+            inner = eliminate(blocks, turn, right, self.wave_numbers)
+        return np.concatenate([known[:, None], inner], axis=1)
 
     def _last_coefficient(self, values: FloatArray) -> float:
         """What the Chebyshev coefficients of the panels leave out, by their last two."""
@@ -339,7 +373,7 @@ class Sweep:
 
 def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
     """Shares of the collisions that come out of the last panels, farthest first."""
-    e = law.restitution
+    e = law.smooth_disks
     if reach == 0:
         return np.ones(1)
     with np.errstate(under="ignore"):

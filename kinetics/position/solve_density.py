@@ -15,7 +15,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
+from kinetics.position.front_tail import FrontTail, fit_fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
+from kinetics.position.once_collided import OnceCollided, once_collided
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.wave_panel import WavePanel, points_between
 from kinetics.states.state import State
@@ -23,6 +25,9 @@ from kinetics.states.state import State
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
 # to this K and K T for densities.
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
+# Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
+# tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
+_LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -32,6 +37,7 @@ _CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
 # Chebyshev points of an interval: some, and so many for each digit; more of them where the
 # interval begins near 0, at which F varies fastest relative to it.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.3
+_FOR_DIGIT_OF_FRONTS = 1.7
 _STEP = 1.25  # from the end of one interval to that of the next, at least; twice at most
 # The four below are measured again by tests/kinetics/measurements/position.py.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
@@ -54,8 +60,14 @@ def solve_displacement(
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
     system = Scattering(law, mean_free_path, state, times)
-    sweep = _Sweep(system, root_mean_square / mean_free_path, rtol)
-    sweep.run()
+    once = once_collided(law, state, mean_free_path, times, _FEW * rtol)
+    width = root_mean_square / mean_free_path
+    # times with fronts each have their own wave numbers; the others share them
+    alone = [i for i in range(times.size) if once.kept_apart(i)]
+    groups = [[i] for i in alone] + [[i for i in range(times.size) if i not in alone]]
+    sweeps = [_Sweep(system, once, width, which, rtol) for which in groups if which]
+    for sweep in sweeps:
+        sweep.run()
     radius, weight = fronts(state, mean_free_path, times)
     fastest = fastest_speed(state, 0.1 * rtol)
     with np.errstate(over="ignore"):
@@ -65,20 +77,24 @@ def solve_displacement(
         mean_free_path=mean_free_path,
         times=times,
         root_mean_square=root_mean_square,
-        panels=tuple(sweep.panels),
-        tails=tuple(sweep.tails),
-        cut=sweep.cut(),
+        panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
+        tails=tuple(
+            next((s.tails[i] for s in sweeps if s.tails[i] is not None), None)
+            for i in range(times.size)
+        ),
+        cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
         uncollided=uncollided_density(state, mean_free_path, times, fastest),
         front_radius=radius,
         front_weight=weight,
+        once=once,
         reach=reach,
-        error_estimate=float(sweep.missed.max(initial=0.0)),
+        error_estimate=max(float(sweep.missed.max()) for sweep in sweeps),
         systems=dict(system.systems),
     )
 
 
 class _Sweep:
-    """F on one interval of wave numbers after another.
+    """F on one interval of wave numbers after another, at some of the times.
 
     Attributes
     ----------
@@ -87,31 +103,43 @@ class _Sweep:
     missed : what all this leaves of G(R), absolute, for each time
     """
 
-    def __init__(self, system: Scattering, width: FloatArray, rtol: float) -> None:
-        """width : sqrt(<r^2>)/l, shape (n_times,)."""
-        self.system, self.width, self.rtol = system, width, rtol
+    def __init__(
+        self,
+        system: Scattering,
+        once: OnceCollided,
+        width: FloatArray,
+        which: list[int],
+        rtol: float,
+    ) -> None:
+        """width : sqrt(<r^2>)/l, shape (n_times,); which : indices of the times to solve for."""
+        self.system, self.once, self.width, self.rtol = system, once, width, rtol
         # early, the share of tracers that have collided is about the width, and they would need K
         # up to its reciprocal
         few = width <= _FEW * rtol
-        self.active = np.nonzero(~few)[0]
-        self.missed = np.where(few, width, 0.0)
+        here = np.isin(np.arange(width.size), which)
+        self.active = np.nonzero(here & ~few)[0]
+        self.missed = np.where(here & few, width, 0.0)
         self.panels: list[WavePanel] = []
-        self.tails: list[PowerTail | None] = [None] * width.size
+        self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.sharp = system.state.peaks is not None
+        self.fronts = once.kept_apart(which[0])
         self._solved_error = np.zeros(width.size)
         speeds = points_of(system.state, 1.0, 1e-3)
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
-        self._flights = system.times * typical  # T of a typical tracer
+        with np.errstate(over="ignore"):
+            self._flights = system.times * typical  # T of a typical tracer
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
         low, size = 0.0, 1.0
-        high = 1.0 / float(self.width.max()) if self.active.size else 0.0
+        high = 1.0 / float(self.width[self.active].max()) if self.active.size else 0.0
+        largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
+        turns = _LARGEST_TURNS if self.fronts else _LARGEST
         while self.active.size:
-            longest = float(self._flights[self.active].max())
-            largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
-            if low >= largest and low * longest > _LARGEST:
-                break
+            if low >= largest:
+                self.active = self.active[low * self._flights[self.active] <= turns]
+                if self.active.size == 0:
+                    break
             new, error = self._interval(low, high, self._tolerance(high), size)
             self.panels += new
             size = max(float(np.abs(panel.values).max()) for panel in new)
@@ -120,9 +148,10 @@ class _Sweep:
     def cut(self) -> FloatArray:
         """K from which F is tapered where the work was too much, else infinite, (n_times,)."""
         cut = np.full(self.width.shape, np.inf)
-        for i in self.active:
-            if self.tails[i] is None:
-                cut[i] = 0.5 * self.panels[-1].high
+        for i in np.nonzero(self.missed > 2.0 * self.rtol)[0]:
+            last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
+            if self.tails[i] is None and last:
+                cut[i] = 0.5 * last[-1]
         return cut
 
     def _tolerance(self, high: float) -> float:
@@ -137,14 +166,15 @@ class _Sweep:
         """
         reached = high
         for i in self.active:
-            begin = math.inf if self.sharp else max(1.0, 1.0 / self.width[i])
-            self.tails[i], left = _rest(self.panels, int(i), begin)
+            self.tails[i], left = self._rest(int(i), high)
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
             if self.missed[i] > 2.0 * self.rtol:
                 enough = 2.0 * high
-                if self.sharp:
+                if self.fronts:
+                    enough = min(enough, high + _LONGEST_TURN / self._flights[i])
+                elif self.sharp:
                     enough = _end(self.panels[-1], int(i), self.rtol / share)
                 elif self.tails[i] is not None:
                     more = (left * share / self.rtol) ** _FALL
@@ -161,10 +191,12 @@ class _Sweep:
         tolerance : of F; size : about the largest value there
         """
         digits = math.log10(max(10.0, size / tolerance))
-        each = _FOR_DIGIT_AT_ZERO if high > 1.5 * low else _FOR_DIGIT
+        each = _FOR_DIGIT_OF_FRONTS if self.fronts else _FOR_DIGIT
+        each = max(each, _FOR_DIGIT_AT_ZERO) if high > 1.5 * low else each
         nodes = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
         places = points_between(low, high, nodes)
         values, error = self.system.collided(places, self.active, tolerance)
+        values -= [self.once.scattering(int(i), places) for i in self.active]
         missed = float(np.max(FirstKind(nodes).last_coefficients(values)))
         if missed > tolerance and halvings < _HALVINGS:
             middle = 0.5 * (low + high)
@@ -179,7 +211,32 @@ class _Sweep:
             return 0.0
         flights = self._flights[self.active]
         flying = flights[np.exp(-flights) > tolerance]
+        if self.fronts:  # and with cos(K e T) those that collided once, head-on and at once
+            flying = np.append(flying, self.once.restitution * flights)
         return 0.5 * (high - low) * float(flying.max(initial=0.0))
+
+    def _rest(self, time: int, high: float) -> tuple[PowerTail | FrontTail | None, float]:
+        """How F goes on beyond K = high, and how much of it is not known there."""
+        k, f = _upper(self.panels, time, _FITTED_FRONTS if self.fronts else _FITTED)
+        last = _last(self.panels, time)
+        if self.fronts:
+            ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
+            enough = ended * max(1.0, high * self.width[time]) < self.rtol
+            if enough or high * self._flights[time] < _FIRST_TURNS:
+                return None, ended
+            flights = self.once.flights[time][self.once.shares[time] > 0.0]
+            if flights.size > 1:  # more functions than the data determine
+                return None, ended
+            front, left = fit_fronts(k, f, self.once.restitution, flights)
+            left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
+            return (front, left) if left < ended else (None, ended)
+        if self.sharp:
+            return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
+        largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
+        if high < _POWERS * begin:
+            return None, largest
+        tail, left = fit_tail(k, f, begin)
+        return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
 
 
 def _end(panel: WavePanel, time: int, least: float) -> float:
@@ -187,8 +244,7 @@ def _end(panel: WavePanel, time: int, least: float) -> float:
 
     Where F falls as exp(-K^2) it is below sooner.
     """
-    f = panel.of(time)
-    assert f is not None  # only times that are active are asked for
+    f = _last([panel], time)
     quarter = max(1, f.size // 4)
     last, before = (float(np.abs(x).max()) for x in (f[-quarter:], f[-2 * quarter : -quarter]))
     if not 0.0 < last < before:
@@ -198,24 +254,21 @@ def _end(panel: WavePanel, time: int, least: float) -> float:
     return min(2.0 * panel.high, max(_STEP * panel.high, panel.high + more))
 
 
-def _rest(panels: list[WavePanel], time: int, scale: float) -> tuple[PowerTail | None, float]:
-    """How F goes on beyond the panels, and how much of it is not known there.
+def _last(panels: list[WavePanel], time: int) -> FloatArray:
+    """F on the last panel."""
+    f = panels[-1].of(time)
+    assert f is not None  # only times that are active are asked for
+    return f
 
-    scale : K where its powers begin; infinite where it does not end in powers
-    """
-    high = panels[-1].high
+
+def _upper(panels: list[WavePanel], time: int, share: float) -> tuple[FloatArray, FloatArray]:
+    """K and F on all panels, from ``share`` of the largest K on."""
     k, f = [], []
     for panel in panels:
         values = panel.of(time)
-        if values is not None and panel.high > _FITTED * high:
+        if values is not None and panel.high > share * panels[-1].high:
             k.append(panel.nodes)
             f.append(values)
-    last = float(np.abs(f[-1]).max())
-    if math.isinf(scale):
-        return None, float(np.abs(f[-1][-(f[-1].size // 4) - 1 :]).max())
-    if high < _POWERS * scale:
-        return None, last
     all_k, all_f = np.concatenate(k), np.concatenate(f)
-    use = all_k > _FITTED * high
-    tail, left = fit_tail(all_k[use], all_f[use], scale)
-    return (tail, _BEYOND * left) if left < _BETTER * last else (None, last)
+    use = all_k > share * panels[-1].high
+    return all_k[use], all_f[use]

@@ -37,24 +37,34 @@ class PowerTail(Value):
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
-        return np.asarray(_terms(k / self.scale, self.coefficients.size) @ self.coefficients)
+        return np.asarray(origin_terms(k / self.scale, self.coefficients.size) @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
-        whole = self.scale * rho
-        x = np.clip(whole, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
-        macdonald = _macdonald(x, self.coefficients.size + 2)
-        out = np.zeros(rho.shape)
-        for j, c in enumerate(self.coefficients):
-            nu = 0.5 * (1 + j)
-            part = c / (2.0**nu * math.gamma(nu + 1.0))
-            if kind == 0:
-                out += part * macdonald[j + 2]
-            elif kind == 1:
-                out += (c - part * macdonald[j + 4]) / np.maximum(whole, x)
-            else:
-                out += part * x * macdonald[j]
-        return out * self.scale ** (2, 1, 3)[kind]
+        parts = origin_transforms(self.scale * rho, self.coefficients.size, kind)
+        return np.asarray(self.coefficients @ parts) * self.scale ** (2, 1, 3)[kind]
+
+
+def origin_terms(q: FloatArray, count: int) -> FloatArray:
+    """(q^2 + 1)^(-nu - 1), nu = (1 + j)/2, for j < count: q (n,) gives (n, count)."""
+    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (3.0 + np.arange(count))))
+
+
+def origin_transforms(x: FloatArray, count: int, kind: int) -> FloatArray:
+    """Integral over q of q J_0(q x), J_1 or q^2 J_1 (kind 0, 1, 2) times each term, (count, n)."""
+    near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
+    macdonald = _macdonald(near, count + 2)
+    out = np.zeros((count, x.size))
+    for j in range(count):
+        nu = 0.5 * (1 + j)
+        part = 1.0 / (2.0**nu * math.gamma(nu + 1.0))
+        if kind == 0:
+            out[j] = part * macdonald[j + 2]
+        elif kind == 1:
+            out[j] = (1.0 - part * macdonald[j + 4]) / np.maximum(x, near)
+        else:
+            out[j] = part * near * macdonald[j]
+    return out
 
 
 def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
@@ -91,9 +101,7 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
 def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:
     """Least squares of the errors relative to K^-3."""
     weight = k**3
-    found = np.linalg.lstsq(_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13)
+    found = np.linalg.lstsq(
+        origin_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13
+    )
     return PowerTail(np.asarray(found[0]), scale)
-
-
-def _terms(q: FloatArray, count: int) -> FloatArray:
-    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (3.0 + np.arange(count))))

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw
+from kinetics.collision import CollisionLaw, law_of
 from kinetics.scaling import mellin
-from kinetics.validation import check_restitution, exponent, not_negative, refuse
+from kinetics.scaling.symbols import from_rest
+from kinetics.validation import exponent, not_negative, refuse
 from kinetics.values import Value
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
@@ -34,84 +35,99 @@ class ScalingSolution(Value):
 
     Parameters
     ----------
-    restitution : e in [0, 1]
+    restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
+    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
+    dimension : 2 or 3
 
     Raises
     ------
-    InputError (a ValueError) : restitution outside [0, 1] or not a number
+    InputError (a ValueError) : an argument out of range or not a number
 
-    At e = 1 nothing cools and no scaling state is approached: ``cooling_rate`` is 0, ``a2`` and
-    ``moment`` are the limits e -> 1 (a ring: -1/2 and 1), ``diffusion_slope`` is infinite, and
-    :meth:`vdf` raises.
+    If bounces are elastic (e = et = 1), nothing cools and no scaling state is approached:
+    ``cooling_rate`` is 0, ``a2`` and ``moment`` are the limits e -> 1 (all speeds are one: a2 is
+    -1/2 in the plane, -2/5 in space), ``diffusion_slope`` is infinite, and :meth:`vdf` raises.
 
     >>> exact = ScalingSolution(0.0)
     >>> bool(abs(exact.cooling_rate - 2**0.5) < 1e-15), bool(abs(exact.a2 - 2) < 1e-14)
     (True, True)
     """
 
-    restitution: float
+    restitution: Any
+    tangential_restitution: float | None = 1.0
+    dimension: int = 2
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "restitution", check_restitution(self.restitution))
+        for name, value in self.law.arguments.items():
+            object.__setattr__(self, name, value)
 
     @cached_property
     def law(self) -> CollisionLaw:
-        """The collision law of this restitution."""
-        return CollisionLaw(self.restitution)
+        """The collision law of these restitutions, in this dimension."""
+        return law_of(self.restitution, self.tangential_restitution, self.dimension)
 
     @cached_property
     def cooling_rate(self) -> float:
         """h(e) = M2/2 = 2 sqrt(kappa lambda(1)), dimensionless (paper, label ``compare2``)."""
-        if self.restitution == 1.0:
+        if self.law.is_elastic:
             return 0.0
         return 2.0 * math.sqrt(self.law.mean_log_loss * float(self.law.decay_rate(1.0)))
 
     @cached_property
     def a2(self) -> float:
-        """<c^4>/2 - 1 of the exact F (paper, label ``sonine5``); it exists for every e."""
-        if self.restitution == 1.0:
-            return -0.5
-        law = self.law
+        """<c^4> d/(d+2) - 1 of the exact F (paper, label ``sonine5``); it exists for every e."""
+        law, d = self.law, self.dimension
+        if law.is_elastic:
+            return d / (d + 2.0) - 1.0
         rates = law.decay_rate(np.array([1.0, 2.0, 3.0]))
-        return float(3.0 * law.mean_log_loss * rates[0] / (rates[1] * rates[2]) - 1.0)
+        gaussian = 6.0 * d / (d + 2.0)
+        return float(gaussian * law.mean_log_loss * rates[0] / (rates[1] * rates[2]) - 1.0)
 
     @cached_property
     def diffusion_slope(self) -> float:
         """Limit of d<r^2>/d ln t in units of l^2: 2/[kappa (1 - <cos chi>)]."""
-        if self.restitution == 1.0:
+        if self.law.is_elastic:
             return math.inf
         return 2.0 / (self.law.mean_log_loss * self.law.harmonic_decay_rate(0.0, 1))
 
     @property
     def tail_rate(self) -> float:
-        """2/h: F(c) ~ c^tail_power exp(-tail_rate c) at high c; infinite at e = 1."""
-        return math.inf if self.restitution == 1.0 else 2.0 / self.cooling_rate
+        """2/h: F(c) ~ c^tail_power exp(-tail_rate c) at high c; infinite if elastic."""
+        return math.inf if self.law.is_elastic else 2.0 / self.cooling_rate
 
     @property
     def tail_power(self) -> float:
-        """1/(1-e^2) - 2, the power of c before the exponential tail; infinite at e = 1."""
-        if self.restitution == 1.0:
-            return math.inf
-        return 1.0 / ((1.0 - self.restitution) * (1.0 + self.restitution)) - 2.0
+        """The power of c before the exponential tail, b - d; infinite if elastic.
+
+        b is 1/(1-e^2) for smooth disks, 2/(1-e^2) for smooth spheres, 0 where every bounce loses
+        energy (e and et below 1). NaN where the tail is no power times an exponential: rough disks
+        with e = 1.
+        """
+        return self.law.tail_exponent - self.dimension
 
     @cached_property
     def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c), to 1e-10; InputError at e = 1.
+        """ln A in F(c) ~ A c^tail_power exp(-tail_rate c), to 1e-10; InputError if there is none.
 
-        With b = 1/(1-e^2), E[Y^p]/Gamma(p+b) tends to 2 pi A (h/2)^b.
+        With b = tail_power + d, E[Y^p]/Gamma(p+b) tends to S A (h/2)^b, S the surface of the unit
+        circle or sphere, 2 pi or 4 pi.
         """
         self._check_inelastic()
-        log_y = mellin.log_growth_constant(self.law, self.tail_power + 2.0)
-        b = self.tail_power + 2.0
-        return log_y + b * math.log(self.tail_rate) - math.log(2.0 * math.pi)
+        b = self.law.tail_exponent
+        if not math.isfinite(b):
+            refuse("restitution", self.restitution, "this law has no power times an exponential")
+        log_y = mellin.log_growth_constant(self.law, b)
+        return log_y + b * math.log(self.tail_rate) - math.log(self.law.unit_surface)
 
     def moment(self, p: float) -> float:
-        """<c^p> for real p, |p| <= 300 (p > -1 at e = 0), with <c^0> = <c^2> = 1.
+        """<c^p> for real p, |p| <= 300, with <c^0> = <c^2> = 1.
+
+        Where bounces come as near to rest as one likes, p must be above ``law.lowest_power``: -1
+        for smooth disks with e = 0, -2 for spheres and for et = 0.
 
         Raises InputError for other p, and where the moment overflows.
         """
         p = self._check_exponent(p)
-        if self.restitution == 1.0:
+        if self.law.is_elastic:
             return 1.0
         # <c^p> = E[Y^p]/E[Y^2]^(p/2) and E[Y^p] = kappa^-p A(p): the powers of kappa cancel
         log_moment = self._log_a(p) - 0.5 * p * mellin.log_second_moment(self.law)
@@ -120,40 +136,45 @@ class ScalingSolution(Value):
         return math.exp(log_moment)
 
     def scaled_speed_moment(self, p: float) -> float:
-        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`. 0 < e < 1 or e = 0.
+        """E[Y^p], the limit of <(v t/l)^p>; p and errors as in :meth:`moment`.
 
-        Raises InputError at e = 1, where v t has no limit.
+        Raises InputError if bounces are elastic: v t has no limit.
         """
         p = self._check_exponent(p)
-        if self.restitution == 1.0:
+        if self.law.is_elastic:
             refuse("restitution", 1.0, "v t has no limit law in the elastic gas")
         return math.exp(self._log_a(p) - p * math.log(self.law.mean_log_loss))
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), the scaled velocity distribution; same shape as c.
 
-        Normalised in the plane: integral of 2 pi c F(c) dc = 1 and <c^2> = 1. Relative error
-        below 1e-12 wherever F is not below 1e-280; near e = 1, where F is a ring of width
-        sqrt(1 - e), what the rounding of c makes, some 1e-16/sqrt(1 - e). F(0) is 0
-        for 0 < e < 1 (a hole) and infinite at e = 0, where F = exp(-sqrt(2) c)/(sqrt(2) pi c).
+        Normalised over all velocities: integral of 2 pi c F(c) dc = 1 in the plane, of
+        4 pi c^2 F(c) dc in space; and <c^2> = 1. Relative error below 1e-12 wherever F is not below
+        1e-280; near e = 1, where F is a ring of width sqrt(1 - e), what the rounding of c makes,
+        some 1e-16/sqrt(1 - e). F(0) is 0 (a hole) unless bounces come as near to rest as one
+        likes. For smooth scatterers with e = 0, F is infinite there: exp(-sqrt(2) c)/(sqrt(2) pi c)
+        for disks, 3 exp(-sqrt(6) c)/(2 pi c) for spheres.
 
         Raises
         ------
-        InputError : c negative or not finite; e = 1, where F is the ring delta(c - 1)/(2 pi)
+        InputError : c negative or not finite; elastic bounces (F is the ring delta(c - 1)/(2 pi))
         """
         c_ = not_negative("c", c)
         self._check_inelastic()
-        if self.restitution == 0.0:
+        law, d = self.law, self.dimension
+        q = law.uniform_power
+        if q:
+            rate, norm = math.sqrt(q * (q + 1.0)), q**q * ((q + 1.0) / q) ** (0.5 * q)
             with np.errstate(divide="ignore"):
-                return (np.exp(-math.sqrt(2.0) * c_) / (math.sqrt(2.0) * math.pi * c_))[()]
-        flat = c_.ravel()
-        out = np.zeros_like(flat)
+                return (np.exp(-rate * c_) / (law.unit_surface / norm * c_))[()]
+        flat, out = from_rest(law, c_.ravel())
         inside = flat > 0.0
         # x = ln(kappa y), y = c sqrt(E[Y^2]); the density of x is that whose exponents are A(z)
-        x = np.log(flat[inside]) + 0.5 * mellin.log_second_moment(self.law)
+        log_c = np.log(flat[inside])
+        x = log_c + 0.5 * mellin.log_second_moment(law)
         with np.errstate(under="ignore"):
-            log_f = mellin.log_density(self.law, x) - 2.0 * np.log(flat[inside])
-            out[inside] = np.exp(log_f) / (2.0 * math.pi)
+            log_f = mellin.log_density(law, x) - d * log_c
+            out[inside] = np.exp(log_f) / law.unit_surface
         return out.reshape(c_.shape)[()]
 
     def _log_a(self, p: float) -> float:
@@ -161,11 +182,11 @@ class ScalingSolution(Value):
         return float(mellin.log_moment(self.law, np.array([p]))[0])
 
     def _check_inelastic(self) -> None:
-        if self.restitution == 1.0:
-            refuse("restitution", 1.0, "the scaled VDF exists for 0 <= e < 1 only")
+        if self.law.is_elastic:
+            refuse("restitution", self.restitution, "elastic bounces leave no scaled VDF")
 
     def _check_exponent(self, p: float) -> float:
         number = exponent("p", p, _EXPONENT_LIMIT)
-        if self.restitution == 0.0 and number <= -1.0:
-            refuse("p", p, "at restitution 0 moments exist for p > -1 only")
+        if number <= self.law.lowest_power:
+            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         return number

@@ -38,7 +38,7 @@ class SpeedAxis:
 
     Parameters
     ----------
-    law : the collision law, 0 <= e < 1
+    law : the collision law; not elastic
     rtol : relative accuracy of g and of its moments
     nodes : of each tilt, or None for as many as rtol takes
 
@@ -81,18 +81,18 @@ class SpeedAxis:
         self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
         bulk = self.tilts[self._bulk]
-        wide = bulk.deviation > _WIDE and self.law.restitution > 0.0
+        wide = bulk.deviation > _WIDE and not self._reaches_rest
         if p == 0.0 and self.refined and wide and rounding_share(self.rtol) < 1.0:
             # the norm by the bulk alone, whose tilt is nearly 0: tilts below a wide one are rough
             x, log_g = bulk.grid.x, bulk.log_at_nodes + self.scales[self._bulk]
             spacing = bulk.grid.spacing
-        if self.law.restitution == 0.0:
-            # there g ~ e^x: the grid goes on below what is solved until e^((1+p) x) is negligible
+        if self._reaches_rest:
+            # there g ~ e^(q x): the grid goes on below until e^((q+p) x) is negligible
             depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
-            more = math.ceil(depth / (1.0 + p) / spacing)
+            more = math.ceil(depth / (p - self.law.lowest_power) / spacing)
             below = x[0] - spacing * np.arange(more, 0, -1)
             x = np.concatenate([below, x])
-            log_g = np.concatenate([self._below_at_zero(below), log_g])
+            log_g = np.concatenate([self._power_of_speed(below), log_g])
         terms = p * x + log_g
         largest = float(terms.max())
         if not math.isfinite(largest):
@@ -100,8 +100,16 @@ class SpeedAxis:
             return 0.0
         return largest + math.log(float(np.exp(terms - largest).sum()) * spacing)
 
+    @property
+    def _reaches_rest(self) -> bool:
+        """Whether bounces come as near to rest as one likes: g is a power of speed low down."""
+        return math.isfinite(self.law.lowest_power)
+
     def _extend_for_moment(self, p: float, accepted: float) -> None:
         """Solve further up and down until the noise of the last tilts is negligible."""
+        if self._reaches_rest:
+            while self._add_below():
+                pass
         while True:
             high = self.tilts[-1]
             lost = self._lost_by(high, self.scales[-1], p, high.grid.end)
@@ -111,14 +119,14 @@ class SpeedAxis:
                 self._lost = max(self._lost, min(lost, 1.0))
                 break
         while True:
-            if self._low is not None:
+            if self._low is not None and not self._reaches_rest:
                 end = self._log_at_bottom() + p * self._bottom
                 depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
                 if end < self._peak(p) - depth or not self._add_below():
                     break
                 continue
             low = self.tilts[0]
-            if p >= low.theta or self.law.restitution == 0.0:
+            if p >= low.theta or self._reaches_rest:
                 break
             lost = self._lost_by(low, self.scales[0], p, low.grid.start)
             if lost < accepted or not self._add_below():
@@ -143,13 +151,13 @@ class SpeedAxis:
     def _samples(self) -> tuple[FloatArray, FloatArray, float]:
         """Equidistant x over all that is solved, ln g there, and the spacing."""
         if self._sampled is None:
-            if len(self.tilts) == 1 and self._low is None and self.law.restitution > 0.0:
+            if len(self.tilts) == 1 and self._low is None and not self._reaches_rest:
                 only = self.tilts[0]
                 self._sampled = (only.grid.x, only.log_at_nodes, only.grid.spacing)
                 return self._sampled
-            bottom = self.tilts[0].grid.start if self._low is None else self._low.bottom
-            if self.law.restitution == 0.0:
-                bottom = self.tilts[0].bottom
+            bottom = self._bottom
+            if self._low is None and not self._reaches_rest:
+                bottom = self.tilts[0].grid.start
             top = float(self.tilts[-1].grid.x[-1])  # beyond, the window begins again
             if not top > bottom:  # too few nodes
                 self.unresolved = True
@@ -218,17 +226,20 @@ class SpeedAxis:
         return False
 
     def _add_below(self) -> bool:
-        """One piece further down; False where F = g/(2 pi c^2) is below e^-690."""
-        if self._log_at_bottom() - 2.0 * self._bottom < _LOWEST_LOG - 50.0:
+        """One piece further down; False where F ~ g/c^d is below e^-690."""
+        if self._log_at_bottom() - self.law.dimension * self._bottom < _LOWEST_LOG - 50.0:
             return False
-        if self.law.restitution == 0.0:
-            return False  # known in closed form, see _below_at_zero
+        if self.law.uniform_power:
+            return False  # known in closed form, see _power_of_speed
         self._sampled = None
         if self._low is not None:
-            self._low.extend(self._bottom - 4.0)
-            return True
+            bottom = self._bottom
+            self._low.extend(bottom - 4.0)
+            return self._bottom < bottom
         known = self.tilts[0]
-        theta = next_tilt(self.law, known, self.rtol, above=False)
+        theta = None
+        if not self._reaches_rest:
+            theta = next_tilt(self.law, known, self.rtol, above=False)
         if theta is not None:
             tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
             x, gap, spread = self._join(tilt, known)
@@ -334,7 +345,7 @@ class SpeedAxis:
         chosen = np.searchsorted(self._seams, x)
         if self._low is not None:
             chosen[x < self._low.top] = -1
-        elif self.law.restitution == 0.0:
+        elif self._reaches_rest:
             chosen[x < self.tilts[0].bottom] = -1
         for i, tilt in enumerate(self.tilts):
             mine = (chosen == i) & (x >= tilt.grid.start) & (x <= tilt.grid.x[-1])
@@ -342,14 +353,21 @@ class SpeedAxis:
                 out[mine] = tilt.log_density(x[mine]) + self.scales[i]
         mine = chosen == -1
         if np.any(mine):
-            if self._low is None:
-                out[mine] = self._below_at_zero(x[mine])
-            else:
+            if self._reaches_rest:
+                below = mine & (x < self._bottom)
+                out[below] = self._power_of_speed(x[below])
+            if self._low is not None:
                 mine &= x >= self._low.bottom
                 out[mine] = self._low.log_density(x[mine]) + self._low_scale
         return out
 
-    def _below_at_zero(self, x: FloatArray) -> FloatArray:
-        """ln g below the lowest tilt at e = 0, where g = e^x (integral of g from x upwards)."""
-        base = self.tilts[0].bottom
-        return np.asarray(self._log_at_bottom() + (x - base) - (np.exp(x) - math.exp(base)))
+    def _power_of_speed(self, x: FloatArray) -> FloatArray:
+        """ln g below all that is solved, where bounces come as near to rest as one likes: q x.
+
+        With the next factor, exp(-q e^x), where it is known in closed form: s^q uniform.
+        """
+        base, q = self._bottom, -self.law.lowest_power
+        out = self._log_at_bottom() + q * (x - base)
+        if self.law.uniform_power:
+            out = out - q * (np.exp(x) - math.exp(base))
+        return np.asarray(out)

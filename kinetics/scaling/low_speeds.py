@@ -3,11 +3,11 @@ r"""The scaled VDF below its bulk, by positive recursion downwards in speed.
 The density g of x = ln(kappa v t/l) drifts upwards; the flux that passes x is what collisions have
 brought below x from above:
 
-    g(x) = e^x/kappa E[ (s^2 - e^2)/s^3 g(x + xi) ],     xi = -ln s,
+    g(x) = e^x/kappa int_0^inf P(xi > u) e^u g(x + u) du,     xi = -ln s,
 
 All terms are positive and e^x is small, so that g below follows from g above with a rounding error
-relative to g itself, over hundreds of orders of magnitude. (The weight comes from the flux:
-(s^2 - e^2)/s^2 turns the average over the impact parameter into the integral of P(xi > u) over u.)
+relative to g itself, over hundreds of orders of magnitude. Where s comes as near to 0 as one likes
+and E[s^p] exists for p > -q only, g becomes e^(q x), with corrections of the order of e^x.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from kinetics.numerics.chebyshev import FirstKind
 _MORE_NODES = 3  # than digits: measured again by tests/kinetics/measurements/scaling.py
 _SWEEPS = 20  # of Newton's method, whose error is squared by each: never reached
 _DEEPEST = 700.0  # -ln g, where numbers end
+_ROUNDING = 1e-17
 
 
 class LowSpeeds:
@@ -31,7 +32,7 @@ class LowSpeeds:
 
     Parameters
     ----------
-    law : the collision law, 0 < e < 1
+    law : the collision law
     top : where the recursion starts; e^top/kappa must be well below 1
     known : ln g above top, x (n,) -> (n,)
     rtol : accuracy relative to g
@@ -46,17 +47,19 @@ class LowSpeeds:
     ) -> None:
         self.law = law
         self.top = top
+        # below it g is e^(q x) to rounding, where bounces come as near to rest as one likes
+        self._straight = -math.inf
+        if math.isfinite(law.lowest_power):
+            self._straight = math.log(_ROUNDING * law.mean_log_loss)
         # the error left by Newton's method is the square of its last step
         self._last_step = 0.1 * math.sqrt(rtol)
         self._rule = FirstKind(_MORE_NODES + math.ceil(-math.log10(rtol)))
-        # ln g falls as -x^2/(2 |ln e|): its slope is at most that at its end, and g rises as e^x
-        steepest = 1.0 + math.sqrt(2.0 * _DEEPEST / -math.log(law.restitution))
-        quadrature = law.quadrature_for(steepest)
-        self._xi = quadrature.log_loss
-        weight = quadrature.weight * (quadrature.ratio**2 - law.restitution**2)
-        with np.errstate(divide="ignore"):
-            log_weight = np.log(np.maximum(weight, 0.0)) - 3.0 * np.log(quadrature.ratio)
-        self._log_weight = log_weight - math.log(law.mean_log_loss)
+        # ln g falls as -x^2/2 over the largest loss: its slope is at most that at its end, and g
+        # rises as e^x
+        steepest = 1.0 + math.sqrt(2.0 * _DEEPEST / law.largest_loss)
+        survival = law.survival_for(steepest)
+        self._xi = survival.log_loss
+        self._log_weight = survival.log_weight - math.log(law.mean_log_loss)
         reach = float(self._xi.max())
         # panel k covers [top - k - 1, top - k]; negative k is above top
         self._above = max(3, math.ceil(reach) + 1)
@@ -113,8 +116,8 @@ class LowSpeeds:
         return float(self._panels[-1][0])
 
     def extend(self, x: float) -> None:
-        """Make panels down to x."""
-        while self.bottom > x:
+        """Make panels down to x, or to where g is a power."""
+        while self.bottom > max(x, self._straight):
             self._add_panel()
 
     def log_density(self, x: FloatArray) -> FloatArray:

@@ -28,6 +28,9 @@ _REACH = 2.0  # deviations from its centre up to which a line serves: it loses e
 _NOTHING = -800.0  # ln F below which F is 0
 _NEAR = 0.3  # deviations between the centre of a line and the x it is made for: changes no result
 _DIFFERENCE = 0.2  # deviations, for derivatives of ln A that choose the line: changes no result
+# Where g is a power of speed low down, lines closer to the lowest power would need ever more
+# samples; the lowest line loses e^(0.25 |x|), 2e4 at v t = 1e-17 l.
+_LOWEST_LINE = 0.25
 _MOST_SAMPLES = 2000  # of a line: never reached
 
 
@@ -50,8 +53,9 @@ def _rho(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
 def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
     """Taylor coefficients of rho at z (n,), up to order 11."""
     orders = range(1, MOST_ORDERS)
-    if law.restitution == 0.0:
-        return [np.log1p(z), *(-((-1.0 / (1.0 + z)) ** n) / n for n in orders)]
+    p = law.uniform_power
+    if p:
+        return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
     q = law.quadrature_for(float(np.abs(z).max()))
     power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
     rate = [law.decay_rate(z)]
@@ -97,25 +101,23 @@ def _far_from_zeros(law: CollisionLaw, height: float) -> bool:
 
     Near e = 1 it is: at the zeros of lambda all bounces turn s^z once round at least.
     """
-    if not 0.5 < law.restitution < 1.0:
+    if not law.largest_loss < math.log(2.0):
         return False
-    return 2.0 * math.pi / -math.log(law.restitution) - height > _START + 1.0
+    return 2.0 * math.pi / law.largest_loss - height > _START + 1.0
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
     """Integral of rho from low to high on the real axis, where it is smooth."""
-    # rho is analytic within about _START of the path, or 2 pi/|ln e| if that is further: 24 Gauss
-    # points for a panel that is no longer leave less than rounding
-    unit = float(_START)
-    if law.restitution > 0.0:
-        unit = max(unit, 2.0 / abs(math.log(law.restitution)))
+    # rho is analytic within about _START of the path, or 2 pi over the largest loss if that is
+    # further: 24 Gauss points for a panel that is no longer leave less than rounding
+    unit = max(float(_START), 2.0 / law.largest_loss)
     signed = math.copysign(unit, high - low)
     nodes, weights = equal_panels(abs(high - low) / unit, 24)
     return float(_rho(law, low + signed * nodes) @ weights) * signed
 
 
 def log_growth_constant(law: CollisionLaw, b: float) -> float:
-    """ln of the limit of E[Y^p]/Gamma(p+b) for large p, b = 1/(1-e^2), to 1e-10.
+    """ln of the limit of E[Y^p]/Gamma(p+b) for large p, b the law's tail exponent, to 1e-10.
 
     E[Y^(p+1)]/Gamma(p+1+b) exceeds E[Y^p]/Gamma(p+b) by the factor (p/(p+b))/lambda(p): a sum of
     its logarithm over the integers, by the Euler-Maclaurin formula from n on.
@@ -127,7 +129,7 @@ def log_growth_constant(law: CollisionLaw, b: float) -> float:
     n = 24.0
     head = float(excess(np.arange(1.0, n)).sum())
     # the integral in u = n/p up to p = last, and beyond from three terms of the series in 1/p
-    last = 2000.0 * b
+    last = 2000.0 * max(b, 1.0)
     u, w = equal_panels(1.0 - n / last, 40, 0.25)
     u = u + n / last
     integral = float((excess(n / u) * n / u**2) @ w)
@@ -162,7 +164,7 @@ class _Line(NamedTuple):
 
 
 def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
-    """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F = g/(2 pi c^2) is 0."""
+    """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F ~ g/c^d is 0."""
     out = np.full(x.shape, -math.inf)
     todo = np.ones(x.shape, dtype=bool)
     # from the bulk (x near 0) outwards, and no further on a side once F is 0
@@ -173,7 +175,10 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
         if line is None:
             todo &= ~beyond
             continue
-        near = todo & (np.abs(x - line.centre) <= _REACH * line.deviation)
+        near = np.abs(x - line.centre) <= _REACH * line.deviation
+        if line.exponent == law.lowest_power + _LOWEST_LINE:
+            near |= x < line.centre
+        near &= todo
         n = np.arange(line.samples.size)
         turn = np.exp(-1j * np.outer(x[near] - line.centre, n * line.step))
         # the phase of the centre is taken out of the samples: no large arguments
@@ -182,7 +187,7 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
         total = np.maximum(total, 1e-300) * line.step / (2.0 * math.pi)
         out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
         todo &= ~near
-        if out[nearest] - 2.0 * x[nearest] < _NOTHING:
+        if out[nearest] - law.dimension * x[nearest] < _NOTHING:
             todo &= ~beyond
     return out
 
@@ -196,11 +201,15 @@ def _line_at(law: CollisionLaw, x: float) -> _Line | None:
         if abs(mean - x) < _NEAR * scale:
             break
         # Chernoff: ln g(x) is about ln A(a) - a x at most, for every a
-        if log_a - (a + 2.0) * x < _NOTHING:
+        if log_a - (a + law.dimension) * x < _NOTHING:
             return None
         # Newton, but not further than the variance can be trusted
         move = (x - mean) / variance
+        before = a
         a += max(-2.0 / scale, min(2.0 / scale, move))
+        a = max(a, law.lowest_power + _LOWEST_LINE)
+        if a == before:
+            break
         log_a, mean, variance = _cumulants(law, a, scale)
     return _sample_line(law, a, (log_a, mean, math.sqrt(variance)))
 
@@ -208,8 +217,8 @@ def _line_at(law: CollisionLaw, x: float) -> _Line | None:
 def _cumulants(law: CollisionLaw, a: float, scale: float) -> tuple[float, float, float]:
     """ln A and its first two derivatives at a, about: by differences."""
     d = _DIFFERENCE / scale
-    if law.restitution == 0.0:
-        d = min(d, _DIFFERENCE * (1.0 + a))
+    if math.isfinite(law.lowest_power):
+        d = min(d, _DIFFERENCE * (a - law.lowest_power))
     left, mid, right = log_moment(law, np.array([a - d, a, a + d]))
     return float(mid), float(right - left) / (2 * d), float(right - 2 * mid + left) / d**2
 
@@ -223,7 +232,7 @@ def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, flo
     right = float(np.min((up + _NEGLIGIBLE) / steps))
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
     steps = np.append(steps, 0.1 / scale)
-    steps = steps[steps - a < 600.0 / float(law.quadrature.log_loss.max())]
+    steps = steps[steps - a < min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)]
     down = log_moment(law, a - steps) - log_a
     left = float(np.max(-(down + _NEGLIGIBLE) / steps))
     step = 2.0 * math.pi / (right - left)

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw
+from kinetics.collision import CollisionLaw, law_of
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.scaling.log_density import SpeedAxis
+from kinetics.scaling.symbols import from_rest
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import (
-    check_restitution,
     check_rtol,
     exponent,
     not_negative,
@@ -31,15 +31,18 @@ from kinetics.values import Value
 
 _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
 _TAIL_POINTS = 9
+_LARGEST_TAIL = 10.2565  # the exponent 1/(1-e^2) at e = 0.95
 _LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
+_LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
 
 
 @dataclass(frozen=True)
 class ScaledVDF(Value):
     """The scaled velocity distribution as the discretised solver finds it.
 
-    Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 and <c^2> = 1. Built by
+    Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
+    Built by
     :func:`solve_scaled`; only the part of the speed axis that a question needs is solved.
 
     A value: equal to another one if it was asked for with the same arguments. A file that
@@ -48,19 +51,23 @@ class ScaledVDF(Value):
 
     Attributes
     ----------
-    restitution : e, 0 <= e < 1
+    restitution : e, or a :class:`kinetics.CollisionLaw`
     rtol : the relative accuracy asked for
     requested_nodes : nodes of each tilt, or None for the solver's own choice
+    tangential_restitution : et
+    dimension : 2 or 3
     """
 
-    restitution: float
+    restitution: Any
     rtol: float
     requested_nodes: int | None = None
+    tangential_restitution: float | None = 1.0
+    dimension: int = 2
 
     @cached_property
     def law(self) -> CollisionLaw:
-        """The collision law of this restitution."""
-        return CollisionLaw(self.restitution)
+        """The collision law of these restitutions, in this dimension."""
+        return law_of(self.restitution, self.tangential_restitution, self.dimension)
 
     @cached_property
     def _axis(self) -> SpeedAxis:
@@ -73,14 +80,14 @@ class ScaledVDF(Value):
 
     @cached_property
     def a2(self) -> float:
-        """<c^4>/2 - 1 (paper, label ``sonine5``)."""
-        return 0.5 * self.moment(4.0) - 1.0
+        """<c^4> d/(d+2) - 1 (paper, label ``sonine5``)."""
+        return self.dimension / (self.dimension + 2.0) * self.moment(4.0) - 1.0
 
     def moment(self, p: float) -> float:
-        """<c^p> for real p (p > -1 at e = 0); InputError elsewhere or where it overflows."""
+        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow."""
         number = exponent("p", p, _LARGEST_POWER)
-        if self.restitution == 0.0 and number <= -1.0:
-            refuse("p", p, "at restitution 0 moments exist for p > -1 only")
+        if number <= self.law.lowest_power:
+            refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         log_moment = self._log_moment(number) - 0.5 * number * self._log_second
         if log_moment > _LARGEST_LOG:
             refuse("p", p, "<c^p> overflows double precision there")
@@ -91,11 +98,10 @@ class ScaledVDF(Value):
 
         The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. The
         rounding of c alone moves F by 2e-16 times |d ln F/d ln c|, which :attr:`error_estimate`
-        counts. At e = 0, F is infinite at c = 0.
+        counts. F(0) is 0 unless bounces come as near to rest as one likes; at e = 0 it is infinite.
         """
         c_ = not_negative("c", c)
-        flat = c_.ravel()
-        out = np.full(flat.shape, math.inf if self.restitution == 0.0 else 0.0)
+        flat, out = from_rest(self.law, c_.ravel())
         inside = flat > 0.0
         log_c = np.log(flat[inside])
         log_second, log_norm = self._unit()
@@ -104,24 +110,25 @@ class ScaledVDF(Value):
         if self._axis.refined != refined:
             log_second, log_norm = self._unit()
             log_g = self._axis.log_density(log_c + 0.5 * log_second) - log_norm
-        log_f = log_g - 2.0 * log_c
+        log_f = log_g - self.dimension * log_c
         if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
             self._axis.unresolved = True
         with np.errstate(under="ignore"):
-            out[inside] = np.exp(np.minimum(log_f, _LARGEST_LOG)) / (2.0 * math.pi)
+            out[inside] = np.exp(np.minimum(log_f, _LARGEST_LOG)) / self.law.unit_surface
         return out.reshape(c_.shape)[()]
 
     @cached_property
     def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^(1/(1-e^2) - 2) exp(-2 c/h), from F between e^-100 and e^-700 or so.
+        """ln A in F(c) ~ A c^(b - d) exp(-2 c/h), from F between e^-100 and e^-700 or so.
 
-        Absolute error about 1e-8, for e up to 0.95: InputError above, where the asymptotic form
-        starts beyond the smallest numbers.
+        b is the law's tail exponent, 1/(1-e^2) for smooth disks. Absolute error about 1e-8, for b
+        up to that of smooth disks with e = 0.95: InputError above, where the asymptotic form starts
+        beyond the smallest numbers.
         """
-        if self.restitution > 0.95:
+        b = self.law.tail_exponent
+        if not b <= _LARGEST_TAIL:
             allowed = "the solver finds the amplitude up to 0.95, ScalingSolution everywhere"
             refuse("restitution", self.restitution, allowed)
-        b = 1.0 / ((1.0 - self.restitution) * (1.0 + self.restitution))
         # the rest is a series in 1/Y, Y = v t/l: a polynomial through Chebyshev points in 1/Y,
         # from 1/highest to 5/highest, continued to 0
         highest = 100.0 + 40.0 * b * b
@@ -132,7 +139,7 @@ class ScaledVDF(Value):
         rest = self._axis.log_density(x) - self._log_norm - b * np.log(y) + y
         log_y = float((rule.rows(np.array([-0.25])) @ rest)[0])
         stretch = 0.5 * self._log_second - math.log(self.law.mean_log_loss)  # ln sqrt(E[Y^2])
-        return log_y + b * stretch - math.log(2.0 * math.pi)
+        return log_y + b * stretch - math.log(self.law.unit_surface)
 
     @property
     def nodes(self) -> int:
@@ -166,14 +173,14 @@ class ScaledVDF(Value):
     def __repr__(self) -> str:
         nodes = "" if self.requested_nodes is None else f", nodes={self.requested_nodes}"
         return (
-            f"ScaledVDF(restitution={self.restitution!r}, rtol={self.rtol!r}{nodes}): "
+            f"ScaledVDF({self.law.described}, rtol={self.rtol!r}{nodes}): "
             f"h = {self.cooling_rate:.12g}, a2 = {self.a2:.12g}, "
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
 
     def _repr_html_(self) -> str:
         figures = {
-            "restitution": self.restitution,
+            "law": self.law.described,
             "cooling rate h": f"{self.cooling_rate:.12g}",
             "a2": f"{self.a2:.12g}",
             "status": self.status.name.lower(),
@@ -192,6 +199,8 @@ class ScaledVDF(Value):
     def _to_storage(self) -> dict[str, Any]:
         arguments = {
             "restitution": self.restitution,
+            "tangential_restitution": self.tangential_restitution,
+            "dimension": self.dimension,
             "rtol": self.rtol,
             "requested_nodes": self.requested_nodes,
         }
@@ -230,14 +239,22 @@ class ScaledVDF(Value):
         return self._axis.log_sum(p) - self._log_norm
 
 
-def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = None) -> ScaledVDF:
+def solve_scaled(
+    restitution: float | CollisionLaw,
+    rtol: float = 1e-12,
+    nodes: int | None = None,
+    tangential_restitution: float = 1.0,
+    dimension: int = 2,
+) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
     Parameters
     ----------
-    restitution : e, 0 <= e < 1
+    restitution : e, 0 <= e < 1 for smooth scatterers; or a :class:`kinetics.CollisionLaw`
     rtol : relative accuracy asked of h, a2, the moments and F(c), 1e-14 to 0.1
     nodes : nodes of each tilt, for convergence studies; chosen from rtol by default
+    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
+    dimension : 2 or 3
 
     Returns
     -------
@@ -246,18 +263,22 @@ def solve_scaled(restitution: float, rtol: float = 1e-12, nodes: int | None = No
 
     Raises
     ------
-    InputError (a ValueError) : restitution not in [0, 1), rtol or nodes out of range
+    InputError (a ValueError) : a law that is elastic, gains energy or may leave less than 1e-100
+        of a speed (but 0); an argument out of range
 
     >>> vdf = solve_scaled(restitution=0.7)
     >>> round(vdf.cooling_rate, 12), vdf.status.name
     (0.412181911126, 'CONVERGED')
     """
-    e = check_restitution(restitution)
-    if e == 1.0:
+    law = law_of(restitution, tangential_restitution, dimension)
+    if law.is_elastic:
         allowed = "elastic tracers approach no scaling state, it must be below 1"
+        refuse("restitution", restitution, allowed)
+    if _LARGEST_LOSS < law.largest_loss < math.inf:
+        allowed = "the solver takes 0, or speed ratios of 1e-100 at least; ScalingSolution all"
         refuse("restitution", restitution, allowed)
     if nodes is not None:
         nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
-    solution = ScaledVDF(e, check_rtol(rtol), nodes)
+    solution = ScaledVDF(rtol=check_rtol(rtol), requested_nodes=nodes, **law.arguments)
     solution._axis  # noqa: B018  (an error of the arguments must be raised here)
     return solution

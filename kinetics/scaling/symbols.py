@@ -15,15 +15,8 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 
 _MANY = 3000  # exponentials from which products of matrices are faster; both give the same
-_LITTLE_LOST = 0.8  # restitution above which 1 - E[s^z], up to lambda(2) = 0.24, loses a digit
-
-
-def decay_symbol(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
-    """lambda(z) = 1 - E[s^z], shape of z; without range checks, for inner loops."""
-    if law.restitution == 0.0:
-        return np.asarray(z / (1.0 + z))
-    q = law.quadrature_for(float(np.abs(z).max()))
-    return np.asarray(-np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight)
+_CLOSE_TO_REST = 1e-16  # corrections are of that order
+_LITTLE_LOST = 0.2399  # share of energy lost (e = 0.8) below which 1 - E[s^z] loses a digit
 
 
 def decay_symbol_on_line(
@@ -35,11 +28,11 @@ def decay_symbol_on_line(
     factors: instead of n exponentials for each point, 2 sqrt(n) of them and a product of matrices.
     """
     z = theta - 1j * wave_numbers
-    if law.restitution == 0.0 or law.restitution > _LITTLE_LOST:
-        return decay_symbol(law, z)
+    if math.isfinite(law.lowest_power) or law.energy_loss < _LITTLE_LOST:
+        return law.decay_symbol(z)
     q = law.quadrature_for(float(np.abs(z[[0, -1]]).max()))
     if z.size * q.weight.size < _MANY:
-        return decay_symbol(law, z)
+        return law.decay_symbol(z)
     fine = math.ceil(math.sqrt(z.size))
     coarse = -(-z.size // fine)
     turn = 1j * wave_numbers[1] * q.log_loss
@@ -50,7 +43,7 @@ def decay_symbol_on_line(
     power = (far @ near.T).ravel()[: z.size]
     out = 1.0 - power
     # next to z = 0 it is small
-    out[:1] = decay_symbol(law, z[:1])
+    out[:1] = law.decay_symbol(z[:1])
     return np.asarray(out)
 
 
@@ -64,7 +57,7 @@ def flux_symbol(
     zero = z == 0.0
     safe = np.where(zero, 1.0, z)
     if decay is None:
-        decay = decay_symbol(law, safe)
+        decay = law.decay_symbol(safe)
     return np.asarray(np.where(zero, 1.0, decay / (law.mean_log_loss * safe)))
 
 
@@ -73,8 +66,8 @@ def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
 
     An estimate for the sizes of windows: at large |z| the plain quadrature is a percent off.
     """
-    if law.restitution == 0.0:
-        return np.asarray(np.log1p(z))
+    if law.uniform_power:
+        return np.asarray(np.log1p(z / law.uniform_power))
     q = law.quadrature
     zero = z == 0.0
     safe = np.where(zero, 1.0, z)
@@ -87,10 +80,23 @@ def peak_position(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
 
     The mean of x is the derivative of ln A, rho(z - 1/2) up to third differences of rho.
     """
-    if law.restitution == 0.0:
-        # nearly the digamma function at 1 + z, the derivative of ln Gamma(1 + z)
-        return np.asarray(np.log(z + 1.5) - 1.0 / (z + 1.0))
+    q = law.uniform_power
+    if q:
+        # nearly the digamma function at q + z, the derivative of ln Gamma(q + z)
+        return np.asarray(np.log(z + q + 0.5) - 1.0 / (z + q) - math.log(q))
     return drift_log(law, z - 0.5)
+
+
+def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The speeds at which F is asked for, shape (n,), and F(0) at all of them, as a beginning.
+
+    F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
+    lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
+    """
+    power = -law.lowest_power - law.dimension
+    if power == 0.0:
+        c = np.where(c == 0.0, _CLOSE_TO_REST, c)
+    return c, np.full(c.shape, math.inf if power < 0.0 else 0.0)
 
 
 def harmonic_symbol(law: CollisionLaw, z: NDArray[Any], m: int) -> NDArray[Any]:

@@ -48,11 +48,14 @@ _NARROWEST = 2.2  # deviations that a tilt serves on either side, at least
 # Error over estimate: of the unknown that makes the equation regular, some and more for narrow
 # densities, and of the highest modes.
 _DEFECT, _NARROW_DEFECT, _SPECTRUM = 30.0, 1.3, 0.3
-# Below _FEW_BOUNCES, few bounces carry a tracer from the bulk (x near 0) to low speeds, and a tilt
-# there loses as much of its accuracy as the bulk is below its peak: e^-_BULK_DROP at most.
-_FEW_BOUNCES, _BULK_DROP = 0.65, 3.5
+# If a bounce may lose more than _FEW_BOUNCES (in -ln s), few of them carry a tracer from the bulk
+# (x near 0) to low speeds, and a tilt there loses as much of its accuracy as the bulk is below its
+# peak: e^-_BULK_DROP at most.
+_FEW_BOUNCES, _BULK_DROP = -math.log(0.65), 3.5
 _SIZING = 0.6  # of the exponent that sets the points of lambda: less accuracy will size a grid
-_ELASTIC = 1.0 - 1e-6  # above it 1 - E[s^z] loses more digits than sizes of grids can bear
+# Share of energy lost (e = 1 - 1e-6) below which 1 - E[s^z] loses more digits than sizes of grids
+# can bear.
+_ELASTIC = 1.333e-6
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,7 @@ class Tilt:
 
 def _variance(law: CollisionLaw, theta: float) -> float:
     """Of x under the tilt, nearly: the second derivative of ln E[(kappa v t/l)^z] at theta."""
-    if law.restitution > _ELASTIC:
+    if law.energy_loss < _ELASTIC:
         # E[xi^2]/(2 kappa): differences of logarithms close to 0 would have no digits
         q = law.quadrature
         return float(q.weight @ q.log_loss**2) / (2.0 * law.mean_log_loss)
@@ -150,7 +153,7 @@ def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, flo
     # sum of rho over stride integers, from its middle: exact at stride 1
     up_at = theta + (n - 0.5) * stride - 0.5
     down_at = theta - (n - 0.5) * stride - 0.5
-    if law.restitution == 0.0:
+    if math.isfinite(law.lowest_power):
         down_at = down_at[:0]
     else:
         down_at = down_at[down_at > -600.0 / float(law.quadrature.log_loss.max())]
@@ -158,15 +161,11 @@ def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, flo
     up, down = np.cumsum(rho[:50]), -np.cumsum(rho[50:])
     # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
     right = float(np.min((up + depth + 5.0) / (n * stride)))
-    if law.restitution == 0.0:
-        return _left_at_zero(theta, depth), right, deviation
+    if math.isfinite(law.lowest_power):
+        # the tilted density is e^((theta - lowest power) x) there
+        return -(depth + 2.0) / (theta - law.lowest_power), right, deviation
     left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
     return left, right, deviation
-
-
-def _left_at_zero(theta: float, depth: float) -> float:
-    """Left end of the window at e = 0, where the tilted density is e^((1 + theta) x) there."""
-    return -(depth + 2.0) / (1.0 + theta)
 
 
 def band_of(law: CollisionLaw, theta: float, depth: float, deviation: float) -> float:
@@ -203,9 +202,9 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     """
     real = np.where(np.abs(real) < 1e-3, 1e-3, real)  # lambda(z)/z has a limit at z = 0
     z = real[:, None] + 1j * k
-    if law.restitution == 0.0:
-        return np.asarray(-np.log(1.0 + z))
-    if law.restitution > _ELASTIC:
+    if law.uniform_power:
+        return np.asarray(-np.log(1.0 + z / law.uniform_power))
+    if law.energy_loss < _ELASTIC:
         # 1 - E[s^z] would be 0
         return np.asarray(np.log(flux_symbol(law, z.ravel()).reshape(z.shape)))
     q = law.quadrature_for(_SIZING * float(np.abs(real).max() + k[-1]))
@@ -252,7 +251,7 @@ def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> fl
     slope = (two[thetas.size :] - centre) / 0.05
     distance = sign * (centre - known.centre)
     near = distance <= known.span * known.deviation + span * np.sqrt(np.abs(slope))
-    if not above and law.restitution < _FEW_BOUNCES:
+    if not above and law.largest_loss > _FEW_BOUNCES:
         near &= (centre > 0.0) | (centre**2 < 2.0 * _BULK_DROP * np.abs(slope))
     return float(thetas[near][0]) if np.any(near) else None
 

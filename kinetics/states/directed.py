@@ -112,6 +112,11 @@ class Beam(State):
         """Where the speed density of the beam is not smooth."""
         return np.asarray(self.speeds.kinks)
 
+    def in_space(self) -> State | None:
+        """The same along the x axis, the only axis that a scene in space has."""
+        speeds = self.speeds.in_space()
+        return Beam(0.0, speeds) if self.direction == 0.0 and speeds is not None else None
+
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
@@ -132,12 +137,13 @@ class Beam(State):
 
 @dataclass(frozen=True)
 class AngularHarmonics(State):
-    """f(v, phi) given by its angular harmonics.
+    """f(v, phi) given by its angular harmonics; in space, f(v, theta) by Legendre polynomials.
 
     Parameters
     ----------
     terms : m -> f_m(v), m >= 0, functions of v/U that map arrays to arrays, real or complex:
-        f_m(v) = integral of exp(-i m phi) v f over phi; f_0 is the speed density
+        f_m(v) = integral of exp(-i m phi) v f over phi, in space of P_m(cos theta) v^2 f over all
+        directions; f_0 is the speed density
 
     Raises
     ------
@@ -157,6 +163,10 @@ class AngularHarmonics(State):
                 f"terms: got orders {short(orders)}; whole m >= 0, and m = 0 is needed"
             )
         self.store(terms=dict(self.terms))
+
+    def in_space(self) -> State:
+        """The same functions, as coefficients of Legendre polynomials."""
+        return self
 
     @property
     def highest_harmonic(self) -> int | None:  # type: ignore[override]

@@ -71,6 +71,12 @@ class Gaussian(State):
         """The wider deviation over the other."""
         return self._wide / min(self.deviation_x, self.deviation_y)
 
+    def in_space(self) -> State | None:
+        """The Maxwell distribution of the same deviation, if both are equal."""
+        if self.deviation_x != self.deviation_y:
+            return None
+        return Maxwell(self.deviation_x)
+
     def _factor(self, m: int) -> Callable[[Any], Any] | None:
         """f_m over the density of an isotropic Gaussian of the wider deviation D, at v/D.
 
@@ -122,6 +128,48 @@ class Gaussian(State):
             return f if factor is None else np.asarray(f * factor(u))
 
         return value
+
+
+@dataclass(frozen=True)
+class Maxwell(State):
+    """Three independent Gaussian components of the velocity, in space; isotropic.
+
+    Parameters
+    ----------
+    deviation : standard deviation of each component, in U
+
+    Raises
+    ------
+    InputError : a deviation that is not above zero
+    """
+
+    deviation: float = 1.0
+    smooth = True
+    lowest_moment = -3.0
+
+    def __post_init__(self) -> None:
+        self.store(deviation=check_positive("deviation", self.deviation))
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """Trapezoid rule in ln v: the plane's Gaussian times sqrt(2/pi) v/D."""
+        if m:
+            return None
+        found = quadrature.gaussian(rtol, lowest + 1.0, highest + 1.0, self.deviation, _in_space)
+        return LogMeasure(found.x, found.weight / found.weight.sum())
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """sqrt(2/pi) v^2/D^3 exp(-v^2/2 D^2)."""
+        plane = Gaussian(self.deviation, self.deviation).profile(m)
+        if plane is None:
+            return None
+        return lambda v: np.asarray(plane(v) * _in_space(np.minimum(v / self.deviation, 100.0)))
+
+
+def _in_space(u: Any) -> Any:
+    """The speed density of a Gaussian in space over that in the plane, at u = v/D."""
+    return math.sqrt(2.0 / math.pi) * u
 
 
 @dataclass(frozen=True)

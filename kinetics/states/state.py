@@ -21,7 +21,8 @@ To add an initial state, write a class as follows, in this folder or in your own
    it out for delta peaks and samples.
 5. Set the attributes below where their defaults do not fit, as class attributes or properties:
    ``highest_harmonic``, ``smooth``, ``lowest_moment``, ``peaks``, ``kinks``.
-6. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
+6. Write ``in_space()`` if the state may start a three-dimensional scene and is not isotropic.
+7. For the package: export it in ``kinetics/__init__.py``, and add one object of it to STATES in
    ``tests/kinetics/states/test_contract.py``, which tests every rule of this list. A state that
    has a short name goes to NAMED in `kinetics.states.isotropic`.
 
@@ -68,6 +69,15 @@ class State(Value):
     def kinks(self) -> FloatArray:
         """Speeds at which the density is not smooth, rising, shape (n,)."""
         return np.empty(0)
+
+    def in_space(self) -> State | None:
+        """The state as it starts a three-dimensional scene; None if it has no such form.
+
+        There harmonic m is the integral of P_m(cos theta) f over all directions, theta the angle to
+        the x axis, about which the state is symmetric. Isotropic states that are given by their
+        speeds are the same in space.
+        """
+        return self if self.highest_harmonic == 0 else None
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0

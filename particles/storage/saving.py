@@ -3,6 +3,7 @@
 import os
 import time
 
+from particles.checks import short
 from particles.configuration import Plan, Tally
 from particles.storage.file import difference, plan_digest, read, write
 from particles.storage.journal import Journal
@@ -51,7 +52,9 @@ class Saver:
         if exists:
             found, arrays, self._saved = read(self.path)
             if other := difference(self.plan, found):
-                raise ValueError(f"output = {self.path!r}: holds another run, with {other}")
+                raise ValueError(
+                    f"output = {short(self.path, 200)}: holds another run, with {other}"
+                )
             totals = Totals.restore(self.plan, arrays)
         self._add_journal(totals)
         if totals.configurations and not resume:
@@ -111,4 +114,6 @@ class Saver:
 
 
 def _exists(path: str) -> ValueError:
-    return ValueError(f"output = {path!r}: exists; resume=True (--resume) would go on from it")
+    return ValueError(
+        f"output = {short(path, 200)}: exists; resume=True (--resume) would go on from it"
+    )

@@ -6,6 +6,8 @@ import secrets
 import stat
 from contextlib import suppress
 
+from particles.checks import short
+
 # Never through a symbolic link, and never waiting for the other end of a pipe; Windows has neither.
 SAFELY = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
@@ -62,4 +64,4 @@ def _kind(mode: int) -> str:
 
 def cannot_write(path: str, error: OSError) -> ValueError:
     """Return what is said where a file cannot be written."""
-    return ValueError(f"output = {path!r}: cannot be written ({error.strerror or error})")
+    return ValueError(f"output = {short(path, 200)}: cannot be written ({error.strerror or error})")

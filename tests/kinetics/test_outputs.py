@@ -29,10 +29,10 @@ def test_every_row(name: str) -> None:
         assert list(solution.values) == []
     else:
         assert tuple(solution.values) == row.names
-        expected = [len(TIMES) if n == "n_times" else int(n) for n in row.shape]
+        expected = [{"n_times": len(TIMES), "d": 2}[n] for n in row.shape]
         assert all(solution.values[n].shape == tuple(expected) for n in row.names)
-        assert row.made_of()
-        assert all(isinstance(part.observable, Observable) for part in row.made_of())
+        assert row.made_of(2)
+        assert all(isinstance(part.observable, Observable) for part in row.made_of(2))
     assert set(row.names) <= set(UNITS)
     steps = {step.part: step.solved for step in solution.plan}
     assert steps[row.step]
@@ -55,7 +55,7 @@ def test_a_new_output_is_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
 
     row = Output(
         "mean_speed_ratio", VELOCITY, "<v>/v0", "1", ("n_times",), "mean speed over thermal speed",
-        lambda: parts((1.0, speed_power(1.0)), (0.5, speed_power(2.0))),
+        lambda _: parts((1.0, speed_power(1.0)), (0.5, speed_power(2.0))),
         lambda averages: averages.power(1.0) / np.sqrt(averages.power(2.0)),
     )  # fmt: skip
     monkeypatch.setitem(OUTPUTS, row.name, row)
@@ -99,7 +99,7 @@ def test_the_velocity_of_the_start_is_averaged_over_all_directions() -> None:
     """<v(0).v(t)> of an isotropic start is not zero, though <v(t)> is."""
 
     def asked(name: str) -> Any:
-        return [part.start for part in outputs.OUTPUTS[name].made_of()]
+        return [part.start for part in outputs.OUTPUTS[name].made_of(2)]
 
     assert asked("velocity_autocorrelation") == [0]
     assert asked("mean_velocity") == [1]

@@ -46,9 +46,9 @@ class Count:
     def _watch(self, monkeypatch: pytest.MonkeyPatch, module: Any, name: str) -> None:
         original = getattr(module, name)
 
-        def counted(law: Any, path: Any, state: Any, m: int, *more: Any) -> Any:
-            self.densities.append((name, m))
-            return original(law, path, state, m, *more)
+        def counted(asked: Any) -> Any:
+            self.densities.append((name, asked.m))
+            return original(asked)
 
         monkeypatch.setattr(module, name, counted)
 

@@ -171,7 +171,7 @@ BAD = [
     (dict(max_collisions=0), "max_collisions = 0"),
     (dict(seed=-1), "seed = -1: must be a whole number from 0"),
     (dict(workers=0), "workers = 0: must be a whole number from 1"),
-    (dict(observables=["speed"]), "observables: no 'speed'; there are thermal_speed"),
+    (dict(observables=["speed"]), "observables = 'speed': must be names out of thermal_speed"),
     (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson,"),
     (dict(observables=3), "observables = 3: must be names out of thermal_speed"),
     (dict(observables=[["a"]]), "observables = [['a']]: must be names out of"),

@@ -84,13 +84,14 @@ def compare(
 
         prepare(output, data)
     from kinetics.crosscheck.comparison.data.read import read_sample
-    from kinetics.crosscheck.comparison.question import compare_sample
+    from kinetics.crosscheck.comparison.question import compare_sample, in_diameters
+    from kinetics.validation import check_positive
 
     unit = _speed_unit(speed_unit)
     sample = read_sample(data, positions, unit, diameter, show_progress=True)
 
     if number_density is not None:
-        number_density *= diameter**2
+        number_density = in_diameters(check_positive("number_density", number_density), diameter)
     result = compare_sample(sample, restitution, number_density, initial)
     written = []
     if output is not None:

@@ -3,6 +3,7 @@
 `compare_data` is what the command `lorentz compare` does.
 """
 
+import math
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -29,7 +30,7 @@ from kinetics.crosscheck.comparison.theory import (
     solved,
 )
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, one_of
+from kinetics.validation import check_positive, check_restitution, one_of, refuse
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -77,19 +78,37 @@ def compare_data(
     InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
         cannot tell what was not given
     """
+    if number_density is not None:
+        number_density = check_positive("number_density", number_density)
     if isinstance(data, (str, PathLike)):
         data = [data]
-    if isinstance(data, Sequence):
+    if isinstance(data, list | tuple) and all(isinstance(x, (str, PathLike)) for x in data):
         from kinetics.crosscheck.comparison.data.read import read_sample
 
+        diameter = check_positive("diameter", diameter)
         data = read_sample([Path(path) for path in data], positions, speed_unit, diameter)
         if number_density is not None:
-            number_density *= diameter**2
+            number_density = in_diameters(number_density, diameter)
     elif not isinstance(data, Sample):
+        from particles import Ensemble
+
+        if not isinstance(data, Ensemble):
+            refuse("data", data, "it must be a file, several files, a run of simulate or a Sample")
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
     return compare_sample(data, restitution, number_density, initial, explain)
+
+
+def in_diameters(number_density: float, diameter: float) -> float:
+    """A number density per d^2, from one per square of the unit that the diameter is given in.
+
+    InputError where it is beyond double precision.
+    """
+    found = number_density * diameter * diameter
+    if not 0.0 < found < math.inf:
+        refuse("number_density", number_density, f"at diameter {diameter:g} it is {found:g} d^-2")
+    return found
 
 
 def compare_sample(

@@ -21,7 +21,7 @@ from kinetics import (
 )
 from kinetics.collision import CollisionLaw
 from kinetics.densities import conservative
-from kinetics.densities.harmonic import Profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 
 TIMES = np.array([0.0, 1e-3, 0.1, 0.7, 2.0, 10.0, 1e2, 1e4, 1e6])
 
@@ -54,7 +54,7 @@ def solved(
     At 1e-12 the times here are before the scaling state, which would take over.
     """
     found = conservative.solve_conservative(
-        CollisionLaw(e), 1.0, state, m, np.asarray(times, float), rtol, nodes
+        HarmonicProblem(CollisionLaw(e), 1.0, state, m, np.asarray(times, float), rtol, nodes)
     )
     assert isinstance(found.density, conservative.NodeMasses)
     return found.density, found

@@ -12,7 +12,7 @@ from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, SpeedTable
 from kinetics.densities.conservative import NodeMasses, solve_conservative
 from kinetics.densities.elastic import ElasticDensity, elastic_profile
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import Profile, ThenScaling
+from kinetics.densities.harmonic import HarmonicProblem, Profile, ThenScaling
 from kinetics.densities.spectral import solve_spectral
 
 LAW, TIMES = CollisionLaw(0.6), np.array([0.0, 1.0, 20.0])
@@ -20,23 +20,32 @@ LATE = np.array([1.0, 1e12])
 TABLE = SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
 
 PROFILES: dict[str, tuple[Callable[[], Profile | None], type]] = {
-    "spectral": (lambda: solve_spectral(LAW, 1.0, Gaussian(), 0, TIMES, 1e-6), GridDensity),
+    "spectral": (
+        lambda: solve_spectral(HarmonicProblem(LAW, 1.0, Gaussian(), 0, TIMES, 1e-6)),
+        GridDensity,
+    ),
     "spectral, complex": (
-        lambda: solve_spectral(LAW, 1.0, Beam(0.4, Gaussian()), 1, TIMES, 1e-6),
+        lambda: solve_spectral(HarmonicProblem(LAW, 1.0, Beam(0.4, Gaussian()), 1, TIMES, 1e-6)),
         GridDensity,
     ),
     "with the scaling state": (
-        lambda: solve_spectral(LAW, 1.0, Gaussian(), 0, LATE, 1e-6),
+        lambda: solve_spectral(HarmonicProblem(LAW, 1.0, Gaussian(), 0, LATE, 1e-6)),
         ThenScaling,
     ),
-    "conservative": (lambda: solve_conservative(LAW, 1.0, TABLE, 0, TIMES, 1e-3), NodeMasses),
-    "with a peak": (
-        lambda: solve_conservative(LAW, 1.0, Monoenergetic(), 0, TIMES, 1e-3),
+    "conservative": (
+        lambda: solve_conservative(HarmonicProblem(LAW, 1.0, TABLE, 0, TIMES, 1e-3)),
         NodeMasses,
     ),
-    "elastic": (lambda: elastic_profile(CollisionLaw(1.0), 1.0, TABLE, 0, TIMES), ElasticDensity),
+    "with a peak": (
+        lambda: solve_conservative(HarmonicProblem(LAW, 1.0, Monoenergetic(), 0, TIMES, 1e-3)),
+        NodeMasses,
+    ),
+    "elastic": (
+        lambda: elastic_profile(HarmonicProblem(CollisionLaw(1.0), 1.0, TABLE, 0, TIMES, 1e-6)),
+        ElasticDensity,
+    ),
     "elastic peak": (
-        lambda: elastic_profile(CollisionLaw(1.0), 1.0, Beam(0.4), 1, TIMES),
+        lambda: elastic_profile(HarmonicProblem(CollisionLaw(1.0), 1.0, Beam(0.4), 1, TIMES, 1e-6)),
         ElasticDensity,
     ),
 }
@@ -78,6 +87,6 @@ def test_profiles_are_plain_data(name: str) -> None:
 
 
 def test_another_accuracy_is_another_profile() -> None:
-    assert solve_spectral(LAW, 1.0, Gaussian(), 0, TIMES, 1e-6) != solve_spectral(
-        LAW, 1.0, Gaussian(), 0, TIMES, 1e-4
+    assert solve_spectral(HarmonicProblem(LAW, 1.0, Gaussian(), 0, TIMES, 1e-6)) != solve_spectral(
+        HarmonicProblem(LAW, 1.0, Gaussian(), 0, TIMES, 1e-4)
     )

@@ -1,4 +1,4 @@
-"""Measures again what a panel of `kinetics.collision` resolves.
+"""Measures again what a panel of `kinetics.collision.impact` resolves.
 
 E[s^z cos(m chi)] by one panel length after another, against ten times as many points: the largest
 (|z| + m) times length at which 20 Gauss points are right to rounding, beside the constant used.
@@ -10,13 +10,12 @@ import itertools
 
 import numpy as np
 
-from kinetics import collision
-from kinetics.collision import impact_quadrature
+from kinetics.collision import DiskBounce, impact
 
 
 def average(e: float, z: complex, m: int, longest: float) -> complex:
     """E[s^z cos(m chi)] with panels no longer than this."""
-    q = impact_quadrature(e, longest)
+    q = DiskBounce(e).average(longest)
     return complex(np.exp(-z * q.log_loss) @ (q.weight * q.harmonic(m)))
 
 
@@ -40,4 +39,4 @@ if __name__ == "__main__":
         print(f"{turns:16g}   {worst:.1e}")
         if worst < 1e-13:
             good = turns
-    print(f"right to 1e-13 up to {good:g}; used is _RESOLVED = {collision._RESOLVED:g}")
+    print(f"right to 1e-13 up to {good:g}; used is RESOLVED = {impact.RESOLVED:g}")

@@ -13,9 +13,9 @@ import numpy as np
 
 from kinetics import CollisionLaw, Gaussian, Monoenergetic, Scene, SpeedDensity, solve
 from kinetics.crosscheck.references import load
-from kinetics.densities import conservative, intertwining, marginal, spectral
+from kinetics.densities import conservative, harmonic, marginal, spectral
 from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import Profile
+from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.densities.spectral import solve_spectral
 
 REFERENCES = load()["speed_density"]
@@ -37,7 +37,9 @@ def spectral_error(e: str, start: str, rtol: float) -> tuple[float, float]:
     """Error reached and estimate of the spectral method."""
     kept = REFERENCES[e][start]
     times = np.array([float(t) for t in kept])
-    found = solve_spectral(CollisionLaw(float(e)), 1.0, STARTS[start], 0, times, rtol)
+    found = solve_spectral(
+        HarmonicProblem(CollisionLaw(float(e)), 1.0, STARTS[start], 0, times, rtol)
+    )
     assert found is not None
     return error_of(found, kept), found.error_estimate
 
@@ -45,20 +47,13 @@ def spectral_error(e: str, start: str, rtol: float) -> tuple[float, float]:
 def measure_rounding() -> None:
     """What rounding leaves, with and without the collisions taken out of the equation."""
     print("spectral._BEST, where nothing but rounding is left: error at rtol = 1e-13")
-    worst = max(spectral_error(e, s, 1e-13)[0] for e in ("0.2", "0.5", "0.7") for s in STARTS)
+    worst = max(spectral_error(e, s, 1e-13)[0] for e in REFERENCES for s in STARTS)
     print(f"  used {spectral._BEST:.1e}, measured {worst:.1e}")
-    print("intertwining._LOSS: error over the rounding that a turned axis raises")
-    worst, chosen = 0.0, intertwining.choose_turn
-    for e in ("0.7", "0.9", "0.95"):
+    print("spectral_error over its estimate at rtol = 1e-7, 1e-9, 1e-12: below 1")
+    for e in REFERENCES:
         for start in STARTS:
-            turns: list[Any] = []
-            spectral.choose_turn = lambda *a, t=turns: t.append(chosen(*a)) or t[-1]
-            error, _ = spectral_error(e, start, 1e-12)
-            rounding = min(t.error for t in turns)
-            if rounding > 1e-12:  # and nothing else is as large
-                worst = max(worst, error / rounding * intertwining._LOSS)
-    spectral.choose_turn = chosen
-    print(f"  used {intertwining._LOSS}, measured {worst:.1f} (it depends on the processor)")
+            ratios = [np.divide(*spectral_error(e, start, r)) for r in (1e-7, 1e-9, 1e-12)]
+            print(f"  e = {e}, {start}: " + ", ".join(f"{ratio:.2f}" for ratio in ratios))
     print("spectral._BEST_STEPPED: error of steps at rtol = 1e-12")
     at_once = spectral._at_once
     spectral._at_once = lambda *a: None
@@ -67,16 +62,45 @@ def measure_rounding() -> None:
     print(f"  used {spectral._BEST_STEPPED:.1e}, measured {worst:.1e}")
 
 
+def slowest_zero(e: float, m: int) -> float:
+    """The largest real part, below 0, of a zero z of 1 - E[s^z cos(m chi)]; -1 if none is above."""
+    q = CollisionLaw(e).quadrature_for(40.0, m)
+    weight = q.weight * q.harmonic(m)
+    found = -1.0
+    for start in (complex(a, b) for a in (-0.1, -0.4, -0.7, -0.95) for b in range(16)):
+        z = start
+        for _ in range(12):
+            power = np.exp(-z * q.log_loss)
+            step = (1.0 - power @ weight) / ((power * q.log_loss) @ weight)
+            z -= step / max(1.0, abs(step))
+            if not -1.2 < z.real < 0.2:
+                break
+        if z.real < -1e-6 and abs(1.0 - np.exp(-z * q.log_loss) @ weight) < 1e-8:
+            found = max(found, z.real)
+    return found
+
+
+def measure_low_speeds() -> None:
+    """How slowly harmonics without their collisions fall at low speeds."""
+    print("spectral._SLOWEST, the exponent of harmonics m > 0 at low speeds, of e below _SMALL_E")
+    exponents = {(e, m): -slowest_zero(e, m) for e in (0.0, 1e-3, 0.03, 0.1, 0.2, 0.3)
+                 for m in (1, 2, 3, 4, 6, 8, 16, 32)}  # fmt: skip
+    least = min(exponents, key=lambda case: exponents[case])
+    print(f"  used {spectral._SLOWEST}, measured {exponents[least]:.2f} at e, m = {least}")
+
+
 def measure_maximum() -> None:
     """The least maximum of the isotropic density of ln v, over times."""
-    print("spectral._LEAST_MAXIMUM of the isotropic density of ln v")
+    print("harmonic.LEAST_MAXIMUM of the isotropic density of ln v")
     least, times = math.inf, np.geomspace(1e-2, 1e6, 30)
     for e in (0.0, 0.1, 0.4, 0.8):
-        found = solve_spectral(CollisionLaw(e), 1.0, Gaussian(2.0, 2.0), 0, times, 1e-4)
+        found = solve_spectral(
+            HarmonicProblem(CollisionLaw(e), 1.0, Gaussian(2.0, 2.0), 0, times, 1e-4)
+        )
         assert found is not None
         density = found.density if isinstance(found.density, GridDensity) else found.density.early
         least = min(least, float(density.values.max(axis=1).min()))
-    print(f"  used {spectral._LEAST_MAXIMUM}, measured {least:.2f}")
+    print(f"  used {harmonic.LEAST_MAXIMUM}, measured {least:.2f}")
 
 
 def measure_spacing() -> None:
@@ -85,8 +109,10 @@ def measure_spacing() -> None:
     v, times = np.geomspace(0.02, 3.0, 200), np.array([0.5, 5.0, 50.0])
     for e in (0.0, 0.3, 0.6, 0.8, 0.9):
         law = CollisionLaw(e)
-        exact = solve_spectral(law, 1.0, Gaussian(), 0, times, 1e-8)
-        found = conservative.solve_conservative(law, 1.0, Gaussian(), 0, times, 1e-9, 1500)
+        exact = solve_spectral(HarmonicProblem(law, 1.0, Gaussian(), 0, times, 1e-8))
+        found = conservative.solve_conservative(
+            HarmonicProblem(law, 1.0, Gaussian(), 0, times, 1e-9, 1500)
+        )
         assert exact is not None
         assert isinstance(found.density, conservative.NodeMasses)
         size = exact.continuous(v).max(axis=1, keepdims=True)
@@ -100,12 +126,15 @@ def measure_spacing() -> None:
 
         conservative._Axis._arriving = counting  # type: ignore[method-assign]
         late = np.array([1e4, 1e6])
-        conservative.solve_conservative(law, 1.0, Monoenergetic(), 0, late, 1e-12, 400)
+        conservative.solve_conservative(
+            HarmonicProblem(law, 1.0, Monoenergetic(), 0, late, 1e-12, 400)
+        )
         conservative._Axis._arriving = arriving  # type: ignore[method-assign]
         sweeps = count[0] * law.mean_log_loss / (1.0 + math.log1p(1e6))
         print(
             f"  e = {e}: used {used:.1f} and {conservative._SWEEPS:.0f}, measured "
-            f"{error / found.density.spacing**2:.1f} and {sweeps:.0f}"
+            f"{error / found.density.spacing**2:.1f} and {sweeps:.0f}; error over its estimate "
+            f"{error / found.error_estimate:.2f}"
         )
 
 
@@ -148,6 +177,7 @@ def measure_marginal() -> None:
 
 if __name__ == "__main__":
     measure_rounding()
+    measure_low_speeds()
     measure_maximum()
     measure_spacing()
     measure_convolution()

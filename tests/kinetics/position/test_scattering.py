@@ -14,7 +14,7 @@ def test_the_harmonics_left_out_are_replaced_by_steady_flights() -> None:
     law, k, rule = CollisionLaw(0.6), np.array([4.0]), PanelRule(16, 0.125)
     x = np.linspace(-3.0, 5.0, 80)
     start = 0.125 * math.floor(math.log(5.0 / 6.0) / 0.125)
-    few, many = (Sweep(law, k, rule, start, top).run(50, 1e-16, 0)(x) for top in (16, 60))
+    few, many = (Sweep(law, k, rule, start, top, 50).run(50, 1e-16, 0)(x) for top in (16, 60))
     assert np.abs(few - many).max() < 3e-5
 
 

@@ -66,8 +66,13 @@ def read_rows(path: Path) -> Iterator[Rows]:
     module = FORMATS.get(path.suffix.lower())
     if module is None:
         raise InputError(f"{shown(path)}: must be a file .csv, .npz or .h5")
-    if not path.is_file():
-        raise InputError(f"{shown(path)}: {'not a file' if path.exists() else 'no such file'}")
+    try:
+        there = path.is_file()
+        why = "not a file" if path.exists() else "no such file"
+    except (OSError, ValueError) as error:  # a name that no file can have
+        there, why = False, getattr(error, "strerror", None) or str(error)
+    if not there:
+        raise InputError(f"{shown(path)}: {why}")
     try:
         yield from import_module(f"{__package__}.{module}").read(path)
     except (OSError, *_DAMAGE) as error:
@@ -81,7 +86,8 @@ def read_rows(path: Path) -> Iterator[Rows]:
 
 def shown(path: Path | str) -> str:
     """A file's path, or its name, on one line of text that can be written: it may be any bytes."""
-    return " ".join(str(path).encode("utf-8", "replace").decode("utf-8").split()) or "''"
+    text = " ".join(str(path).encode("utf-8", "replace").decode("utf-8").split()) or "''"
+    return text if len(text) <= 200 else f"{text[:90]}...{text[-100:]}"
 
 
 def find_columns(path: Path, names: Sequence[str]) -> dict[str, int]:

@@ -46,7 +46,7 @@ def read_sample(
         raise InputError("data: got no file; at least one is needed")
     one_of("positions", positions, POSITIONS)
     diameter = check_positive("diameter", diameter)
-    if speed_unit != "data":
+    if not (isinstance(speed_unit, str) and speed_unit == "data"):
         speed_unit = check_positive("speed_unit", speed_unit)
     if ensembles := [path for path in paths if is_ensemble(path)]:
         if len(paths) > 1:

@@ -1,0 +1,12 @@
+"""One collision: the only room that knows the restitutions, the dimension and how they enter.
+
+May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
+equation needs; `impact.py` is the bounce off a disk or a sphere, `samples.py` a bounce that is
+given by weighted samples, and `quadrature.py` what both of them hand to the law.
+"""
+
+from kinetics.collision.impact import DiskBounce
+from kinetics.collision.law import CollisionLaw, law_of
+from kinetics.collision.quadrature import ImpactQuadrature, Survival
+
+__all__ = ["CollisionLaw", "DiskBounce", "ImpactQuadrature", "Survival", "law_of"]

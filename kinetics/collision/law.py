@@ -1,0 +1,376 @@
+"""The collision law as averages: the only thing that the solvers ask of a collision.
+
+The kinetic equation needs of one collision the averages E[s^p cos(m chi)] in the plane, and
+E[s^p P_m(cos chi)] in space, with s the speed ratio and chi the deflection. Whatever scales with
+the speed is such a law.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.collision.impact import RESOLVED, DiskBounce
+from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
+from kinetics.collision.samples import SampledBounce
+from kinetics.errors import InputError
+from kinetics.validation import (
+    check_restitution,
+    number_array,
+    real_number,
+    refuse,
+    whole_number,
+)
+
+_LEAST_RATE = 1.0 / sys.float_info.max
+_HIGHEST_HARMONIC = 1_000_000
+_LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
+
+
+@dataclass(frozen=True)
+class CollisionLaw:
+    """The bounce off a fixed disk or sphere, averaged over a uniform impact parameter.
+
+    Parameters
+    ----------
+    restitution : e in [0, 1], by which the normal velocity is multiplied (and turned round)
+    tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
+        smooth scatterers. Not both may be 0: the tracer would stop at its first bounce
+    dimension : 2 (disks in the plane) or 3 (spheres)
+
+    Raises
+    ------
+    InputError (a ValueError) : an argument out of range or not a number
+
+    A law that is not of this form is made by :meth:`from_samples`; its ``restitution`` and
+    ``tangential_restitution`` are None.
+
+    All results are dimensionless. Relative accuracy 1e-13 or better for every e and et, those near
+    0 and 1 included: for real p each is a sum of terms of one sign. For complex p the error of
+    E[s^p] is relative to E[s^(Re p)].
+
+    >>> law = CollisionLaw(restitution=0.7)
+    >>> bool(abs(law.decay_rate(2) - 2 / 3 * (1 - 0.7**2)) < 1e-15)
+    True
+    >>> CollisionLaw(0.0, dimension=3).mean_log_loss
+    0.5
+    """
+
+    restitution: float | None
+    tangential_restitution: float | None = 1.0
+    dimension: int = 2
+    _samples: SampledBounce | None = field(default=None, repr=False)
+    _quadratures: dict[int, ImpactQuadrature] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "dimension", whole_number("dimension", self.dimension, 2, 3))
+        if self._samples is not None:
+            return
+        e = check_restitution(self.restitution)
+        allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
+        value = self.tangential_restitution
+        et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
+        if e == et == 0.0:
+            refuse("tangential_restitution", value, "at restitution 0 it must be above 0")
+        set_(self, "restitution", e)
+        set_(self, "tangential_restitution", et)
+
+    @classmethod
+    def from_samples(
+        cls, weight: ArrayLike, ratio: ArrayLike, cosine: ArrayLike, dimension: int = 2
+    ) -> CollisionLaw:
+        """A law of one's own: a mixture of scatterers, a random restitution, measured bounces.
+
+        Parameters
+        ----------
+        weight : of each sample, not negative, sum 1, shape (n_samples,), up to 20,000 of them
+        ratio : speed after the bounce over the speed before, above 0, same shape
+        cosine : cosine of the deflection, from -1 to 1, same shape. A law must not prefer left
+            or right: in the plane the deflection takes both signs with equal chance, in space
+            every azimuth
+        dimension : 2 or 3
+
+        Averages are the sums over the samples. Two laws mix by joining ``quadrature.weight`` times
+        their shares, ``quadrature.ratio`` and ``quadrature.cosine``. Ratios above 1 have averages,
+        but the solvers refuse them: they need a tracer that never gains energy.
+
+        Raises
+        ------
+        InputError (a ValueError) : arrays of other shapes or out of range
+
+        >>> half = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.0, 0.0])
+        >>> float(half.mean_speed_ratio_power(2.0))
+        0.485
+        """
+        dimension = whole_number("dimension", dimension, 2, 3)
+        samples = SampledBounce.checked(weight, ratio, cosine, dimension)
+        return cls(None, None, dimension, samples)
+
+    def __repr__(self) -> str:
+        if self._samples is not None:
+            count = len(self._samples.weight)
+            return f"CollisionLaw.from_samples({count} samples, dimension={self.dimension})"
+        return f"CollisionLaw({self.described})"
+
+    @property
+    def described(self) -> str:
+        """The arguments, for texts; those that have their defaults are left out."""
+        if self._samples is not None:
+            return f"restitution={self!r}"
+        rest = ""
+        if self.tangential_restitution != 1.0:
+            rest += f", tangential_restitution={self.tangential_restitution!r}"
+        if self.dimension != 2:
+            rest += f", dimension={self.dimension}"
+        return f"restitution={self.restitution!r}{rest}"
+
+    # -- what kind of law it is -------------------------------------------------------------------
+
+    @cached_property
+    def _bounce(self) -> Bounce:
+        if self._samples is not None:
+            return self._samples
+        assert self.restitution is not None
+        assert self.tangential_restitution is not None
+        return DiskBounce(self.restitution, self.tangential_restitution, self.dimension)
+
+    @cached_property
+    def is_elastic(self) -> bool:
+        """Whether every bounce keeps the speed."""
+        return self.least_loss == self.largest_loss == 0.0
+
+    @cached_property
+    def least_loss(self) -> float:
+        """The smallest -ln s that occurs: 0 for smooth scatterers, below 0 if energy is gained."""
+        return self._bounce.least_loss
+
+    @cached_property
+    def largest_loss(self) -> float:
+        """The largest -ln s that occurs: -ln e for smooth scatterers, infinite at e = 0."""
+        return self._bounce.largest_loss
+
+    @cached_property
+    def lowest_power(self) -> float:
+        """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
+
+        There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0.
+        """
+        return self._bounce.lowest_power
+
+    @cached_property
+    def uniform_power(self) -> float | None:
+        """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
+
+        Then lambda(z) = z/(z + q), kappa = 1/q, and the scaling state is known in closed form. None
+        for all other laws.
+        """
+        if self.restitution == 0.0 and self.tangential_restitution == 1.0:
+            return self.dimension - 1.0
+        return None
+
+    @cached_property
+    def energy_loss(self) -> float:
+        """lambda(2) = 1 - E[s^2], the share of its energy that a tracer loses at a bounce."""
+        return float(self.decay_rate(2.0))
+
+    @property
+    def unit_surface(self) -> float:
+        """The circumference of the unit circle, 2 pi, or the surface of the unit sphere, 4 pi."""
+        return 2.0 * math.pi * (self.dimension - 1.0)
+
+    def mean_free_path(self, number_density: float, diameter: float) -> float:
+        """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres; d the diameter.
+
+        0 or infinite where it is beyond the range of doubles.
+        """
+        across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
+        rate = across * number_density
+        return 1.0 / rate if rate >= _LEAST_RATE else math.inf
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What :func:`law_of` makes this law of; ``restitution`` is the law itself for samples."""
+        return {
+            "restitution": self if self._samples is not None else self.restitution,
+            "tangential_restitution": self.tangential_restitution,
+            "dimension": self.dimension,
+        }
+
+    @cached_property
+    def tail_exponent(self) -> float:
+        """b where E[s^p] tends to b/p at large p: 1/(1-e^2) for smooth disks, twice it for spheres.
+
+        0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
+        """
+        return self._bounce.tail_exponent
+
+    @property
+    def smooth_disks(self) -> float:
+        """e of smooth disks; InputError for any other law: densities are solved for these only."""
+        smooth = self.tangential_restitution == 1.0 and self.dimension == 2
+        if self.restitution is None or not smooth:
+            refuse("restitution", self, "densities are solved for smooth disks only")
+        return self.restitution
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @cached_property
+    def quadrature(self) -> ImpactQuadrature:
+        """The average over the impact parameter as a weighted sum, for slow functions of ln s."""
+        return self.quadrature_for(0.0)
+
+    def quadrature_for(self, rate: float, m: int = 0) -> ImpactQuadrature:
+        """The same for functions that vary as fast as s^z cos(m chi) with |z| up to ``rate``.
+
+        Raises InputError where that takes more than some million points.
+        """
+        level = self._level(rate, m)
+        if level not in self._quadratures:
+            self._quadratures[level] = self._bounce.quadrature(level)
+        return self._quadratures[level]
+
+    def _level(self, rate: float, m: int) -> int:
+        """How often panels are halved for functions that vary so fast."""
+        turn = self._bounce.turns(rate, m)
+        if not turn <= _LARGEST_TURN:
+            raise InputError(f"p: got a size of {rate:.3g}; E[s^p] needs too many points there")
+        return max(0, math.ceil(math.log2(max(turn, 1.0) / RESOLVED)))
+
+    def survival_for(self, rate: float) -> Survival:
+        """int_0^inf P(-ln s > u) e^u f(u) du as a weighted sum, f as fast as e^(rate u)."""
+        return self._bounce.survival(self._level(rate, 0))
+
+    def cells(self, spacing: float, points: int = 6) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
+        """The average cell by cell of width ``spacing`` in -ln s, with so many points in each.
+
+        Returns the quadrature and the cell of each of its nodes, shape (n_nodes,). Where s reaches
+        0 cells end at -ln s = 40; the last one holds all bounces below.
+        """
+        return self._bounce.cells(spacing, points)
+
+    def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
+        """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
+
+        Closed forms: e^p 2F1(-p/2, 1/2; 3/2; -(1-e^2)/e^2) for smooth disks,
+        2 (et^(p+2) - e^(p+2))/((p+2)(et^2 - e^2)) for spheres.
+        """
+        p_ = self._exponents(p)
+        if self.restitution == 0.0:
+            above = self.dimension - 1.0
+            return (above / (above + p_) * np.exp(p_ * self._log_tangential))[()]
+        q = self.quadrature_for(_size(p_))
+        with np.errstate(over="ignore", invalid="ignore"):
+            mean = np.exp(-np.multiply.outer(p_, q.log_loss)) @ q.weight + self._bounce.beyond(p_)
+        return self._finite(p, mean)[()]
+
+    def decay_rate(self, p: ArrayLike) -> Any:
+        """lambda(p) = 1 - E[s^p], so that d<v^p>/dt = -lambda(p) <v^(p+1)>/l (isotropic part).
+
+        Same shapes as :meth:`mean_speed_ratio_power`; accurate relative to itself also where
+        it vanishes (p -> 0, elastic bounces). Negative for p < 0.
+        """
+        p_ = self._exponents(p)
+        with np.errstate(over="ignore", invalid="ignore"):
+            rate = self.decay_symbol(p_)
+        return self._finite(p, rate)[()]
+
+    def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
+        """lambda(z) = 1 - E[s^z], shape of z; without checks of the range, for inner loops."""
+        closed = self._bounce.closed_decay(z)
+        if closed is not None:
+            return closed
+        q = self.quadrature_for(_size(z))
+        rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
+        return np.asarray(rate - self._bounce.beyond(z))
+
+    @cached_property
+    def mean_log_loss(self) -> float:
+        """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
+        if self.restitution == 0.0:
+            return 1.0 / (self.dimension - 1.0) - self._log_tangential
+        return float(self.quadrature.weight @ self.quadrature.log_loss)
+
+    @cached_property
+    def mean_cosine(self) -> float:
+        """<cos chi>: for smooth disks 1/2 at e = 0, -1/3 at e = 1 (backwards on average)."""
+        if self.restitution == 0.0:
+            return (self.dimension - 1.0) / self.dimension
+        return float(self.quadrature.weight @ self.quadrature.cosine)
+
+    def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
+        """1 - E[s^p cos(m chi)]: how fast the moment of v^p exp(i m phi) is lost, in v/l.
+
+        In space cos(m chi) is P_m(cos chi), and exp(i m phi) any spherical harmonic of degree m.
+        A float for a real p, an array of the shape of p for an array.
+        """
+        m = whole_number("m", m, -_HIGHEST_HARMONIC, _HIGHEST_HARMONIC)
+        if m == 0:
+            return self.decay_rate(p)
+        p_ = self._exponents(p)
+        q = self.quadrature_for(_size(p_), abs(m))
+        gone = q.harmonic_loss(m)
+        # 1 - s^p cos = (1 - s^p) + s^p (1 - cos): no cancellation
+        with np.errstate(over="ignore", invalid="ignore"):
+            lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
+            rate = (lost + (1.0 - lost) * gone) @ q.weight
+            # bounces beyond the nodes, which nearly stop the tracer, deflect by a right angle
+            rate = rate - self._bounce.beyond(p_) * at_right_angle(m, self.dimension)
+        return self._finite(p, rate)[()]
+
+    @property
+    def _log_tangential(self) -> float:
+        """ln et, at e = 0, where s = et y."""
+        assert self.tangential_restitution is not None
+        return math.log(self.tangential_restitution)
+
+    def _exponents(self, p: ArrayLike) -> NDArray[Any]:
+        p_ = number_array("p", p, "iufc", "it must be a number or an array of numbers")
+        if not np.all(np.isfinite(p_)):
+            refuse("p", p, "it must be finite")
+        if np.any(p_.real <= self.lowest_power):
+            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+        return p_
+
+    @staticmethod
+    def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
+        if not np.all(np.isfinite(value)):
+            refuse("p", p, "E[s^p] overflows double precision there")
+        return value
+
+
+def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
+    """The law of these arguments, as the solvers take them.
+
+    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
+    given. Raises InputError for arguments out of range, and for a law that gains energy.
+    """
+    if not isinstance(restitution, CollisionLaw):
+        return CollisionLaw(restitution, tangential_restitution, dimension)
+    law = restitution
+    for name, value, default in (
+        ("tangential_restitution", tangential_restitution, 1.0),
+        ("dimension", dimension, 2),
+    ):
+        if value is not None and value not in (default, getattr(law, name)):
+            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
+    if law.least_loss < 0.0:
+        largest = math.exp(-law.least_loss)
+        raise InputError(
+            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
+            "a tracer that never gains energy (ratios up to 1)"
+        )
+    return law
+
+
+def _size(z: NDArray[Any]) -> float:
+    return float(np.max(np.abs(z))) if z.size else 0.0

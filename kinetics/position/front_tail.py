@@ -1,0 +1,237 @@
+r"""How F(k, t) of a start of sharp speeds ends: the fronts of those that have collided twice.
+
+Without the tracers that have collided once at most, F falls as K^(-5/2): the density of the others
+has a kink at R = T, of those that were hardly deflected, and weaker ones at smaller radii. Each is
+a power of the distance from its radius, perhaps times logarithms (T = v t/l, R in units of l):
+
+- R = T: whole powers, from 1
+- R = e T: a head-on collision at once, the others hardly deflect: half-integer powers, from 3/2
+- R = a T: two equal deflections, one after the other at once, at a stationary distance; from 3/2
+- R = e^2 T: two head-on collisions at once; whole powers, from 2
+- R = 0, where e is small: tracers that a collision has stopped; powers of 1/K as in `tail`
+
+The end of F is fitted by functions with these singularities. In R they are known, so that the
+transform needs no large K.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics.position.once_collided import radial_edges
+from kinetics.position.tail import origin_terms, origin_transforms
+from kinetics.values import Value
+
+_POINTS = 12
+_CUT = 2  # functions that begin at an inner front end at T as this power of T^2 - R^2
+_NEAREST = 0.03  # of a front to 0 or 1: nearer ones are not resolved by K T of about 100
+_AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
+# Singular values below one of these shares of the largest are left out: they raise errors of F.
+_SMALLEST = (1e-6, 1e-8, 1e-10, 1e-12)
+_ORIGIN = 3.0  # K T from which these fall as powers
+
+
+@dataclass(frozen=True)
+class FrontTail(Value):
+    """A sum of functions of R with the singularities of the twice collided, of some speeds.
+
+    Attributes
+    ----------
+    coefficients : shape (n_functions,)
+    restitution : e
+    flights : T of each speed, shape (n_speeds,)
+    """
+
+    coefficients: FloatArray
+    restitution: float
+    flights: FloatArray
+
+    def at(self, k: FloatArray) -> FloatArray:
+        """Its part of F at K = k, shape (n_k,)."""
+        return np.asarray(_columns(k, self.restitution, self.flights) @ self.coefficients)
+
+    def transform(self, rho: FloatArray, kind: int) -> FloatArray:
+        """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
+        out, first = np.zeros(rho.shape), 0
+        for T in self.flights:
+            parts = _transforms(rho, float(T), self.restitution, kind)
+            out += self.coefficients[first : first + len(parts)] @ parts
+            first += len(parts)
+        return out
+
+
+def fit_fronts(
+    k: FloatArray, f: FloatArray, restitution: float, flights: FloatArray
+) -> tuple[FrontTail, float]:
+    """The tail of F through f at K = k, shape (n_k,) each, and what it leaves unknown of r g(r).
+
+    The latter is the largest difference from a fit without the upper quarter of the range, at
+    radii no closer to a front than 1/K; it is infinite where there are too few points.
+    """
+    columns = _columns(k, restitution, flights)
+    below = k < k.min() + 0.75 * (k.max() - k.min())
+    if np.count_nonzero(below) < columns.shape[1]:
+        return FrontTail(np.zeros(columns.shape[1]), restitution, flights), np.inf
+    best, left = None, np.inf
+    for smallest in _SMALLEST:
+        full, trial = (
+            FrontTail(_least_squares(columns[use], f[use], k[use], smallest), restitution, flights)
+            for use in (k > 0.0, below)
+        )
+        apart = _difference(full, trial, float(k.max()))
+        if best is None or apart < left:
+            best, left = full, apart
+    assert best is not None
+    return best, left
+
+
+def _difference(one: FrontTail, other: FrontTail, high: float) -> float:
+    """How far the densities are apart that follow with F as it is up to K = high, over l."""
+    from scipy.special import j0
+
+    longest = float(one.flights.max())
+    node, weight = gauss_legendre(8 * math.ceil((40.0 + high * longest) / 8.0))
+    k = high * node
+    missed = weight * high * k * (one.at(k) - other.at(k))
+    largest = 0.0
+    for T in one.flights:
+        rho = T * _places(one.restitution, high * float(T))
+        beyond = one.transform(rho, 0) - other.transform(rho, 0) - j0(np.outer(rho, k)) @ missed
+        largest = max(largest, float(np.abs(rho * beyond).max()))
+    return largest
+
+
+def _places(e: float, turns: float) -> FloatArray:
+    """Radii over T: between the fronts, and near them, but no closer than 1/turns."""
+    near = 2.0 ** np.arange(4) / turns
+    fronts = [1.0, *(ring for ring, _, _ in inner_fronts(e))]
+    x = np.concatenate(
+        [np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))]
+    )
+    far = np.min([np.abs(x - a) for a in fronts], axis=0) > 0.99 / turns
+    return x[far & (x > 0.0) & (x < 1.0)]
+
+
+def _least_squares(
+    columns: FloatArray, f: FloatArray, k: FloatArray, smallest: float
+) -> FloatArray:
+    """Of the errors relative to K^(-5/2)."""
+    weight = k**2.5
+    found = np.linalg.lstsq(columns * weight[:, None], f * weight, rcond=smallest)
+    return np.asarray(found[0])
+
+
+def _columns(k: FloatArray, e: float, flights: FloatArray) -> FloatArray:
+    """The functions at K = k, shape (n_k, n_functions)."""
+    from scipy.special import j0
+
+    columns = []
+    for T in flights:
+        turns = 2.0 ** math.ceil(math.log2(max(32.0, float(k.max()) * T)))
+        rho, parts = _table(e, float(T), turns)
+        columns.append(j0(np.outer(k, rho)) @ parts.T)
+        if e < _SMALL:
+            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN))
+    return np.hstack(columns)
+
+
+@lru_cache(maxsize=16)
+def _table(e: float, T: float, turns: float) -> tuple[FloatArray, FloatArray]:
+    """Radii (n,) on [0, T], and weights times R times the functions there, (n_functions, n)."""
+    inner = tuple(T * ring for ring, _, _ in inner_fronts(e))
+    rho, weight = panels_between(radial_edges((0.0, *inner, T), T, turns), _POINTS)
+    return rho, weight * rho * _functions(rho / T, e)
+
+
+def _functions(x: FloatArray, e: float) -> FloatArray:
+    """The functions of x = R/T, shape (n_functions, n), each at most 1 or about 1."""
+    return np.asarray(_unscaled(x, e) / _sizes(e)[:, None])
+
+
+@lru_cache(maxsize=16)
+def _sizes(e: float) -> FloatArray:
+    """Of each function: without it, those between fronts that nearly coincide would be lost."""
+    return np.abs(_unscaled(np.linspace(0.0, 1.0, 2001), e)).max(axis=1) + 1e-290
+
+
+def _unscaled(x: FloatArray, e: float) -> FloatArray:
+    inside = x < 1.0
+    d = np.where(inside, (1.0 - x) * (1.0 + x), 1.0)
+    out = [np.where(inside, d**nu * np.log(d) ** p, 0.0) for nu in (1, 2, 3) for p in range(nu + 2)]
+    for ring, powers, logarithms in inner_fronts(e):
+        q = (x - ring) * (x + ring)
+        above = np.where(q > 0.0, np.where(inside, d, 0.0) ** _CUT, 0.0)
+        below = np.where(q < 0.0, 1.0, 0.0)
+        size = np.where(q == 0.0, 1.0, np.abs(q))
+        for nu in powers:
+            for p in range(logarithms + 1):
+                part = size**nu * np.log(size) ** p
+                out += [part * above, part * below]
+    return np.array(out)
+
+
+def _transforms(rho: FloatArray, T: float, e: float, kind: int) -> FloatArray:
+    """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`."""
+    if kind == 0:
+        parts = _functions(rho / T, e)
+    elif kind == 1:
+        inner = tuple(T * ring for ring, _, _ in inner_fronts(e))
+        near = np.clip(rho, 0.0, T)
+        edges = np.union1d(radial_edges((0.0, *inner, T), T), near)
+        x, w = panels_between(edges, _POINTS)
+        parts = (w * x * _functions(x / T, e)).reshape(-1, edges.size - 1, _POINTS)
+        sums = np.cumsum(parts.sum(axis=2), axis=1)
+        sums = np.concatenate([np.zeros((sums.shape[0], 1)), sums], axis=1)
+        parts = sums[:, np.searchsorted(edges, near)] / np.maximum(rho, 1e-300)
+    else:
+        step = 1e-5 * T
+        ends = [_functions(np.abs(rho + h) / T, e) for h in (-step, step)]
+        parts = (ends[0] - ends[1]) / (2.0 * step)
+    if e < _SMALL:
+        scale = _ORIGIN / T
+        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind) * scale ** (2, 1, 3)[kind]
+        parts = np.concatenate([parts, at_origin])
+    return parts
+
+
+@lru_cache(maxsize=16)
+def inner_fronts(e: float) -> tuple[tuple[float, tuple[float, ...], int], ...]:
+    """Radii over T, powers and the highest power of the logarithm, of the fronts inside (0, T)."""
+    if e in (0.0, 1.0):
+        return ()
+    found = [(e, (1.5, 2.5), 1), (e * e, (2.0, 3.0), 1)]
+    stationary = _two_equal_deflections(e)
+    if stationary is not None:
+        found.append((stationary, (1.5, 2.5), 0))
+    return tuple(front for front in found if _NEAREST < front[0] < 1.0 - _NEAREST)
+
+
+def _two_equal_deflections(e: float) -> float | None:
+    """R/T where the distance of those with two equal collisions at one place is stationary.
+
+    A collision multiplies the velocity, as a complex number, by q = ((1-e) + (1+e) exp(i psi))/2.
+    The end of the path, for all places of two equal collisions, is the line from 1 to q^2: R is
+    stationary at the foot of the perpendicular from 0 where this line touches the curve q^2(psi).
+    """
+    from scipy.optimize import brentq
+
+    def touches(psi: float) -> float:
+        turned = 0.5 * (1.0 + e) * complex(math.cos(psi), math.sin(psi))
+        q = 0.5 * (1.0 - e) + turned
+        return ((1j * turned * q).conjugate() * (1.0 - q * q)).imag
+
+    psi = np.linspace(0.3, math.pi - 1e-3, 400)
+    values = [touches(float(p)) for p in psi]
+    for low, high, a, b in zip(psi[:-1], psi[1:], values[:-1], values[1:], strict=True):
+        if a * b < 0.0:
+            p = float(brentq(touches, low, high, xtol=1e-14))
+            turned = 0.5 * (1.0 + e) * complex(math.cos(p), math.sin(p))
+            along = 1.0 - (0.5 * (1.0 - e) + turned) ** 2
+            return abs(along.imag) / abs(along)
+    return None

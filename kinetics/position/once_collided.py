@@ -1,0 +1,181 @@
+r"""Tracers that have collided exactly once: their density is one integral, their F(k, t) another.
+
+In units of the mean free path, a tracer of speed v that has flown T = v t/l without or with one
+collision flew x to the collision and u = T - x after it, and is at distance R. With the impact
+parameter y uniform (`kinetics.collision`), R^2 is linear in y^2 for each x:
+
+    R^2 = A^2 + y^2 (T^2 - A^2),   A = x - e u,
+
+so that the radial density of these tracers, each of weight exp(-x - s(y) u), is
+
+    P_1(R) = (R/(1 + e)) integral of exp(-x - s u)/sqrt((T^2 - A^2) (R^2 - A^2)) dA
+
+over -min(R, e T) < A < R. With A = R tanh z no edge is singular. P_1 itself has a logarithm at
+R = T and, for 0 < e < 1, a square root at R = e T, above which nobody collided at once and
+head-on: what a Fourier transform on finitely many wave numbers cannot show.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics.states.state import State
+from kinetics.values import Value
+
+_MOST_SPEEDS = 4  # of a start: each costs as much as one
+_POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is left
+_FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
+_NEAREST = 20  # panels towards a singular radius, each a quarter of the next
+_TURN = 6.0  # of K R on a panel in R, at most
+_LONGEST = 40.0  # T beyond which none is at the front R = T, and few elsewhere
+
+
+@dataclass(frozen=True)
+class OnceCollided(Value):
+    """The tracers that have collided once, of a start of a few sharp speeds.
+
+    Attributes
+    ----------
+    restitution : e
+    mean_free_path : l, in d
+    flights : T = v t/l of each time and speed, shape (n_times, n_speeds); n_speeds = 0 where these
+        tracers are not kept apart
+    shares : of all tracers in each speed, 0 at times at which they are not kept apart,
+        shape (n_times, n_speeds)
+    """
+
+    restitution: float
+    mean_free_path: float
+    flights: FloatArray
+    shares: FloatArray
+
+    def kept_apart(self, time: int) -> bool:
+        """Whether these tracers are kept apart at a time."""
+        return bool(self.shares[time].any())
+
+    def at(self, time: int, r: FloatArray) -> FloatArray:
+        """Their density in 1/d at radii r in d, shape (n_r,)."""
+        rho, path = r / self.mean_free_path, self.mean_free_path
+        return self._sum(time, lambda T: once_density(rho, T, self.restitution) / path, r.shape)
+
+    def within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers that have collided once and are within r, shape (n_r,)."""
+        rho = r / self.mean_free_path
+
+        def share(T: float) -> FloatArray:
+            near = np.clip(rho, 0.0, T)
+            edges = np.union1d(radial_edges((0.0, self.restitution * T, T), T), near)
+            x, w = panels_between(edges, _POINTS)
+            part = (once_density(x, T, self.restitution) * w).reshape(edges.size - 1, -1)
+            sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
+            return np.asarray(sums[np.searchsorted(edges, near)])
+
+        return self._sum(time, share, r.shape)
+
+    def scattering(self, time: int, wave_numbers: FloatArray) -> FloatArray:
+        """Their part of F(k, t) at K = k l, shape (n_k,)."""
+        from scipy.special import j0
+
+        highest = float(wave_numbers.max(initial=0.0))
+
+        def transform(T: float) -> FloatArray:
+            # few different resolutions, so that tables are used again
+            turns = 2.0 ** math.ceil(math.log2(max(32.0, highest * T)))
+            rho, weight = _table(self.restitution, T, turns)
+            return np.asarray(j0(np.outer(wave_numbers, rho)) @ weight)
+
+        return self._sum(time, transform, wave_numbers.shape)
+
+    def _sum(
+        self, time: int, of: Callable[[float], FloatArray], shape: tuple[int, ...]
+    ) -> FloatArray:
+        """The mean over the speeds."""
+        out = np.zeros(shape)
+        for T, share in zip(self.flights[time], self.shares[time], strict=True):
+            if share:
+                out += share * of(float(T))
+        return out
+
+
+def once_collided(
+    law: CollisionLaw, state: State, mean_free_path: float, times: FloatArray, least: float
+) -> OnceCollided:
+    """The once-collided tracers of a start, at the times at which their fronts are not negligible.
+
+    least : share of tracers that is negligible
+    """
+    peaks, e = state.peaks, law.smooth_disks
+    speeds, shares = (np.zeros(0), np.zeros(0)) if peaks is None else _distinct(*peaks)
+    if speeds.size > _MOST_SPEEDS:
+        speeds, shares = speeds[:0], shares[:0]
+    with np.errstate(over="ignore", under="ignore"):
+        flights = np.outer(times, speeds) / mean_free_path
+        # those that flew e T after a head-on collision at once
+        seen = (np.exp(-e * flights) > least) & (flights > least) & (flights < _LONGEST)
+    # all speeds or none: what is left is as smooth as the worst of them
+    every = seen.all(axis=1, keepdims=True)
+    return OnceCollided(e, mean_free_path, flights, np.where(every, shares, 0.0))
+
+
+def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Each speed once, with the share of all tracers that have it."""
+    distinct, place = np.unique(speed, return_inverse=True)
+    return distinct, np.bincount(place, weights=share).astype(float)
+
+
+def once_density(rho: FloatArray, T: float, e: float) -> FloatArray:
+    """P_1 at R = rho (n,), for one speed, in units of l; 0 outside (0, T)."""
+    out = np.zeros(rho.shape)
+    inside = (rho > 0.0) & (rho < T)
+    r = rho[inside][:, None]
+    if r.size == 0:
+        return out
+    # r^2 sech^2 z and T^2 - r^2 are equal where the integrand begins to fall as exp(-z)
+    rest = np.maximum((T - r) * (T + r) / r / r, 1e-30)
+    high = np.maximum(0.0, 0.5 * np.log(4.0 / rest)) + _FAR
+    with np.errstate(divide="ignore"):
+        low = np.maximum(-np.arctanh(np.minimum(1.0, e * T / r)), -high)
+    count = math.ceil(0.5 * float((high - low).max()))
+    node, weight = gauss_legendre(_POINTS)
+    local = ((np.arange(count)[:, None] + node) / count).ravel()
+    z = low + (high - low) * local
+    sech = 1.0 / np.cosh(z)
+    A = r * np.tanh(z)
+    x, u = (A + e * T) / (1.0 + e), (T - A) / (1.0 + e)
+    root = np.sqrt(rest + sech * sech)
+    s = np.sqrt(e * e + (1.0 - e * e) * (sech / root) ** 2)
+    with np.errstate(under="ignore"):
+        value = sech * np.exp(-x - s * u) / root
+    out[inside] = (high - low)[:, 0] * (value @ np.tile(weight / count, count)) / (1.0 + e)
+    return out
+
+
+@lru_cache(maxsize=16)
+def _table(e: float, T: float, turns: float) -> tuple[FloatArray, FloatArray]:
+    """Radii on [0, T], and weights times P_1 there, for K T up to ``turns``, (n,) each."""
+    rho, weight = panels_between(radial_edges((0.0, e * T, T), T, turns), _POINTS)
+    return rho, weight * once_density(rho, T, e)
+
+
+def radial_edges(singular: tuple[float, ...], T: float, turns: float = 0.0) -> FloatArray:
+    """Edges of panels on [0, T], short towards the singular radii, and for J_0(K R), K T = turns.
+
+    The singular radii include 0 and T.
+    """
+    ends = np.unique(np.minimum(singular, T))
+    ends = ends[np.append(True, np.diff(ends) > 1e-12 * T)]
+    near = np.append(0.0, 0.5 * 0.25 ** np.arange(_NEAREST, -1.0, -1.0))
+    edges = [np.linspace(0.0, T, math.ceil(turns / _TURN) + 1)]
+    for low, high in itertools.pairwise(ends):
+        edges += [low + (high - low) * near, high - (high - low) * near]
+    together = np.unique(np.concatenate(edges))
+    return together[(together >= 0.0) & (together <= T)]

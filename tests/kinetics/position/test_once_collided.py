@@ -1,0 +1,200 @@
+"""Tracers that have collided once or twice, of a start of one speed: G(R) with its fronts."""
+
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from kinetics import Scene, Solution, SolverStatus, SpeedSamples, solve
+from kinetics.collision import CollisionLaw
+from kinetics.position.coupled_harmonics import eliminate, iterate
+from kinetics.position.front_tail import fit_fronts, inner_fronts
+from kinetics.position.intermediate_scattering import Scattering
+from kinetics.position.once_collided import once_collided, once_density
+from kinetics.states.isotropic import Monoenergetic
+
+FloatArray = NDArray[np.float64]
+PATH = 12.5
+
+
+def bounce(e: float, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Speed ratio and deflection at impact parameter y, written down again."""
+    along, across = -e + (1.0 + e) * y * y, (1.0 + e) * y * np.sqrt(1.0 - y * y)
+    return np.hypot(along, across), np.arctan2(across, along)
+
+
+def one_speed(e: float, *flights: float, rtol: float = 1e-5) -> Solution:
+    """G(R) at T = v t/l."""
+    times = PATH * np.array(flights)
+    outputs = ("msd", "position_density")
+    return solve(Scene(e, initial="monoenergetic", times=times, outputs=outputs), rtol=rtol)
+
+
+@pytest.mark.parametrize("e", [0.0, 1e-3, 0.37, 0.9, 1.0])
+@pytest.mark.parametrize("T", [0.3, 3.0, 12.0])
+def test_the_once_collided_against_the_integral_over_their_collision(e: float, T: float) -> None:
+    """Of exp(-x - s u) J_0(K R) over its place x and impact parameter y: smooth, no delta."""
+    from scipy.special import j0
+
+    once = once_collided(CollisionLaw(e), Monoenergetic(), 1.0, np.array([T]), 0.0)
+    node, weight = np.polynomial.legendre.leggauss(160)
+    x = 0.5 * T * (1.0 + node)[:, None]
+    u = 0.5 * math.pi * 0.5 * (1.0 + node)
+    y, w = np.sin(u) ** 2, 0.5 * math.pi * 0.5 * weight * 2.0 * np.sin(u) * np.cos(u)
+    s, turn = bounce(e, y)
+    share = np.exp(-x - s * (T - x)) * np.outer(0.5 * T * weight, w)
+    r = np.abs(x + s * (T - x) * np.exp(1j * turn))
+    for k in (0.0, 1.0 / T, 10.0 / T, 60.0 / T):
+        assert abs(once.scattering(0, np.array([k]))[0] - np.sum(share * j0(k * r))) < 1e-9
+    assert abs(once.within(0, np.array([T]))[0] - share.sum()) < 1e-9
+    # within one radius: the derivative of what is within is the density
+    near = T * np.array([0.2, 0.6, 0.95])
+    step = 1e-4 * T
+    slope = (once.within(0, near + step) - once.within(0, near - step)) / (2.0 * step)
+    assert np.abs(slope / once_density(near, T, e) - 1.0).max() < 1e-5
+
+
+def twice_or_more(
+    e: float, T: float, edges: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Shares between edges, and their deviations, of tracers with two collisions at least.
+
+    Followed one after another in continuous angles: no wave number, no Bessel function. The
+    first two collisions are made to happen, and weighed.
+    """
+    rng = np.random.default_rng(7)
+    place, direction = np.zeros(count, complex), np.ones(count, complex)
+    left, speed, weight = np.full(count, T), np.ones(count), np.ones(count)
+    for collision in range(40):
+        longest = speed * left  # the path until T
+        chance = -np.expm1(-longest)
+        draw = rng.random(count)
+        path = -np.log1p(-draw * chance) if collision < 2 else -np.log1p(-draw)
+        weight = weight * chance if collision < 2 else weight
+        path = np.minimum(path, longest)
+        place += path * direction
+        left = np.where(path < longest, left - path / speed, 0.0)
+        ratio, turn = bounce(e, rng.uniform(-1.0, 1.0, count))
+        speed, direction = speed * ratio, direction * np.exp(1j * turn)
+        if not left.any():
+            break
+    which = np.searchsorted(edges, np.abs(place)) - 1
+    inside = (which >= 0) & (which < edges.size - 1)
+    first, second = (
+        np.bincount(which[inside], weight[inside] ** p, edges.size - 1) / count for p in (1, 2)
+    )
+    return first, np.sqrt((second - first**2) / count)
+
+
+@pytest.mark.parametrize(("e", "T"), [(0.37, 0.3), (0.37, 3.0), (1.0, 1.0), (0.0, 0.5), (0.9, 3.0)])
+def test_all_collisions_against_followed_tracers(e: float, T: float) -> None:
+    """Shares in bins whose deviations are some 1e-5: with fronts in them, and beside."""
+    found = one_speed(e, T)
+    edges = T * np.array([0.0, 0.1, 0.2, e, 0.35, 0.5, 0.7, 0.8, 0.95, 0.99, 0.999])
+    edges = np.unique(edges[edges < T])
+    share, deviation = twice_or_more(e, T, edges, 200_000)
+    displacement = found._displacement
+    assert displacement is not None
+    assert displacement.once is not None
+    once = displacement.once.within(0, PATH * edges)
+    all_others = found.position_fraction(PATH * edges)[0] - np.diff(once)
+    assert np.abs((all_others - share) / deviation).max() < 4.0
+    assert deviation.max() < 1e-3
+
+
+def test_a_second_time_changes_nothing() -> None:
+    alone, both = one_speed(0.37, 0.3), one_speed(0.37, 0.3, 3.0)
+    r = PATH * np.linspace(0.01, 0.29, 30)
+    assert np.array_equal(alone.position_density(r)[0], both.position_density(r)[0])
+
+
+def test_what_is_claimed_is_reached() -> None:
+    """The error estimate holds up to 1/K from the fronts, K about 100/T at most."""
+    for e, T, rtol in ((1.0, 1.0, 1e-5), (0.0, 0.3, 1e-5), (0.37, 0.3, 1e-4), (0.7, 0.05, 1e-4)):
+        found, best = one_speed(e, T, rtol=rtol), one_speed(e, T, rtol=1e-7)
+        assert found.status is SolverStatus.CONVERGED
+        x = np.linspace(0.02, 0.98, 97)
+        fronts = [1.0, *(front[0] for front in inner_fronts(e))]
+        x = x[np.min([np.abs(x - a) for a in fronts], axis=0) > 0.03]
+        apart = found.position_density(PATH * T * x) - best.position_density(PATH * T * x)
+        assert np.sqrt(found.msd[0]) * np.abs(apart).max() < rtol
+
+
+def test_asking_for_too_much_ends_and_says_so() -> None:
+    little, much = one_speed(0.37, 3.0, rtol=1e-5), one_speed(0.37, 3.0, rtol=1e-8)
+    for found in (little, much):
+        assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
+        assert found.stats["position_density_error"] < 2e-3
+    assert much.stats["wave_numbers"] < 1.5 * little.stats["wave_numbers"]
+
+
+def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
+    """Three speeds are the mixture of their once-collided."""
+    law, times = CollisionLaw(0.6), np.array([1.0, 5.0])
+    few = once_collided(law, SpeedSamples([0.5, 1.0, 1.0, 2.0]), 1.0, times, 1e-9)
+    rho = np.array([0.2, 0.7, 1.4])
+    for i, t in enumerate(times):
+        expected = sum(
+            w * once_density(rho, v * t, 0.6) for v, w in ((0.5, 0.25), (1, 0.5), (2, 0.25))
+        )
+        assert np.allclose(few.at(i, rho), expected, rtol=1e-12)
+    many = once_collided(law, SpeedSamples(np.linspace(0.5, 1.5, 9)), 1.0, times, 1e-9)
+    assert not many.kept_apart(0)
+    assert not many.at(0, rho).any()
+
+
+def test_the_front_of_two_equal_deflections() -> None:
+    """R is stationary there: in the impact parameter of both, and in their place."""
+    e = 0.37
+    a = inner_fronts(e)[2][0]
+    x, y = np.meshgrid(np.linspace(-0.999, 0.999, 1201), np.linspace(-1.0, 1.0, 1601))
+    s, turn = bounce(e, y)
+    place, q = 0.5 * (1.0 + x), s * np.exp(1j * turn)
+    r = np.abs(place + (1.0 - place) * q * q)
+    grad = np.hypot(*np.gradient(r, y[:, 0], x[0]))
+    stationary = r[(grad < 0.004) & (np.abs(y) < 0.99) & (np.abs(y) > 0.01)]
+    assert stationary.size
+    assert np.abs(stationary - a).max() < 1e-3
+
+
+def test_tails_are_what_they_were_made_of() -> None:
+    """A sum of the functions is found again, and its transforms are those of its own F."""
+    k = np.linspace(10.0, 60.0, 90)
+    shape, _ = fit_fronts(k, np.sin(k) / k**2.5, 0.5, np.array([1.0]))
+    found, left = fit_fronts(k, shape.at(k), 0.5, np.array([1.0]))
+    rho = np.array([0.11, 0.4, 0.63, 0.8])
+    assert np.abs(found.transform(rho, 0) - shape.transform(rho, 0)).max() < 1e-3
+    assert left < 1e-2
+    inside = shape.transform(rho, 1) * rho
+    step = 1e-5
+    slope = shape.transform(rho + step, 1) * (rho + step) - shape.transform(rho - step, 1) * (
+        rho - step
+    )
+    assert np.abs(slope / (2.0 * step) - rho * shape.transform(rho, 0)).max() < 1e-5
+    assert np.all(np.isfinite(inside))
+
+
+def test_both_ways_to_solve_a_panel_agree() -> None:
+    rng = np.random.default_rng(3)
+    blocks = np.eye(7) * 3.0 + 0.2 * rng.normal(size=(9, 7, 7))
+    turn, right, k = rng.random(7), rng.normal(size=(9, 7, 4)), np.array([0.1, 0.2, 0.4, 0.6])
+    one, other = eliminate(blocks, turn, right, k), iterate(blocks, turn, right, k, 1e-14)
+    assert other is not None
+    assert np.abs(one - other).max() < 1e-12
+    assert iterate(blocks, turn, right, 50.0 * k, 1e-15) is None
+
+
+def test_memory_is_bounded_where_collisions_may_stop_a_tracer() -> None:
+    """At e = 0 speeds fall by any factor; all wave numbers at once would take gigabytes."""
+    system = Scattering(CollisionLaw(0.0), 1.0, Monoenergetic(), np.array([1.0]))
+    k = np.linspace(40.0, 60.0, 150)
+    tracemalloc.start()
+    found, error = system.whole(k, None, 1e-9)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert error < 1e-8
+    assert peak < 1e9
+    few, _ = system.whole(k[::50], None, 1e-9)
+    assert np.abs(found[:, ::50] - few).max() < 1e-9
