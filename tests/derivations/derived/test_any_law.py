@@ -11,10 +11,12 @@ from derivations import symbols as sy
 from derivations import verify
 from derivations.derived import any_dimension, any_law, closed_forms
 from derivations.premises import contact
-from kinetics.moments.backward import QUARTIC_DISPLACEMENT, Observable
+from kinetics import CollisionLaw
+from kinetics.moments.backward import Observable, quartic_displacement
 
 RANDOM = np.random.default_rng(20241116)
 LAWS = [tuple(map(float, pair)) for pair in RANDOM.uniform(0.02, 0.98, (10, 2))]
+TOLERANCE = 1e-13  # what the closed forms of the solver promise
 ORDERS = [float(order) for order in RANDOM.uniform(-1.5, 9.0, 10)]
 
 
@@ -136,8 +138,39 @@ def derived_chain(dimension: int) -> dict[str, float]:
     }
 
 
-def test_the_chain_of_the_solver_in_the_plane_is_the_derived_one() -> None:
-    assert chain_of(QUARTIC_DISPLACEMENT) == derived_chain(2)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_chain_of_the_solver_is_the_derived_one(dimension: int) -> None:
+    assert chain_of(quartic_displacement(dimension)) == derived_chain(dimension)
+
+
+@pytest.mark.parametrize(("e", "et"), LAWS)
+def test_the_law_of_the_solver_in_space_meets_the_closed_forms(e: float, et: float) -> None:
+    law = CollisionLaw(e, tangential_restitution=et, dimension=3)
+    arguments = (sy.p, sy.e, sy.et)
+    power, log_loss, cosine = (
+        sp.lambdify(arguments, closed(), "mpmath")
+        for closed in (any_law.space_power, any_law.space_log_loss, any_law.space_cosine)
+    )
+    with mp.workdps(40):
+        at = mp.mpf(e), mp.mpf(et)
+        for order in ORDERS:
+            exact = float(power(mp.mpf(order), *at))
+            assert law.mean_speed_ratio_power(order) == pytest.approx(exact, rel=TOLERANCE)
+        assert law.mean_log_loss == pytest.approx(float(log_loss(0, *at)), rel=TOLERANCE)
+        assert law.mean_cosine == pytest.approx(float(cosine(0, *at)), abs=TOLERANCE)
+
+
+@pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
+def test_equal_restitutions_in_the_solver_meet_the_closed_forms(e: float) -> None:
+    disks = CollisionLaw(e, tangential_restitution=e)
+    (row,) = verify(["beyond:plane-equal"])
+    power, log_loss, cosine = (part.rhs.subs({sy.e: e, sy.p: 2.5}) for part in row.derived)
+    assert disks.mean_speed_ratio_power(2.5) == pytest.approx(float(power), rel=TOLERANCE)
+    assert disks.mean_log_loss == pytest.approx(float(log_loss), rel=TOLERANCE)
+    assert disks.mean_cosine == pytest.approx(float(cosine), rel=TOLERANCE)
+    spheres = CollisionLaw(e, tangential_restitution=e, dimension=3)
+    for order in (1, 2, 3, 4):
+        assert spheres.harmonic_decay_rate(0.0, order) == pytest.approx(1.0, abs=TOLERANCE)
 
 
 def test_the_numbers_of_spheres_that_the_issue_states() -> None:
