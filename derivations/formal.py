@@ -73,7 +73,7 @@ class Dt(Formal):
 
 
 class Avg(Formal):
-    """Avg(X): the average of X over the scaled VDF."""
+    """Avg(X): the average of X over the scaled VDF, or over the impact parameter."""
 
     nargs = 1
 

@@ -1,8 +1,10 @@
 """One collision and its averages over the impact parameter.
 
-Premises: the tangential component of the velocity is kept, the normal one is reversed and reduced
-by the coefficient of restitution e, and the impact parameter is uniform: all chords of the
-exclusion circle are equally likely. Everything else here is integrated from these.
+Premises: the normal component of the velocity is reversed and multiplied by the coefficient of
+restitution e, the tangential one is multiplied by e_t (by 1 in the paper), and the flux of
+scatterers towards the tracer is uniform over the cross section. Everything else here follows from
+these. In the plane the impact parameter is then uniform: all chords of the exclusion circle are
+equally likely.
 """
 
 from __future__ import annotations
@@ -15,11 +17,14 @@ from . import symbols as s
 
 
 @cache
-def collision_matrix() -> sp.Matrix:
-    """The collision as a linear map of the (normal, tangential) components: v = A v*."""
+def collision_matrix(tangential: sp.Expr = sp.S.One) -> sp.Matrix:
+    """The collision as a linear map of the (normal, tangential) components: v = A v*.
+
+    ``tangential`` is the coefficient of tangential restitution.
+    """
     before = sp.symbols("v_n v_t", real=True)
     after = sp.symbols("w_n w_t", real=True)
-    rule = sp.solve([after[0] + s.e * before[0], after[1] - before[1]], after)
+    rule = sp.solve([after[0] + s.e * before[0], after[1] - tangential * before[1]], after)
     return sp.ImmutableMatrix([rule[w] for w in after]).jacobian(before)
 
 
@@ -49,6 +54,63 @@ def parallel_component() -> sp.Expr:
 
 def _in_impact_parameter(weight: sp.Expr) -> sp.Expr:
     return sp.expand(weight).subs(sp.cos(s.theta) ** 2, 1 - s.y**2).subs(sp.sin(s.theta), s.y)
+
+
+def contact(dimension: int) -> tuple[sp.Matrix, tuple[sp.Symbol, ...]]:
+    """The normal of a contact, a unit vector at angle theta to the velocity, and its angles.
+
+    The velocity is along the last axis; -pi/2 < theta < pi/2 in the plane (2 dimensions), and
+    0 < theta < pi/2 with an azimuth from 0 to 2 pi in space (3 dimensions).
+    """
+    if dimension == 2:
+        return sp.Matrix([sp.sin(s.theta), sp.cos(s.theta)]), (s.theta,)
+    if dimension != 3:
+        raise ValueError(f"dimension = {dimension}: it must be 2 or 3")
+    across = [sp.sin(s.theta) * sp.cos(s.azimuth), sp.sin(s.theta) * sp.sin(s.azimuth)]
+    return sp.Matrix([*across, sp.cos(s.theta)]), (s.theta, s.azimuth)
+
+
+def in_sines(expression: sp.Expr, *angles: sp.Symbol) -> sp.Expr:
+    """A polynomial in sines and cosines with every squared cosine as 1 - sine^2."""
+    for angle in angles:
+        sine, cosine = sp.sin(angle), sp.cos(angle)
+        expression = sp.expand(sp.rem(sp.expand(expression), cosine**2 + sine**2 - 1, cosine))
+    return expression
+
+
+@cache
+def flux_per_angle(dimension: int) -> sp.Expr:
+    """Collisions per unit time and unit of the angles of the contact, over rho0 d^(D-1) |v|.
+
+    The cosine of theta, for the flux through the surface, times the element of its area.
+    """
+    normal, angles = contact(dimension)
+    tangents = normal.jacobian(angles)
+    element = sp.sqrt(in_sines((tangents.T * tangents).det(), *angles))
+    return normal[-1] * element.replace(sp.Abs, lambda sine: sine)  # theta > 0 in space
+
+
+@cache
+def flux_per_impact(dimension: int) -> sp.Expr:
+    """Collisions per unit time and unit of y, over rho0 d^(D-1) |v|; y = sin(theta).
+
+    All y from -1 to 1 in the plane, from 0 to 1 in space.
+    """
+    flux = flux_per_angle(dimension)
+    if dimension == 3:
+        flux = sp.integrate(flux, (s.azimuth, 0, 2 * sp.pi))
+    return sp.cancel(flux / sp.diff(sp.sin(s.theta), s.theta)).subs(sp.sin(s.theta), s.y)
+
+
+@cache
+def cross_section(dimension: int) -> sp.Expr:
+    """Collisions per unit time over rho0 d^(D-1) |v|: the flux, integrated over y."""
+    return sp.integrate(flux_per_impact(dimension), (s.y, -1 if dimension == 2 else 0, 1))
+
+
+def mean_free_path(dimension: int) -> sp.Expr:
+    """|v| over the rate of collisions."""
+    return 1 / (s.rho0 * s.d ** (dimension - 1) * cross_section(dimension))
 
 
 def over_angle(weight: sp.Expr) -> sp.Expr:

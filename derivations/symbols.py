@@ -41,9 +41,13 @@ def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> 
 
 # --- the system
 e = _positive("e", "coefficient of restitution")
-d = _positive("d", "diameter of a disk (tracer and scatterer)")
+et = _positive("e_t", "coefficient of tangential restitution, one in the paper")
+d = _positive("d", "diameter of a disk or a sphere (tracer and scatterer)")
+dim = _positive("D", "number of dimensions: 2 in the plane, 3 in space")
 rho0 = _positive("rho_0", "number density of the scatterers")
-l = _positive("l", "mean free path; 1/(2 d rho_0) in the Boltzmann-Grad limit")  # noqa: E741
+l = _positive(  # noqa: E741
+    "l", "mean free path; in the Boltzmann-Grad limit 1/(2 d rho_0), in space 1/(pi d^2 rho_0)"
+)
 m = _positive("m", "mass of the tracer")
 n = _positive("n", "mean density of the tracer")
 t = _positive("t", "time")
@@ -71,8 +75,11 @@ hemi_c = _vector(
 )
 
 # --- one collision
-y = _real("y", "impact parameter in units of d, uniform on [-1, 1]")
+y = _real("y", "impact parameter in units of d: uniform on [-1, 1]; in space y^2 on [0, 1]")
 theta = _real("theta", "angle between velocity and the line of centres")
+azimuth = _real("varphi", "azimuth about the velocity before the collision")
+chi = _real("chi", "deflection angle, between the velocities before and after a collision")
+chance = _function("P", "probability density of its argument over one collision")
 b = _real("b", "impact parameter")
 psi = _real("psi", "angle between the precollision velocity and sigma")
 s = _positive("s", "speed ratio |v'|/|v| of one collision")
@@ -173,6 +180,25 @@ G = _function("G", "scaled radial density of position")
 Gt = _function(
     "G_tilde", "scaled radial density of position at one hopping velocity", latex=r"\tilde{G}"
 )
+
+# --- displacement in any dimension
+msdN = _function(
+    "msd_N", "mean square displacement after N collisions", latex=r"\langle r^{2}\rangle_{N}"
+)
+zeta = _positive("zeta", "v t/l with v the speed at the start")
+chi1 = _function("chi_1", "displacement along the initial direction, over l")
+rho2 = _function("rho_2", "<r^2>/l^2 of tracers that start with one speed")
+rho4 = _function("rho_4", "<r^4>/l^4 of tracers that start with one speed")
+laplace = _positive("z", "variable of the Laplace transform in zeta")
+rho4z = _function("rho_4_tilde", "Laplace transform of rho_4 in zeta", latex=r"\tilde{\rho}_4")
+wave = _positive("K", "wave number times l")
+Fhat = _function(
+    "F_hat", "Fourier and Laplace transform of the density of position", latex=r"\hat{F}"
+)
+nu1 = _positive("nu_1", "decay rate of the first harmonic, 1 - E[cos(chi)]")
+nu2 = _positive("nu_2", "decay rate of the second harmonic")
+S2 = _function("S_2", "second harmonic of <exp(i k.r)>, of order k^2, in units of l^2")
+W1 = _function("W_1", "first harmonic of <exp(i k.r)>, of order k^3, in units of l^3")
 
 # --- exact theory
 q = _positive("q", "half of an even order")

@@ -22,7 +22,8 @@ LETTERS = {
     "a2_bar": "ā_2", "delta_a2": "δa_2", "pm": "±", "J_vec": "𝐉", "J_vec_0": "𝐉__(0)",
     "J_vec_1": "𝐉__(1)", "J_vec_j": "𝐉__(j)", "B_vec": "𝐁", "msd_e": "⟨r²⟩_e", "msd": "⟨r²⟩",
     "Gamma_loss": "Γ_−", "Gamma_gain": "Γ_+", "V_bar": "V̄", "V_saddle": "V__*", "g_e_tilde": "g̃_e",
-    "G_tilde": "G̃", "cos_chi": "⟨cos χ⟩", "kappa_ln": "κ_ln", "w2": "w__2",
+    "G_tilde": "G̃", "cos_chi": "⟨cos χ⟩", "kappa_ln": "κ_ln", "w2": "w__2", "msd_N": "⟨r²⟩_N",
+    "rho_4_tilde": "ρ̃_4", "F_hat": "F̂",
 }  # fmt: skip
 """MathML letters where they differ from the name; ``__`` precedes a superscript."""
 

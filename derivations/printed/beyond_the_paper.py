@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Avg, Int, Lam, Partial, eq
+from ..formal import Avg, Int, Lam, Partial, dot, eq
 from .equation import PrintedEquation
 
 _half = sp.Rational(1, 2)
@@ -120,7 +120,188 @@ _STATED: dict[str, tuple[str, sp.Basic]] = {
     ),
 }
 
+_first, _second, _third, _fourth = (sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4))
+_later = s.s * s.zeta  # v t/l after a collision that multiplies the speed by s
+_chi1, _rho2, _S2, _W1, _rho4 = (f(s.zeta) for f in (s.chi1, s.rho2, s.S2, s.W1, s.rho4))
+_first_flight = sp.atan(s.wave / (1 + s.laplace)) / s.wave
+
+
+def _grows(function: sp.Expr) -> sp.Expr:
+    return sp.Derivative(function, s.zeta)
+
+
+_ANY_LAW: dict[str, tuple[str, sp.Basic]] = {
+    "beyond:rule": (
+        "the collision rule with tangential restitution",
+        eq(s.bvp, s.et * s.bv - (s.e + s.et) * dot(s.bv, s.sigma) * s.sigma),
+    ),
+    "beyond:one-collision": (
+        "speed ratio s and deflection chi of one collision, in the plane and in space",
+        sp.Tuple(
+            eq(s.s**2, s.e**2 + (s.et**2 - s.e**2) * s.y**2),
+            eq(s.s * sp.cos(s.chi), -s.e + (s.e + s.et) * s.y**2),
+        ),
+    ),
+    "beyond:measure-plane": (
+        "impact parameter and mean free path in the plane",
+        sp.Tuple(eq(s.chance(s.y), _half), eq(s.l, 1 / (2 * s.d * s.rho0))),
+    ),
+    "beyond:measure-space": (
+        "impact parameter and mean free path in space",
+        sp.Tuple(
+            eq(s.chance(s.y), 2 * s.y),
+            eq(s.chance(s.y**2), sp.Integer(1)),
+            eq(s.l, 1 / (sp.pi * s.d**2 * s.rho0)),
+        ),
+    ),
+    "beyond:plane-equal": (
+        "the plane with e_t = e",
+        sp.Tuple(
+            eq(Avg(s.s**s.p), s.e**s.p),
+            eq(s.klog, -sp.log(s.e)),
+            eq(s.cos_chi, -sp.Rational(1, 3)),
+        ),
+    ),
+    "beyond:space-power": (
+        "mean power of the speed ratio in space",
+        eq(
+            Avg(s.s**s.p),
+            2 * (s.et ** (s.p + 2) - s.e ** (s.p + 2)) / ((s.p + 2) * (s.et**2 - s.e**2)),
+        ),
+    ),
+    "beyond:space-log": (
+        "mean log loss kappa in space; the second with e_t = 1",
+        sp.Tuple(
+            eq(
+                s.klog,
+                _half + (s.e**2 * sp.log(s.e) - s.et**2 * sp.log(s.et)) / (s.et**2 - s.e**2),
+            ),
+            eq(s.klog, _half + s.e**2 * sp.log(s.e) / (1 - s.e**2)),
+        ),
+    ),
+    "beyond:space-cosine": (
+        "mean cosine of the deflection in space",
+        eq(s.cos_chi, 2 * (s.et - s.e) / (3 * (s.et + s.e))),
+    ),
+    "beyond:space-isotropic": (
+        "in space with e_t = e (elastic spheres) the scattering is isotropic",
+        sp.Tuple(
+            eq(s.chance(sp.cos(s.chi)), _half),
+            *(eq(Avg(mode), sp.Integer(0)) for mode in (_first, _second, _third, _fourth)),
+        ),
+    ),
+    "beyond:space-cooling": (
+        "exact cooling rate of smooth spheres (e_t = 1)",
+        eq(
+            s.h,
+            2
+            * sp.sqrt(_half + s.e**2 * sp.log(s.e) / (1 - s.e**2))
+            * sp.sqrt((1 - s.e) * (1 + 2 * s.e) / (1 + s.e) / 3),
+        ),
+    ),
+    "beyond:space-e-zero": (
+        "the scaling solution of smooth spheres at e = 0",
+        sp.Tuple(
+            eq(s.lam(s.p), s.p / (s.p + 2)),
+            eq(s.F(s.bc), 3 * sp.exp(-sp.sqrt(6) * s.c) / (2 * sp.pi * s.c)),
+            eq(Int(s.F(s.bc), s.bc), sp.Integer(1)),
+            eq(Avg(s.c**2), sp.Integer(1)),
+            eq(s.h, sp.sqrt(6) / 3),
+        ),
+    ),
+    "beyond:any-average": (
+        "moments of the speed in any dimension",
+        eq(Partial(Avg(s.v**s.p), s.t), -s.lam(s.p) * Avg(s.v ** (s.p + 1)) / s.l),
+    ),
+    "beyond:any-moments": (
+        "scaled moments and cooling rate in any dimension",
+        sp.Tuple(
+            eq(Avg(s.c), s.h / (2 * s.klog)),
+            eq(Avg(s.c ** (s.p + 1)), s.p * s.h * Avg(s.c**s.p) / (2 * s.lam(s.p))),
+            eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
+        ),
+    ),
+    "beyond:any-slope": (
+        "displacement after N collisions and over time, in any dimension",
+        sp.Tuple(
+            eq(
+                s.msdN(s.N),
+                2
+                * s.l**2
+                * (s.N / (1 - s.cos_chi) - s.cos_chi * (1 - s.cos_chi**s.N) / (1 - s.cos_chi) ** 2),
+            ),
+            eq(Partial(s.msd(s.t), sp.log(s.t)), 2 * s.l**2 / (s.klog * (1 - s.cos_chi))),
+        ),
+    ),
+    "beyond:quartic-plane": (
+        "the chain of <r^4> in the plane, harmonics i^m exp(i m phi)",
+        sp.Tuple(
+            eq(_grows(_chi1), Avg(sp.cos(s.chi) * s.chi1(_later)) - _chi1 + 1),
+            eq(_grows(_rho2), Avg(s.rho2(_later)) - _rho2 + 2 * _chi1),
+            eq(_grows(_S2), Avg(sp.cos(2 * s.chi) * s.S2(_later)) - _S2 + _chi1 / 4),
+            eq(_grows(_W1), Avg(sp.cos(s.chi) * s.W1(_later)) - _W1 - _rho2 / 8 - _S2 / 2),
+            eq(_grows(_rho4), Avg(s.rho4(_later)) - _rho4 - 64 * _W1),
+            eq(s.flatness, sp.Integer(2)),
+        ),
+    ),
+    "beyond:quartic-space": (
+        "the chain of <r^4> in space, Legendre polynomials",
+        sp.Tuple(
+            eq(_grows(_chi1), Avg(_first * s.chi1(_later)) - _chi1 + 1),
+            eq(_grows(_rho2), Avg(s.rho2(_later)) - _rho2 + 2 * _chi1),
+            eq(
+                _grows(_S2),
+                Avg(_second * s.S2(_later)) - _S2 + sp.Rational(2, 3) * _chi1,
+            ),
+            eq(
+                _grows(_W1),
+                Avg(_first * s.W1(_later)) - _W1 + _rho2 / 6 + sp.Rational(2, 5) * _S2,
+            ),
+            eq(_grows(_rho4), Avg(s.rho4(_later)) - _rho4 + 40 * _W1),
+            eq(s.flatness, sp.Rational(5, 3)),
+        ),
+    ),
+    "beyond:isotropic-plane": (
+        "isotropic scattering at one speed in the plane, and its density of position",
+        sp.Tuple(
+            eq(
+                s.Fhat(s.wave, s.laplace),
+                1 / (sp.sqrt((1 + s.laplace) ** 2 + s.wave**2) - 1),
+            ),
+            eq(
+                s.g(s.r, s.zeta),
+                sp.exp(-s.zeta) * s.delta(s.r - s.zeta)
+                + s.r * sp.exp(sp.sqrt(s.zeta**2 - s.r**2) - s.zeta) / sp.sqrt(s.zeta**2 - s.r**2),
+            ),
+        ),
+    ),
+    "beyond:isotropic-space": (
+        "isotropic scattering at one speed in space",
+        eq(
+            s.Fhat(s.wave, s.laplace),
+            _first_flight / (1 - _first_flight),
+        ),
+    ),
+    "beyond:quartic-elastic": (
+        "elastic <r^4> as a Laplace transform: in the plane, in space",
+        sp.Tuple(
+            *(
+                eq(
+                    s.rho4z(s.laplace),
+                    (first / s.laplace + second / (s.laplace + s.nu2))
+                    / (s.laplace**2 * (s.laplace + s.nu1) ** 2),
+                )
+                for first, second in ((16, 8), (sp.Rational(40, 3), sp.Rational(32, 3)))
+            )
+        ),
+    ),
+}
+
 EQUATIONS = {
-    label: PrintedEquation(label, title, "Beyond the paper", formula=formula)
-    for label, (title, formula) in _STATED.items()
+    label: PrintedEquation(label, title, section, formula=formula)
+    for section, stated in (
+        ("Beyond the paper", _STATED),
+        ("Beyond the paper: any collision law", _ANY_LAW),
+    )
+    for label, (title, formula) in stated.items()
 }

@@ -9,11 +9,14 @@ from html import escape
 import sympy as sp
 
 from ..derived import (  # noqa: F401  (they register their derivations)
+    any_dimension,
+    any_law,
     chapman_enskog,
     closed_forms,
     cooling,
     figures,
     flux,
+    isotropic_scattering,
     kinetic_equation,
     position,
     random_walk,

@@ -1,0 +1,347 @@
+"""Moments of velocity and displacement in any dimension, and the chain of <r^4> in two and three.
+
+They use of a collision only its averages E[s^p], kappa = E[-ln s] and E[s^p P_m(cos chi)]; in the
+plane cos(m chi) stands for the Legendre polynomial P_m(cos chi).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+from sympy.core.function import UndefinedFunction
+
+from .. import symbols as s
+from ..formal import Avg, Partial, eq
+from ..premises import cross_section, in_sines, mean_free_path
+from .record import Derived, Step, derives, result
+
+
+@derives("beyond:any-average")
+def _any_average() -> Derived:
+    ratio_power = Avg(s.s**s.p)
+    changes = []
+    for dimension in (2, 3):
+        rate = s.rho0 * s.d ** (dimension - 1) * cross_section(dimension) * s.v
+        change = rate * s.v**s.p * (ratio_power - 1)  # E[(s v)^p] - v^p, times the rate
+        # rho0 in terms of l, the mean free path
+        changes.append(sp.powsimp(change * mean_free_path(dimension) / s.l))
+    if changes[0] != changes[1]:
+        raise ArithmeticError("with the mean free path the moments still know the dimension")
+    averaged = changes[0].subs(ratio_power, 1 - s.lam(s.p))
+    factor = sp.cancel(averaged / s.v ** (s.p + 1))
+    return result(
+        eq(Partial(Avg(s.v**s.p), s.t), factor * Avg(s.v ** (s.p + 1))),
+        Step("change of |v|^p per unit time: rate v/l, and |v'| = s |v|", changes[0]),
+        Step("with lambda(p) = 1 - E[s^p]", averaged),
+        note="The rate of collisions is v/l with l = 1/(2 d rho0) in the plane and "
+        "1/(pi d^2 rho0) in space. The directions drop out: no isotropy is needed.",
+    )
+
+
+@cache
+def _by_parts() -> sp.Expr:
+    """The moment of order p of D F + c F' in D dimensions, over <c^p>."""
+    shape = sp.Function("F")(s.c)
+    weight = s.c ** (s.p + s.dim - 1)  # c^p in the volume element
+    boundary = sp.diff(weight * s.c * shape, s.c)
+    rest = s.dim * shape * weight + s.c * sp.diff(shape, s.c) * weight - boundary
+    return sp.simplify(rest / (weight * shape))
+
+
+@cache
+def following_moment() -> sp.Expr:
+    """<c^(p+1)> of the scaling solution from <c^p>: -lambda(p) <c^(p+1)> = (h/2)(-p) <c^p>."""
+    return -s.h / 2 * _by_parts() * Avg(s.c**s.p) / s.lam(s.p)
+
+
+@cache
+def mean_scaled_speed() -> sp.Expr:
+    """<c>, from p -> 0: p/lambda(p) -> 1/kappa, since d(1 - s^p)/dp = -ln s there; <c^0> = 1."""
+    if sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0) != -sp.log(s.s):
+        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
+    limit = following_moment() * s.lam(s.p) / s.p / s.klog
+    return limit.subs(Avg(s.c**s.p), 1)
+
+
+@cache
+def cooling_rate() -> sp.Expr:
+    """h in kappa and lambda(1), from <c^2> = 1."""
+    second = following_moment().subs(s.p, 1).subs(Avg(s.c), mean_scaled_speed())
+    (rate,) = sp.solve(second - 1, s.h)
+    return rate
+
+
+@derives("beyond:any-moments")
+def _any_moments() -> Derived:
+    first, following = mean_scaled_speed(), following_moment()
+    return result(
+        sp.Tuple(
+            eq(Avg(s.c), first), eq(Avg(s.c ** (s.p + 1)), following), eq(s.h, cooling_rate())
+        ),
+        Step("f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')"),
+        Step("its moment of order p over <c^p>, by parts: free of D", _by_parts()),
+        Step("the same moment of the collisions is -lambda(p) <c^(p+1)>", following),
+        Step("<c>: p -> 0, where p/lambda(p) tends to 1/kappa", first),
+        Step("<c^2> = 1 gives h", cooling_rate()),
+        note="In any dimension, with v0 the root mean square speed.",
+    )
+
+
+@cache
+def squared_displacement() -> sp.Expr:
+    """<r^2> after N collisions: the displacement r of N flights, and u the next direction.
+
+    With r' = r + L u: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2> and <r'.u'> = c (<r.u> + <L>), since
+    E[u'] = c u; L is exponential with mean l whatever the speed.
+    """
+    c = s.cos_chi
+    a, b, g = sp.symbols("a b g")
+    length = sp.Symbol("length", positive=True)
+    mean, square = (
+        sp.integrate(length**n * sp.exp(-length / s.l) / s.l, (length, 0, sp.oo)) for n in (1, 2)
+    )
+    power = sp.Symbol("power")  # c^N
+    along = a * (1 - power)  # <r.u> after N collisions: starts from 0
+    step = along.subs(power, c * power) - c * (along + mean)
+    along = along.subs(sp.solve(sp.Poly(step, power).coeffs(), a))
+    total = b * s.N + g * (1 - power)  # <r^2>: starts from 0
+    growth = b + g * power * (1 - c) - 2 * mean * along - square
+    found = sp.solve(sp.Poly(sp.expand(growth), power).coeffs(), (b, g))
+    return total.subs(found).subs(power, c**s.N)
+
+
+@derives("beyond:any-slope")
+def _any_slope() -> Derived:
+    after = squared_displacement()
+    # dN/d ln t = t <v>/l = t v0 <c>/l, with v0 = 2 l/(h t) from dv0/dt = -h v0^2/(2 l)
+    flights = 2 / s.h * mean_scaled_speed()
+    per_flight = sp.limit(after.subs(s.cos_chi**s.N, 0) / s.N, s.N, sp.oo)
+    # second route: <u_i.u_j> = c^|i - j|, with <L^2> = 2 l^2 where i = j and <L>^2 elsewhere
+    for flown in range(5):
+        pairs = sum(s.cos_chi ** abs(i - j) for i in range(flown) for j in range(flown)) + flown
+        if sp.cancel(after.subs(s.N, flown) - s.l**2 * pairs) != 0:
+            raise ArithmeticError(f"<r^2> after {flown} flights is not the sum over their pairs")
+    return result(
+        sp.Tuple(
+            eq(s.msdN(s.N), after),
+            eq(Partial(s.msd(s.t), sp.log(s.t)), sp.simplify(per_flight * flights)),
+        ),
+        Step("one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)"),
+        Step("solved from <r^2> = <r.u> = 0", after),
+        Step("second route, for N = 0 ... 4: the sum over pairs, <u_i.u_j> = c^|i-j|, is the same"),
+        Step("per collision, late", per_flight),
+        Step("collisions per ln t", flights),
+        note="Only E[u'] = <cos chi> u is used, which holds in any dimension by symmetry about u. "
+        "Free paths are exponential with mean l whatever the speed.",
+    )
+
+
+# -- the chain of <r^4> ---------------------------------------------------------------------------
+
+_COSINE = sp.Symbol("cosine", real=True)
+_Z = sp.Symbol("z", nonzero=True)
+"""exp(i angle): over all angles only its power 0 has an average."""
+
+MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
+    (1, 1): s.chi1,
+    (2, 0): s.rho2,
+    (2, 2): s.S2,
+    (3, 1): s.W1,
+    (4, 0): s.rho4,
+}
+"""The functions of the chain by (order in k, harmonic)."""
+_START = (0, 0)
+"""The order 0 of <exp(i k.r)>, which is 1."""
+
+
+def _cosine(dimension: int) -> sp.Expr:
+    """The cosine of the angle between k and the velocity; in the plane _Z is exp(i angle)."""
+    return (_Z + 1 / _Z) / 2 if dimension == 2 else _COSINE
+
+
+def harmonic(order: int, dimension: int) -> sp.Expr:
+    """Space: P_m of that cosine. Plane: exp(i m phi) + exp(-i m phi), 1 for m = 0."""
+    if dimension == 3:
+        return sp.legendre(order, _COSINE)
+    return _Z**order + _Z**-order if order else sp.Integer(1)
+
+
+def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
+    """The average over all directions of the velocity."""
+    if dimension == 2:
+        return sp.expand(weight).coeff(_Z, 0)
+    return sp.integrate(sp.expand(weight), (_COSINE, -1, 1)) / 2
+
+
+@cache
+def kernel(order: int, dimension: int) -> sp.Expr:
+    """The factor by which a deflection chi multiplies a harmonic, averaged about the velocity."""
+    before = harmonic(order, dimension)
+    if dimension == 2:  # chi to either side
+        mean = sum(before.subs(_Z, _Z * sp.exp(sign * sp.I * s.chi)) for sign in (1, -1)) / 2
+        factor = sp.cos(order * s.chi)
+        left = sp.expand(mean - factor.rewrite(sp.exp) * before)
+    else:  # any azimuth
+        across = sp.sqrt(1 - _COSINE**2) * sp.sin(s.chi) * (_Z + 1 / _Z) / 2
+        turned = before.subs(_COSINE, _COSINE * sp.cos(s.chi) + across)
+        factor = sp.legendre(order, sp.cos(s.chi))
+        left = in_sines(sp.expand(turned).coeff(_Z, 0) - factor * before, s.chi)
+    if left != 0:
+        raise ArithmeticError(f"a deflection does not keep harmonic {order}")
+    return factor
+
+
+def coupling(to: int, of: int, dimension: int) -> sp.Expr:
+    """The coefficient of harmonic ``to`` in the cosine times harmonic ``of``."""
+    target = harmonic(to, dimension)
+    product = _cosine(dimension) * harmonic(of, dimension) * target
+    return over_directions(product, dimension) / over_directions(target**2, dimension)
+
+
+@cache
+def scale(member: tuple[int, int], dimension: int) -> sp.Expr:
+    """The coefficient of a harmonic in <(k.r)^n>/n!, over the function of the chain that it is.
+
+    <r^n> stands in the mean over directions: <(k.r)^n> = k^n <r^n> times the mean of cos^n. In
+    the plane i^m is taken out of harmonic m, and i^n stands before <(k.r)^n>/n!.
+    """
+    order, m = member
+    if m == 0:
+        return over_directions(_cosine(dimension) ** order, dimension) / sp.factorial(order)
+    if member == (1, 1):
+        return coupling(1, 0, dimension)
+    return sp.Integer(-1) ** ((order - m) // 2) if dimension == 2 else sp.Integer(1)
+
+
+@cache
+def sources(dimension: int) -> dict[tuple[int, int], dict[tuple[int, int], sp.Expr]]:
+    """For every member of the chain the others that drive it, each with its factor.
+
+    In orders of i k, with l = 1 and zeta = v t: dw_n/dzeta = cos w_(n-1) + (collisions).
+    """
+    chain: dict[tuple[int, int], dict[tuple[int, int], sp.Expr]] = {}
+    for order, m in MEMBERS:
+        chain[order, m] = {}
+        for other in (_START, *MEMBERS):
+            if other[0] == order - 1:
+                factor = coupling(m, other[1], dimension) * scale(other, dimension)
+                factor /= scale((order, m), dimension)
+                if factor:
+                    chain[order, m][other] = factor
+    return chain
+
+
+def chain_equation(member: tuple[int, int], dimension: int) -> sp.Eq:
+    """The equation of one member of the chain."""
+    unknown = MEMBERS[member]
+    after = Avg(kernel(member[1], dimension) * unknown(s.s * s.zeta))
+    drive = sum(
+        factor * (1 if other == _START else MEMBERS[other](s.zeta))
+        for other, factor in sources(dimension)[member].items()
+    )
+    return eq(sp.Derivative(unknown(s.zeta), s.zeta), after - unknown(s.zeta) + drive)
+
+
+@cache
+def one_collision_terms(dimension: int) -> tuple[sp.Tuple, sp.Tuple]:
+    """(from the chain, from the flights): <r^4> to first order in the number of collisions.
+
+    The coefficients of zeta^4 and zeta^5 as a pair each: (1, the polynomial in s and cos(chi)
+    whose average over one collision is that coefficient).
+    """
+    lowest: dict[tuple[int, int], sp.Expr] = {_START: sp.Integer(1)}
+    following: dict[tuple[int, int], sp.Expr] = {_START: sp.Integer(0)}
+    for member, drive in sources(dimension).items():
+        order, m = member
+        first = sum(factor * lowest[other] for other, factor in drive.items()) / order
+        after = sum(factor * following[other] for other, factor in drive.items())
+        collided = (kernel(m, dimension) * s.s**order - 1) * first
+        lowest[member], following[member] = first, (after + collided) / (order + 1)
+    # one collision at zeta = x: x along v, (1 - x) s along v', at an angle chi
+    x = sp.Symbol("x", real=True)
+    square = x**2 + (1 - x) ** 2 * s.s**2 + 2 * x * (1 - x) * s.s * sp.cos(s.chi)
+    flights = sp.integrate(sp.expand(square**2 - 1), (x, 0, 1))
+    chain = sp.expand(sp.expand_trig(following[4, 0]))
+    return sp.Tuple(lowest[4, 0], chain), sp.Tuple(sp.Integer(1), sp.expand(flights))
+
+
+@cache
+def late_flatness(dimension: int) -> sp.Expr:
+    """<r^4>/<r^2>^2 as t -> oo, e < 1, from the leading logarithms of the chain.
+
+    In X = ln zeta a collision shifts X by ln s, and the derivatives by zeta fall as 1/zeta: chi_1
+    and S_2 tend to constants, rho_2 grows as X, W_1 as X and rho_4 as X^2.
+    """
+    drive = sources(dimension)
+    x = sp.Symbol("X")
+    log_ratio = sp.Symbol("ln_s", real=True)  # its average is -kappa
+    collided = kernel(1, dimension).subs(sp.cos(s.chi), s.cos_chi)  # E[cos(chi)]
+    along = 1 / (1 - collided)
+
+    def shift(power: int) -> sp.Expr:
+        """The average of (X + ln s)^power - X^power, to the leading order in X."""
+        change = sp.Poly(sp.expand((x + log_ratio) ** power - x**power), x).LT()
+        return (change[1] * change[0].as_expr()).subs(log_ratio, -s.klog)
+
+    second = -drive[2, 0][1, 1] * along / shift(1)
+    third = drive[3, 1][2, 0] * second * x / (1 - collided)
+    fourth = -drive[4, 0][3, 1] * third / shift(2)
+    return sp.cancel(fourth / second**2)
+
+
+def _quartic(dimension: int, convention: str) -> Derived:
+    chain, flights = one_collision_terms(dimension)
+    difference = [sp.expand(one - other) for one, other in zip(chain, flights, strict=True)]
+    if difference != [0, 0]:
+        raise ArithmeticError(f"the chain and the flights differ by {difference}")
+    equations = [chain_equation(member, dimension) for member in MEMBERS]
+    return result(
+        sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))),
+        Step("w = <exp(i k.r)>: dw/dt = i k.v w + (v/l)(E[w(v')] - w), a function of v t and k"),
+        Step(convention),
+        Step("E[w(v')] by harmonic: factor of order 1", kernel(1, dimension)),
+        Step("factor of order 2", kernel(2, dimension)),
+        Step("second route: <r^4> to zeta^5 from flights with at most one collision", flights),
+        Step("the chain less that", sp.Tuple(*difference)),
+        Step("late: rho_2 ~ X, W_1 ~ X, rho_4 ~ X^2 with X = ln zeta", late_flatness(dimension)),
+    )
+
+
+@derives("beyond:quartic-plane")
+def _quartic_plane() -> Derived:
+    return _quartic(
+        2,
+        "harmonics i^m exp(i m phi): S_2 of order k^2 with m = 2, W_1 of order k^3 with m = 1",
+    )
+
+
+@derives("beyond:quartic-space")
+def _quartic_space() -> Derived:
+    return _quartic(
+        3,
+        "in powers of i k and P_m(cos): S_2 of order 2 with m = 2, W_1 of order 3 with m = 1",
+    )
+
+
+@cache
+def elastic_transform(dimension: int) -> sp.Expr:
+    """The Laplace transform of <r^4> in zeta at one speed, e = e_t = 1, where s = 1."""
+    rates = {0: sp.Integer(0), 1: s.nu1, 2: s.nu2}
+    found: dict[tuple[int, int], sp.Expr] = {_START: 1 / s.laplace}
+    for member, drive in sources(dimension).items():
+        total = sum(factor * found[other] for other, factor in drive.items())
+        found[member] = total / (s.laplace + rates[member[1]])
+    return sp.factor(found[4, 0])
+
+
+@derives("beyond:quartic-elastic")
+def _quartic_elastic() -> Derived:
+    transforms = [elastic_transform(dimension) for dimension in (2, 3)]
+    return result(
+        sp.Tuple(*(eq(s.rho4z(s.laplace), transform) for transform in transforms)),
+        Step("the chain in the plane with s = 1, E[cos(m chi)] - 1 = -nu_m", transforms[0]),
+        Step("the chain in space with s = 1, E[P_m(cos(chi))] - 1 = -nu_m", transforms[1]),
+        note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for "
+        "disks, nu_1 = nu_2 = 1 for spheres.",
+    )
