@@ -17,7 +17,7 @@ MOST_WORKERS = 10_000
 
 def make_plan(
     medium: Medium, restitution: float, initial: Any, times: Any,
-    observables: Iterable[str] | None, **whole: int | None,
+    observables: Iterable[str] | None, tangential_restitution: float = 1.0, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -25,8 +25,13 @@ def make_plan(
     """
     if not isinstance(medium, Medium):
         refuse("medium", medium, "must be HardDisks, Poisson, BoltzmannGrad or Positions")
-    if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
-        refuse("restitution", restitution, "must be a number from 0 to 1")
+    kept = {"restitution": restitution, "tangential_restitution": tangential_restitution}
+    for name, value in kept.items():
+        if not (isinstance(value, (int, float)) and 0.0 <= value <= 1.0):
+            refuse(name, value, "must be a number from 0 to 1")
+    if max(kept.values()) < SMALLEST_SPEED:
+        allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
+        refuse("tangential_restitution", tangential_restitution, allowed)
     media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
@@ -37,6 +42,7 @@ def make_plan(
     return Plan(
         medium=medium,
         restitution=float(restitution),
+        tangential_restitution=float(tangential_restitution),
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
         velocities=_check_initial(initial, media, tracers),
         times=_check_times(times),

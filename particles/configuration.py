@@ -45,6 +45,7 @@ class Plan(Value):
 
     medium: Medium
     restitution: float
+    tangential_restitution: float
     monoenergetic: bool
     velocities: np.ndarray | None
     times: np.ndarray
@@ -164,7 +165,7 @@ def _follow_block(
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
-        plan.restitution, plan.max_collisions or 0,
+        plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
     )  # fmt: skip
     raw = {
         name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)

@@ -32,11 +32,12 @@ class Statuses(Value):
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between two scatterers, where infinitely many collisions follow in
-    a finite time. Declared after a flight shorter than 1e-9 d if, between two straight walls, the
-    tracer would never leave (events.is_collapsing); or at rest after a head-on collision at e = 0.
-    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U, short of
-    the end by what some 1e-9 d take at the last speed; trap_places (trapped, 2) relative to the
+    trapped: caught in a corner between two scatterers, where infinitely many collisions follow
+    within 1e-9 d or so. Declared after a flight shorter than 1e-9 d if, between two straight walls,
+    the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
+    e = 0. escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
+    it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
+    at the last speed, below 1 they may take for ever. trap_places (trapped, 2) relative to the
     start, in d; trap_tracers (trapped, 2): configuration and tracer.
     """
 
@@ -85,7 +86,7 @@ class Ensemble(Value):
         return "\n".join(
             [
                 f"Ensemble: {self.media} configurations of {self.medium!r}",
-                f"  restitution {self.restitution:g}, {self.tracers} tracers in each configuration",
+                f"  {self._law_in_words()}, {self.tracers} tracers in each configuration",
                 f"  {self._times_in_words()}",
                 f"  {self.statuses!r}{': ' * bool(self.statuses.note)}{self.statuses.note}",
                 f"  outputs: {', '.join(self.outputs)}",
@@ -103,6 +104,12 @@ class Ensemble(Value):
                 value, error = estimate.value[-1], estimate.error[-1]
                 rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
         return f"<p>{lines}</p><table>{rows}</table>"
+
+    def _law_in_words(self) -> str:
+        words = f"restitution {self.restitution:g}"
+        if self.tangential_restitution != 1.0:
+            words += f", tangential restitution {self.tangential_restitution:g}"
+        return words
 
     def _times_in_words(self) -> str:
         if not self.times.size:
@@ -127,6 +134,11 @@ class Ensemble(Value):
     def restitution(self) -> float:
         """The coefficient of restitution."""
         return self.plan.restitution
+
+    @property
+    def tangential_restitution(self) -> float:
+        """What a collision leaves of the tangential velocity, as a fraction."""
+        return self.plan.tangential_restitution
 
     @property
     def number_density(self) -> float:

@@ -40,20 +40,32 @@ def touch(cx: float, cy: float, ux: float, uy: float, impact: float) -> tuple[fl
 
 
 @njit(inline="always", error_model="numpy")
-def scatter(ux: float, uy: float, impact: float, restitution: float) -> tuple[float, float, float]:
-    """Return (new ux, new uy, speed ratio) after a collision: v' = v - (1 + e)(v.s) s.
+def scatter(
+    ux: float, uy: float, impact: float, restitution: float, tangential: float
+) -> tuple[float, float, float]:
+    """Return (new ux, new uy, speed ratio) after a collision.
 
-    With s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2), the new
-    velocity is (-e + (1 + e) y^2) u - (1 + e) q y w. Written so, no term cancels at e = 0 or 1;
-    the ratio is exactly 1 at e = 1. A head-on collision at e = 0 has ratio 0 and keeps (ux, uy).
+    The normal component of the velocity is multiplied by -e, the tangential one by et. With the
+    normal s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2), the new
+    velocity is (-e + (e + et) y^2) u - (e + et) q y w, and the square of its size is
+    e^2 q^2 + et^2 y^2. Either is written in y alone if et >= e, so that no term cancels; the ratio
+    is exactly 1 at e = et = 1. A head-on collision at e = 0 has ratio 0 and keeps (ux, uy).
     """
-    ratio = sqrt(restitution * restitution + (1.0 - restitution * restitution) * impact * impact)
+    square = (1.0 - impact) * (1.0 + impact)
+    depth = sqrt(square)
+    if tangential >= restitution:
+        gain = tangential * tangential - restitution * restitution
+        ratio = sqrt(restitution * restitution + gain * impact * impact)
+        along = (tangential + restitution) * impact * impact - restitution
+    else:
+        gain = restitution * restitution - tangential * tangential
+        ratio = sqrt(tangential * tangential + gain * square)
+        along = tangential * impact * impact - restitution * square
     if ratio == 0.0:
         return ux, uy, 0.0
-    depth = sqrt((1.0 - impact) * (1.0 + impact))
     scale = 1.0 / ratio
-    along = ((1.0 + restitution) * impact * impact - restitution) * scale
-    across = (1.0 + restitution) * depth * impact * scale
+    along *= scale
+    across = (tangential + restitution) * depth * impact * scale
     vx = along * ux - across * uy
     vy = along * uy + across * ux
     # One Newton step on the norm: rounding of a million collisions does not add up.
@@ -63,24 +75,37 @@ def scatter(ux: float, uy: float, impact: float, restitution: float) -> tuple[fl
 
 @njit(error_model="numpy")
 def is_collapsing(
-    ax: float, ay: float, bx: float, by: float, ux: float, uy: float, restitution: float
+    before: tuple[float, float],
+    left: tuple[float, float],
+    direction: tuple[float, float],
+    restitution: float,
+    tangential: float,
 ) -> bool:
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
-    (ax, ay) and (bx, by): unit normals, towards the tracer, of the wall before and of the one that
-    it leaves with direction (ux, uy). The walls enclose the angle theta; alpha is the angle of the
+    before and left: unit normals, towards the tracer, of the wall before and of the one that it
+    leaves with this unit direction. The walls enclose the angle theta; alpha is the angle of the
     direction with the wall left, from the side of the corner. From one collision to the next,
-    tan(alpha') = e tan(alpha + theta). This has fixed points if sin(theta) <= (1 - e)/(1 + e),
-    where sin(2 alpha + theta) = sin(theta) (1 + e)/(1 - e); below the upper one, which repels,
-    alpha goes to the lower one and path and speed shrink geometrically for ever.
+    tan(alpha') = r tan(alpha + theta) with r = e/et, and the distance from the corner is multiplied
+    by sin(alpha)/sin(alpha + theta). For r < 1 there are fixed points if
+    sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta) (1 + r)/(1 - r); below
+    the upper one, which repels, alpha goes to the lower one, and path and speed shrink
+    geometrically for ever. For r >= 1, alpha grows by theta at least at each collision until it is
+    beyond pi/2; it stays there, and there the distance grows.
+
+    At et = 1 the time to all these collisions is finite. At et < 1 it may be infinite: the speed
+    may shrink faster than the distance that is left.
     """
+    (ax, ay), (bx, by), (ux, uy) = before, left, direction
+    if restitution >= tangential:
+        return False
     theta = atan2(abs(ax * by - ay * bx), -(ax * bx + ay * by))
     # Along the wall left towards the corner: down the normal of the other one.
     tx, ty = -by, bx
     if tx * ax + ty * ay > 0.0:
         tx, ty = by, -bx
     alpha = atan2(ux * bx + uy * by, ux * tx + uy * ty)
-    bound = (1.0 + restitution) * abs(ax * by - ay * bx)
-    if bound > 1.0 - restitution:
+    bound = (tangential + restitution) * abs(ax * by - ay * bx)
+    if bound > tangential - restitution:
         return False
-    return 2.0 * alpha + theta < pi - asin(bound / (1.0 - restitution))
+    return 2.0 * alpha + theta < pi - asin(bound / (tangential - restitution))

@@ -58,7 +58,8 @@ class Start(NamedTuple):
     """Which tracers to follow, and how.
 
     first: number of the first one. given (n, 2): initial velocities in U, or (0, 2) to draw n of
-    them. most: the largest number of collisions, 0 for no limit.
+    them. restitution, tangential: what a collision leaves of the normal and of the tangential
+    velocity. most: the largest number of collisions, 0 for no limit.
     """
 
     first: int
@@ -68,6 +69,7 @@ class Start(NamedTuple):
     seed: Any
     configuration: int
     restitution: float
+    tangential: float
     most: int
 
 

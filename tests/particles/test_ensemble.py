@@ -159,6 +159,13 @@ def test_diameter_only_sets_the_unit_of_length() -> None:
 BAD = [
     (dict(restitution=1.2), "restitution = 1.2: must be a number from 0 to 1"),
     (dict(restitution=float("nan")), "restitution = nan"),
+    (dict(tangential_restitution=-0.1), "tangential_restitution = -0.1: must be a number from 0"),
+    (dict(tangential_restitution=float("nan")), "tangential_restitution = nan: must be a number"),
+    (dict(tangential_restitution="rough"), "tangential_restitution = 'rough': must be a number"),
+    (
+        dict(restitution=0.0, tangential_restitution=0.0),
+        "tangential_restitution = 0.0: the first collision stops a tracer; this or restitution",
+    ),
     (dict(times=[]), "times = []: must be a sequence of at least one time"),
     (dict(times=[1.0, 1.0]), "times = [1.0, 1.0]: must increase"),
     (dict(times=[-1.0]), "times = [-1.0]: must be finite, not negative"),
@@ -192,6 +199,7 @@ BAD = [
         ({name: 10**400}, f"{name} = 1{'0' * 56}...: ")
         for name in (
             "restitution",
+            "tangential_restitution",
             "times",
             "media",
             "tracers",

@@ -7,6 +7,8 @@ import pytest
 from particles.events import NEVER, contact, scatter, touch
 
 RESTITUTIONS = [0.0, 1e-8, 0.2, 0.4, 0.7, 0.9, 1.0 - 1e-12, 1.0]
+TANGENTIAL = [1.0, 0.8, 0.2, 1e-8, 0.0]
+LAWS = [(e, et) for et in TANGENTIAL for e in RESTITUTIONS if e + et > 0]
 
 
 def draws(n: int) -> list[tuple[float, float, float]]:
@@ -17,13 +19,15 @@ def draws(n: int) -> list[tuple[float, float, float]]:
     return [(np.cos(a), np.sin(a), b) for a, b in zip(angles, impacts, strict=True)]
 
 
-@pytest.mark.parametrize("restitution", RESTITUTIONS)
-def test_tangential_velocity_is_kept_and_normal_velocity_reversed(restitution: float) -> None:
-    # 4 ulp of the incoming speed, 1; the contact normal is taken in 50 digits from the direction.
-    for ux, uy, impact in draws(500):
+@pytest.mark.parametrize(("restitution", "tangential"), LAWS)
+def test_each_component_of_the_velocity_is_multiplied_by_its_factor(
+    restitution: float, tangential: float
+) -> None:
+    # 4 ulp of the outgoing speed; the contact normal is taken in 50 digits from the direction.
+    for ux, uy, impact in draws(500 if tangential == 1.0 else 100):
         if restitution == 0.0 and impact == 0.0:
             continue
-        vx, vy, ratio = scatter(ux, uy, impact, restitution)
+        vx, vy, ratio = scatter(ux, uy, impact, restitution, tangential)
         with mp.workdps(50):
             norm = mp.sqrt(mp.mpf(ux) ** 2 + mp.mpf(uy) ** 2)
             x, y, b = mp.mpf(ux) / norm, mp.mpf(uy) / norm, mp.mpf(impact)
@@ -31,20 +35,21 @@ def test_tangential_velocity_is_kept_and_normal_velocity_reversed(restitution: f
             nx, ny = -(depth * x + b * y), -(depth * y - b * x)
             before_n, before_t = x * nx + y * ny, -x * ny + y * nx
             after_n, after_t = ratio * (vx * nx + vy * ny), ratio * (-vx * ny + vy * nx)
-            assert abs(after_t - before_t) <= 4 * 2.0**-52
-            assert abs(after_n + restitution * before_n) <= 4 * 2.0**-52
-            # The ratio itself is relative, or a slow tracer would lose its digits.
-            exact = mp.sqrt(mp.mpf(restitution) ** 2 * (1 - b * b) + b * b)
+            # Both are relative to the ratio, or a slow tracer would lose its digits.
+            exact = mp.sqrt((mp.mpf(restitution) * depth) ** 2 + (mp.mpf(tangential) * b) ** 2)
+            assert abs(after_t - tangential * before_t) <= 4 * 2.0**-52 * exact
+            assert abs(after_n + restitution * before_n) <= 4 * 2.0**-52 * exact
             assert abs(ratio / exact - 1) <= 4 * 2.0**-52
             assert abs(mp.sqrt(mp.mpf(vx) ** 2 + mp.mpf(vy) ** 2) - 1) <= 4 * 2.0**-52
 
 
 def test_a_head_on_collision_without_restitution_stops_the_tracer() -> None:
-    assert scatter(0.6, 0.8, 0.0, 0.0) == (0.6, 0.8, 0.0)
+    assert scatter(0.6, 0.8, 0.0, 0.0, 1.0) == (0.6, 0.8, 0.0)
+    assert scatter(0.6, 0.8, 0.0, 0.0, 0.5) == (0.6, 0.8, 0.0)
 
 
 def test_elastic_collisions_keep_the_speed_to_the_last_bit() -> None:
-    assert all(scatter(ux, uy, b, 1.0)[2] == 1.0 for ux, uy, b in draws(500))
+    assert all(scatter(ux, uy, b, 1.0, 1.0)[2] == 1.0 for ux, uy, b in draws(500))
 
 
 def test_contact_is_where_the_circle_is_met() -> None:
@@ -72,10 +77,10 @@ def test_contact_is_where_the_circle_is_met() -> None:
 
 
 def test_a_tracer_does_not_meet_again_the_scatterer_that_it_leaves() -> None:
-    for restitution in RESTITUTIONS:
-        for ux, uy, impact in draws(300):
+    for restitution, tangential in LAWS:
+        for ux, uy, impact in draws(300 if tangential == 1.0 else 60):
             if restitution == 0.0 and impact == 0.0:
                 continue
             x, y = touch(0.3, -0.2, ux, uy, impact)
-            vx, vy, _ = scatter(ux, uy, impact, restitution)
+            vx, vy, _ = scatter(ux, uy, impact, restitution, tangential)
             assert contact(0.3 - x, -0.2 - y, vx, vy)[0] == NEVER

@@ -44,6 +44,10 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
     help="Disks that do not overlap, disks that may, or none: random free paths.",
 )  # fmt: skip
 @restitution_option
+@click.option(
+    "--tangential-restitution", type=float, default=1.0,
+    help="What a collision leaves of the tangential velocity, 0 to 1.",
+)  # fmt: skip
 @density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
@@ -113,6 +117,7 @@ def simulate(
             {
                 "medium": kind,
                 "restitution": run.restitution,
+                "tangential_restitution": run.tangential_restitution,
                 "number_density": run.number_density,
                 **{name: arguments[name] for name in _ARGUMENTS},
                 "statuses": ends,
