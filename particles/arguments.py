@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from particles.checks import check_whole, real_array, refuse
-from particles.configuration import OBSERVABLES, Plan
+from particles.configuration import OBSERVABLES, Plan, speeds
 from particles.media import Medium, Positions
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
@@ -44,7 +44,7 @@ def make_plan(
         restitution=float(restitution),
         tangential_restitution=float(tangential_restitution),
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(initial, media, tracers),
+        velocities=_check_initial(initial, media, tracers, medium.dimension),
         times=_check_times(times),
         media=media,
         tracers=tracers,
@@ -75,20 +75,21 @@ def _check_times(times: Any) -> np.ndarray:
     return array
 
 
-def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
+def _check_initial(initial: Any, media: int, tracers: int, dimension: int) -> np.ndarray | None:
     if isinstance(initial, str):
         if initial not in ("gaussian", "monoenergetic"):
             refuse("initial", initial, "must be 'gaussian', 'monoenergetic' or velocities")
         return None
     velocities = real_array("initial", initial, "must be a name or an array of real velocities")
-    if velocities.shape not in ((tracers, 2), (media, tracers, 2)):
+    d = dimension
+    if velocities.shape not in ((tracers, d), (media, tracers, d)):
         raise ValueError(
-            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, 2) = "
-            f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
+            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, {d}) = "
+            f"({tracers}, {d}) or (media, tracers, {d}) = ({media}, {tracers}, {d})"
         )
     with np.errstate(over="ignore"):
-        speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    good = (speeds >= SMALLEST_SPEED) & (speeds <= 1.0 / SMALLEST_SPEED)
+        sizes = speeds(velocities)
+    good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
     if not good.all():
         raise ValueError(
             f"initial holds the velocity {velocities[~good][0]}: its size must be from "

@@ -142,7 +142,7 @@ class Ensemble(Value):
 
     @property
     def number_density(self) -> float:
-        """Scatterers per unit area."""
+        """Scatterers per unit area, or volume in three dimensions."""
         return self.medium.number_density
 
     @property
@@ -208,10 +208,12 @@ class Ensemble(Value):
 
     @cached_property
     def a2(self) -> Estimate:
-        """<v^4> / (2 <v^2>^2) - 1, (n_times,): 0 for a Gaussian."""
+        """<v^4> / (k <v^2>^2) - 1, (n_times,): 0 for a Gaussian, k = 2, or 5/3 in space."""
+        d = self.medium.dimension
+        gaussian = (d + 2) / d
         return jackknife(
             self.moments,
-            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (2.0 * m[:, SPEED2] ** 2) - 1.0,
+            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (gaussian * m[:, SPEED2] ** 2) - 1.0,
         )
 
     @cached_property
@@ -221,7 +223,7 @@ class Ensemble(Value):
 
     @cached_property
     def kurtosis(self) -> Estimate:
-        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian in the plane. NaN at time 0."""
+        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian, 5/3 in space. NaN at time 0."""
         return jackknife(self.moments, lambda m: m[:, R4] * m[:, SAMPLES] / m[:, R2] ** 2)
 
     @cached_property
@@ -265,20 +267,25 @@ class Ensemble(Value):
 
     @property
     def positions(self) -> np.ndarray:
-        """Displacement of each tracer in d, (n_times, media * tracers, 2); NaN where it ended."""
+        """Displacement in d, (n_times, media * tracers, dimension); NaN where a tracer ended."""
         return frozen(self._get("positions", "raw/positions") * self._unit)
 
     @property
     def velocities(self) -> np.ndarray:
-        """Velocity of each tracer in U, (n_times, media * tracers, 2); NaN where it ended."""
+        """Velocity in U, (n_times, media * tracers, dimension); NaN where a tracer ended."""
         return self._get("velocities", "raw/velocities")
 
     @property
     def finals(self) -> np.ndarray:
-        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions."""
+        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions.
+
+        In three dimensions (media * tracers, 6), with z in the last column.
+        """
         d = self._unit
-        scale, shift = np.array([1, 1, d, d, 1]), np.array([0, np.log(d), 0, 0, 0])
-        return frozen(self._get("finals", "raw/finals") * scale + shift)
+        finals = self._get("finals", "raw/finals")
+        scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
+        columns = finals.shape[1]
+        return frozen(finals * scale[:columns] + shift[:columns])
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.

@@ -6,7 +6,7 @@ a unit direction and, apart from them, an inverse speed. This is the rescaling o
 section 2 with the speed kept.
 """
 
-from math import asin, atan2, pi, sqrt
+from math import asin, atan2, copysign, pi, sqrt
 
 from numba import njit
 
@@ -40,27 +40,40 @@ def touch(cx: float, cy: float, ux: float, uy: float, impact: float) -> tuple[fl
 
 
 @njit(inline="always", error_model="numpy")
-def scatter(
-    ux: float, uy: float, impact: float, restitution: float, tangential: float
-) -> tuple[float, float, float]:
-    """Return (new ux, new uy, speed ratio) after a collision.
+def _rebound(
+    a: float, b: float, square: float, restitution: float, tangential: float
+) -> tuple[float, float]:
+    """Return (component of the new velocity along the old one, speed ratio), old speed 1.
 
-    The normal component of the velocity is multiplied by -e, the tangential one by et. With the
-    normal s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2), the new
-    velocity is (-e + (e + et) y^2) u - (e + et) q y w, and the square of its size is
-    e^2 q^2 + et^2 y^2. Either is written in y alone if et >= e, so that no term cancels; the ratio
-    is exactly 1 at e = et = 1. A head-on collision at e = 0 has ratio 0 and keeps (ux, uy).
+    The impact parameter is y with y^2 = a b and 1 - y^2 = square = q^2. The normal component of the
+    velocity is multiplied by -e and the tangential one by et, so the first result is
+    -e + (e + et) y^2, and the square of the second is e^2 q^2 + et^2 y^2. Either is written in y
+    alone if et >= e, so that no term cancels; the ratio is exactly 1 at e = et = 1.
     """
-    square = (1.0 - impact) * (1.0 + impact)
-    depth = sqrt(square)
     if tangential >= restitution:
         gain = tangential * tangential - restitution * restitution
-        ratio = sqrt(restitution * restitution + gain * impact * impact)
-        along = (tangential + restitution) * impact * impact - restitution
+        ratio = sqrt(restitution * restitution + gain * a * b)
+        along = (tangential + restitution) * a * b - restitution
     else:
         gain = restitution * restitution - tangential * tangential
         ratio = sqrt(tangential * tangential + gain * square)
-        along = tangential * impact * impact - restitution * square
+        along = tangential * a * b - restitution * square
+    return along, ratio
+
+
+@njit(inline="always", error_model="numpy")
+def scatter(
+    ux: float, uy: float, impact: float, restitution: float, tangential: float
+) -> tuple[float, float, float]:
+    """Return (new ux, new uy, speed ratio) after a collision in the plane.
+
+    With the normal s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2),
+    the new velocity is (-e + (e + et) y^2) u - (e + et) q y w. A head-on collision at e = 0 has
+    ratio 0 and keeps (ux, uy).
+    """
+    square = (1.0 - impact) * (1.0 + impact)
+    depth = sqrt(square)
+    along, ratio = _rebound(impact, impact, square, restitution, tangential)
     if ratio == 0.0:
         return ux, uy, 0.0
     scale = 1.0 / ratio
@@ -71,6 +84,43 @@ def scatter(
     # One Newton step on the norm: rounding of a million collisions does not add up.
     unit = 1.5 - 0.5 * (vx * vx + vy * vy)
     return vx * unit, vy * unit, ratio
+
+
+@njit(inline="always", error_model="numpy")
+def scatter_in_space(
+    direction: tuple[float, float, float],
+    impact: tuple[float, float],
+    restitution: float,
+    tangential: float,
+) -> tuple[tuple[float, float, float], float]:
+    """Return (new unit direction, speed ratio) after a collision in three dimensions.
+
+    impact (a, b): the impact parameter as a vector y = a p + b r in the plane across the direction
+    u; p and r are two unit vectors of that plane, which depend on u alone (Duff et al., J. Computer
+    Graphics Techniques 6, 1, 2017). With the normal s = -(q u + y), q = sqrt(1 - y^2), the new
+    velocity is (-e + (e + et) y^2) u - (e + et) q y. A head-on collision at e = 0 has ratio 0 and
+    keeps u.
+    """
+    (ux, uy, uz), (a, b) = direction, impact
+    y2 = a * a + b * b
+    square = 1.0 - y2
+    along, ratio = _rebound(y2, 1.0, square, restitution, tangential)
+    if ratio == 0.0:
+        return direction, 0.0
+    scale = 1.0 / ratio
+    along *= scale
+    across = -(tangential + restitution) * sqrt(square) * scale
+    a *= across
+    b *= across
+    sign = copysign(1.0, uz)
+    tilt = -1.0 / (sign + uz)
+    mixed = ux * uy * tilt
+    vx = along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
+    vy = along * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
+    vz = along * uz - a * sign * ux - b * uy
+    # As in the plane: one Newton step on the norm.
+    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return (vx * unit, vy * unit, vz * unit), ratio
 
 
 @njit(error_model="numpy")

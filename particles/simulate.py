@@ -46,8 +46,9 @@ def simulate(
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0.
-    initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U) or an
-        array (tracers, 2) or (media, tracers, 2) of velocities in U.
+    initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
+        direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
+        U; the dimension is that of the medium.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.

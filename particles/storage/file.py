@@ -43,7 +43,7 @@ from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 # Numbers of a plan that version 1 of the layout did not have, and what they were then.
-LATER = {"tangential_restitution": 1.0}
+LATER = {"tangential_restitution": 1.0, "dimension": 2}
 
 _MEDIA: dict[str, type] = {m.__name__: m for m in (HardDisks, Poisson, BoltzmannGrad, Positions)}
 _UNITS = {
@@ -55,7 +55,7 @@ _UNITS = {
     "traps": "1, 1, d/U, d, d",
     "raw/positions": "d",
     "raw/velocities": "U",
-    "raw/finals": "ln U, ln(d/U), d, d, 1",
+    "raw/finals": "ln U, ln(d/U), d, d, 1",  # and d in three dimensions
 }
 
 
@@ -224,8 +224,9 @@ def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
                 shapes[f"histograms/{name}/sums"] = (3, rows, bins)
                 shapes[f"histograms/{name}/samples"] = (2, rows)
         for name in plan.observables.intersection(RAW):
-            shape = (tracers, FINALS) if name == "finals" else (times, tracers, 2)
-            shapes[f"raw/{name}"] = shape
+            dimension = plan.medium.dimension
+            row, place = (tracers, FINALS[dimension]), (times, tracers, dimension)
+            shapes[f"raw/{name}"] = row if name == "finals" else place
     whole = {name for name in shapes if name == "statuses" or name.startswith("histograms")}
     return {name: array.shape for name, array in arrays.items()} == shapes and all(
         array.dtype == (np.int64 if name in whole else np.float64) for name, array in arrays.items()
