@@ -162,7 +162,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, records
+    from particles.kernel import follow, free_paths, free_paths_in_space, lane, records
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     times = plan.times / plan.medium.diameter
@@ -206,9 +206,10 @@ def _follow_block(
     caught = np.empty((n, TRAPS))
     n_caught = 0
     if cells is None:
-        in_space = dimension == 3
-        run = free_paths.follow_free_paths_in_space if in_space else free_paths.follow_free_paths
-        run(start, mean_path, record)
+        if dimension == 3:
+            free_paths_in_space.follow_free_paths_in_space(start, mean_path, record)
+        else:
+            free_paths.follow_free_paths(start, mean_path, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
     return {"traps": caught[:n_caught], **raw}

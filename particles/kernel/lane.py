@@ -21,10 +21,6 @@ from particles.streams import START, open_stream, uniform
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
-# In three dimensions a row of three numbers goes with each lane, its third coordinates: of the unit
-# direction, of the place where this flight began, and of the velocity at time 0. They are apart, so
-# that a lane of the plane is not longer for them.
-DIRECTION_Z, FLIGHT_Z, START_VZ = range(3)
 
 # Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
 _FIELDS = {

@@ -24,7 +24,7 @@ OUTPUT = np.dtype(
 QUEUE = 1024
 # In three dimensions a row of three numbers goes with each of them: the third coordinates of the
 # place, of the velocity and of the velocity at time 0.
-Z, VZ, QUEUED_START_VZ = range(3)
+Z, VZ, START_VZ = range(3)
 
 
 class Records(NamedTuple):
@@ -138,7 +138,7 @@ def enter_queue(records: Records) -> None:
             z, vz = third[m, Z], third[m, VZ]
             r2 += z * z
             v2 += vz * vz
-            correlation += vz * third[m, QUEUED_START_VZ]
+            correlation += vz * third[m, START_VZ]
             if positions.size:
                 positions[k, row.tracer, 2] = z
             if velocities.size:
