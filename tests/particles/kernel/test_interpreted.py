@@ -11,6 +11,7 @@ PROGRAM = """
     from particles import OBSERVABLES, BoltzmannGrad, HardDisks, Poisson, simulate
     media = {
         "box": HardDisks(0.2, 60), "chains": Poisson(2.0, 80), "gas": BoltzmannGrad(0.1),
+        "spheres": BoltzmannGrad(0.1, dimension=3),
         "plane": Poisson(0.3, box=None), "hard plane": HardDisks(0.3, box=None),
         "equilibrium": HardDisks(0.4, 50, equilibrate=2),
     }
@@ -36,5 +37,5 @@ def run(**environment: str) -> list[str]:
 
 def test_interpreted_and_compiled_kernels_give_the_same_bits() -> None:
     compiled = run()
-    assert len(compiled) == 6 * 5 * 15
+    assert len(compiled) == 7 * 5 * 15
     assert run(NUMBA_DISABLE_JIT="1") == compiled

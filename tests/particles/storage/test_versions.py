@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from particles import BoltzmannGrad, Ensemble, Poisson, simulate
+from particles import OBSERVABLES, BoltzmannGrad, Ensemble, Poisson, simulate
 
 # Made by version 0.2, stopped after the first of two configurations:
 OLD = Path(__file__).with_name("half_a_run_of_0_2.h5")
@@ -42,7 +42,10 @@ def test_a_run_of_another_law_is_refused(tmp_path: Path) -> None:
         simulate(MEDIUM, **ARGUMENTS, output=path, resume=True)
 
 
-@pytest.mark.parametrize("medium", [MEDIUM, BoltzmannGrad(0.1, diameter=2.0)])
+SPHERES = BoltzmannGrad(0.1, diameter=2.0, dimension=3)
+
+
+@pytest.mark.parametrize("medium", [MEDIUM, BoltzmannGrad(0.1, diameter=2.0), SPHERES])
 def test_tangential_restitution_is_saved_and_printed(
     medium: Poisson | BoltzmannGrad, tmp_path: Path
 ) -> None:
@@ -57,3 +60,28 @@ def test_tangential_restitution_is_saved_and_printed(
     smooth = simulate(medium, **ARGUMENTS)
     assert "tangential" not in repr(smooth)
     assert not np.array_equal(run.finals, smooth.finals)
+
+
+@pytest.mark.parametrize("initial", ["gaussian", np.ones((3, 3))])
+def test_three_dimensions_are_saved_and_gone_on_with(
+    initial: str | np.ndarray, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    arguments = ARGUMENTS | dict(initial=initial, observables=OBSERVABLES, media=6)
+
+    class Stopped(Exception):
+        pass
+
+    def stop(done: int, total: int) -> None:
+        if done == 2:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        simulate(SPHERES, **arguments, output=path, progress=stop)
+    in_plane = arguments | dict(medium=BoltzmannGrad(0.1, diameter=2.0), initial="gaussian")
+    with pytest.raises(ValueError, match="holds another run, with medium = "):
+        simulate(**in_plane, output=path, resume=True)
+    resumed = simulate(SPHERES, **arguments, output=path, resume=True)
+    assert resumed == simulate(SPHERES, **arguments) == Ensemble.load(path)
+    assert resumed.medium.dimension == 3
+    assert version_of(path) == 2
