@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from particles.checks import check_whole, real_array, refuse, short
-from particles.configuration import OBSERVABLES, Plan
+from particles.configuration import OBSERVABLES, Plan, speeds
 from particles.media import Medium, Positions
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
@@ -17,7 +17,7 @@ MOST_WORKERS = 10_000
 
 def make_plan(
     medium: Medium, restitution: float, initial: Any, times: Any,
-    observables: Iterable[str] | None, **whole: int | None,
+    observables: Iterable[str] | None, tangential_restitution: float = 1.0, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -25,8 +25,13 @@ def make_plan(
     """
     if not isinstance(medium, Medium):
         refuse("medium", medium, "must be HardDisks, Poisson, BoltzmannGrad or Positions")
-    if not (isinstance(restitution, (int, float)) and 0.0 <= restitution <= 1.0):
-        refuse("restitution", restitution, "must be a number from 0 to 1")
+    kept = {"restitution": restitution, "tangential_restitution": tangential_restitution}
+    for name, value in kept.items():
+        if not (isinstance(value, (int, float)) and 0.0 <= value <= 1.0):
+            refuse(name, value, "must be a number from 0 to 1")
+    if max(kept.values()) < SMALLEST_SPEED:
+        allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
+        refuse("tangential_restitution", tangential_restitution, allowed)
     media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
@@ -37,8 +42,9 @@ def make_plan(
     return Plan(
         medium=medium,
         restitution=float(restitution),
+        tangential_restitution=float(tangential_restitution),
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(initial, media, tracers),
+        velocities=_check_initial(initial, media, tracers, medium.dimension),
         times=_check_times(times),
         media=media,
         tracers=tracers,
@@ -69,20 +75,21 @@ def _check_times(times: Any) -> np.ndarray:
     return array
 
 
-def _check_initial(initial: Any, media: int, tracers: int) -> np.ndarray | None:
+def _check_initial(initial: Any, media: int, tracers: int, dimension: int) -> np.ndarray | None:
     if isinstance(initial, str):
         if initial not in ("gaussian", "monoenergetic"):
             refuse("initial", initial, "must be 'gaussian', 'monoenergetic' or velocities")
         return None
     velocities = real_array("initial", initial, "must be a name or an array of real velocities")
-    if velocities.shape not in ((tracers, 2), (media, tracers, 2)):
+    d = dimension
+    if velocities.shape not in ((tracers, d), (media, tracers, d)):
         raise ValueError(
-            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, 2) = "
-            f"({tracers}, 2) or (media, tracers, 2) = ({media}, {tracers}, 2)"
+            f"initial of shape {velocities.shape}: velocities must be of shape (tracers, {d}) = "
+            f"({tracers}, {d}) or (media, tracers, {d}) = ({media}, {tracers}, {d})"
         )
     with np.errstate(over="ignore"):
-        speeds = np.hypot(velocities[..., 0], velocities[..., 1])
-    good = (speeds >= SMALLEST_SPEED) & (speeds <= 1.0 / SMALLEST_SPEED)
+        sizes = speeds(velocities)
+    good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
     if not good.all():
         raise ValueError(
             f"initial holds the velocity {velocities[~good][0]}: its size must be from "

@@ -2,13 +2,14 @@
 
 import threading
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from math import ceil, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
-from particles.media import Medium
+from particles.media import Medium, dilute_mean_path
 from particles.values import Value
 
 if TYPE_CHECKING:
@@ -41,10 +42,14 @@ _last = threading.local()
 
 @dataclass(frozen=True, eq=False)
 class Plan(Value):
-    """What is to be run, checked. velocities (media or none, tracers, 2), or None to draw them."""
+    """What is to be run, checked.
+
+    velocities (media or none, tracers, dimension), or None to draw them.
+    """
 
     medium: Medium
     restitution: float
+    tangential_restitution: float
     monoenergetic: bool
     velocities: np.ndarray | None
     times: np.ndarray
@@ -62,7 +67,7 @@ class Plan(Value):
         """
         fastest = 4.0
         if self.velocities is not None:
-            fastest = float(np.hypot(self.velocities[..., 0], self.velocities[..., 1]).max())
+            fastest = float(speeds(self.velocities).max())
         last = float(self.times[-1]) if self.times.size else 1.0
         top = ceil(log2(fastest)) + 2
         bottom = -ceil(log2(max(last, 1.0))) - 20
@@ -86,6 +91,11 @@ class Tally:
     traps: np.ndarray
     histograms: dict[str, np.ndarray] = field(default_factory=dict)
     raw: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+def speeds(velocities: np.ndarray) -> np.ndarray:
+    """Return the sizes of velocities (..., dimension), without overflow on the way."""
+    return reduce(np.hypot, np.moveaxis(velocities, -1, 0))
 
 
 def time_scales(times: np.ndarray) -> np.ndarray:
@@ -152,26 +162,25 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, records
+    from particles.kernel import follow, free_paths, free_paths_in_space, lane, records
 
-    d = plan.medium.diameter
-    mean_path = 0.5 / (plan.medium.number_density * d * d)
-    times = plan.times / d
+    mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
+    times = plan.times / plan.medium.diameter
     n = min(BLOCK, plan.tracers - first)
-    given = np.empty((0, 2))
+    given = np.empty((0, dimension))
     if plan.velocities is not None:
         every = plan.velocities.ndim == 2
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
-        plan.restitution, plan.max_collisions or 0,
+        plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
     )  # fmt: skip
     raw = {
         name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
         for name, shape in {
-            "positions": (times.size, n, 2),
-            "velocities": (times.size, n, 2),
-            "finals": (n, FINALS),
+            "positions": (times.size, n, dimension),
+            "velocities": (times.size, n, dimension),
+            "finals": (n, FINALS[dimension]),
         }.items()
     }
     nothing = np.zeros((0, 0), np.int64)
@@ -191,12 +200,16 @@ def _follow_block(
         paths=paths,
         queue=np.empty(records.QUEUE, records.OUTPUT),
         queued=np.zeros(1, np.int64),
+        third=np.zeros((records.QUEUE if dimension == 3 else 0, 3)),
         **raw,
     )
     caught = np.empty((n, TRAPS))
     n_caught = 0
     if cells is None:
-        free_paths.follow_free_paths(start, mean_path, record)
+        if dimension == 3:
+            free_paths_in_space.follow_free_paths_in_space(start, mean_path, record)
+        else:
+            free_paths.follow_free_paths(start, mean_path, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
     return {"traps": caught[:n_caught], **raw}

@@ -32,11 +32,12 @@ class Statuses(Value):
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between two scatterers, where infinitely many collisions follow in
-    a finite time. Declared after a flight shorter than 1e-9 d if, between two straight walls, the
-    tracer would never leave (events.is_collapsing); or at rest after a head-on collision at e = 0.
-    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U, short of
-    the end by what some 1e-9 d take at the last speed; trap_places (trapped, 2) relative to the
+    trapped: caught in a corner between two scatterers, where infinitely many collisions follow
+    within 1e-9 d or so. Declared after a flight shorter than 1e-9 d if, between two straight walls,
+    the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
+    e = 0. escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
+    it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
+    at the last speed, below 1 they may take for ever. trap_places (trapped, 2) relative to the
     start, in d; trap_tracers (trapped, 2): configuration and tracer.
     """
 
@@ -85,7 +86,7 @@ class Ensemble(Value):
         return "\n".join(
             [
                 f"Ensemble: {self.media} configurations of {self.medium!r}",
-                f"  restitution {self.restitution:g}, {self.tracers} tracers in each configuration",
+                f"  {self._law_in_words()}, {self.tracers} tracers in each configuration",
                 f"  {self._times_in_words()}",
                 f"  {self.statuses!r}{': ' * bool(self.statuses.note)}{self.statuses.note}",
                 f"  outputs: {', '.join(self.outputs)}",
@@ -103,6 +104,12 @@ class Ensemble(Value):
                 value, error = estimate.value[-1], estimate.error[-1]
                 rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
         return f"<p>{lines}</p><table>{rows}</table>"
+
+    def _law_in_words(self) -> str:
+        words = f"restitution {self.restitution:g}"
+        if self.tangential_restitution != 1.0:
+            words += f", tangential restitution {self.tangential_restitution:g}"
+        return words
 
     def _times_in_words(self) -> str:
         if not self.times.size:
@@ -129,8 +136,13 @@ class Ensemble(Value):
         return self.plan.restitution
 
     @property
+    def tangential_restitution(self) -> float:
+        """What a collision leaves of the tangential velocity, as a fraction."""
+        return self.plan.tangential_restitution
+
+    @property
     def number_density(self) -> float:
-        """Scatterers per unit area."""
+        """Scatterers per unit area, or volume in three dimensions."""
         return self.medium.number_density
 
     @property
@@ -196,10 +208,12 @@ class Ensemble(Value):
 
     @cached_property
     def a2(self) -> Estimate:
-        """<v^4> / (2 <v^2>^2) - 1, (n_times,): 0 for a Gaussian."""
+        """<v^4> / (k <v^2>^2) - 1, (n_times,): 0 for a Gaussian, k = 2, or 5/3 in space."""
+        d = self.medium.dimension
+        gaussian = (d + 2) / d
         return jackknife(
             self.moments,
-            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (2.0 * m[:, SPEED2] ** 2) - 1.0,
+            lambda m: m[:, SPEED4] * m[:, SAMPLES] / (gaussian * m[:, SPEED2] ** 2) - 1.0,
         )
 
     @cached_property
@@ -209,7 +223,7 @@ class Ensemble(Value):
 
     @cached_property
     def kurtosis(self) -> Estimate:
-        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian in the plane. NaN at time 0."""
+        """<r^4> / <r^2>^2, (n_times,): 2 for a Gaussian, 5/3 in space. NaN at time 0."""
         return jackknife(self.moments, lambda m: m[:, R4] * m[:, SAMPLES] / m[:, R2] ** 2)
 
     @cached_property
@@ -253,20 +267,25 @@ class Ensemble(Value):
 
     @property
     def positions(self) -> np.ndarray:
-        """Displacement of each tracer in d, (n_times, media * tracers, 2); NaN where it ended."""
+        """Displacement in d, (n_times, media * tracers, dimension); NaN where a tracer ended."""
         return frozen(self._get("positions", "raw/positions") * self._unit)
 
     @property
     def velocities(self) -> np.ndarray:
-        """Velocity of each tracer in U, (n_times, media * tracers, 2); NaN where it ended."""
+        """Velocity in U, (n_times, media * tracers, dimension); NaN where a tracer ended."""
         return self._get("velocities", "raw/velocities")
 
     @property
     def finals(self) -> np.ndarray:
-        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions."""
+        """End of each tracer, (media * tracers, 5): ln v, ln t, x, y, number of collisions.
+
+        In three dimensions (media * tracers, 6), with z in the last column.
+        """
         d = self._unit
-        scale, shift = np.array([1, 1, d, d, 1]), np.array([0, np.log(d), 0, 0, 0])
-        return frozen(self._get("finals", "raw/finals") * scale + shift)
+        finals = self._get("finals", "raw/finals")
+        scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
+        columns = finals.shape[1]
+        return frozen(finals * scale[:columns] + shift[:columns])
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.

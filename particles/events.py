@@ -6,7 +6,7 @@ a unit direction and, apart from them, an inverse speed. This is the rescaling o
 section 2 with the speed kept.
 """
 
-from math import asin, atan2, pi, sqrt
+from math import asin, atan2, copysign, pi, sqrt
 
 from numba import njit
 
@@ -40,20 +40,45 @@ def touch(cx: float, cy: float, ux: float, uy: float, impact: float) -> tuple[fl
 
 
 @njit(inline="always", error_model="numpy")
-def scatter(ux: float, uy: float, impact: float, restitution: float) -> tuple[float, float, float]:
-    """Return (new ux, new uy, speed ratio) after a collision: v' = v - (1 + e)(v.s) s.
+def _rebound(
+    a: float, b: float, square: float, restitution: float, tangential: float
+) -> tuple[float, float]:
+    """Return (component of the new velocity along the old one, speed ratio), old speed 1.
 
-    With s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2), the new
-    velocity is (-e + (1 + e) y^2) u - (1 + e) q y w. Written so, no term cancels at e = 0 or 1;
-    the ratio is exactly 1 at e = 1. A head-on collision at e = 0 has ratio 0 and keeps (ux, uy).
+    The impact parameter is y with y^2 = a b and 1 - y^2 = square = q^2. The normal component of the
+    velocity is multiplied by -e and the tangential one by et, so the first result is
+    -e + (e + et) y^2, and the square of the second is e^2 q^2 + et^2 y^2. Either is written in y
+    alone if et >= e, so that no term cancels; the ratio is exactly 1 at e = et = 1.
     """
-    ratio = sqrt(restitution * restitution + (1.0 - restitution * restitution) * impact * impact)
+    if tangential >= restitution:
+        gain = tangential * tangential - restitution * restitution
+        ratio = sqrt(restitution * restitution + gain * a * b)
+        along = (tangential + restitution) * a * b - restitution
+    else:
+        gain = restitution * restitution - tangential * tangential
+        ratio = sqrt(tangential * tangential + gain * square)
+        along = tangential * a * b - restitution * square
+    return along, ratio
+
+
+@njit(inline="always", error_model="numpy")
+def scatter(
+    ux: float, uy: float, impact: float, restitution: float, tangential: float
+) -> tuple[float, float, float]:
+    """Return (new ux, new uy, speed ratio) after a collision in the plane.
+
+    With the normal s = -(q u + y w), w = (uy, -ux), y the impact parameter and q = sqrt(1 - y^2),
+    the new velocity is (-e + (e + et) y^2) u - (e + et) q y w. A head-on collision at e = 0 has
+    ratio 0 and keeps (ux, uy).
+    """
+    square = (1.0 - impact) * (1.0 + impact)
+    depth = sqrt(square)
+    along, ratio = _rebound(impact, impact, square, restitution, tangential)
     if ratio == 0.0:
         return ux, uy, 0.0
-    depth = sqrt((1.0 - impact) * (1.0 + impact))
     scale = 1.0 / ratio
-    along = ((1.0 + restitution) * impact * impact - restitution) * scale
-    across = (1.0 + restitution) * depth * impact * scale
+    along *= scale
+    across = (tangential + restitution) * depth * impact * scale
     vx = along * ux - across * uy
     vy = along * uy + across * ux
     # One Newton step on the norm: rounding of a million collisions does not add up.
@@ -61,26 +86,76 @@ def scatter(ux: float, uy: float, impact: float, restitution: float) -> tuple[fl
     return vx * unit, vy * unit, ratio
 
 
+@njit(inline="always", error_model="numpy")
+def scatter_in_space(
+    direction: tuple[float, float, float],
+    impact: tuple[float, float],
+    restitution: float,
+    tangential: float,
+) -> tuple[tuple[float, float, float], float]:
+    """Return (new unit direction, speed ratio) after a collision in three dimensions.
+
+    impact (a, b): the impact parameter as a vector y = a p + b r in the plane across the direction
+    u; p and r are two unit vectors of that plane, which depend on u alone (Duff et al., J. Computer
+    Graphics Techniques 6, 1, 2017). With the normal s = -(q u + y), q = sqrt(1 - y^2), the new
+    velocity is (-e + (e + et) y^2) u - (e + et) q y. A head-on collision at e = 0 has ratio 0 and
+    keeps u.
+    """
+    (ux, uy, uz), (a, b) = direction, impact
+    y2 = a * a + b * b
+    square = 1.0 - y2
+    along, ratio = _rebound(y2, 1.0, square, restitution, tangential)
+    if ratio == 0.0:
+        return direction, 0.0
+    scale = 1.0 / ratio
+    along *= scale
+    across = -(tangential + restitution) * sqrt(square) * scale
+    a *= across
+    b *= across
+    sign = copysign(1.0, uz)
+    tilt = -1.0 / (sign + uz)
+    mixed = ux * uy * tilt
+    vx = along * ux + a * (1.0 + sign * ux * ux * tilt) + b * mixed
+    vy = along * uy + a * sign * mixed + b * (sign + uy * uy * tilt)
+    vz = along * uz - a * sign * ux - b * uy
+    # As in the plane: one Newton step on the norm.
+    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return (vx * unit, vy * unit, vz * unit), ratio
+
+
 @njit(error_model="numpy")
 def is_collapsing(
-    ax: float, ay: float, bx: float, by: float, ux: float, uy: float, restitution: float
+    before: tuple[float, float],
+    left: tuple[float, float],
+    direction: tuple[float, float],
+    restitution: float,
+    tangential: float,
 ) -> bool:
     """Tell whether a tracer between two straight walls collides infinitely often from now on.
 
-    (ax, ay) and (bx, by): unit normals, towards the tracer, of the wall before and of the one that
-    it leaves with direction (ux, uy). The walls enclose the angle theta; alpha is the angle of the
+    before and left: unit normals, towards the tracer, of the wall before and of the one that it
+    leaves with this unit direction. The walls enclose the angle theta; alpha is the angle of the
     direction with the wall left, from the side of the corner. From one collision to the next,
-    tan(alpha') = e tan(alpha + theta). This has fixed points if sin(theta) <= (1 - e)/(1 + e),
-    where sin(2 alpha + theta) = sin(theta) (1 + e)/(1 - e); below the upper one, which repels,
-    alpha goes to the lower one and path and speed shrink geometrically for ever.
+    tan(alpha') = r tan(alpha + theta) with r = e/et, and the distance from the corner is multiplied
+    by sin(alpha)/sin(alpha + theta). For r < 1 there are fixed points if
+    sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta) (1 + r)/(1 - r); below
+    the upper one, which repels, alpha goes to the lower one, and path and speed shrink
+    geometrically for ever. For r >= 1, alpha grows by theta at least at each collision until it is
+    beyond pi/2; it stays there, and there the distance grows.
+
+    At et = 1 the time to all these collisions is finite. At et < 1 it may be infinite: the speed
+    may shrink faster than the distance that is left.
     """
+    (ax, ay), (bx, by), (ux, uy) = before, left, direction
+    if restitution >= tangential:
+        return False
     theta = atan2(abs(ax * by - ay * bx), -(ax * bx + ay * by))
     # Along the wall left towards the corner: down the normal of the other one.
     tx, ty = -by, bx
     if tx * ax + ty * ay > 0.0:
         tx, ty = by, -bx
     alpha = atan2(ux * bx + uy * by, ux * tx + uy * ty)
-    bound = (1.0 + restitution) * abs(ax * by - ay * bx)
-    if bound > 1.0 - restitution:
+    bound = (tangential + restitution) * abs(ax * by - ay * bx)
+    if bound > tangential - restitution:
         return False
-    return 2.0 * alpha + theta < pi - asin(bound / (1.0 - restitution))
+    return 2.0 * alpha + theta < pi - asin(bound / (tangential - restitution))

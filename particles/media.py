@@ -38,6 +38,7 @@ def _not_too_thin(name: str, value: float, in_diameters: float) -> None:
 
 @dataclass(frozen=True)
 class _Random:
+    dimension: ClassVar[int] = 2
     number_density: float
     count: int = 40_000
     diameter: float = 1.0
@@ -123,22 +124,33 @@ class Poisson(_Random):
 
 @dataclass(frozen=True)
 class BoltzmannGrad:
-    """No scatterers: exponential free paths of mean 1/(2 d rho0) and uniform impact parameters.
+    """No scatterers: exponential free paths, and impact parameters as a dilute gas has them.
 
     The particle method of the kinetic equation itself (paper, eq. inelaslorentz2): the limit of
     number_density -> 0 at a given mean free path, without recollisions.
+
+    dimension 2: disks, number_density per unit area, free paths of mean 1/(2 d rho0), the impact
+    parameter uniform. dimension 3: spheres, number_density per unit volume, mean 1/(pi d^2 rho0),
+    the impact parameter uniform in the disk across the velocity. ValueError where dimension is
+    another number or a number is not positive and finite.
     """
 
     number_density: float
     diameter: float = 1.0
+    dimension: Literal[2, 3] = 2
 
     def __post_init__(self) -> None:
+        if type(self.dimension) is not int or self.dimension not in (2, 3):
+            refuse("dimension", self.dimension, "must be 2 or 3")
         d = check_positive("diameter", self.diameter)
         in_diameters = check_positive("number_density", self.number_density) * d * d
+        if self.dimension == 3:
+            in_diameters *= d
         if not 0.0 < in_diameters < float("inf") or 0.5 / in_diameters == float("inf"):
             raise ValueError(
-                f"number_density = {self.number_density!r}: {in_diameters:.3g} scatterers per d^2 "
-                f"at diameter = {self.diameter!r}; must be a positive finite number"
+                f"number_density = {self.number_density!r}: {in_diameters:.3g} scatterers per "
+                f"d^{self.dimension} at diameter = {self.diameter!r}; must be a positive finite "
+                f"number"
             )
 
 
@@ -156,6 +168,7 @@ class Positions(Value):
     of the mean over tracers in this one medium.
     """
 
+    dimension: ClassVar[int] = 2
     positions: np.ndarray
     box_side: float
     diameter: float = 1.0
@@ -255,3 +268,10 @@ def _pairs(path: str, table: Iterator[list[str]]) -> Iterator[tuple[float, float
 
 
 Medium = HardDisks | Poisson | BoltzmannGrad | Positions
+
+
+def dilute_mean_path(medium: Medium) -> float:
+    """Return the mean free path in d of a dilute medium of this density."""
+    d = medium.diameter
+    in_diameters = medium.number_density * d * d
+    return 1.0 / (pi * in_diameters * d) if medium.dimension == 3 else 0.5 / in_diameters

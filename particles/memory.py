@@ -39,8 +39,9 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
         for k, name in enumerate(HISTOGRAMS)
         if name in plan.observables
     )
-    each = times * 2 * len(plan.observables & {"positions", "velocities"})
-    each += FINALS * ("finals" in plan.observables)
+    dimension = plan.medium.dimension
+    each = times * dimension * len(plan.observables & {"positions", "velocities"})
+    each += FINALS[dimension] * ("finals" in plan.observables)
     threads = min(workers, plan.media)
     return {
         "count": threads * _scatterers(plan),

@@ -38,12 +38,17 @@ def simulate(
     progress: Callable[[int, int], None] | None = None,
     output: str | PathLike[str] | None = None,
     resume: bool = False,
+    tangential_restitution: float = 1.0,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson, BoltzmannGrad or Positions. restitution in [0, 1].
-    initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U) or an
-        array (tracers, 2) or (media, tracers, 2) of velocities in U.
+    medium: HardDisks, Poisson, BoltzmannGrad or Positions.
+    restitution, tangential_restitution: at a collision the component of the velocity along the
+        normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
+        [0, 1], not both 0.
+    initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
+        direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
+        U; the dimension is that of the medium.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -66,7 +71,9 @@ def simulate(
     Where the disk fills up during the run, what is done stays, and resume goes on from it.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
-    plan = make_plan(medium, restitution, initial, times, observables, **whole)
+    plan = make_plan(
+        medium, restitution, initial, times, observables, tangential_restitution, **whole
+    )
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         refuse("executor", executor, "must be a concurrent.futures.Executor")

@@ -55,6 +55,21 @@ def to_unit(word: Any) -> float:
 
 
 @njit(inline="always")
+def in_disk(word: Any) -> tuple[float, float]:
+    """Return a place made of 64 random bits, uniform in the disk of radius 1, never its centre.
+
+    The halves of the word are its coordinates in the square around the disk. Outside the disk, the
+    word is hashed once more.
+    """
+    while True:
+        x = (float(uint64(word) >> uint64(32)) + 0.5) * 2.0**-31 - 1.0
+        y = (float(uint64(word) & uint64(0xFFFFFFFF)) + 0.5) * 2.0**-31 - 1.0
+        if x * x + y * y < 1.0:
+            return x, y
+        word = mix(uint64(word) + uint64(_GOLDEN))
+
+
+@njit(inline="always")
 def uniform(state: Any, gamma: Any, counter: int) -> float:
     """Return draw number `counter` as an odd multiple of 2**-53 in (0, 1)."""
     return to_unit(bits(state, gamma, counter))

@@ -14,7 +14,7 @@ import pytest
 
 import particles
 from kinetics import cli
-from particles import Ensemble, HardDisks, simulate
+from particles import BoltzmannGrad, Ensemble, HardDisks, Poisson, simulate
 
 
 @pytest.fixture(autouse=True)
@@ -116,6 +116,32 @@ def test_the_file_holds_what_python_gives(
     path.write_text("x,y\n1,2\n")
     assert "is damaged, or not a saved simulation" in refused(capsys, *arguments[1:], "--resume")
     assert path.read_text() == "x,y\n1,2\n"
+
+
+def test_tangential_restitution(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--medium", "poisson", "--count", "200", "--media", "2", "--tracers", "3"]
+    law = ["--tangential-restitution", "0.8"]
+    assert cli.main(["simulate", *arguments, *law, "--times", "1,9", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    expected = simulate(
+        Poisson(0.04, 200), 0.7, times=[1, 9], media=2, tracers=3, tangential_restitution=0.8
+    )
+    assert document["tangential_restitution"] == 0.8
+    assert document["msd"]["value"] == expected.msd.value.tolist()
+    assert "tangential_restitution = 2.0" in refused(capsys, "--tangential-restitution", "2")
+
+
+def test_three_dimensions(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--medium", "boltzmann-grad", "--media", "3", "--tracers", "4", "--times", "1,9"]
+    assert cli.main(["simulate", *arguments, "--dimension", "3", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    expected = simulate(BoltzmannGrad(0.04, dimension=3), 0.7, times=[1, 9], media=3, tracers=4)
+    assert document["dimension"] == 3
+    assert document["kurtosis"]["value"] == expected.kurtosis.value.tolist()
+    assert "dimension = 4: must be 2 or 3" in refused(capsys, *arguments, "--dimension", "4")
+    message = "dimension = 3: must be 2 unless the medium is boltzmann-grad"
+    assert message in refused(capsys, "--dimension", "3")
+    assert message in refused(capsys, "--dimension", "3", "--medium", "poisson")
 
 
 def test_positions_are_read_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

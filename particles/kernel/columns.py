@@ -17,9 +17,10 @@ MOMENTS = 8
 TRAVELLED, ALL_COLLISIONS = range(2)
 TOTALS = 2
 
-# The end of one tracer, (FINALS,): ln of its speed, ln of its time, place, collisions.
-LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS = range(5)
-FINALS = 5
+# The end of one tracer, (FINALS[dimension],): ln of its speed, ln of its time, place, collisions,
+# and in three dimensions the third coordinate of the place.
+LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS, FINAL_Z = range(6)
+FINALS = {2: 5, 3: 6}
 
 # A trapped tracer, (TRAPS,): its number, and the time and the place at which it was caught.
 TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y = range(4)

@@ -96,7 +96,9 @@ def _cross_cell(lane: Any, keys: np.ndarray, n: int) -> None:
 
 
 @inlined
-def _collide(lane: Any, path: float, side: float, restitution: float) -> tuple[float, bool]:
+def _collide(
+    lane: Any, path: float, side: float, restitution: float, tangential: float
+) -> tuple[float, bool]:
     """Bounce off the scatterer met after this path; the next flight begins there.
 
     Return the ratio of the speeds after and before, and whether the tracer is trapped from now on.
@@ -104,12 +106,12 @@ def _collide(lane: Any, path: float, side: float, restitution: float) -> tuple[f
     ux, uy, cx, cy = lane.ux, lane.uy, lane.struck_x, lane.struck_y
     impact = (cx - lane.x) * uy - (cy - lane.y) * ux
     x, y = touch(cx, cy, ux, uy, impact)
-    ux, uy, ratio = scatter(ux, uy, impact, restitution)
+    ux, uy, ratio = scatter(ux, uy, impact, restitution, tangential)
     nx, ny = x - cx, y - cy
-    trapped = ratio == 0.0 or (
-        path < TRAP_LENGTH
-        and is_collapsing(lane.normal_x, lane.normal_y, nx, ny, ux, uy, restitution)
-    )
+    trapped = ratio == 0.0
+    if path < TRAP_LENGTH and not trapped:
+        before = lane.normal_x, lane.normal_y
+        trapped = is_collapsing(before, (nx, ny), (ux, uy), restitution, tangential)
     lane.x, lane.y, lane.ux, lane.uy, lane.normal_x, lane.normal_y = x, y, ux, uy, nx, ny
     lane.flight_x, lane.flight_y = lane.i * side + x, lane.j * side + y
     lane.collisions += 1
@@ -139,7 +141,8 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
-    side, n, restitution = cells.side, cells.n, start.restitution
+    side, n = cells.side, cells.n
+    restitution, tangential = start.restitution, start.tangential
     lanes = np.empty(LANES, LANE)
     active = launched = min(LANES, start.n)
     caught = 0
@@ -177,7 +180,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
             else:
                 if paths.size:
                     count_path(paths, grids, path)
-                ratio, trapped = _collide(lane, path, side, restitution)
+                ratio, trapped = _collide(lane, path, side, restitution, tangential)
                 lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED

@@ -31,6 +31,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
     # Taken out of their tuples once, as in `follow`.
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
+    restitution, tangential = start.restitution, start.tangential
     last_time = times[times.size - 1] if times.size else np.inf
     lanes = np.empty(LANES, LANE)
     active = launched = min(LANES, start.n)
@@ -57,7 +58,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
                 count_path(paths, grids, path)
             # Odd multiples of 2**-53 less 1: never 0, so the speed ratio is never 0 either.
             impact = 2.0 * uniform(lane.stream, lane.gamma, draw + 1) - 1.0
-            lane.ux, lane.uy, ratio = scatter(ux, uy, impact, start.restitution)
+            lane.ux, lane.uy, ratio = scatter(ux, uy, impact, restitution, tangential)
             lane.collisions += 1
             lane.slowness /= ratio
             shift_clock(lane, times)

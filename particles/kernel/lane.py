@@ -57,8 +57,9 @@ LANE = np.dtype(
 class Start(NamedTuple):
     """Which tracers to follow, and how.
 
-    first: number of the first one. given (n, 2): initial velocities in U, or (0, 2) to draw n of
-    them. most: the largest number of collisions, 0 for no limit.
+    first: number of the first one. given (n, dimension): initial velocities in U, or
+    (0, dimension) to draw n of them. restitution, tangential: what a collision leaves of the normal
+    and of the tangential velocity. most: the largest number of collisions, 0 for no limit.
     """
 
     first: int
@@ -68,12 +69,41 @@ class Start(NamedTuple):
     seed: Any
     configuration: int
     restitution: float
+    tangential: float
     most: int
 
 
 @inlined
 def launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
     """Set a lane to the beginning of the path of tracer number `start.first + tracer`."""
+    vx, vy = _draw(start, tracer)
+    _begin(lane, records, tracer, vx, vy, sqrt(vx * vx + vy * vy))
+
+
+@inlined
+def launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> tuple[float, float]:
+    """As `launch`, in three dimensions: return the third components of direction and velocity."""
+    vx, vy = _draw(start, tracer)
+    if start.given.shape[0]:
+        vz = start.given[tracer, 2]
+    else:
+        state, gamma = open_stream(start.seed, START, start.configuration, start.first + tracer)
+        if start.monoenergetic:
+            # The third coordinate of a place on the unit sphere is uniform.
+            vz = 2.0 * uniform(state, gamma, 2) - 1.0
+            across = sqrt((1.0 - vz) * (1.0 + vz))
+            vx, vy = across * vx, across * vy
+        else:
+            size = sqrt(-2.0 * log(uniform(state, gamma, 2)))
+            vz = size * cos(2.0 * pi * uniform(state, gamma, 3))
+    speed = sqrt(vx * vx + vy * vy + vz * vz)
+    _begin(lane, records, tracer, vx, vy, speed)
+    return vz / speed, vz
+
+
+@inlined
+def _draw(start: Start, tracer: int) -> tuple[float, float]:
+    """Return the first two components of a tracer's initial velocity, as in the plane."""
     if start.given.shape[0]:
         vx, vy = start.given[tracer, 0], start.given[tracer, 1]
     else:
@@ -81,7 +111,12 @@ def launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
         angle = 2.0 * pi * uniform(state, gamma, 0)
         speed = 1.0 if start.monoenergetic else sqrt(-2.0 * log(uniform(state, gamma, 1)))
         vx, vy = speed * cos(angle), speed * sin(angle)
-    speed = sqrt(vx * vx + vy * vy)
+    return vx, vy
+
+
+@inlined
+def _begin(lane: Any, records: Records, tracer: int, vx: float, vy: float, speed: float) -> None:
+    """Set a lane to the beginning of a path with this velocity."""
     lane.ux, lane.uy = vx / speed, vy / speed
     lane.slowness, lane.unit = 1.0 / speed, 1.0
     lane.next_output = records.times[0] if records.times.size else np.inf

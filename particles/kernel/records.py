@@ -22,6 +22,9 @@ OUTPUT = np.dtype(
     (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
 )
 QUEUE = 1024
+# In three dimensions a row of three numbers goes with each of them: the third coordinates of the
+# place, of the velocity and of the velocity at time 0.
+Z, VZ, START_VZ = range(3)
 
 
 class Records(NamedTuple):
@@ -31,8 +34,9 @@ class Records(NamedTuple):
     by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
     grids (4, 2): log2 of the lowest edge and bins per octave of each histogram. speeds, components,
     distances (n_times, bins + 2) and paths (1, bins + 2): counts, the first and the last of what
-    lies outside. positions, velocities (n_times, n, 2) and finals (n, FINALS): raw, in d and U.
-    queue (QUEUE,) of OUTPUT and queued (1,): states that wait, and their number.
+    lies outside. positions, velocities (n_times, n, dimension) and finals
+    (n, FINALS[dimension]): raw, in d and U. queue (QUEUE,) of OUTPUT and queued (1,): states that
+    wait, and their number. third (QUEUE, 3): their third coordinates; (0, 3) in the plane.
     """
 
     times: np.ndarray
@@ -50,6 +54,7 @@ class Records(NamedTuple):
     finals: np.ndarray
     queue: np.ndarray
     queued: np.ndarray
+    third: np.ndarray
 
 
 @inlined
@@ -84,8 +89,11 @@ def _fill_constants(lane: Any, row: Any) -> None:
 
 
 @inlined
-def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
-    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
+def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> tuple[float, float]:
+    """Fill a row of the queue with the state of a lane at its next output time, in its flight.
+
+    Return the path since the flight began, and the speed times the scale of this time.
+    """
     k = lane.output
     _fill_constants(lane, row)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
@@ -96,6 +104,7 @@ def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> 
     row.caught = 0.0
     lane.output = k + 1
     lane.next_output = times[k + 1] * lane.unit if k + 1 < times.size else np.inf
+    return done, speed
 
 
 @inlined
@@ -117,19 +126,30 @@ def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
     speeds, components, distances = records.speeds, records.components, records.distances
-    positions, velocities = records.positions, records.velocities
+    positions, velocities, third = records.positions, records.velocities, records.third
+    in_space = third.size > 0
     for m in range(records.queued[0]):
         row = queue[m]
         k, x, y, vx, vy = row.output, row.x, row.y, row.vx, row.vy
         r2 = x * x + y * y
         v2 = vx * vx + vy * vy
+        correlation = vx * row.start_vx + vy * row.start_vy
+        if in_space:
+            z, vz = third[m, Z], third[m, VZ]
+            r2 += z * z
+            v2 += vz * vz
+            correlation += vz * third[m, START_VZ]
+            if positions.size:
+                positions[k, row.tracer, 2] = z
+            if velocities.size:
+                velocities[k, row.tracer, 2] = vz / scales[k]
         moments[k, columns.SAMPLES] += 1.0
         moments[k, columns.SPEED2] += v2
         moments[k, columns.SPEED4] += v2 * v2
         moments[k, columns.R2] += r2
         moments[k, columns.R4] += r2 * r2
         moments[k, columns.COLLISIONS] += row.collisions
-        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy
+        moments[k, columns.CORRELATION] += correlation
         moments[k, columns.CAUGHT] += row.caught
         if speeds.size:
             _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[columns.SPEED])

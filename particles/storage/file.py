@@ -1,9 +1,10 @@
 """Runs in HDF5 files: a file holds whole configurations; a damaged or foreign one is refused.
 
-Layout (version 1). Attributes of the root: `format`, `version`, `done` (configurations in the file,
-the first so many), `plan` (JSON: medium and arguments), `digest` (SHA-256 of all the rest). Each
-dataset has an attribute `unit`. Lengths are in d and times in d/U with d the diameter, whatever
-unit the user's arguments were in.
+Layout. Attributes of the root: `format`, `version`, `done` (configurations in the file, the first
+so many), `plan` (JSON: medium and arguments), `digest` (SHA-256 of all the rest). Version 2 is for
+plans with numbers that version 1 did not know; at their defaults these are left out, and the
+version is 1. Each dataset has an attribute `unit`. Lengths are in d and times in d/U with d the
+diameter, whatever unit the user's arguments were in.
 
     plan/times (n_times,)           output times, in the user's unit of length over U
     plan/velocities                 given initial velocities, if any, in U
@@ -41,7 +42,8 @@ from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
 from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
-VERSION = 1
+# Numbers of a plan that version 1 of the layout did not have, and what they were then.
+LATER = {"tangential_restitution": 1.0, "dimension": 2}
 
 _MEDIA: dict[str, type] = {m.__name__: m for m in (HardDisks, Poisson, BoltzmannGrad, Positions)}
 _UNITS = {
@@ -53,7 +55,7 @@ _UNITS = {
     "traps": "1, 1, d/U, d, d",
     "raw/positions": "d",
     "raw/velocities": "U",
-    "raw/finals": "ln U, ln(d/U), d, d, 1",
+    "raw/finals": "ln U, ln(d/U), d, d, 1",  # and d in three dimensions
 }
 
 
@@ -66,20 +68,27 @@ def _describe(plan: Plan) -> tuple[str, dict[str, np.ndarray]]:
     values = {f.name: getattr(medium, f.name) for f in fields(medium) if f.init}
     if isinstance(medium, Positions):
         arrays["plan/positions"] = values.pop("positions")
-    text = json.dumps(
-        {
-            "medium": {"kind": type(medium).__name__, **values},
-            "restitution": plan.restitution,
-            "monoenergetic": plan.monoenergetic,
-            "media": plan.media,
-            "tracers": plan.tracers,
-            "max_collisions": plan.max_collisions,
-            "seed": plan.seed,
-            "observables": sorted(plan.observables),
-        },
-        sort_keys=True,
-    )
-    return text, arrays
+    described = {
+        "medium": {"kind": type(medium).__name__, **_without_defaults(values)},
+        "restitution": plan.restitution,
+        "tangential_restitution": plan.tangential_restitution,
+        "monoenergetic": plan.monoenergetic,
+        "media": plan.media,
+        "tracers": plan.tracers,
+        "max_collisions": plan.max_collisions,
+        "seed": plan.seed,
+        "observables": sorted(plan.observables),
+    }
+    return json.dumps(_without_defaults(described), sort_keys=True), arrays
+
+
+def _without_defaults(values: dict[str, Any]) -> dict[str, Any]:
+    return {k: value for k, value in values.items() if k not in LATER or value != LATER[k]}
+
+
+def _version(text: str) -> int:
+    """Return the version of the layout that a plan, as JSON, needs."""
+    return 2 if any(f'"{name}"' in text for name in LATER) else 1
 
 
 def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
@@ -105,7 +114,7 @@ def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
 
 
 def _digest(text: str, done: int, arrays: dict[str, np.ndarray]) -> str:
-    total = hashlib.sha256(f"{FORMAT} {VERSION} {done} {text}".encode())
+    total = hashlib.sha256(f"{FORMAT} {_version(text)} {done} {text}".encode())
     for name in sorted(arrays):
         array = np.ascontiguousarray(arrays[name])
         total.update(f"{name} {array.dtype.str} {array.shape}".encode())
@@ -129,7 +138,7 @@ def write(
     image = BytesIO()
     with h5py.File(image, "w") as file:
         file.attrs["format"] = FORMAT
-        file.attrs["version"] = VERSION
+        file.attrs["version"] = _version(text)
         file.attrs["done"] = done
         file.attrs["plan"] = text
         file.attrs["digest"] = _digest(text, done, everything)
@@ -165,8 +174,8 @@ def _read(path: str) -> tuple[Plan, dict[str, np.ndarray], int]:
     with h5py.File(path, "r") as file:
         if file.attrs.get("format") != FORMAT:
             raise _Refused("is not a saved simulation")
-        if file.attrs["version"] != VERSION:
-            raise _Refused(f"version {file.attrs['version']}; this program reads {VERSION}")
+        if file.attrs["version"] not in (1, 2):
+            raise _Refused(f"version {file.attrs['version']}; this program reads 1 and 2")
         done, text, digest = (file.attrs[name] for name in ("done", "plan", "digest"))
         arrays = _own_arrays(file, os.path.getsize(path))
     if _digest(text, done, arrays) != digest:
@@ -215,8 +224,9 @@ def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
                 shapes[f"histograms/{name}/sums"] = (3, rows, bins)
                 shapes[f"histograms/{name}/samples"] = (2, rows)
         for name in plan.observables.intersection(RAW):
-            shape = (tracers, FINALS) if name == "finals" else (times, tracers, 2)
-            shapes[f"raw/{name}"] = shape
+            dimension = plan.medium.dimension
+            row, place = (tracers, FINALS[dimension]), (times, tracers, dimension)
+            shapes[f"raw/{name}"] = row if name == "finals" else place
     whole = {name for name in shapes if name == "statuses" or name.startswith("histograms")}
     return {name: array.shape for name, array in arrays.items()} == shapes and all(
         array.dtype == (np.int64 if name in whole else np.float64) for name, array in arrays.items()
@@ -227,10 +237,10 @@ def difference(plan: Plan, found: Plan) -> str:
     """Return the name of an argument in which two plans differ, or an empty string."""
     text, arrays = _describe(plan)
     other_text, other_arrays = _describe(found)
-    ours, theirs = json.loads(text), json.loads(other_text)
+    ours, theirs = LATER | json.loads(text), LATER | json.loads(other_text)
     for name in ours:
-        if ours[name] != theirs.get(name):
-            return f"{name} = {theirs.get(name)}, not {ours[name]}"
+        if ours[name] != theirs[name]:
+            return f"{name} = {theirs[name]}, not {ours[name]}"
     for name in sorted(arrays | other_arrays):
         a, b = arrays.get(name), other_arrays.get(name)
         if a is None or b is None or a.shape != b.shape or a.tobytes() != b.tobytes():

@@ -18,7 +18,15 @@ def assert_same(a: particles.Ensemble, b: particles.Ensemble) -> None:
         assert array.tobytes() == b.arrays[name].tobytes(), name
 
 
-@pytest.mark.parametrize("medium", [HardDisks(0.04, 4000), Poisson(0.1, 4000), BoltzmannGrad(0.04)])
+@pytest.mark.parametrize(
+    "medium",
+    [
+        HardDisks(0.04, 4000),
+        Poisson(0.1, 4000),
+        BoltzmannGrad(0.04),
+        BoltzmannGrad(0.04, dimension=3),
+    ],
+)
 def test_the_same_bits_on_any_number_of_threads(medium: particles.Medium) -> None:
     def run(workers: int, seed: int = 5) -> particles.Ensemble:
         return simulate(
@@ -159,12 +167,27 @@ def test_diameter_only_sets_the_unit_of_length() -> None:
 BAD = [
     (dict(restitution=1.2), "restitution = 1.2: must be a number from 0 to 1"),
     (dict(restitution=float("nan")), "restitution = nan"),
+    (dict(tangential_restitution=-0.1), "tangential_restitution = -0.1: must be a number from 0"),
+    (dict(tangential_restitution=float("nan")), "tangential_restitution = nan: must be a number"),
+    (dict(tangential_restitution="rough"), "tangential_restitution = 'rough': must be a number"),
+    (
+        dict(restitution=0.0, tangential_restitution=0.0),
+        "tangential_restitution = 0.0: the first collision stops a tracer; this or restitution",
+    ),
     (dict(times=[]), "times = []: must be a sequence of at least one time"),
     (dict(times=[1.0, 1.0]), "times = [1.0, 1.0]: must increase"),
     (dict(times=[-1.0]), "times = [-1.0]: must be finite, not negative"),
     (dict(times=None), "times = None: give output times, or max_collisions"),
     (dict(initial="maxwell"), "initial = 'maxwell': must be 'gaussian', 'monoenergetic'"),
     (dict(initial=np.ones((3, 2))), "initial of shape (3, 2)"),
+    (
+        dict(initial=np.ones((2, 2)), medium=BoltzmannGrad(0.1, dimension=3)),
+        "initial of shape (2, 2): velocities must be of shape (tracers, 3) = (2, 3) or",
+    ),
+    (
+        dict(initial=[[0, 0, 0], [0, 0, 1]], medium=BoltzmannGrad(0.1, dimension=3)),
+        "initial holds the velocity [0. 0. 0.]: its size must be",
+    ),
     (dict(initial=np.full((2, 2), np.nan)), "initial holds the velocity [nan nan]"),
     (dict(media=0), "media = 0: must be a whole number from 1"),
     (dict(tracers=2.5), "tracers = 2.5: must be a whole number"),
@@ -192,6 +215,7 @@ BAD = [
         ({name: 10**400}, f"{name} = 1{'0' * 56}...: ")
         for name in (
             "restitution",
+            "tangential_restitution",
             "times",
             "media",
             "tracers",
@@ -231,3 +255,8 @@ def test_media_say_what_is_allowed() -> None:
         HardDisks(0.1, 0)
     with pytest.raises(ValueError, match=r"diameter = nan"):
         BoltzmannGrad(0.1, diameter=float("nan"))
+    for dimension in (1, 4, 2.0, True, "three", None):
+        with pytest.raises(ValueError, match=r"^dimension = .*: must be 2 or 3$"):
+            BoltzmannGrad(0.1, dimension=dimension)
+    with pytest.raises(ValueError, match=r"inf scatterers per d\^3"):
+        BoltzmannGrad(1e200, 1e200, 3)

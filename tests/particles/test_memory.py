@@ -2,7 +2,7 @@
 
 import re
 import tracemalloc
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -70,10 +70,11 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Medium) -> Non
     assert memory.estimate(plan, 1)["count"] == pytest.approx(taken, rel=0.2)
 
 
-def test_the_estimate_of_results_is_what_they_take() -> None:
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_estimate_of_results_is_what_they_take(dimension: Literal[2, 3]) -> None:
     names = ["positions", "velocities", "finals"]
-    run = simulate(BoltzmannGrad(0.04), 0.5, times=[1.0, 2.0], media=3, tracers=500,
-                   observables=names)  # fmt: skip
+    medium = BoltzmannGrad(0.04, dimension=dimension)
+    run = simulate(medium, 0.5, times=[1.0, 2.0], media=3, tracers=500, observables=names)
     taken = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
     assert memory.estimate(run.plan, 1)["observables"] == 3 * taken
 

@@ -30,6 +30,12 @@ class Numbers(click.ParamType):
 restitution_option = click.option(
     "-e", "--restitution", type=float, default=0.7, help="Coefficient of restitution, 0 to 1."
 )
+tangential_option = click.option(
+    "--tangential-restitution",
+    type=float,
+    default=1.0,
+    help="What a collision leaves of the tangential velocity, 0 to 1.",
+)
 density_option = click.option(
     "--number-density", type=float, default=0.04, help="Scatterers per d^2."
 )

@@ -17,6 +17,7 @@ from kinetics.crosscheck.commands.options import (
     print_json,
     restitution_option,
     seed_option,
+    tangential_option,
     times_option,
     workers_option,
 )  # fmt: skip
@@ -34,7 +35,7 @@ _ESTIMATES = {
 }
 _ENDS = ("finished", "collision_cap", "trapped", "escaped")
 _ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
-_OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
+_OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension")
 
 
 @click.command(epilog=UNITS, short_help="Follow particles from collision to collision.")
@@ -44,6 +45,7 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
     help="Disks that do not overlap, disks that may, or none: random free paths.",
 )  # fmt: skip
 @restitution_option
+@tangential_option
 @density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
@@ -55,6 +57,10 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side")
     help="Scatterers where this file says: columns x and y. Needs --box-side.",
 )  # fmt: skip
 @click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
+@click.option(
+    "--dimension", type=int, default=2,
+    help="3: spheres, of --medium boltzmann-grad only; densities are then in d^-3.",
+)  # fmt: skip
 @click.option("--media", type=int, default=100, help="Configurations of scatterers.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
@@ -113,7 +119,9 @@ def simulate(
             {
                 "medium": kind,
                 "restitution": run.restitution,
+                "tangential_restitution": run.tangential_restitution,
                 "number_density": run.number_density,
+                "dimension": run.medium.dimension,
                 **{name: arguments[name] for name in _ARGUMENTS},
                 "statuses": ends,
                 **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
@@ -132,16 +140,19 @@ def make_medium(
     box: str,
     positions: Path | None,
     box_side: float | None,
+    dimension: int,
 ) -> Medium:
     """The medium that the options describe. Raises ValueError where they do not fit."""
     from particles import BoltzmannGrad, HardDisks, Poisson, Positions
 
     if (positions is None) != (box_side is None):
         raise ValueError("--positions and --box-side: give both or neither")
+    if medium == "boltzmann-grad" and positions is None:
+        return BoltzmannGrad(number_density, dimension=dimension)  # type: ignore[arg-type]
+    if dimension != 2:
+        raise ValueError(f"dimension = {dimension}: must be 2 unless the medium is boltzmann-grad")
     if positions is not None and box_side is not None:
         return Positions.from_csv(positions, box_side)
-    if medium == "boltzmann-grad":
-        return BoltzmannGrad(number_density)
     disks = HardDisks if medium == "hard-disks" else Poisson
     return disks(number_density, count, box=None if box == "none" else "periodic")
 

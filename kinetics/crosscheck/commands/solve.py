@@ -15,16 +15,25 @@ from kinetics.crosscheck.commands.options import (
     names_in,
     print_json,
     restitution_option,
+    tangential_option,
     times_option,
 )  # fmt: skip
 from kinetics.outputs import OUTPUTS
 
+LAW = ("restitution", "tangential_restitution", "dimension")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
 
 
 @click.command(epilog=UNITS, short_help="Solve the kinetic equation.")
 @restitution_option
+@tangential_option
+@click.option(
+    "--dimension",
+    type=int,
+    default=2,
+    help="3: spheres, with averages and --scaled only; densities are then in d^-3.",
+)
 @density_option
 @initial_option
 @times_option
@@ -55,7 +64,8 @@ def solve(
     if rtol is None:  # G(R) cannot have 1e-10
         rtol = 1e-6 if radii and not scaled else 1e-10
     if scaled:
-        found, text = scaled_document(system["restitution"], rtol), scaled_text
+        law = {name: system[name] for name in LAW}
+        found, text = scaled_document(law, rtol), scaled_text
     else:
         found, text = solve_document(system, outputs, radii, wave_numbers, rtol), solve_text
     if as_json:
@@ -64,13 +74,13 @@ def solve(
         click.echo(text(found))
 
 
-def scaled_document(restitution: float, rtol: float) -> dict[str, Any]:
+def scaled_document(law: dict[str, Any], rtol: float) -> dict[str, Any]:
     """The JSON document of the scaled equation: h, a2 and the moments <c> to <c^6>."""
     from kinetics import solve_scaled
 
-    state = solve_scaled(restitution=restitution, rtol=rtol)
+    state = solve_scaled(**law, rtol=rtol)
     return {
-        "restitution": restitution,
+        **law,
         "cooling_rate": state.cooling_rate,
         "a2": state.a2,
         "moments": {str(p): state.moment(p) for p in range(1, 7)},
@@ -82,8 +92,8 @@ def scaled_document(restitution: float, rtol: float) -> dict[str, Any]:
 
 def scaled_text(found: dict[str, Any]) -> str:
     """The same, one line for each figure."""
-    lines = [f"{name:15} {value}" for name, value in found.items() if name != "moments"]
-    lines += [f"<c^{p}>{'':11}{value}" for p, value in found["moments"].items()]
+    lines = [f"{name:22} {value}" for name, value in found.items() if name != "moments"]
+    lines += [f"<c^{p}>{'':18}{value}" for p, value in found["moments"].items()]
     return "\n".join(lines)
 
 
@@ -108,7 +118,7 @@ def solve_document(
     wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in ("restitution", "number_density", "initial")},
+        **{name: system[name] for name in (*LAW, "number_density", "initial")},
         "rtol": rtol,
         "status": solution.status.name.lower(),
         "message": solution.message,

@@ -1,7 +1,7 @@
 """A slow, obvious simulator: one tracer, all disks, all images, in as many digits as asked for.
 
 It shares nothing with the package: velocities are vectors with their speed in them, a contact is
-the smaller root of a quadratic equation, a collision is v' = v - (1 + e)(v.s)s with s the unit
+the smaller root of a quadratic equation, a collision is v' = et v - (et + e)(v.s)s with s the unit
 vector from the disk to the tracer. Every disk and every image within reach is tried.
 """
 
@@ -11,9 +11,13 @@ import mpmath as mp
 
 
 def follow(
-    disks: Any, box: float | None, velocity: Any, restitution: float, collisions: int, digits: int
-) -> list[tuple[Any, ...]]:
-    """Return (time, x, y, vx, vy, disk) after each collision of a tracer that starts at (0, 0)."""
+    disks: Any, box: float | None, velocity: Any, law: tuple[float, float], collisions: int,
+    digits: int,
+) -> list[tuple[Any, ...]]:  # fmt: skip
+    """Return (time, x, y, vx, vy, disk) after each collision of a tracer that starts at (0, 0).
+
+    law: (restitution, tangential restitution).
+    """
     with mp.workdps(digits):
         centres = [(mp.mpf(float(x)), mp.mpf(float(y))) for x, y in disks]
         x, y, t = mp.mpf(0), mp.mpf(0), mp.mpf(0)
@@ -43,8 +47,9 @@ def follow(
             norm = mp.sqrt(nx * nx + ny * ny)
             nx, ny = nx / norm, ny / norm
             normal = vx * nx + vy * ny
-            vx -= (1 + mp.mpf(restitution)) * normal * nx
-            vy -= (1 + mp.mpf(restitution)) * normal * ny
+            e, et = (mp.mpf(number) for number in law)
+            vx = et * vx - (et + e) * normal * nx
+            vy = et * vy - (et + e) * normal * ny
             last = (k, mx, my)
             events.append((t, x, y, vx, vy, k))
         return events

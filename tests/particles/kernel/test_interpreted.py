@@ -11,17 +11,19 @@ PROGRAM = """
     from particles import OBSERVABLES, BoltzmannGrad, HardDisks, Poisson, simulate
     media = {
         "box": HardDisks(0.2, 60), "chains": Poisson(2.0, 80), "gas": BoltzmannGrad(0.1),
+        "spheres": BoltzmannGrad(0.1, dimension=3),
         "plane": Poisson(0.3, box=None), "hard plane": HardDisks(0.3, box=None),
         "equilibrium": HardDisks(0.4, 50, equilibrate=2),
     }
-    for kind, e in ((kind, e) for kind in media for e in (0.0, 0.5, 1.0)):
+    laws = ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (0.3, 0.8), (0.9, 0.4))
+    for kind, (e, et) in ((kind, law) for kind in media for law in laws):
         ensemble = simulate(
             media[kind], e, times=[0.0, 1.0, 7.0], media=2, tracers=18, workers=1,
-            max_collisions=12, observables=OBSERVABLES,
+            max_collisions=12, observables=OBSERVABLES, tangential_restitution=et,
         )
         for name in sorted(ensemble.arrays):
             array = ensemble.arrays[name]
-            print(kind, e, name, array.shape, hashlib.sha256(array.tobytes()).hexdigest())
+            print(kind, e, et, name, array.shape, hashlib.sha256(array.tobytes()).hexdigest())
 """
 
 
@@ -35,5 +37,5 @@ def run(**environment: str) -> list[str]:
 
 def test_interpreted_and_compiled_kernels_give_the_same_bits() -> None:
     compiled = run()
-    assert len(compiled) == 6 * 3 * 15
+    assert len(compiled) == 7 * 5 * 15
     assert run(NUMBA_DISABLE_JIT="1") == compiled

@@ -24,7 +24,9 @@ def corner(angle: float) -> np.ndarray:
     return np.array([[half, -depth], [-half, -depth]])
 
 
-def launch(angle: float, restitution: float, distance: float, n: int) -> tuple:
+def launch(
+    angle: float, restitution: float, distance: float, n: int, tangential: float = 1.0
+) -> tuple:
     """Send n tracers from `distance` above the corner down into it."""
     rng = np.random.default_rng(4)
     directions = -np.pi / 2 + rng.uniform(-0.9, 0.9, n) * angle / 2
@@ -33,20 +35,24 @@ def launch(angle: float, restitution: float, distance: float, n: int) -> tuple:
     medium = Positions(disks, 30.0, start=(0.0, 0.0))
     ensemble = simulate(
         medium, restitution, velocities, times=[10 * distance, 5.0], media=1, tracers=n,
-        observables=["positions", "velocities"],
+        observables=["positions", "velocities"], tangential_restitution=tangential,
     )  # fmt: skip
     return ensemble, disks, velocities
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.2, 0.5, 0.9])
-def test_a_corner_catches_below_the_critical_angle_and_not_above(restitution: float) -> None:
-    # A straight wedge collapses if sin(angle) <= (1 - e)/(1 + e). At 1e-4 d from the corner the
-    # circles are straight to 1e-4, so 3 % to either side of the critical angle is decided.
-    critical = np.arcsin((1 - restitution) / (1 + restitution))
-    below, *_ = launch(0.97 * critical, restitution, 1e-4, 200)
+@pytest.mark.parametrize("tangential", [1.0, 0.6])
+@pytest.mark.parametrize("ratio", [0.0, 0.2, 0.5, 0.9])
+def test_a_corner_catches_below_the_critical_angle_and_not_above(
+    ratio: float, tangential: float
+) -> None:
+    # A straight wedge collapses if sin(angle) <= (1 - r)/(1 + r), r = e/et. At 1e-4 d from the
+    # corner the circles are straight to 1e-4, so 3 % to either side of the critical angle is
+    # decided.
+    critical = np.arcsin((1 - ratio) / (1 + ratio))
+    below, *_ = launch(0.97 * critical, ratio * tangential, 1e-4, 200, tangential)
     assert below.statuses.trapped > 20
-    if restitution > 0:  # at e = 0 every corner below a right angle catches
-        above, *_ = launch(1.03 * critical, restitution, 1e-4, 200)
+    if ratio > 0:  # at e = 0 every corner below a right angle catches
+        above, *_ = launch(1.03 * critical, ratio * tangential, 1e-4, 200, tangential)
         assert above.statuses.trapped == 0
         assert above.statuses.finished == 200
 
@@ -63,7 +69,7 @@ def test_a_trapped_tracer_stays_where_and_ends_when_the_reference_says() -> None
     for k in range(4):
         tracer = statuses.trap_tracers[k, 1]
         # 60 collisions in 120 digits: the sum of a geometric series, far beyond its last digit.
-        end = reference.follow(disks, None, velocities[tracer], restitution, 60, 120)[-1]
+        end = reference.follow(disks, None, velocities[tracer], (restitution, 1.0), 60, 120)[-1]
         # Short of the end by some 1e-9 d at a speed that has fallen a thousandfold and more.
         assert statuses.trap_times[k] == pytest.approx(float(end[0]), rel=1e-5)
         assert abs(float(end[2]) + distance) < 1e-12
@@ -110,6 +116,12 @@ def test_how_often_corners_catch() -> None:
         assert low <= rate <= high, restitution
 
 
-def test_elastic_tracers_are_never_trapped() -> None:
-    ensemble = simulate(HardDisks(0.5, 1000), 1.0, media=4, tracers=10, max_collisions=20_000)
+@pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])
+def test_tracers_are_never_trapped_where_the_tangential_factor_is_not_the_larger(
+    law: tuple[float, float],
+) -> None:
+    ensemble = simulate(
+        HardDisks(0.5, 1000), law[0], media=4, tracers=10, max_collisions=20_000,
+        tangential_restitution=law[1],
+    )  # fmt: skip
     assert ensemble.statuses.collision_cap == 40
