@@ -93,6 +93,7 @@ def test_sonine_cooling_gets_better_up_to_order_eight_from_a_gaussian() -> None:
     assert errors[-1] < 2e-3
 
 
+@pytest.mark.slow
 def test_all_five_methods_are_measured_on_the_scaled_equation() -> None:
     works = precision.scaled_works(E, ONCE)
     for problem in ("scaled F(c), e = 0.7", "scaled h and a2, e = 0.7"):

@@ -269,6 +269,7 @@ def check_uniform(found: dict[tuple[str, float | None], list[float]], seeds: int
         assert kstest(values, "uniform").pvalue > 1e-4, key
 
 
+@pytest.mark.slow
 def test_p_values_are_uniform() -> None:
     """Kolmogorov-Smirnov over 200 seeds; times follow the same tracers, and are correlated."""
     check_uniform(p_values(200, 1000, "tracer"), 200)

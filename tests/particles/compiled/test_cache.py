@@ -33,6 +33,7 @@ def run(folder: Path) -> list[float]:
     return [float(word) for word in output.split()]
 
 
+@pytest.mark.slow
 def test_a_change_in_another_file_than_the_kernels_is_compiled(tmp_path: Path) -> None:
     shutil.copytree(
         Path(particles.__file__).parent, tmp_path / "particles",

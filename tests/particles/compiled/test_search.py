@@ -98,5 +98,6 @@ def test_the_loop_takes_over_and_says_so_once(normal: list[str]) -> None:
     assert "the vector form fails here: ModuleNotFoundError" in found[3]
 
 
+@pytest.mark.slow
 def test_a_processor_without_extensions_gives_the_same_bits(normal: list[str]) -> None:
     assert run(NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == normal

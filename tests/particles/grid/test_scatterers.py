@@ -115,6 +115,7 @@ def test_a_cell_of_the_plane_is_the_same_whoever_asks(medium: HardDisks | Poisso
     assert not np.array_equal(listed(build(medium, np.uint64(7), 4), 0, 0), listed(one, 0, 0))
 
 
+@pytest.mark.slow
 def test_the_plane_has_the_density_asked_for() -> None:
     # Poisson: the count is Poisson, 4 sigma. Hard disks: more even, and 0.2 % for the series.
     for medium in (Poisson(0.04, box=None), Poisson(1.0, box=None)):

@@ -129,7 +129,10 @@ def test_without_restitution_no_digit_is_lost_after_1e5_collisions() -> None:
         assert abs(y.mean() - 12.5) < 4 * y.std() / np.sqrt(y.size)
 
 
-@pytest.mark.parametrize("medium", [BoltzmannGrad(0.04), Poisson(0.001, box=None)])
+@pytest.mark.parametrize(
+    "medium",
+    [BoltzmannGrad(0.04), pytest.param(Poisson(0.001, box=None), marks=pytest.mark.slow)],
+)
 def test_the_scaling_state_looks_the_same_at_any_time(medium: BoltzmannGrad | Poisson) -> None:
     # v0(t) t = sqrt(2) l for e = 0 once t is large, until 1e300. In the plane, recollisions and
     # traps change it by some percent, at all times alike.

@@ -105,6 +105,7 @@ def done(path: Path) -> int:
         return int(file.attrs["done"])
 
 
+@pytest.mark.slow
 def test_a_run_killed_at_any_moment_goes_on_to_the_same_bits(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
     command = [sys.executable, "-c", textwrap.dedent(LONG), str(path)]
