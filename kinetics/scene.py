@@ -16,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import OUTPUTS, POSITION, SCATTERING
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, refuse, whole_number
@@ -39,10 +39,11 @@ class Scene(Value):
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
     times : in d/U, shape (n_times,), not falling, not negative
     outputs : names from `kinetics.outputs.OUTPUTS`
-    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
+    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
+        space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
-        x axis, and densities are not available yet)
+        x axis)
 
     Raises
     ------
@@ -109,7 +110,7 @@ class Scene(Value):
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+            for name, unit in ((n, OUTPUTS[n].unit_in(self.dimension)) for n in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -142,10 +143,10 @@ def _start(initial: Any, dimension: int) -> State:
 
 
 def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
+    """What of the position is solved for smooth disks only; all else is for every law."""
     smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
     for name in outputs:
-        if OUTPUTS[name].values is None and not smooth_disks:
+        if OUTPUTS[name].step in (POSITION, SCATTERING) and not smooth_disks:
             refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
 
 

@@ -39,8 +39,10 @@ _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
 # A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares
 # of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times. These two and the sweeps for
-# each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
-_ERROR, _ERROR_NEAR_ONE = 1.6, 0.2
+# each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py. For any law
+# 1 - e is the largest share of the speed that a bounce takes, and the square of the width of the
+# ring is that of ln s, E[(ln s)^2], if that is less: 0.1 over it is near 0.2/(1-e)^2 as e tends to 1.
+_ERROR, _ERROR_NEAR_ONE, _ERROR_OF_RING = 1.6, 0.2, 0.1
 _SAFE = 1.1  # the estimate is a first order in the square of the spacing: true within a tenth
 _SWEEPS = 80.0
 _DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
@@ -236,8 +238,7 @@ def _choose_nodes(
     top = float(start.x.max())
     lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
-    fastest = math.inf if peaks else path * math.exp(min(top, 300.0))
-    coefficient = _guessed_error(law, 1.0, fastest)
+    coefficient = _guessed_error(law, 1.0, path * math.exp(min(top, 300.0)), peaks)
     wanted = max(_FINEST, math.sqrt(rtol / coefficient))
     spacing = span / nodes if nodes else min(_COARSEST, wanted)
     count = math.ceil(span / spacing) + 3
@@ -261,13 +262,18 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
         raise InputError(f"initial: harmonic {m} of this state is zero")
     log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
-    early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
+    early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
     paths = times[:early] / mean_free_path
     path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
+    if peaks and law.has_atoms:
+        raise InputError(
+            "initial: from sharp speeds, bounces that take single shares of the speed (samples, or "
+            "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
+        )
     axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
     if work > _MOST_WORK:
         raise InputError(
-            f"times: got up to {times[early - 1]:g} at restitution {law.smooth_disks!r}; the "
+            f"times: got up to {times[early - 1]:g} at {law.described}; the "
             f"conservative method would need {work:.1e} products on {axis.count} nodes, ask for "
             "earlier times, a larger rtol, or averages only"
         )
@@ -319,14 +325,22 @@ def _follow(
     return out
 
 
-def _guessed_error(law: CollisionLaw, spacing: float, path: float) -> float:
+def _guessed_error(law: CollisionLaw, spacing: float, path: float, peaks: bool) -> float:
     """The error of f relative to its maximum, for a smooth start, as measured.
 
-    path : of the fastest tracer at the start until that time, in l; infinite for delta peaks, of
-        which even the first bounces make densities as narrow as the late ring of speeds
+    path : of the fastest tracer at the start until that time, in l
+    peaks : the start has delta peaks, of which the first bounces make densities that are as narrow
+        as the range of s
     """
-    late = 1.0 - (1.0 + law.mean_log_loss * path) ** -2.0
-    return (_ERROR + _ERROR_NEAR_ONE / (1.0 - law.smooth_disks) ** 2 * late) * spacing**2
+    q = law.quadrature
+    narrow = _ERROR_NEAR_ONE / (1.0 - law.least_ratio) ** 2
+    narrow = max(narrow, _ERROR_OF_RING / float(q.weight @ q.log_loss**2))
+    if peaks:
+        late = 1.0
+        narrow = max(narrow, _ERROR_NEAR_ONE / (math.exp(-law.least_loss) - law.least_ratio) ** 2)
+    else:
+        late = 1.0 - (1.0 + law.mean_log_loss * path) ** -2.0
+    return (_ERROR + narrow * late) * spacing**2
 
 
 def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, state: State) -> float:
@@ -361,7 +375,7 @@ def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, stat
         there = v > LOWEST_SPEED
         most = max(float((mass / v)[there].max()), LEAST_MAXIMUM * h)
         error = _SAFE * float((change / v)[there].max()) / most
-        guess = _guessed_error(law, h, math.inf if peaks else float(path))
+        guess = _guessed_error(law, h, float(path), peaks)
         if h > _COARSEST:
             # too coarse for derivatives
             error = max(error, guess)
