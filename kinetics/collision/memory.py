@@ -39,7 +39,10 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
     pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
     size = np.concatenate(
-        [abs(1.0 - np.exp(1j * np.multiply.outer(piece, q.log_loss)) @ q.weight) for piece in pieces]
+        [
+            abs(1.0 - np.exp(1j * np.multiply.outer(piece, q.log_loss)) @ q.weight)
+            for piece in pieces
+        ]
     )
     least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
     found: list[complex] = []

@@ -123,14 +123,23 @@ def memory_of(law: CollisionLaw, state: State, speeds: LogMeasure) -> list[tuple
 
     ``speeds`` are those of the state. Each is a zero of lambda, see `kinetics.collision.memory`.
     """
-    x = speeds.x - 0.5 * speeds.log_second_moment()
-    zeros = oscillations(law, _SMOOTH if state.smooth else _ROUGH)
-    return [(z, abs(complex(speeds.weight @ np.exp(z * x)))) for z in zeros]
+    highest = _SMOOTH if state.smooth else _ROUGH
+    zeros = oscillations(law, highest)
+    profile = state.profile(0)
+    if not zeros:
+        return []
+    unit = 0.5 * speeds.log_second_moment()
+    x, weight = speeds.x - unit, speeds.weight
+    if profile is not None:
+        # the points of the state are for slow functions of ln v; these are for waves
+        spacing = 0.5 * math.pi / highest
+        x = np.arange(float(x.min()), float(x.max()) + spacing, spacing)
+        v = np.exp(x + unit)
+        weight = spacing * v * profile(v)
+    return [(z, abs(complex(weight @ np.exp(z * x)))) for z in zeros]
 
 
-def count_before_scaling(
-    asked: HarmonicProblem, speeds: LogMeasure, tau: FloatArray
-) -> int:
+def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatArray) -> int:
     """How many of the times tau = ln(1 + v_rms t/l) are before the scaling state is reached.
 
     The slowest transient of an isotropic state falls as e^-tau, but for the oscillations that some
