@@ -19,7 +19,8 @@ from kinetics.collision.law import CollisionLaw
 
 SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
-_LARGEST_LOSS = 40.0  # what loses more leaves e^-40 of the speed
+_RARE = 0.01  # bounces of so small a weight, that lose more than all others, do not count there
+_CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
 _AT_ONCE = 1_000_000  # exponentials in one piece of the scan
 _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; zeros that are one
 _MOST_STEPS = 40
@@ -34,8 +35,12 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     """
     if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
         return ()
+    if not law.has_atoms:
+        highest = min(highest, _CONTINUOUS)
     q = law.quadrature_for(highest)
-    largest = max(1.0, min(float(q.log_loss.max()), _LARGEST_LOSS))
+    order = np.argsort(q.log_loss)
+    common = np.cumsum(q.weight[order]) <= 1.0 - _RARE
+    largest = max(1.0, float(q.log_loss[order][common].max(initial=0.0)))
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
     pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
     size = np.concatenate(
@@ -65,3 +70,9 @@ def time_to_forget(z: complex, amplitude: float) -> float:
     if amplitude <= 1.0:
         return 0.0
     return math.log(amplitude) / -z.real if z.real < -_SAME else math.inf
+
+
+def common_loss(law: CollisionLaw, highest: float) -> float | None:
+    """L where every loss -ln s is a multiple of L, and L > 2 pi/highest; None at other laws."""
+    lasting = [z for z in oscillations(law, highest) if z.real > -_SAME]
+    return 2.0 * math.pi / abs(lasting[0].imag) if lasting else None

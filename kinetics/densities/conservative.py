@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.collision.memory import common_loss
 from kinetics.densities.conservative_errors import (
     COARSEST,
     guessed_error,
@@ -186,6 +187,10 @@ def _choose_nodes(
     coefficient = guessed_error(law, 1.0, path * math.exp(min(top, 300.0)), peaks)
     wanted = max(_FINEST, math.sqrt(rtol / coefficient))
     spacing = span / nodes if nodes else min(COARSEST, wanted)
+    common = common_loss(law, math.pi / spacing)
+    if common is not None:
+        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
+        spacing = common / math.ceil(common / spacing)
     count = math.ceil(span / spacing) + 3
     cooling = _SWEEPS * (1.0 + math.log1p(path * math.exp(top))) / law.mean_log_loss
     sweeps = min(cooling, path * math.exp(min(top, 700.0 - math.log(max(path, 1.0)))))

@@ -20,12 +20,12 @@ from kinetics.numerics import FloatArray
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-# A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares
-# of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times, as measured by
+# A first guess of the error over the square of the spacing: 1.6 (in space 2.6), and near e = 1,
+# where the shares of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times, as measured by
 # tests/kinetics/measurements/densities.py. For any law 1 - e is the largest share of the speed that
 # a bounce takes; where the mean of (ln s)^2 is much less than its square, 0.1 over it is more (at
 # smooth disks it is 0.19/(1-e)^2 as e tends to 1).
-_ERROR, _ERROR_NEAR_ONE, _ERROR_OF_RING = 1.6, 0.2, 0.1
+_ERROR, _ERROR_NEAR_ONE, _ERROR_OF_RING = {2: 1.6, 3: 2.6}, 0.2, 0.1
 # The estimate is a first order in the square of the spacing: true within a tenth; by up to 1.6 too
 # small where s takes single values only, and what bounces change is lost again in other ways.
 _SAFE, _SAFE_WITH_ATOMS = 1.1, 1.8
@@ -47,7 +47,7 @@ def guessed_error(law: CollisionLaw, spacing: float, path: float, peaks: bool) -
         narrow = max(narrow, _ERROR_NEAR_ONE / (math.exp(-law.least_loss) - law.least_ratio) ** 2)
     else:
         late = 1.0 - (1.0 + law.mean_log_loss * path) ** -2.0
-    return (_ERROR + narrow * late) * spacing**2
+    return (_ERROR[law.dimension] + narrow * late) * spacing**2
 
 
 def sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, state: State) -> float:

@@ -107,7 +107,9 @@ def measure_maximum() -> None:
 
 def measure_spacing() -> None:
     """The error of the conservative method over the square of its spacing, and its sweeps."""
-    print("conservative_errors._ERROR + conservative_errors._ERROR_NEAR_ONE/(1 - e)^2, and _SWEEPS")
+    print(
+        "conservative_errors._ERROR[2] + conservative_errors._ERROR_NEAR_ONE/(1 - e)^2, and _SWEEPS"
+    )
     v, times = np.geomspace(0.02, 3.0, 200), np.array([0.5, 5.0, 50.0])
     for e in (0.0, 0.3, 0.6, 0.8, 0.9):
         law = CollisionLaw(e)
@@ -119,7 +121,7 @@ def measure_spacing() -> None:
         assert isinstance(found.density, conservative.NodeMasses)
         size = exact.continuous(v).max(axis=1, keepdims=True)
         error = float(np.max(np.abs(found.continuous(v) - exact.continuous(v)) / size))
-        used = conservative_errors._ERROR + conservative_errors._ERROR_NEAR_ONE / (1.0 - e) ** 2
+        used = conservative_errors._ERROR[2] + conservative_errors._ERROR_NEAR_ONE / (1.0 - e) ** 2
         count, arriving = [0], conservative._Axis._arriving
 
         def counting(axis: Any, moving: Any, n: Any = count, inner: Any = arriving) -> Any:
