@@ -37,13 +37,16 @@ class Scene(Value):
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative
+    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
+        it may be left out, and is 0
     outputs : names from `kinetics.outputs.OUTPUTS`
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
         space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis)
+    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
+        ``Solution.by_collision`` gives, shape (n_collisions,)
 
     Raises
     ------
@@ -63,6 +66,7 @@ class Scene(Value):
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    collision_numbers: ArrayLike = ()
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
@@ -80,7 +84,9 @@ class Scene(Value):
                 "a finite number above 0"
             )
         checked["state"] = _start(self.initial, law.dimension)
-        checked["times"] = _check_times(self.times)
+        checked["collision_numbers"] = _check_numbers(self.collision_numbers)
+        only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
+        checked["times"] = _check_times([0.0] if only_collisions else self.times)
         checked["outputs"] = _check_outputs(self.outputs)
         _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
@@ -156,6 +162,15 @@ def _check_times(times: Any) -> FloatArray:
     array = finite_line("times", times, allowed)
     if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
         refuse("times", times, allowed)
+    return read_only(array)
+
+
+def _check_numbers(numbers: Any) -> FloatArray:
+    """The collision numbers as a read-only array; InputError if they cannot be used."""
+    allowed = "collision numbers must be whole, not negative, up to 2^53"
+    array = finite_line("collision_numbers", numbers, allowed)
+    if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
+        refuse("collision_numbers", numbers, allowed)
     return read_only(array)
 
 

@@ -16,6 +16,7 @@ from kinetics.densities.harmonic import Profile, angular_function
 from kinetics.densities.marginal import component_density, component_density_in_space
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
+from kinetics.moments.by_collision import ByCollision
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
@@ -137,6 +138,17 @@ class Solution(Value):
         Raises InputError for p or m out of range.
         """
         return power_of_speed(self.scene, self.rtol, p, m)
+
+    @property
+    def by_collision(self) -> ByCollision:
+        """The averages after N collisions, N the ``collision_numbers`` of the scene: closed forms.
+
+        Raises InputError if the scene has no collision_numbers.
+        """
+        scene, numbers = self.scene, np.asarray(self.scene.collision_numbers)
+        if numbers.size == 0:
+            raise InputError("collision_numbers: the scene has none; give Scene some")
+        return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
 
     # -- velocity -----------------------------------------------------------------------------
 
