@@ -31,7 +31,7 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
 
     None at smooth scatterers: only laws that have a least loss, or that take single values of s,
-    are looked at (measured: tests/kinetics/measurements/collision.py).
+    are looked at (tests/kinetics/collision/test_memory.py counts the zeros of both kinds).
     """
     if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
         return ()
