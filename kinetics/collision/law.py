@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from kinetics.validation import (
 
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
+_MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -234,9 +235,12 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        if level not in self._quadratures:
-            self._quadratures[level] = self._bounce.quadrature(level)
-        return self._quadratures[level]
+        known = self._quadratures.get(level)
+        if known is None:
+            known = self._bounce.quadrature(level)
+            if known.weight.size <= _MOST_KEPT:
+                self._quadratures[level] = known
+        return known
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -355,7 +359,9 @@ def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any =
     given. Raises InputError for arguments out of range, and for a law that gains energy.
     """
     if not isinstance(restitution, CollisionLaw):
-        return CollisionLaw(restitution, tangential_restitution, dimension)
+        arguments = restitution, tangential_restitution, dimension
+        plain = tuple(map(type, arguments)) == (float, float, int)
+        return _kept_law(*arguments) if plain else CollisionLaw(*arguments)
     law = restitution
     for name, value, default in (
         ("tangential_restitution", tangential_restitution, 1.0),
@@ -370,6 +376,12 @@ def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any =
             "a tracer that never gains energy (ratios up to 1)"
         )
     return law
+
+
+@lru_cache(maxsize=16)
+def _kept_law(e: float, et: float, dimension: int) -> CollisionLaw:
+    """The same law again: its quadratures are not made twice."""
+    return CollisionLaw(e, et, dimension)
 
 
 def _size(z: NDArray[Any]) -> float:
