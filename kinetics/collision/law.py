@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -30,6 +30,7 @@ from kinetics.validation import (
 
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
+_LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
 _MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
@@ -42,7 +43,7 @@ class CollisionLaw:
     ----------
     restitution : e in [0, 1], by which the normal velocity is multiplied (and turned round)
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
-        smooth scatterers. Not both may be 0: the tracer would stop at its first bounce
+        smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
 
     Raises
@@ -80,8 +81,9 @@ class CollisionLaw:
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
         value = self.tangential_restitution
         et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
-        if e == et == 0.0:
-            refuse("tangential_restitution", value, "at restitution 0 it must be above 0")
+        if max(e, et) < _LEAST_RATIO:
+            allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
+            refuse("tangential_restitution", value, allowed)
         set_(self, "restitution", e)
         set_(self, "tangential_restitution", et)
 
