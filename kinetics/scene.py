@@ -112,7 +112,11 @@ class Scene(Value):
         )
 
     def __repr__(self) -> str:
-        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+        numbers = ""
+        if np.size(self.collision_numbers):
+            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
+        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
+        return f"Scene({self._system()}, {rest})"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -129,12 +133,12 @@ class Scene(Value):
         return cls(**parts)
 
 
-def _span(times: ArrayLike) -> str:
-    """How many times there are, and the first and the last."""
+def _span(times: ArrayLike, name: str = "times") -> str:
+    """How many times there are, or what the name says, and the first and the last."""
     array = np.asarray(times)
     if array.size == 1:
         return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
+    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
 
 
 def _start(initial: Any, dimension: int) -> State:

@@ -10,6 +10,7 @@ reached. Where the losses are nearly so (et close to e, a few samples), the osci
 
 from __future__ import annotations
 
+import cmath
 import math
 from functools import lru_cache
 
@@ -54,8 +55,11 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     for start in k[least]:
         z = complex(0.0, -start)
         for _ in range(_MOST_STEPS):
-            power = q.weight * np.exp(-z * q.log_loss)
-            step = complex((1.0 - power.sum()) / (power @ q.log_loss))
+            with np.errstate(over="ignore", invalid="ignore"):
+                power = q.weight * np.exp(-z * q.log_loss)
+                step = complex((1.0 - power.sum()) / (power @ q.log_loss))
+            if not cmath.isfinite(step):  # far to the left, where bounces that nearly stop count
+                break
             z -= step / max(1.0, 2.0 * abs(step))
             if abs(step) < _FOUND or z.real < -2.0 * SLOW:
                 break

@@ -86,3 +86,10 @@ def test_nearly_one_ratio_against_many_digits() -> None:
 
 def test_elastic_tracers_forget_nothing_that_oscillates() -> None:
     assert oscillations(CollisionLaw.from_samples([1.0], [1.0], [0.3]), 64.0) == ()
+
+
+def test_ratios_next_to_zero_overflow_nowhere() -> None:
+    law = CollisionLaw.from_samples([0.5, 0.499, 0.001], [0.9, 0.4, 1e-300], [0.0, 0.0, 0.0])
+    near = CollisionLaw.from_samples([0.501, 0.499], [0.9, 0.4], [0.0, 0.0])
+    first = min(abs(z - oscillations(near, 20.0)[0]) for z in oscillations(law, 20.0))
+    assert first < 0.5
