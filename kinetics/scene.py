@@ -16,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import DENSITIES, OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, refuse, whole_number
@@ -142,10 +142,10 @@ def _start(initial: Any, dimension: int) -> State:
 
 
 def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
+    """Densities of the velocity are solved for smooth disks only, all else for every law."""
     smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
     for name in outputs:
-        if OUTPUTS[name].values is None and not smooth_disks:
+        if OUTPUTS[name].step == DENSITIES and not smooth_disks:
             refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
 
 

@@ -257,6 +257,10 @@ class CollisionLaw:
         """
         return self._bounce.cells(spacing, points)
 
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
+        return self._bounce.chance_below(ratio)
+
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
 
