@@ -20,6 +20,7 @@ from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,

@@ -1,4 +1,4 @@
-r"""Directions in the plane and in space: all of `kinetics.position` that depends on the dimension d.
+r"""Directions in the plane and in space: what depends on the dimension in `kinetics.position`.
 
 psi, the average of exp(i k.r) for a tracer that starts at angle theta to k, has harmonics
 
@@ -13,9 +13,10 @@ j_m(K T) in space, and obey, with a_(-1) = a_1 in the first,
 The second looks like the first in other units, b_m = g_m a_m:
 
     db_m/dT = (K/2) c_m (b_(m-1) - b_(m+1)),    b_(-1) = -b_1,
-    g_m = sqrt(pi) Gamma(m/2 + 1)/Gamma((m + 1)/2),    c_m = (2m/(2m + 1)) g_m/g_(m-1),    c_0 = 2/pi
+    g_m = sqrt(pi) Gamma(m/2 + 1)/Gamma((m + 1)/2),
+    c_m = (2m/(2m + 1)) g_m/g_(m-1),    c_0 = 2/pi
 
-(g_(m+1)/g_(m-1) = (m + 1)/m; c_m tends to 1). In the plane g_m = c_m = 1.
+(g_(m+1)/g_(m-1) = (m + 1)/m, and c_m tends to 1). In the plane g_m = c_m = 1.
 """
 
 from __future__ import annotations
@@ -105,4 +106,3 @@ def radial_measure(k: FloatArray, kind: int, dimension: int) -> FloatArray:
     if dimension == 2:
         return np.asarray(k ** (1, 0, 2)[kind])
     return np.asarray(2.0 / math.pi * k ** (2, 1, 3)[kind])
-

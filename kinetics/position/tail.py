@@ -111,9 +111,7 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
     return found
 
 
-def fit_tail(
-    k: FloatArray, f: FloatArray, scale: float, dimension: int
-) -> tuple[PowerTail, float]:
+def fit_tail(k: FloatArray, f: FloatArray, scale: float, dimension: int) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
     ``scale`` is where the powers begin. The error is seen in the upper part of the range, after a
