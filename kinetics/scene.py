@@ -42,7 +42,7 @@ class Scene(Value):
     harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
-        x axis, and densities are not available yet)
+        x axis, and densities of the velocity are not available yet)
 
     Raises
     ------

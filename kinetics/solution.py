@@ -276,9 +276,10 @@ class Solution(Value):
         """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
 
         ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
-        complex; by default F is the mean over the directions of k, and real. Raises InputError for
-        wave numbers that are none, negative, not finite or larger than can be solved for, or if
-        "intermediate_scattering" was not among the outputs.
+        complex (in space the start is symmetric about this axis); by default F is the mean over the
+        directions of k, and real. Raises InputError for wave numbers that are none, negative, not
+        finite or larger than can be solved for, or if "intermediate_scattering" was not among the
+        outputs.
         """
         self._require("intermediate_scattering")
         k = not_negative_line("wave_numbers", wave_numbers)
