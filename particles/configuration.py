@@ -162,7 +162,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, free_paths_in_space, lane, records
+    from particles.kernel import follow, free_paths, lane, records
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     times = plan.times / plan.medium.diameter
@@ -198,18 +198,15 @@ def _follow_block(
         components=components,
         distances=distances,
         paths=paths,
-        queue=np.empty(records.QUEUE, records.OUTPUT),
+        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
         queued=np.zeros(1, np.int64),
-        third=np.zeros((records.QUEUE if dimension == 3 else 0, 3)),
         **raw,
     )
     caught = np.empty((n, TRAPS))
     n_caught = 0
+    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
     if cells is None:
-        if dimension == 3:
-            free_paths_in_space.follow_free_paths_in_space(start, mean_path, record)
-        else:
-            free_paths.follow_free_paths(start, mean_path, record)
+        free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:
-        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
+        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
     return {"traps": caught[:n_caught], **raw}

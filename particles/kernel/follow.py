@@ -16,7 +16,7 @@ from particles.events import contact, is_collapsing, scatter, touch
 from particles.grid.blocks import is_missing, is_plane, place, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
+from particles.kernel.lane import RUNNING, Start, fly, is_due, launch, shift_clock
 from particles.kernel.records import (
     QUEUE,
     Records,
@@ -130,7 +130,9 @@ def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> N
 
 
 @kernel
-def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records: Records) -> int:
+def follow(
+    start: Start, cells: Cells, limit: float, traps: np.ndarray, lanes: np.ndarray, records: Records
+) -> int:
     """Follow tracers through the scatterers of one configuration, adding to the records.
 
     limit: longest flight in d before a tracer counts as escaped. traps (n, TRAPS): receives the
@@ -143,8 +145,7 @@ def follow(start: Start, cells: Cells, limit: float, traps: np.ndarray, records:
     last_time = times[times.size - 1] if times.size else np.inf
     side, n = cells.side, cells.n
     restitution, tangential = start.restitution, start.tangential
-    lanes = np.empty(LANES, LANE)
-    active = launched = min(LANES, start.n)
+    active = launched = min(lanes.size, start.n)
     caught = 0
     for a in range(active):
         _begin(lanes[a], start, records, a, cells)
