@@ -22,7 +22,7 @@ from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
-_OPTIONS = {"error_model": "numpy", "forceinline": True}
+_OPTIONS: Any = {"error_model": "numpy", "forceinline": True}
 inlined = njit(**_OPTIONS)
 
 

@@ -45,9 +45,7 @@ _collide = by_dimension(_scatter, _scatter_in_space)
 
 
 @kernel
-def follow_free_paths(
-    start: Start, mean_path: float, lanes: np.ndarray, records: Records
-) -> None:
+def follow_free_paths(start: Start, mean_path: float, lanes: np.ndarray, records: Records) -> None:
     """Follow tracers whose free paths are exponential and whose impact parameters are random.
 
     mean_path: the mean free path in d. lanes: of LANE_OF[dimension], as many as shall be under way

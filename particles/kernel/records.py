@@ -1,5 +1,6 @@
 """What a kernel records: sums, histograms and raw states at the output times."""
 
+from collections.abc import Mapping
 from math import floor, log, log2
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from particles.kernel import columns
 _LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
 
 
-def record_type(*groups: dict[type, tuple[str, ...]]) -> np.dtype:
+def record_type(*groups: Mapping[Any, tuple[str, ...]]) -> np.dtype:
     """Return the type of a record with these fields, kind of number -> names.
 
     Of type np.record, so that `lane.x` is read in the same way compiled and interpreted. A record
