@@ -29,7 +29,7 @@ GOOD: dict[str, Any] = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=
     [
         (dict(medium=HardDisks(0.04, 10**12)), "count = 1000000000000: the run needs about "),
         (dict(medium=Poisson(0.04, 10**15)), "count = 1000000000000000: the run needs about "),
-        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000: the run needs about "),
+        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000: the run needs "),
         (dict(media=2 * 10**9), "media = 2000000000: the run needs about "),
         (
             dict(media=10**5, tracers=10**7, observables=["positions", "velocities"]),

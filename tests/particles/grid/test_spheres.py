@@ -1,4 +1,4 @@
-"""Where spheres stand: densities, distances, what cells list, space that is the same whoever asks."""
+"""Where spheres stand: densities, distances, what cells list, space that does not change."""
 
 import re
 from itertools import product
@@ -198,5 +198,9 @@ def test_bad_input_gets_one_clear_line(make: object, message: str) -> None:
 
 def test_spheres_that_find_no_room_are_counted() -> None:
     with pytest.raises(ValueError, match=r"only \d+ of 45 spheres could be placed; the largest"):
-        for seed in range(50):
-            positions_in_space(HardSpheres(0.65, count=45), np.uint64(seed), 0)
+        _place_many(HardSpheres(0.65, count=45))
+
+
+def _place_many(medium: HardSpheres) -> None:
+    for seed in range(50):
+        positions_in_space(medium, np.uint64(seed), 0)
