@@ -6,6 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from kinetics.collision import CollisionLaw, MediumLaw
+from kinetics.collision.medium import SETTLED
 from kinetics.densities.harmonic import Profile
 from kinetics.moments.velocity import Averages
 from kinetics.outputs import (
@@ -18,7 +22,9 @@ from kinetics.outputs import (
     VELOCITY,
 )
 from kinetics.position.density import Displacement
+from kinetics.scene import Scene
 
+SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
 
 
@@ -51,6 +57,7 @@ def make_plan(
     others = "the start is isotropic" if isotropic else "no output needs more"
     points = averages.speeds.x.size
     return (
+        _scatterers_step(averages.law),
         _moments_step(averages, pairs),
         PlanStep("initial state", True, f"{points} weighted speeds represent it"),
         _asked_step(COLLISIONS, outputs, "asked for"),
@@ -64,6 +71,19 @@ def make_plan(
         PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         _densities_step(profiles),
     )
+
+
+def _scatterers_step(law: CollisionLaw) -> PlanStep:
+    if isinstance(law, MediumLaw):
+        return PlanStep(SCATTERERS, True, law.level)
+    return PlanStep(SCATTERERS, False, "dilute: no scatterer is met again")
+
+
+def limits(scene: Scene) -> str:
+    """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
+    if not isinstance(scene.law, MediumLaw):
+        return ""
+    return scene.law.limits(float(np.min(scene.times)) < SETTLED * scene.mean_free_path)
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

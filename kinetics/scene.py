@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
@@ -32,7 +32,8 @@ class Scene(Value):
     Parameters
     ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
+    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
+        they are dilute
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
@@ -43,6 +44,10 @@ class Scene(Value):
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis, and densities are not available yet)
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
+        (placed independently) or "hard disks": the equation to the first order in the density, up
+        to number_density * diameter^2 = 0.3, for averages among smooth disks
+    density_order : how far, for those two; see `kinetics.collision.medium`
 
     Raises
     ------
@@ -62,6 +67,8 @@ class Scene(Value):
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    scatterers: str = "dilute"
+    density_order: str = "leading"
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
@@ -71,6 +78,7 @@ class Scene(Value):
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
+        law = self._among_scatterers(law)
         if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
             formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
@@ -82,18 +90,24 @@ class Scene(Value):
         checked["times"] = _check_times(self.times)
         checked["outputs"] = _check_outputs(self.outputs)
         _check_available(checked["outputs"], law)
+        _check_solved_in_medium(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d."""
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; at a finite density as it is there."""
         return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        return self._among_scatterers(law)
+
+    def _among_scatterers(self, law: CollisionLaw) -> CollisionLaw:
+        system = (self.scatterers, self.number_density, self.diameter)
+        return law_in_medium(law, *system, self.density_order)
 
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
@@ -147,6 +161,13 @@ def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
     for name in outputs:
         if OUTPUTS[name].values is None and not smooth_disks:
             refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
+
+
+def _check_solved_in_medium(outputs: tuple[str, ...], law: CollisionLaw) -> None:
+    """At a finite density the operator is used for averages only."""
+    for name in outputs:
+        if OUTPUTS[name].values is None and isinstance(law, MediumLaw):
+            refuse("outputs", name, "it is available for scatterers='dilute' only")
 
 
 def _check_times(times: Any) -> FloatArray:

@@ -2,11 +2,21 @@
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
 equation needs; `impact.py` is the bounce off a disk or a sphere, `samples.py` a bounce that is
-given by weighted samples, and `quadrature.py` what both of them hand to the law.
+given by weighted samples, and `quadrature.py` what both of them hand to the law. `medium.py` is the
+law among scatterers at a finite density.
 """
 
 from kinetics.collision.impact import DiskBounce
 from kinetics.collision.law import CollisionLaw, law_of
+from kinetics.collision.medium import MediumLaw, law_in_medium
 from kinetics.collision.quadrature import ImpactQuadrature, Survival
 
-__all__ = ["CollisionLaw", "DiskBounce", "ImpactQuadrature", "Survival", "law_of"]
+__all__ = [
+    "CollisionLaw",
+    "DiskBounce",
+    "ImpactQuadrature",
+    "MediumLaw",
+    "Survival",
+    "law_in_medium",
+    "law_of",
+]

@@ -166,6 +166,11 @@ class CollisionLaw:
         """
         return self._bounce.lowest_power
 
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isfinite(self._bounce.lowest_power)
+
     @cached_property
     def uniform_power(self) -> float | None:
         """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
@@ -292,6 +297,25 @@ class CollisionLaw:
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
 
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(float(np.abs(z).max()))
+        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
+        out = [self.decay_rate(z)]
+        factor = np.ones_like(q.log_loss)
+        for n in range(1, orders):
+            factor = factor * (-q.log_loss) / n
+            out.append(-(power @ factor))
+        return out
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps and x of bounces straight back to the scatterer before: (0, 0), there are none.
+
+        Among scatterers that are met again (`kinetics.collision.medium`), K - 1 on harmonic m is
+        replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
+        return 0.0, 0.0
+
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
@@ -337,9 +361,13 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+            refuse("p", p, f"{self._why_lowest} it must be above {self.lowest_power:g}")
         return p_
+
+    @property
+    def _why_lowest(self) -> str:
+        which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+        return f"at {which} 0"
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:

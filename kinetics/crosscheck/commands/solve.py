@@ -21,6 +21,7 @@ from kinetics.crosscheck.commands.options import (
 from kinetics.outputs import OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
+MEDIUM = ("scatterers", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
 
@@ -35,6 +36,12 @@ HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
     help="3: spheres, with averages and --scaled only; densities are then in d^-3.",
 )
 @density_option
+@click.option(
+    "--scatterers",
+    type=click.Choice(["dilute", "overlapping", "hard disks"]),
+    default="dilute",
+    help="Dilute: the paper's equation; the others: its correction at this density, to first order.",
+)
 @initial_option
 @times_option
 @click.option(
@@ -65,6 +72,8 @@ def solve(
         rtol = 1e-6 if radii and not scaled else 1e-10
     if scaled:
         law = {name: system[name] for name in LAW}
+        if system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
         found, text = scaled_document(law, rtol), scaled_text
     else:
         found, text = solve_document(system, outputs, radii, wave_numbers, rtol), solve_text
@@ -118,7 +127,7 @@ def solve_document(
     wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, "number_density", "initial")},
+        **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
         "rtol": rtol,
         "status": solution.status.name.lower(),
         "message": solution.message,

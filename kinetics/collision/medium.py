@@ -1,0 +1,220 @@
+r"""Scatterers at a finite density: how a tracer that meets them again changes the collision law.
+
+The kinetic equation of the paper forgets every scatterer that was hit. In a medium of number
+density n (per d^2, d the contact distance) a tracer that is thrown back by a second scatterer meets
+the first one again, and on its way it runs along a corridor that it knows to be empty. In the clock
+of the path length, with K one collision and B a bounce straight back (direction reversed, speed
+times e), both together replace
+
+    K - 1  by  (K - 1)/(1 - eps B (K - 1)),      eps = (2 e/(1 + e)) n ln(1/n),
+
+to the order n ln n, for every restitution e. On v^p exp(i m phi) all of these are numbers:
+
+    lambda_m(p)  becomes  lambda_m(p)/(1 + eps (-1)^m e^p lambda_m(p)),
+
+so that the integral over the path of <(v/v_0)^p cos(m (phi - phi_0))>, in mean free paths, is
+1/lambda_m(p) + (-1)^m e^p eps. The paper has none of this; the coefficient 4/3 of the elastic gas
+at m = 1, p = 0 is that of van Leeuwen and Weijland, Physica 36 (1967) 457.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.collision.law import CollisionLaw
+from kinetics.validation import check_positive, one_of, refuse
+
+SCATTERERS = ("dilute", "overlapping", "hard disks")
+ORDERS = ("leading",)
+HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
+TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
+SETTLED = 30.0  # in l/U: the returns need some free paths to build up
+_TINY = 1e-300
+_SWEEPS = 100  # of Newton's method: never reached
+
+
+@dataclass(frozen=True)
+class Medium:
+    """Fixed disks at a finite density.
+
+    Attributes
+    ----------
+    scatterers : "overlapping" (placed independently) or "hard disks"
+    density : n = rho d^2, dimensionless
+    restitution : e of smooth disks
+    order : the level of the theory, one of ORDERS
+    """
+
+    scatterers: str
+    density: float
+    restitution: float
+    order: str
+
+    @cached_property
+    def path_ratio(self) -> float:
+        """The mean path between collisions over 1/(2 d rho).
+
+        Overlapping disks leave it as it is at every density (Santalo). Among hard disks it is
+        pi (free area)/(exposed arc), (1 - eta)^2/(1 - 7 eta/16) with eta = pi n/4, the share of
+        the area that disks cover (Henderson's contact value of the pair distribution).
+        """
+        if self.scatterers == "overlapping":
+            return 1.0
+        eta = 0.25 * math.pi * self.density
+        return (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
+
+    def returns(self, m: int) -> float:
+        """eps: the chance per collision to be thrown back to the scatterer before."""
+        e, n = self.restitution, self.density
+        return 2.0 * e / (1.0 + e) * n * math.log(1.0 / n)
+
+    @property
+    def level(self) -> str:
+        """The level of the theory in words."""
+        return f"{self.scatterers} at n = {self.density:g}, order n ln n: no fitted number"
+
+    def limits(self, early: bool) -> str:
+        """Where the theory is not to be trusted, to follow a sentence; perhaps empty."""
+        found = ""
+        if self.density > TESTED_DENSITY:
+            found += f"; n = {self.density:g} is outside the range where the correction for the "
+            found += f"density was tested (up to {TESTED_DENSITY:g})"
+        if early:
+            found += (
+                f"; at times below {SETTLED:g} l/U it is up to 2 % of <r^2> too small at n = 0.04"
+            )
+        return found
+
+
+@dataclass(frozen=True)
+class MediumLaw(CollisionLaw):
+    """A collision law whose operator knows that scatterers are met again, see :class:`Medium`.
+
+    What belongs to one collision (``quadrature``, ``mean_cosine``, ``mean_speed_ratio_power``) is
+    as without the medium; the rates of decay are those of the medium. ``lowest_power`` is that
+    above which returns of returns add up to something finite: the operator means nothing for lower
+    powers of the speed.
+    """
+
+    medium: Medium | None = None
+
+    @property
+    def level(self) -> str:
+        """See :attr:`Medium.level`."""
+        return self._medium.level
+
+    def limits(self, early: bool) -> str:
+        """See :meth:`Medium.limits`."""
+        return self._medium.limits(early)
+
+    @property
+    def _medium(self) -> Medium:
+        assert self.medium is not None
+        return self.medium
+
+    def mean_free_path(self, number_density: float, diameter: float) -> float:
+        """The mean path between collisions in the medium, in the unit of the diameter."""
+        return self._medium.path_ratio * super().mean_free_path(number_density, diameter)
+
+    @property
+    def described(self) -> str:
+        """The arguments, for texts."""
+        return f"{super().described}, scatterers={self._medium.scatterers!r}"
+
+    @property
+    def _why_lowest(self) -> str:
+        return "among these scatterers" if self.restitution else super()._why_lowest
+
+    @property
+    def _return_loss(self) -> float:
+        """-ln e, what a bounce straight back costs."""
+        assert self.restitution is not None
+        return 0.0 - math.log(self.restitution)
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps (-1)^m, and -ln e, of the bounces straight back; eps is 0 at e = 0."""
+        if self.restitution == 0.0:
+            return 0.0, 0.0
+        return self._medium.returns(m) * (-1.0) ** m, self._return_loss
+
+    @cached_property
+    def lowest_power(self) -> float:
+        """Where eps e^p (1 + E[s^p]) = 1, and that of one collision if it is higher."""
+        lowest = self._bounce.lowest_power
+        largest = max(abs(self.returns(m)[0]) for m in range(3))
+        if self.restitution in (0.0, 1.0) or largest == 0.0:
+            return lowest
+        loss, q = self._return_loss, self.quadrature
+        # ln of the left-hand side is convex in p, and negative at p = 0: Newton's method
+        p = 0.0
+        for _ in range(_SWEEPS):
+            power = np.exp(-p * q.log_loss) * q.weight
+            mean, slope = float(power.sum()), -float(power @ q.log_loss)
+            log_size = math.log(largest) - p * loss + math.log1p(mean)
+            step = log_size / (slope / (1.0 + mean) - loss)
+            p -= step
+            if abs(step) < 1e-9 * abs(p):
+                break
+        return max(p, lowest)
+
+    def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
+        """lambda(z) of the medium, shape of z; without checks of the range."""
+        return self._met_again(z, super().decay_symbol(z), 0)
+
+    def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
+        """lambda_m(p) of the medium: see :meth:`CollisionLaw.harmonic_decay_rate`."""
+        if m == 0:
+            return self.decay_rate(p)
+        rate = np.asarray(super().harmonic_decay_rate(p, m))
+        return self._met_again(np.asarray(p), rate, m)[()]
+
+    def _met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
+        eps, loss = self.returns(m)
+        return np.asarray(rate / (1.0 + eps * np.exp(-loss * z) * rate))
+
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z: those of one collision, over those of 1 + ..."""
+        rate = [super().decay_symbol(z), *super().decay_taylor(z, orders)[1:]]
+        eps, loss = self.returns(0)
+        back = [eps * np.exp(-loss * z)]
+        for n in range(1, orders):
+            back.append(back[-1] * (-loss / n))
+        below = [sum(back[i] * rate[n - i] for i in range(n + 1)) for n in range(orders)]
+        below[0] = below[0] + 1.0
+        out: list[NDArray[Any]] = []
+        for n in range(orders):
+            known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
+            out.append(np.asarray((rate[n] - known) / below[0]))
+        return out
+
+
+def law_in_medium(
+    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "leading"
+) -> CollisionLaw:
+    """The law among these scatterers; the law itself where they are dilute.
+
+    Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
+    theory is not derived: rough scatterers, spheres, samples.
+    """
+    scatterers = one_of("scatterers", scatterers, SCATTERERS)
+    order = one_of("density_order", order, ORDERS)
+    if scatterers == "dilute":
+        return law
+    if law.dimension != 2 or law.restitution is None or law.tangential_restitution != 1.0:
+        allowed = "a finite density is derived for smooth disks in the plane only"
+        refuse("scatterers", scatterers, allowed)
+    if number_density is None:
+        refuse("number_density", number_density, f"scatterers={scatterers!r} needs it")
+    rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
+    n = rho * d * d
+    if not _TINY < n <= HIGHEST_DENSITY:
+        allowed = f"with scatterers={scatterers!r} it must be at most {HIGHEST_DENSITY:g} d^-2"
+        refuse("number_density", number_density, allowed)
+    medium = Medium(scatterers, n, law.restitution, order)
+    return MediumLaw(law.restitution, law.tangential_restitution, 2, None, medium)
