@@ -57,7 +57,7 @@ def make_plan(
     others = "the start is isotropic" if isotropic else "no output needs more"
     points = averages.speeds.x.size
     return (
-        _scatterers_step(averages.law),
+        *_scatterers_step(averages.law),
         _moments_step(averages, pairs),
         PlanStep("initial state", True, f"{points} weighted speeds represent it"),
         _asked_step(COLLISIONS, outputs, "asked for"),
@@ -73,10 +73,9 @@ def make_plan(
     )
 
 
-def _scatterers_step(law: CollisionLaw) -> PlanStep:
-    if isinstance(law, MediumLaw):
-        return PlanStep(SCATTERERS, True, law.level)
-    return PlanStep(SCATTERERS, False, "dilute: no scatterer is met again")
+def _scatterers_step(law: CollisionLaw) -> tuple[PlanStep, ...]:
+    """The level of the theory of a finite density; nothing where scatterers are dilute."""
+    return (PlanStep(SCATTERERS, True, law.level),) if isinstance(law, MediumLaw) else ()
 
 
 def limits(scene: Scene) -> str:

@@ -15,13 +15,25 @@ to the order n ln n, for every restitution e. On v^p exp(i m phi) all of these a
 so that the integral over the path of <(v/v_0)^p cos(m (phi - phi_0))>, in mean free paths, is
 1/lambda_m(p) + (-1)^m e^p eps. The paper has none of this; the coefficient 4/3 of the elastic gas
 at m = 1, p = 0 is that of van Leeuwen and Weijland, Physica 36 (1967) 457.
+
+Orders of the theory ("density_order"):
+
+"leading" : the above, without any number that is fitted or integrated
+"first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each harmonic
+    m = 0, 1, 2, and collisions 1 + d(e) n times as often. C and d are integrals over two scatterers
+    and over loops, in returns.json (tests/kinetics/measurements/returns.py makes it). C depends on
+    the power p of the speed: it is that of the average which is slowest, p = 1 for m = 0 and p = 0
+    for the others. For m > 2, and for e < 0.2, where corners trap, it is the leading order.
+"second" : with a term of the order (n ln n)^2 in the harmonic m = 1, fitted to simulations
 """
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -31,11 +43,15 @@ from kinetics.collision.law import CollisionLaw
 from kinetics.validation import check_positive, one_of, refuse
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
-ORDERS = ("leading",)
+ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 SETTLED = 30.0  # in l/U: the returns need some free paths to build up
 _TINY = 1e-300
+_LEAST_RESTITUTION = 0.2  # of the constants of the first order
+_LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
+# J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
+_SECOND = {"overlapping": (1.6, 0.0), "hard disks": (1.4, 12.0)}
 _SWEEPS = 100  # of Newton's method: never reached
 
 
@@ -64,20 +80,45 @@ class Medium:
         pi (free area)/(exposed arc), (1 - eta)^2/(1 - 7 eta/16) with eta = pi n/4, the share of
         the area that disks cover (Henderson's contact value of the pair distribution).
         """
-        if self.scatterers == "overlapping":
-            return 1.0
-        eta = 0.25 * math.pi * self.density
-        return (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
+        ratio = 1.0
+        if self.scatterers == "hard disks":
+            eta = 0.25 * math.pi * self.density
+            ratio = (1.0 - eta) ** 2 / (1.0 - 7.0 * eta / 16.0)
+        return ratio / (1.0 + self._row[0] * self.density)
 
     def returns(self, m: int) -> float:
         """eps: the chance per collision to be thrown back to the scatterer before."""
         e, n = self.restitution, self.density
-        return 2.0 * e / (1.0 + e) * n * math.log(1.0 / n)
+        log = math.log(1.0 / n)
+        if m in (0, 1, 2):
+            log -= self._row[1 + m]
+        eps = 2.0 * e / (1.0 + e) * n * log
+        if m == 1 and self.order == "second":
+            a, b = _SECOND[self.scatterers]
+            eps += (a + b * n) * (e * n * math.log(n)) ** 2
+        return eps
+
+    @cached_property
+    def _row(self) -> tuple[float, float, float, float]:
+        """d, and ln C of the harmonics 0, 1 and 2; zeros at the leading order."""
+        if self.order == "leading" or self.restitution < _LEAST_RESTITUTION:
+            return 0.0, 0.0, 0.0, 0.0
+        e, table = self.restitution, _constants()
+        cooling = _interpolated(min(e, _LAST_COOLING), table["restitution"], table["ln C 0"])
+        rest = [_interpolated(e, table["restitution"], table[k]) for k in ("d", "ln C 1", "ln C 2")]
+        return rest[0], cooling, rest[1], rest[2]
 
     @property
     def level(self) -> str:
         """The level of the theory in words."""
-        return f"{self.scatterers} at n = {self.density:g}, order n ln n: no fitted number"
+        what = {
+            "leading": "order n ln n, no fitted number",
+            "first": "order n, no fitted number",
+            "second": "order n, and (n ln n)^2 for <r^2>, fitted to simulations",
+        }[self.order]
+        if self.order != "leading" and self.restitution < _LEAST_RESTITUTION:
+            what = f"order n ln n: constants of the order n begin at e = {_LEAST_RESTITUTION:g}"
+        return f"{self.scatterers} at n = {self.density:g}: {what}"
 
     def limits(self, early: bool) -> str:
         """Where the theory is not to be trusted, to follow a sentence; perhaps empty."""
@@ -90,6 +131,24 @@ class Medium:
                 f"; at times below {SETTLED:g} l/U it is up to 2 % of <r^2> too small at n = 0.04"
             )
         return found
+
+
+@cache
+def _constants() -> dict[str, list[float]]:
+    """d and ln C of each harmonic, by restitution, from the file."""
+    text = files("kinetics.collision").joinpath("returns.json").read_text("utf-8")
+    table = json.loads(text)
+    return {name: table[name] for name in ("restitution", "d", "ln C 0", "ln C 1", "ln C 2")}
+
+
+def _interpolated(x: float, at: list[float], values: list[float]) -> float:
+    """The cubic through the four nearest points."""
+    near = sorted(range(len(values)), key=lambda i: abs(at[i] - x))[:4]
+    total = 0.0
+    for i in near:
+        share = math.prod((x - at[j]) / (at[i] - at[j]) for j in near if j != i)
+        total += share * values[i]
+    return total
 
 
 @dataclass(frozen=True)
