@@ -68,7 +68,7 @@ class Scene(Value):
     tangential_restitution: float | None = 1.0
     dimension: int = 2
     scatterers: str = "dilute"
-    density_order: str = "leading"
+    density_order: str = "second"
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
@@ -96,7 +96,7 @@ class Scene(Value):
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; at a finite density as it is there."""
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
         return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property

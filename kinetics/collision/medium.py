@@ -19,11 +19,12 @@ at m = 1, p = 0 is that of van Leeuwen and Weijland, Physica 36 (1967) 457.
 Orders of the theory ("density_order"):
 
 "leading" : the above, without any number that is fitted or integrated
-"first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each harmonic
-    m = 0, 1, 2, and collisions 1 + d(e) n times as often. C and d are integrals over two scatterers
-    and over loops, in returns.json (tests/kinetics/measurements/returns.py makes it). C depends on
-    the power p of the speed: it is that of the average which is slowest, p = 1 for m = 0 and p = 0
-    for the others. For m > 2, and for e < 0.2, where corners trap, it is the leading order.
+"first" : the order n too. eps = (2 e/(1 + e)) n ln(1/(C n)) with a constant C(e; m) of each
+    harmonic m = 0, 1, 2, and collisions 1 + d(e) n times as often. C and d are integrals over two
+    scatterers and over loops, in returns.json (tests/kinetics/measurements/returns.py makes it).
+    C depends on the power p of the speed: it is that of the average which is slowest, p = 1 for
+    m = 0 and p = 0 for the others. For m > 2, and for e < 0.2, where many tracers end in corners
+    of two disks, it is the leading order.
 "second" : with a term of the order (n ln n)^2 in the harmonic m = 1, fitted to simulations
 """
 
@@ -254,7 +255,7 @@ class MediumLaw(CollisionLaw):
 
 
 def law_in_medium(
-    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "leading"
+    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "second"
 ) -> CollisionLaw:
     """The law among these scatterers; the law itself where they are dilute.
 

@@ -63,7 +63,7 @@ class ScalingSolution(Value):
     scatterers: str = "dilute"
     number_density: float | None = None
     diameter: float = 1.0
-    density_order: str = "leading"
+    density_order: str = "second"
 
     def __post_init__(self) -> None:
         for name, value in self.law.arguments.items():

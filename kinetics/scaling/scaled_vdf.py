@@ -67,7 +67,7 @@ class ScaledVDF(Value):
     scatterers: str = "dilute"
     number_density: float | None = None
     diameter: float = 1.0
-    density_order: str = "leading"
+    density_order: str = "second"
 
     @cached_property
     def law(self) -> CollisionLaw:
@@ -259,7 +259,7 @@ def solve_scaled(
     scatterers: str = "dilute",
     number_density: float | None = None,
     diameter: float = 1.0,
-    density_order: str = "leading",
+    density_order: str = "second",
 ) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 

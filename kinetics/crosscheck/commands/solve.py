@@ -40,7 +40,7 @@ HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
     "--scatterers",
     type=click.Choice(["dilute", "overlapping", "hard disks"]),
     default="dilute",
-    help="Dilute: the paper's equation; the others: its correction at this density, to first order.",
+    help="Dilute: the paper's equation; else with the correction for this density.",
 )
 @initial_option
 @times_option
