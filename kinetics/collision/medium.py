@@ -51,6 +51,8 @@ SETTLED = 30.0  # in l/U: the returns need some free paths to build up
 _TINY = 1e-300
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order
 _LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
+# Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
+_MOST_RETURNS = 0.45
 # J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
 _SECOND = {"overlapping": (1.6, 0.0), "hard disks": (1.4, 12.0)}
 _SWEEPS = 100  # of Newton's method: never reached
@@ -97,7 +99,7 @@ class Medium:
         if m == 1 and self.order == "second":
             a, b = _SECOND[self.scatterers]
             eps += (a + b * n) * (e * n * math.log(n)) ** 2
-        return eps
+        return min(eps, _MOST_RETURNS)
 
     @cached_property
     def _row(self) -> tuple[float, float, float, float]:
