@@ -8,7 +8,8 @@ each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` a
 May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with
 ``paper.tex``.
 
-A new row of derivations: state it here, in ``beyond_the_paper`` or ``finite_density`` (its label starts with
+A new row of derivations: state it here, in ``beyond_the_paper`` or
+``finite_density`` (its label starts with
 ``beyond:``); or in ``paper.tex`` and in the file of its section, if the paper prints it. Then
 derive it by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 """

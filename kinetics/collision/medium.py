@@ -54,7 +54,7 @@ _LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - 
 # Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
 _MOST_RETURNS = 0.45
 # J_1(0) less (a + b n) (e n ln n)^2: fitted, see tests/kinetics/measurements/density.py
-_SECOND = {"overlapping": (1.6, 0.0), "hard disks": (1.4, 12.0)}
+_SECOND = {"overlapping": (1.4, 5.0), "hard disks": (1.4, 12.0)}
 _SWEEPS = 100  # of Newton's method: never reached
 
 
@@ -77,7 +77,7 @@ class Medium:
 
     @cached_property
     def path_ratio(self) -> float:
-        """The mean path between collisions over 1/(2 d rho).
+        """The mean path between collisions over 1/(2 d rho), with 1 + d n of the order n.
 
         Overlapping disks leave it as it is at every density (Santalo). Among hard disks it is
         pi (free area)/(exposed arc), (1 - eta)^2/(1 - 7 eta/16) with eta = pi n/4, the share of

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import CollisionLaw, InputError, ScalingSolution, Scene, solve, solve_scaled
+from kinetics import CollisionLaw, InputError, ScalingSolution, Scene, cli, solve, solve_scaled
 from kinetics.collision import law_in_medium
-from tests.kinetics.measurements import returns
+from tests.kinetics.measurements import density, returns
 
 LATE = 1e15
 OUTPUTS = ("msd", "thermal_speed", "a2", "collisions", "diffusion_coefficient")
@@ -244,3 +244,27 @@ def test_the_loop_integral_of_the_elastic_gas() -> None:
         for q, weight in zip(k, 2.0 * w, strict=True)
     )
     assert direct == pytest.approx(total, rel=1e-8)
+
+
+def test_the_command_solves_among_scatterers(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["solve", "--times", "100,10000", "--scatterers", "hard disks", "--json"]
+    assert cli.main(arguments) == 0
+    found = json.loads(capsys.readouterr().out)
+    scene = Scene(0.7, 0.04, times=[100.0, 1e4], outputs=("msd",), scatterers="hard disks")
+    assert found["msd"] == pytest.approx(solve(scene).msd)
+    assert found["scatterers"] == "hard disks"
+    assert cli.main([*arguments, "--scaled"]) == 0
+    state = ScalingSolution(0.7, scatterers="hard disks", number_density=0.04)
+    found = json.loads(capsys.readouterr().out)
+    assert found["cooling_rate"] == pytest.approx(state.cooling_rate)
+
+
+@pytest.mark.parametrize(("name", "e"), [("hard disks", 0.7), ("overlapping", 0.9)])
+def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e: float) -> None:
+    """<r^2> at 100 and 1000 l/U among n = 0.04; the table is measurements/density.py."""
+    found = density.deviations(name, e, 0.04, 40_000)
+    errors = found["error"][0][2:]
+    assert np.all(errors < 1.3)
+    assert np.all(np.abs(found["second"][0][2:]) < 3.5 * errors)
+    assert np.all(np.abs(found["leading"][0][2:]) < 3.5 * errors)
+    assert np.all(found["dilute"][0][2:] < -9.0)
