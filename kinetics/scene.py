@@ -93,6 +93,7 @@ class Scene(Value):
         _check_solved_in_medium(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
+        self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:

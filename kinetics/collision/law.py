@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -30,6 +30,8 @@ from kinetics.validation import (
 
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
+_LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
+_MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -41,7 +43,7 @@ class CollisionLaw:
     ----------
     restitution : e in [0, 1], by which the normal velocity is multiplied (and turned round)
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
-        smooth scatterers. Not both may be 0: the tracer would stop at its first bounce
+        smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
 
     Raises
@@ -79,8 +81,9 @@ class CollisionLaw:
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
         value = self.tangential_restitution
         et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
-        if e == et == 0.0:
-            refuse("tangential_restitution", value, "at restitution 0 it must be above 0")
+        if max(e, et) < _LEAST_RATIO:
+            allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
+            refuse("tangential_restitution", value, allowed)
         set_(self, "restitution", e)
         set_(self, "tangential_restitution", et)
 
@@ -239,9 +242,12 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        if level not in self._quadratures:
-            self._quadratures[level] = self._bounce.quadrature(level)
-        return self._quadratures[level]
+        known = self._quadratures.get(level)
+        if known is None:
+            known = self._bounce.quadrature(level)
+            if known.weight.size <= _MOST_KEPT:
+                self._quadratures[level] = known
+        return known
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -374,30 +380,6 @@ class CollisionLaw:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
-
-
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
-    """The law of these arguments, as the solvers take them.
-
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
-    """
-    if not isinstance(restitution, CollisionLaw):
-        return CollisionLaw(restitution, tangential_restitution, dimension)
-    law = restitution
-    for name, value, default in (
-        ("tangential_restitution", tangential_restitution, 1.0),
-        ("dimension", dimension, 2),
-    ):
-        if value is not None and value not in (default, getattr(law, name)):
-            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if law.least_loss < 0.0:
-        largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
-    return law
 
 
 def _size(z: NDArray[Any]) -> float:

@@ -41,14 +41,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision.law import CollisionLaw
-from kinetics.validation import check_positive, one_of, refuse
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 SETTLED = 30.0  # in l/U: the returns need some free paths to build up
-_TINY = 1e-300
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order
 _LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
 # Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
@@ -254,29 +252,3 @@ class MediumLaw(CollisionLaw):
             known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
             out.append(np.asarray((rate[n] - known) / below[0]))
         return out
-
-
-def law_in_medium(
-    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "second"
-) -> CollisionLaw:
-    """The law among these scatterers; the law itself where they are dilute.
-
-    Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
-    theory is not derived: rough scatterers, spheres, samples.
-    """
-    scatterers = one_of("scatterers", scatterers, SCATTERERS)
-    order = one_of("density_order", order, ORDERS)
-    if scatterers == "dilute":
-        return law
-    if law.dimension != 2 or law.restitution is None or law.tangential_restitution != 1.0:
-        allowed = "a finite density is derived for smooth disks in the plane only"
-        refuse("scatterers", scatterers, allowed)
-    if number_density is None:
-        refuse("number_density", number_density, f"scatterers={scatterers!r} needs it")
-    rho, d = check_positive("number_density", number_density), check_positive("diameter", diameter)
-    n = rho * d * d
-    if not _TINY < n <= HIGHEST_DENSITY:
-        allowed = f"with scatterers={scatterers!r} it must be at most {HIGHEST_DENSITY:g} d^-2"
-        refuse("number_density", number_density, allowed)
-    medium = Medium(scatterers, n, law.restitution, order)
-    return MediumLaw(law.restitution, law.tangential_restitution, 2, None, medium)

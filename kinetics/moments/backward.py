@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
+from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
@@ -228,7 +228,7 @@ class BackwardEquation:
     @cached_property
     def rule(self) -> PanelRule:
         """The collocation of a panel."""
-        return PanelRule(self.nodes, self.width)
+        return panel_rule(self.nodes, self.width)
 
     def _kernel(self, m: int) -> tuple[FloatArray, FloatArray]:
         """Loss matrix of a panel on itself, and gain from those below it, farthest first."""
