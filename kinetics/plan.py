@@ -6,10 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from kinetics.collision import CollisionLaw, MediumLaw
-from kinetics.collision.medium import SETTLED
 from kinetics.densities.harmonic import Profile
 from kinetics.moments.velocity import Averages
 from kinetics.outputs import (
@@ -22,7 +18,6 @@ from kinetics.outputs import (
     VELOCITY,
 )
 from kinetics.position.density import Displacement
-from kinetics.scene import Scene
 
 SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
@@ -57,7 +52,7 @@ def make_plan(
     others = "the start is isotropic" if isotropic else "no output needs more"
     points = averages.speeds.x.size
     return (
-        *_scatterers_step(averages.law),
+        *_scatterers_step(averages),
         _moments_step(averages, pairs),
         PlanStep("initial state", True, f"{points} weighted speeds represent it"),
         _asked_step(COLLISIONS, outputs, "asked for"),
@@ -73,16 +68,14 @@ def make_plan(
     )
 
 
-def _scatterers_step(law: CollisionLaw) -> tuple[PlanStep, ...]:
+def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
     """The level of the theory of a finite density; nothing where scatterers are dilute."""
-    return (PlanStep(SCATTERERS, True, law.level),) if isinstance(law, MediumLaw) else ()
+    return (PlanStep(SCATTERERS, True, averages.law.level),) if averages.law.level else ()
 
 
-def limits(scene: Scene) -> str:
+def limits(averages: Averages) -> str:
     """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
-    if not isinstance(scene.law, MediumLaw):
-        return ""
-    return scene.law.limits(float(np.min(scene.times)) < SETTLED * scene.mean_free_path)
+    return averages.law.limits(float(averages.times[0]) / averages.mean_free_path)
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

@@ -80,7 +80,7 @@ def solve(
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes) + limits(scene),
+        message=explain(errors, allowed, nodes) + limits(averages),
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),

@@ -322,6 +322,15 @@ class CollisionLaw:
         """
         return 0.0, 0.0
 
+    @property
+    def level(self) -> str:
+        """The level of the theory of a finite density in words; empty where there is none."""
+        return ""
+
+    def limits(self, first: float) -> str:
+        """What averages from this time on, in l/U, lack at a finite density; perhaps empty."""
+        return ""
+
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""

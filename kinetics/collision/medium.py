@@ -121,16 +121,14 @@ class Medium:
             what = f"order n ln n: constants of the order n begin at e = {_LEAST_RESTITUTION:g}"
         return f"{self.scatterers} at n = {self.density:g}: {what}"
 
-    def limits(self, early: bool) -> str:
-        """Where the theory is not to be trusted, to follow a sentence; perhaps empty."""
+    def limits(self, first: float) -> str:
+        """What averages from this time on, in l/U, lack, to follow a sentence; perhaps empty."""
         found = ""
         if self.density > TESTED_DENSITY:
             found += f"; n = {self.density:g} is outside the range where the correction for the "
             found += f"density was tested (up to {TESTED_DENSITY:g})"
-        if early:
-            found += (
-                f"; at times below {SETTLED:g} l/U it is up to 2 % of <r^2> too small at n = 0.04"
-            )
+        if first < SETTLED:
+            found += f"; <r^2> before {SETTLED:g} l/U is up to n in relative size too small"
         return found
 
 
@@ -169,9 +167,9 @@ class MediumLaw(CollisionLaw):
         """See :attr:`Medium.level`."""
         return self._medium.level
 
-    def limits(self, early: bool) -> str:
+    def limits(self, first: float) -> str:
         """See :meth:`Medium.limits`."""
-        return self._medium.limits(early)
+        return self._medium.limits(first)
 
     @property
     def _medium(self) -> Medium:

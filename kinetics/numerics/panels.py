@@ -16,6 +16,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
 
 _FORGOTTEN = 1e-17  # panels further down that weigh less are left out
+_FEW_PANELS = 40  # for which room is made at first
 _MOST_PANELS = 300  # never reached
 _TINY = 1e-290  # stands for a distance of 0: its reciprocal is finite, and outweighs all others
 
@@ -133,9 +134,11 @@ def with_returns(
     further = inside @ again[:0:-1].transpose(1, 0, 2).reshape(n, -1)
     old = inside @ old
     reach = len(again) - 1
-    new = np.zeros((reach + _MOST_PANELS, n, n))
+    new = np.zeros((reach + _FEW_PANELS, n, n))
     small = 0
     for k in range(_MOST_PANELS):
+        if reach + k == len(new):
+            new = np.concatenate([new, np.zeros_like(new)])
         block = further @ new[k : k + reach].reshape(-1, n)
         if k < len(old):
             block += old[k]

@@ -186,7 +186,7 @@ def test_the_plan_and_the_message_say_what_was_done() -> None:
     ]
     assert "no fitted number" in step.reason
     assert solved(0.04, 1e4).message == "the error estimate meets rtol"
-    assert "below 30 l/U" in solved(0.04, 10.0).message
+    assert "before 30 l/U" in solved(0.04, 10.0).message
     assert "outside the range" in solved(0.11, 1e4).message
 
 
