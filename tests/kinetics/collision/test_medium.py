@@ -268,3 +268,40 @@ def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e:
     assert np.all(np.abs(found["second"][0][2:]) < 3.5 * errors)
     assert np.all(np.abs(found["leading"][0][2:]) < 3.5 * errors)
     assert np.all(found["dilute"][0][2:] < -9.0)
+
+
+@pytest.mark.parametrize("e", [0.4, 0.8, 1.0])
+@pytest.mark.parametrize("real", [True, False])
+def test_no_bounce_beyond_the_widest_impact_parameter_comes_back(e: float, real: bool) -> None:
+    random = np.random.default_rng(3)
+    t = random.uniform(0.05, 12.0, 200_000)
+    widest = returns._widest(e, t)
+    share = random.uniform(-1.0, 1.0, t.size)
+    beyond = np.sign(share) * (widest + (1.0 - widest) * abs(share))
+    first = random.uniform(-1.0, 1.0, t.size)
+    _, _, count, _ = returns._follow(e, np.stack([first, beyond]), t, real)
+    assert np.all(count[widest < 1.0] == 0)
+    _, _, count, _ = returns._follow(e, np.stack([first, share * widest]), t, real)
+    assert np.mean(count > 0) > 0.1
+
+
+@pytest.mark.parametrize("e", [0.4, 0.8])
+def test_the_nested_rings_meet_random_bounces(e: float) -> None:
+    """The distance of the way back from the way out, from vectors at the first disk."""
+    random = np.random.default_rng(4)
+    y = random.uniform(-1.0, 1.0, (2, 400_000))
+    normal = -np.sqrt(1.0 - y**2) + 1j * y  # both come in along +x
+    after = returns._reflected(np.ones_like(normal), normal, e)
+    total, counted = 0.0, 0.0
+    for first in (True, False):
+        out = after[0] if first else np.ones_like(after[0])
+        way = out / abs(out)
+        aside = (way.conj() * normal[0]).imag  # of the way out from the centre
+        # coming back, the way is turned by pi: the same side of the line is the other hand's
+        logarithm = np.log(0.5 + 0.125 * abs(aside + y[1]))
+        sign = 1.0 if first else -1.0
+        total += sign * np.mean(abs(out) * (abs(after[1]) - 1.0) * logarithm)
+        counted += sign * np.mean(logarithm)
+    speed = -returns.leading(e, 0, 1) * total
+    assert returns.nested_ring(e, 0, 1) == pytest.approx(speed, rel=0.03)
+    assert returns.nested_count(e) == pytest.approx(-returns.leading(e, 0, 0) * counted, rel=0.05)
