@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -183,6 +184,11 @@ class CollisionLaw:
         """
         return self._bounce.lowest_power
 
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isfinite(self._bounce.lowest_power)
+
     @cached_property
     def uniform_power(self) -> float | None:
         """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
@@ -277,6 +283,10 @@ class CollisionLaw:
         """
         return self._bounce.cells(spacing, points)
 
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
+        return self._bounce.chance_below(ratio)
+
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
 
@@ -311,6 +321,34 @@ class CollisionLaw:
         q = self.quadrature_for(_size(z))
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
+
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(float(np.abs(z).max()))
+        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
+        out = [self.decay_rate(z)]
+        factor = np.ones_like(q.log_loss)
+        for n in range(1, orders):
+            factor = factor * (-q.log_loss) / n
+            out.append(-(power @ factor))
+        return out
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps and x of bounces straight back to the scatterer before: (0, 0), there are none.
+
+        Among scatterers that are met again (`kinetics.collision.medium`), K - 1 on harmonic m is
+        replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
+        return 0.0, 0.0
+
+    @property
+    def level(self) -> str:
+        """The level of the theory of a finite density in words; empty where there is none."""
+        return ""
+
+    def limits(self, first: float) -> str:
+        """What averages from this time on, in l/U, lack at a finite density; perhaps empty."""
+        return ""
 
     @cached_property
     def mean_log_loss(self) -> float:
@@ -357,47 +395,19 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+            refuse("p", p, f"{self._why_lowest} it must be above {self.lowest_power:g}")
         return p_
+
+    @property
+    def _why_lowest(self) -> str:
+        which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+        return f"at {which} 0"
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
-
-
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
-    """The law of these arguments, as the solvers take them.
-
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
-    """
-    if not isinstance(restitution, CollisionLaw):
-        arguments = restitution, tangential_restitution, dimension
-        plain = tuple(map(type, arguments)) == (float, float, int)
-        return _kept_law(*arguments) if plain else CollisionLaw(*arguments)
-    law = restitution
-    for name, value, default in (
-        ("tangential_restitution", tangential_restitution, 1.0),
-        ("dimension", dimension, 2),
-    ):
-        if value is not None and value not in (default, getattr(law, name)):
-            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if law.least_loss < 0.0:
-        largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
-    return law
-
-
-@lru_cache(maxsize=16)
-def _kept_law(e: float, et: float, dimension: int) -> CollisionLaw:
-    """The same law again: its quadratures are not made twice."""
-    return CollisionLaw(e, et, dimension)
 
 
 def _size(z: NDArray[Any]) -> float:

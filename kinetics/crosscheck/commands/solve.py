@@ -21,6 +21,7 @@ from kinetics.crosscheck.commands.options import (
 from kinetics.outputs import OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
+MEDIUM = ("scatterers", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
@@ -37,6 +38,12 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     help="3: spheres; number densities are then in d^-3.",
 )
 @density_option
+@click.option(
+    "--scatterers",
+    type=click.Choice(["dilute", "overlapping", "hard disks"]),
+    default="dilute",
+    help="Dilute: the paper's equation; else with the correction for this density.",
+)
 @initial_option
 @times_option
 @click.option(
@@ -71,6 +78,8 @@ def solve(
         rtol = 1e-6 if radii and not scaled else 1e-10
     if scaled:
         law = {name: system[name] for name in LAW}
+        if system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
         found, text = scaled_document(law, rtol), scaled_text
     else:
         system["collision_numbers"] = collision_numbers
@@ -125,7 +134,7 @@ def solve_document(
     wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, "number_density", "initial")},
+        **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
         "rtol": rtol,
         "status": solution.status.name.lower(),
         "message": solution.message,
