@@ -18,11 +18,10 @@ from kinetics.errors import InputError
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
-from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
-from kinetics.status import SolverStatus
+from kinetics.status import PlanStep, SolverStatus
 from kinetics.validation import (
     finite_line,
     not_negative_line,

@@ -42,7 +42,9 @@ HOMES = {
     "CollisionLaw": "kinetics.collision.law",
     "Comparison": "kinetics.crosscheck.comparison.result",
     "SampledBounce": "kinetics.collision.samples",
-    "PlanStep": "kinetics.plan",
+    "FieldState": "kinetics.field.solution",
+    "FieldUnits": "kinetics.field.solution",
+    "PlanStep": "kinetics.status",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",
     "Scene": "kinetics.scene",
@@ -66,6 +68,9 @@ HOMES = {
     "NodeMasses": "kinetics.densities.conservative",
     "Profile": "kinetics.densities.harmonic",
     "ThenScaling": "kinetics.densities.harmonic",
+    # the steady state in a field
+    "SpeedPanels": "kinetics.field.panels",
+    "SteadyAverages": "kinetics.field.averages",
     # density of the displacement
     "Displacement": "kinetics.position.density",
     "FrontTail": "kinetics.position.front_tail",
