@@ -12,6 +12,8 @@ from kinetics.collision import CollisionLaw
 from kinetics.field.panels import SpeedPanels
 from kinetics.numerics import FloatArray
 
+_LARGEST = 600.0  # an exponent that does not overflow
+
 
 def collision_matrices(
     panels: SpeedPanels, law: CollisionLaw, highest: int, forwards: bool, rate: float
@@ -28,10 +30,13 @@ def collision_matrices(
     q = law.quadrature_for(rate, highest)
     harmonics = range(highest + 1)
     power = law.dimension + 1.0 if forwards else 0.0
-    factor = q.weight * np.exp(power * q.log_loss)
+    # bounces that nearly stop a tracer come from above the panels: their factor is not used
+    factor = q.weight * np.exp(np.minimum(power * q.log_loss, _LARGEST))
     kept = factor * np.array([q.harmonic(m) for m in harmonics])
     gone = factor * np.array([q.harmonic_loss(m) for m in harmonics])
-    gone -= q.weight * np.expm1(power * q.log_loss)  # of 1 - s^-power cos(m chi)
+    gone -= q.weight * np.expm1(
+        np.minimum(power * q.log_loss, _LARGEST)
+    )  # of 1 - s^-power cos(m chi)
     change = np.expm1(q.log_loss if forwards else -q.log_loss)
     out = np.zeros((highest + 1, panels.size, panels.size))
     for own, part in enumerate(panels.parts):

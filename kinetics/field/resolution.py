@@ -35,21 +35,21 @@ class Resolution:
     @classmethod
     def first(cls, law: CollisionLaw, rtol: float) -> Resolution:
         """Speeds that serve most laws; the error estimates see what they miss."""
-        return cls((3.0 if smallest_ratio(law) > 0.2 else 0.1) * max(rtol, _BEST))
+        return cls((1.0 if smallest_ratio(law) > 0.2 else 0.1) * max(rtol, _BEST))
 
     def finer_speeds(self) -> Resolution:
         """With panels for a tenth of the error."""
         return replace(self, speed=0.1 * self.speed)
 
-    def powers(self, law: CollisionLaw) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Powers of 1/m by which the last harmonics are continued, and others to compare with.
+    def powers(self, law: CollisionLaw) -> tuple[tuple[float, float], ...]:
+        """Powers of 1/m by which the last harmonics are continued, and two others to compare with.
 
         f_m falls as m^-3 in the end, but as 1/m where a bounce may nearly stop a tracer: up to
         m of about the inverse of the smallest speed ratio.
         """
         if smallest_ratio(law) * self.harmonics < 1.0:
-            return (1.0, 3.0), (1.0, 2.0)
-        return (2.0, 4.0), (3.0, 5.0)
+            return (1.0, 3.0), (1.0, 2.0), (1.0, 5.0)
+        return (2.0, 4.0), (1.0, 3.0), (4.0, 6.0)
 
     def panels(self, law: CollisionLaw) -> SpeedPanels:
         """The speed axis: panels that grow by a factor up to where f falls, then equal ones."""
@@ -80,7 +80,7 @@ def _share(v: float, s: float, accuracy: float) -> float:
     """
     if s > SMALL_RATIO:
         return min(1.0, (v / s) ** 2)
-    if s < accuracy:
+    if s < 10.0 * accuracy:
         return min(1.0, v * v)
     return min(1.0, v * min(1.0, v / s))
 

@@ -123,7 +123,7 @@ class FieldState(Value):
             :, None
         ]
         highest = f.shape[0] - 1
-        powers, _ = Resolution(*self._resolution).powers(self.law)
+        powers = Resolution(*self._resolution).powers(self.law)[0]
         m = np.arange(highest + 1, _CONTINUED * highest)
         beyond = values[:, :-3:-1] @ continuation(m, highest, powers)
         both = np.hstack([values, beyond])

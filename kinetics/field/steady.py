@@ -27,19 +27,19 @@ from kinetics.field.resolution import SMALL_RATIO, Resolution, smallest_ratio
 from kinetics.numerics import FloatArray
 
 _STEEPEST = 70.0  # f falls no faster than v^-70 where it counts
-
-
 # M is found on few speeds: what another continuation changes hardly depends on them
-_COARSE = 1e-4
+_COARSE, _COARSER = 1e-4, 1e-3  # the latter for an rtol above 1e-7
 _TRIED = (11, 15, 19, 23, 27, 31, 39, 47, 63, 79, 95, 127)
 _ATTEMPTS = 3
+_CAUTION = 2.0  # times what other continuations change: they may agree by accident
 
 
 def find_steady_state(law: CollisionLaw, rtol: float) -> SteadyState:
     """The steady state with as many harmonics and panels as rtol needs, or with the most tried."""
     first = 2.0 * (1.5 - math.log10(rtol))  # fewer are never enough
     tried = [m for m in _TRIED if m >= min(first, 23.0)]
-    enough = (m for m in tried if _harmonics_miss(law, m) <= rtol)
+    coarse = _COARSE if rtol < 1e-7 else _COARSER
+    enough = (m for m in tried if _harmonics_miss(law, m, coarse) <= rtol)
     resolution = replace(Resolution.first(law, rtol), harmonics=next(enough, _TRIED[-1]))
     best = SteadyState(law, resolution)
     for _ in range(_ATTEMPTS - 1):
@@ -53,9 +53,9 @@ def find_steady_state(law: CollisionLaw, rtol: float) -> SteadyState:
     return best
 
 
-def _harmonics_miss(law: CollisionLaw, highest: int) -> float:
+def _harmonics_miss(law: CollisionLaw, highest: int, coarse: float) -> float:
     """The error of the harmonics up to M, from a solution on few speeds."""
-    return SteadyState(law, Resolution(_COARSE, highest)).harmonic_error
+    return SteadyState(law, Resolution(coarse, highest)).harmonic_error
 
 
 def find_dispersion(state: SteadyState, allowed: float) -> Dispersion:
@@ -92,7 +92,7 @@ class SteadyState:
         self.law, self.resolution = law, resolution
         self.panels = resolution.panels(law)
         self.highest = resolution.harmonics
-        self.powers, self.other_powers = resolution.powers(law)
+        self.powers, *self.other_powers = resolution.powers(law)
         v = self.panels.speeds
         self._mass = law.unit_surface * v ** (law.dimension - 1.0) * self.panels.weights
 
@@ -129,11 +129,12 @@ class SteadyState:
 
     @cached_property
     def harmonic_error(self) -> float:
-        """By how much another continuation changes the figures, relative to each."""
+        """By how much other continuations change the figures, relative to each."""
         f = self.averages.harmonics
-        change = self._along.other_continuation(f, self.other_powers)
-        moved = SteadyAverages(self.law, self.panels, change).figures
-        return float(np.max(np.abs(moved) / np.abs(self.averages.figures)))
+        figures = np.abs(self.averages.figures)
+        changes = (self._along.other_continuation(f, other) for other in self.other_powers)
+        moved = [SteadyAverages(self.law, self.panels, change).figures for change in changes]
+        return _CAUTION * float(np.max(np.abs(moved) / figures))
 
     @cached_property
     def dispersion(self) -> Dispersion:
@@ -165,9 +166,10 @@ class SteadyState:
         else:
             elimination = Elimination(chain, self._collisions, top, self.powers)
         h = elimination.solve(source * v)[0]
-        change = elimination.other_continuation(h, self.other_powers)
         value = self._first_harmonic(h, 1.0, family)
-        error = abs(self._first_harmonic(change, 1.0, family) / value)
+        changes = (elimination.other_continuation(h, other) for other in self.other_powers)
+        moved = [abs(self._first_harmonic(change, 1.0, family)) for change in changes]
+        error = _CAUTION * max(moved) / abs(value)
         return value, max(error, abs(self._response_defect(h, family)))
 
     def _first_harmonic(self, h: FloatArray, p: float, family: int) -> float:
