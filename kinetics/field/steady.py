@@ -31,6 +31,7 @@ _STEEPEST = 70.0  # f falls no faster than v^-70 where it counts
 _COARSE, _COARSER = 1e-4, 1e-3  # the latter for an rtol above 1e-7
 _TRIED = (11, 15, 19, 23, 27, 31, 39, 47, 63, 79, 95, 127)
 _ATTEMPTS = 3
+_ROUNDING = 1e-13  # what elimination loses
 _CAUTION = 2.0  # times what other continuations change: they may agree by accident
 
 
@@ -120,7 +121,7 @@ class SteadyState:
         found = dict(self.averages.defects)
         if smallest_ratio(self.law) < SMALL_RATIO:
             found.pop("<cos/v^2>", None)
-        return max(abs(defect) for defect in found.values())
+        return max(_ROUNDING, *(abs(defect) for defect in found.values()))
 
     @property
     def error(self) -> float:
