@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import html
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,13 +17,14 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
-from kinetics.states.isotropic import as_state
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, finite_line, refuse, whole_number
+from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
 from kinetics.values import Value
 
 MOST_HARMONICS = 256
+_FIELD = "it must be a finite number, 0 or more: the field is along +x"
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,9 @@ class Scene(Value):
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
         x axis, and densities are not available yet)
+    field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
+        "rest" (U is then any unit of speed), and the outputs are those of
+        `kinetics.outputs.FIELD_OUTPUTS`
 
     Raises
     ------
@@ -56,13 +61,14 @@ class Scene(Value):
     restitution: Any
     number_density: float = 0.04
     diameter: float = 1.0
-    initial: Any = field(default="gaussian", compare=False)
+    initial: Any = dataclasses.field(default="gaussian", compare=False)
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
-    state: State = field(init=False)
+    field: float = 0.0
+    state: State = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         law = law_of(self.restitution, self.tangential_restitution, self.dimension)
@@ -78,10 +84,12 @@ class Scene(Value):
                 f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
                 "a finite number above 0"
             )
-        checked["state"] = _start(self.initial, law.dimension)
+        checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
+        checked["state"] = _start(self.initial, law.dimension, checked["field"] > 0.0)
         checked["times"] = _check_times(self.times)
-        checked["outputs"] = _check_outputs(self.outputs)
-        _check_available(checked["outputs"], law)
+        checked["outputs"] = _check_outputs(self.outputs, checked["field"] > 0.0)
+        if not checked["field"]:
+            _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
 
@@ -101,6 +109,7 @@ class Scene(Value):
         return (
             f"{self.law.described}, number_density={self.number_density!r}, "
             f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
+            + (f", field={self.field!r}" if self.field else "")
         )
 
     def __repr__(self) -> str:
@@ -108,8 +117,8 @@ class Scene(Value):
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+            f"<tr><td>{row.name}</td><td>{row.unit}</td><td>{html.escape(row.description)}</td></tr>"
+            for row in ((FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -129,9 +138,11 @@ def _span(times: ArrayLike) -> str:
     return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
 
 
-def _start(initial: Any, dimension: int) -> State:
+def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
-    state = as_state(initial)
+    state = Rest() if isinstance(initial, str) and initial == "rest" else as_state(initial)
+    if isinstance(state, Rest) and not with_field:
+        refuse("initial", initial, "tracers at rest stay there, give a field as well")
     if dimension == 2:
         return state
     found = state.in_space()
@@ -158,18 +169,21 @@ def _check_times(times: Any) -> FloatArray:
     return read_only(array)
 
 
-def _check_outputs(outputs: Any) -> tuple[str, ...]:
+def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
     try:
         names = [outputs] if isinstance(outputs, str) else list(outputs)
     except TypeError:
         names = [outputs]
-    known = ", ".join(OUTPUTS)
+    table = FIELD_OUTPUTS if with_field else OUTPUTS
+    known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str) or name not in OUTPUTS:
-            near = difflib.get_close_matches(name, OUTPUTS, n=1) if isinstance(name, str) else []
+        if not isinstance(name, str) or name not in table:
+            near = difflib.get_close_matches(name, table, n=1) if isinstance(name, str) else []
             hint = f"did you mean {near[0]!r}? " if near else ""
+            if name in (*OUTPUTS, *FIELD_OUTPUTS):
+                hint = f"not available {'with' if with_field else 'without'} a field; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

@@ -90,7 +90,7 @@ class Solution(Value):
     def _shown(self) -> list[tuple[str, str, str]]:
         """Name, shape and unit of every array, and of every output that is a method."""
         found = [(name, str(a.shape), UNITS.get(name, "1")) for name, a in self.values.items()]
-        for name in self.scene.outputs:
+        for name in () if self.scene.field else self.scene.outputs:
             if OUTPUTS[name].values is None:
                 shape = f"({', '.join(OUTPUTS[name].shape)})"
                 found.append((name, shape.replace("n_times", str(self.times.size)), UNITS[name]))
@@ -127,6 +127,7 @@ class Solution(Value):
 
     def moment(self, p: float) -> FloatArray:
         """<v^p>(t) in U^p for real p, shape (n_times,); InputError where it does not exist."""
+        self._require_no_field()
         return np.asarray(power_of_speed(self.scene, self.rtol, p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
@@ -134,7 +135,13 @@ class Solution(Value):
 
         Raises InputError for p or m out of range.
         """
+        self._require_no_field()
         return power_of_speed(self.scene, self.rtol, p, m)
+
+    def _require_no_field(self) -> None:
+        """Raise InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
 
     # -- velocity -----------------------------------------------------------------------------
 

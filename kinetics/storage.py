@@ -57,6 +57,7 @@ HOMES = {
     "Maxwell": "kinetics.states.isotropic",
     "Monoenergetic": "kinetics.states.isotropic",
     "PolarGrid": "kinetics.states.directed",
+    "Rest": "kinetics.states.isotropic",
     "SpeedDensity": "kinetics.states.isotropic",
     "SpeedSamples": "kinetics.states.isotropic",
     "SpeedTable": "kinetics.states.isotropic",

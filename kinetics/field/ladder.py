@@ -80,7 +80,14 @@ class Chain:
 
 
 def continuation(m: ArrayLike, highest: int, powers: tuple[float, float]) -> FloatArray:
-    """Factors of harmonics M and M - 1, (2, ...), that continue them by two powers to m > M."""
+    """Factors of harmonics M and M - 1, (2, ...), that continue them by two powers to m > M.
+
+    Where the second power is 0, harmonics of the same parity alone are continued, by the first one:
+    that is stable in time.
+    """
+    if powers[1] == 0.0:
+        only = ((highest - 1.0) / np.asarray(m, dtype=float)) ** powers[0]
+        return np.stack([np.zeros_like(only), only])
     inverse = -np.array(powers)[:, None]
     table = np.array([highest, highest - 1.0]) ** inverse
     return np.asarray(np.linalg.solve(table, np.ravel(m) ** inverse)).reshape(2, *np.shape(m))
