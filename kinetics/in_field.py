@@ -74,11 +74,11 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
 
 def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple[Evolution, float]:
     """The averages, ever more finely resolved until two solutions agree; and their error."""
-    resolution = TimeResolution.of(rtol, isinstance(scene.state, Rest))
-    coarse = _evolution(scene, resolution, speed, times)
+    resolution = TimeResolution.of(rtol)
+    coarse = _evolution(scene, rtol, resolution, speed, times)
     for _ in range(_ATTEMPTS):
         resolution = resolution.finer()
-        fine = _evolution(scene, resolution, speed, times)
+        fine = _evolution(scene, rtol, resolution, speed, times)
         error = _GAIN * _difference(fine.values, coarse.values)
         if error <= rtol:
             break
@@ -87,13 +87,13 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
 
 
 def _evolution(
-    scene: Scene, resolution: TimeResolution, speed: float, times: FloatArray
+    scene: Scene, rtol: float, resolution: TimeResolution, speed: float, times: FloatArray
 ) -> Evolution:
     unit = 1.0 / speed  # U in sqrt(g l)
     if isinstance(scene.state, Rest):
         start = Start((), unit)
     else:
-        start = Start.of(scene.state, resolution.harmonics, 0.1 * resolution.rtol, unit)
+        start = Start.of(scene.state, resolution.harmonics, 0.1 * rtol, unit)
     return Evolution(scene.law, start, times, resolution)
 
 

@@ -37,6 +37,7 @@ ODD = ("v_y", "v_x v_y", "y")
 SQUARES = ("x^2", "y^2")
 PRODUCT = ("x y",)
 ALL = (*EVEN, *SQUARES, *ODD, *PRODUCT)
+IS_EVEN = np.array([name in (*EVEN, *SQUARES) for name in ALL])
 
 
 def backward_panels(highest: float, lowest: float, nodes: int) -> SpeedPanels:
@@ -173,10 +174,11 @@ class BackwardField:
     def gained(self, y: FloatArray) -> FloatArray:
         """The mean after a collision with a velocity along the field, (..., size, n_observables).
 
-        The sum of K_m y_m over the even harmonics of y (..., M + 1, size, n_observables).
+        The sum of K_m y_m over the harmonics of y (..., M + 1, size, n_observables); those that
+        are odd across the field vanish along it.
         """
         out = 0.0
         for m in range(self.highest + 1):
             lost = self.collisions[m] / self.panels.speeds[:, None] ** 2
             out = out + y[..., m, :, :] - np.einsum("ij,...jk->...ik", lost, y[..., m, :, :])
-        return np.asarray(out)
+        return np.where(IS_EVEN, out, 0.0)

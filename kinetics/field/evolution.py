@@ -45,17 +45,17 @@ class TimeResolution:
     rtol: float
 
     @classmethod
-    def of(cls, rtol: float, from_rest: bool) -> TimeResolution:
+    def of(cls, rtol: float) -> TimeResolution:
         """A first one, whose error its finer one shows, for a relative accuracy."""
         digits = -math.log10(max(rtol, 1e-12))
-        harmonics = 2 * math.ceil(digits) - (1 if from_rest else 3)
-        nodes = math.ceil(2.0 + 1.5 * digits)
-        return cls(nodes, max(harmonics, 5), 0.6 * 10 ** (-digits / 6.0), rtol)
+        harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
+        nodes = math.ceil(1.5 * digits + 1.0)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), 3.0 * rtol)
 
     def finer(self) -> TimeResolution:
-        """With half as many harmonics again, and some more nodes."""
+        """With half as many harmonics again, some more nodes and shorter steps."""
         harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
-        return TimeResolution(self.nodes + 3, harmonics, 0.5 * self.lowest, self.rtol)
+        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.1 * self.rtol)
 
 
 @dataclass

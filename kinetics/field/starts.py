@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.field.backward import ALL, EVEN, SQUARES
+from kinetics.field.backward import ALL, IS_EVEN
 from kinetics.field.panels import SpeedPanels
 from kinetics.numerics import FloatArray
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 _PIECE = 20_000  # points of a state that are interpolated at once
-_IS_EVEN = np.array([name in (*EVEN, *SQUARES) for name in ALL])
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class Start:
                 w = measure.weight[first : first + _PIECE]
                 found = w @ panels.interpolation(self.speed * np.exp(x))
                 # the weights have the factor exp(-i m phi)
-                out[m] += np.where(_IS_EVEN, found.real[:, None], -found.imag[:, None])
+                out[m] += np.where(IS_EVEN, found.real[:, None], -found.imag[:, None])
         return out
 
 
