@@ -28,6 +28,7 @@ from . import (
     random_walk,
     stability,
     transport,
+    uniform_field,
 )
 from .equation import PrintedEquation, read_equations
 
@@ -52,7 +53,7 @@ PRINTED = {
 }
 """The paper's equations and figures, in its order."""
 
-ROWS = PRINTED | beyond_the_paper.EQUATIONS | _BY_LABEL
+ROWS = PRINTED | beyond_the_paper.EQUATIONS | uniform_field.EQUATIONS | _BY_LABEL
 """Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 
