@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -163,12 +163,31 @@ class CollisionLaw:
         return self._bounce.largest_loss
 
     @cached_property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
+        if self._samples is not None:
+            return min(self._samples.ratio)
+        assert self.restitution is not None
+        assert self.tangential_restitution is not None
+        return min(self.restitution, self.tangential_restitution)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values only: samples, or et = e."""
+        return self._samples is not None or self.restitution == self.tangential_restitution
+
+    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
         There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0.
         """
         return self._bounce.lowest_power
+
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isfinite(self._bounce.lowest_power)
 
     @cached_property
     def uniform_power(self) -> float | None:
@@ -303,6 +322,34 @@ class CollisionLaw:
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
 
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(float(np.abs(z).max()))
+        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
+        out = [self.decay_rate(z)]
+        factor = np.ones_like(q.log_loss)
+        for n in range(1, orders):
+            factor = factor * (-q.log_loss) / n
+            out.append(-(power @ factor))
+        return out
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps and x of bounces straight back to the scatterer before: (0, 0), there are none.
+
+        Among scatterers that are met again (`kinetics.collision.medium`), K - 1 on harmonic m is
+        replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
+        return 0.0, 0.0
+
+    @property
+    def level(self) -> str:
+        """The level of the theory of a finite density in words; empty where there is none."""
+        return ""
+
+    def limits(self, first: float) -> str:
+        """What averages from this time on, in l/U, lack at a finite density; perhaps empty."""
+        return ""
+
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
@@ -348,47 +395,19 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+            refuse("p", p, f"{self._why_lowest} it must be above {self.lowest_power:g}")
         return p_
+
+    @property
+    def _why_lowest(self) -> str:
+        which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+        return f"at {which} 0"
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
-
-
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
-    """The law of these arguments, as the solvers take them.
-
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
-    """
-    if not isinstance(restitution, CollisionLaw):
-        arguments = restitution, tangential_restitution, dimension
-        plain = tuple(map(type, arguments)) == (float, float, int)
-        return _kept_law(*arguments) if plain else CollisionLaw(*arguments)
-    law = restitution
-    for name, value, default in (
-        ("tangential_restitution", tangential_restitution, 1.0),
-        ("dimension", dimension, 2),
-    ):
-        if value is not None and value not in (default, getattr(law, name)):
-            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if law.least_loss < 0.0:
-        largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
-    return law
-
-
-@lru_cache(maxsize=16)
-def _kept_law(e: float, et: float, dimension: int) -> CollisionLaw:
-    """The same law again: its quadratures are not made twice."""
-    return CollisionLaw(e, et, dimension)
 
 
 def _size(z: NDArray[Any]) -> float:
