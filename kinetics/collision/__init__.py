@@ -3,7 +3,8 @@
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
 equation needs; `impact.py` is the bounce off a disk or a sphere, `samples.py` a bounce that is
 given by weighted samples, and `quadrature.py` what both of them hand to the law. `medium.py` is the
-law among scatterers at a finite density, `arguments.py` which law the arguments of a scene mean.
+law among scatterers at a finite density, `arguments.py` which law the arguments of a scene mean,
+and `memory.py` finds the laws under which the speeds go on oscillating.
 """
 
 from kinetics.collision.arguments import law_in_medium, law_of

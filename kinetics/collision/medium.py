@@ -54,6 +54,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision.law import CollisionLaw
+from kinetics.validation import refuse
 
 SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
@@ -175,14 +176,9 @@ class MediumLaw(CollisionLaw):
 
     medium: Medium | None = None
 
-    @property
-    def level(self) -> str:
-        """See :attr:`Medium.level`."""
-        return self._medium.level
-
-    def limits(self, first: float) -> str:
-        """See :meth:`Medium.limits`."""
-        return self._medium.limits(first)
+    def density_theory(self, first: float) -> tuple[str, str]:
+        """See :attr:`Medium.level` and :meth:`Medium.limits`."""
+        return self._medium.level, self._medium.limits(first)
 
     @property
     def _medium(self) -> Medium:
@@ -198,9 +194,10 @@ class MediumLaw(CollisionLaw):
         """The arguments, for texts."""
         return f"{super().described}, scatterers={self._medium.scatterers!r}"
 
-    @property
-    def _why_lowest(self) -> str:
-        return "among these scatterers" if self.restitution else super()._why_lowest
+    def _exponents(self, p: ArrayLike) -> NDArray[Any]:
+        if self.restitution and np.any(np.real(p) <= self.lowest_power):
+            refuse("p", p, f"among these scatterers it must be above {self.lowest_power:g}")
+        return super()._exponents(p)
 
     @property
     def _return_loss(self) -> float:
@@ -209,7 +206,10 @@ class MediumLaw(CollisionLaw):
         return 0.0 - math.log(self.restitution)
 
     def returns(self, m: int) -> tuple[float, float]:
-        """eps (-1)^m, and -ln e, of the bounces straight back; eps is 0 at e = 0."""
+        """eps (-1)^m, and x = -ln e, of the bounces straight back; eps is 0 at e = 0.
+
+        K - 1 on harmonic m is replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
         if self.restitution == 0.0:
             return 0.0, 0.0
         return self._medium.returns(m) * (-1.0) ** m, self._return_loss
