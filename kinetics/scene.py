@@ -53,7 +53,8 @@ class Scene(Value):
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, for averages among smooth disks
-    density_order : how far, for those two; see `kinetics.collision.medium`
+    density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
+        "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`

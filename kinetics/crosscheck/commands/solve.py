@@ -22,7 +22,7 @@ from kinetics.crosscheck.commands.options import (
 from kinetics.outputs import OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
-MEDIUM = ("scatterers", "number_density")
+MEDIUM = ("scatterers", "density_order", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
@@ -44,6 +44,12 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     type=click.Choice(["dilute", "overlapping", "hard disks"]),
     default="dilute",
     help="Dilute: the paper's equation; else with the correction for this density.",
+)
+@click.option(
+    "--density-order",
+    type=click.Choice(["leading", "first", "second"]),
+    default="second",
+    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
 )
 @initial_option
 @times_option
