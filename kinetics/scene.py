@@ -39,12 +39,16 @@ class Scene(Value):
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative
+    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
+        it may be left out, and is 0
     outputs : names from `kinetics.outputs.OUTPUTS`
-    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
+    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
+        space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
-        x axis, and densities are not available yet)
+        x axis)
+    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
+        ``Solution.by_collision`` gives, shape (n_collisions,)
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`
@@ -67,6 +71,7 @@ class Scene(Value):
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    collision_numbers: ArrayLike = ()
     field: float = 0.0
     state: State = dataclasses.field(init=False)
 
@@ -86,12 +91,13 @@ class Scene(Value):
             )
         checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
         checked["state"] = _start(self.initial, law.dimension, checked["field"] > 0.0)
-        checked["times"] = _check_times(self.times)
+        checked["collision_numbers"] = _check_numbers(self.collision_numbers)
+        only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
+        checked["times"] = _check_times([0.0] if only_collisions else self.times)
         checked["outputs"] = _check_outputs(self.outputs, checked["field"] > 0.0)
-        if not checked["field"]:
-            _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
+        self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:
@@ -117,7 +123,8 @@ class Scene(Value):
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{row.name}</td><td>{row.unit}</td><td>{html.escape(row.description)}</td></tr>"
+            f"<tr><td>{row.name}</td><td>{row.unit_in(self.dimension)}</td>"
+            f"<td>{html.escape(row.description)}</td></tr>"
             for row in ((FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs)
         )
         return (
@@ -152,20 +159,21 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
     return found
 
 
-def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
-    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
-    for name in outputs:
-        if OUTPUTS[name].values is None and not smooth_disks:
-            refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
-
-
 def _check_times(times: Any) -> FloatArray:
     """The times as a read-only array; InputError if they cannot be used."""
     allowed = "times must be real, finite, not negative and not falling, at least one"
     array = finite_line("times", times, allowed)
     if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
         refuse("times", times, allowed)
+    return read_only(array)
+
+
+def _check_numbers(numbers: Any) -> FloatArray:
+    """The collision numbers as a read-only array; InputError if they cannot be used."""
+    allowed = "collision numbers must be whole, not negative, up to 2^53"
+    array = finite_line("collision_numbers", numbers, allowed)
+    if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
+        refuse("collision_numbers", numbers, allowed)
     return read_only(array)
 
 

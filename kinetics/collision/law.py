@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -30,6 +31,8 @@ from kinetics.validation import (
 
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
+_LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
+_MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -41,7 +44,7 @@ class CollisionLaw:
     ----------
     restitution : e in [0, 1], by which the normal velocity is multiplied (and turned round)
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
-        smooth scatterers. Not both may be 0: the tracer would stop at its first bounce
+        smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
 
     Raises
@@ -79,8 +82,9 @@ class CollisionLaw:
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
         value = self.tangential_restitution
         et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
-        if e == et == 0.0:
-            refuse("tangential_restitution", value, "at restitution 0 it must be above 0")
+        if max(e, et) < _LEAST_RATIO:
+            allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
+            refuse("tangential_restitution", value, allowed)
         set_(self, "restitution", e)
         set_(self, "tangential_restitution", et)
 
@@ -159,6 +163,20 @@ class CollisionLaw:
         return self._bounce.largest_loss
 
     @cached_property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
+        if self._samples is not None:
+            return min(self._samples.ratio)
+        assert self.restitution is not None
+        assert self.tangential_restitution is not None
+        return min(self.restitution, self.tangential_restitution)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values only: samples, or et = e."""
+        return self._samples is not None or self.restitution == self.tangential_restitution
+
+    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
@@ -234,9 +252,12 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        if level not in self._quadratures:
-            self._quadratures[level] = self._bounce.quadrature(level)
-        return self._quadratures[level]
+        known = self._quadratures.get(level)
+        if known is None:
+            known = self._bounce.quadrature(level)
+            if known.weight.size <= _MOST_KEPT:
+                self._quadratures[level] = known
+        return known
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -256,6 +277,10 @@ class CollisionLaw:
         0 cells end at -ln s = 40; the last one holds all bounces below.
         """
         return self._bounce.cells(spacing, points)
+
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
+        return self._bounce.chance_below(ratio)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
@@ -355,7 +380,9 @@ def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any =
     given. Raises InputError for arguments out of range, and for a law that gains energy.
     """
     if not isinstance(restitution, CollisionLaw):
-        return CollisionLaw(restitution, tangential_restitution, dimension)
+        arguments = restitution, tangential_restitution, dimension
+        plain = tuple(map(type, arguments)) == (float, float, int)
+        return _kept_law(*arguments) if plain else CollisionLaw(*arguments)
     law = restitution
     for name, value, default in (
         ("tangential_restitution", tangential_restitution, 1.0),
@@ -370,6 +397,12 @@ def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any =
             "a tracer that never gains energy (ratios up to 1)"
         )
     return law
+
+
+@lru_cache(maxsize=16)
+def _kept_law(e: float, et: float, dimension: int) -> CollisionLaw:
+    """The same law again: its quadratures are not made twice."""
+    return CollisionLaw(e, et, dimension)
 
 
 def _size(z: NDArray[Any]) -> float:

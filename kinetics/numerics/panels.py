@@ -7,7 +7,7 @@ the panel itself and from those below it, because the panels are equal.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,12 @@ class PanelRule(SecondKind):
         distance = local[:, None] - self.local
         distance[distance == 0.0] = _TINY
         return np.asarray(np.divide(self.weights, distance, out=distance))
+
+
+@lru_cache(maxsize=64)
+def panel_rule(nodes: int, width: float) -> PanelRule:
+    """The same rule again: its matrices are not made twice."""
+    return PanelRule(nodes, width)
 
 
 class PanelShifts:
