@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
@@ -34,7 +34,8 @@ class Scene(Value):
     Parameters
     ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
+    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
+        they are dilute
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
@@ -49,6 +50,11 @@ class Scene(Value):
         x axis)
     collision_numbers : N, whole numbers from 0, of the averages after N collisions that
         ``Solution.by_collision`` gives, shape (n_collisions,)
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
+        (placed independently) or "hard disks": the equation to the first order in the density, up
+        to number_density * diameter^2 = 0.3, for averages among smooth disks
+    density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
+        "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`
@@ -72,6 +78,8 @@ class Scene(Value):
     tangential_restitution: float | None = 1.0
     dimension: int = 2
     collision_numbers: ArrayLike = ()
+    scatterers: str = "dilute"
+    density_order: str = "second"
     field: float = 0.0
     state: State = dataclasses.field(init=False)
 
@@ -82,6 +90,7 @@ class Scene(Value):
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
+        law = self._among_scatterers(law)
         if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
             formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
@@ -90,24 +99,31 @@ class Scene(Value):
                 "a finite number above 0"
             )
         checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
-        checked["state"] = _start(self.initial, law.dimension, checked["field"] > 0.0)
+        with_field = checked["field"] > 0.0
+        checked["state"] = _start(self.initial, law.dimension, with_field)
         checked["collision_numbers"] = _check_numbers(self.collision_numbers)
         only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
         checked["times"] = _check_times([0.0] if only_collisions else self.times)
-        checked["outputs"] = _check_outputs(self.outputs, checked["field"] > 0.0)
+        checked["outputs"] = _check_outputs(self.outputs, with_field)
+        _check_together(checked, law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
         self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d."""
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
         return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        return self._among_scatterers(law)
+
+    def _among_scatterers(self, law: CollisionLaw) -> CollisionLaw:
+        system = (self.scatterers, self.number_density, self.diameter)
+        return law_in_medium(law, *system, self.density_order)
 
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
@@ -119,7 +135,11 @@ class Scene(Value):
         )
 
     def __repr__(self) -> str:
-        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+        numbers = ""
+        if np.size(self.collision_numbers):
+            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
+        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
+        return f"Scene({self._system()}, {rest})"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -137,12 +157,12 @@ class Scene(Value):
         return cls(**parts)
 
 
-def _span(times: ArrayLike) -> str:
-    """How many times there are, and the first and the last."""
+def _span(times: ArrayLike, name: str = "times") -> str:
+    """How many times there are, or what the name says, and the first and the last."""
     array = np.asarray(times)
     if array.size == 1:
         return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
+    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:
@@ -157,6 +177,20 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
         refuse("initial", initial, allowed)
     return found
+
+
+def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
+    """Finite densities are solved for averages over time only, and only without a field."""
+    at_a_density, numbers = isinstance(law, MediumLaw), checked["collision_numbers"]
+    if at_a_density and checked["field"]:
+        refuse("field", checked["field"], "it is available for scatterers='dilute' only")
+    if numbers.size and checked["field"]:
+        refuse("collision_numbers", numbers, "they are available without a field only")
+    if numbers.size and at_a_density:
+        refuse("collision_numbers", numbers, "they are available for scatterers='dilute' only")
+    for name in checked["outputs"]:
+        if at_a_density and OUTPUTS[name].values is None:
+            refuse("outputs", name, "it is available for scatterers='dilute' only")
 
 
 def _check_times(times: Any) -> FloatArray:

@@ -21,6 +21,7 @@ from kinetics.crosscheck.commands.options import (
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
+MEDIUM = ("scatterers", "density_order", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
 TENSORS = {
@@ -49,6 +50,18 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     type=click.Choice(["gaussian", "monoenergetic", "rest"]),
     default="gaussian",
     help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
+)
+@click.option(
+    "--scatterers",
+    type=click.Choice(["dilute", "overlapping", "hard disks"]),
+    default="dilute",
+    help="Dilute: the paper's equation; else with the correction for this density.",
+)
+@click.option(
+    "--density-order",
+    type=click.Choice(["leading", "first", "second"]),
+    default="second",
+    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
 )
 @times_option
 @click.option(
@@ -112,6 +125,8 @@ def solve(
             raise click.UsageError("give --scaled or --field-steady, not both")
         found, text = field_document(law, field_units, rtol), field_text
     elif scaled:
+        if system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
         found, text = scaled_document(law, rtol), scaled_text
     else:
         system["collision_numbers"] = collision_numbers
@@ -167,7 +182,7 @@ def solve_document(
     wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, "number_density", "initial")},
+        **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
         **({"field": system["field"]} if system.get("field") else {}),
         "rtol": rtol,
         "status": solution.status.name.lower(),
