@@ -17,8 +17,11 @@ _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
 
 
-def figures_of(both: DataAndTheory) -> dict[str, Data]:
-    """The data of every figure, by figure name."""
+def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
+    """The data of every figure, by figure name.
+
+    explained (n_names, n_times): the averages that the likeliest explanation expects, or None.
+    """
     figures = {}
     later = both.sample.times[both.sample.times > 0]
     if later.size and both.names:
@@ -29,7 +32,7 @@ def figures_of(both: DataAndTheory) -> dict[str, Data]:
         )
         for i, name in enumerate(both.names):
             line = np.asarray(getattr(theory, name))
-            figures[name.replace("_", "-")] = _over_time(both, i, times, line)
+            figures[name.replace("_", "-")] = _over_time(both, i, (times, line), explained)
     if np.any(both.usable & (both.sample.times > 0)):
         figures["sigmas"] = _sigmas(both)
     for name in (SPEED, DISPLACEMENT):
@@ -47,7 +50,8 @@ def _figure(block: str, x: Data, y: Data, lines: list[Data], **values: Any) -> D
 _TIME = axis("time $t$", "d/U", "log")
 
 
-def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
+def _over_time(both: DataAndTheory, i: int, theory: tuple[Any, Any], explained: Any) -> Data:
+    fine, line = theory
     observable = OBSERVABLES[both.names[i]]
     times = both.sample.times
     shown = (times > 0) & np.isfinite(both.expectation.values[i])
@@ -60,6 +64,8 @@ def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
         series("kinetic equation", fine, line),
         series("data", times[shown], values, error, group="data"),
     ]
+    if explained is not None:
+        lines.append(series("best explanation", times[shown], explained[i, shown]))
     y = axis(observable.symbol, observable.unit, scale)
     return _figure("over_time", _TIME, y, lines, title=observable.name)
 

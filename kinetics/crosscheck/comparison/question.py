@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
-from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
+from kinetics.crosscheck.comparison.fit import (
+    SECOND_MOMENTS,
+    Fit,
+    Model,
+    Unknown,
+    components_of,
+    fit,
+)
 from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
 from kinetics.crosscheck.comparison.sample import R2, N, Sample
@@ -130,7 +137,7 @@ def compare_sample(
     start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
     found = None
     if restitution is None or path is None:
-        found = _fitted(sample, restitution, path, start)
+        found = fitted_to(sample, restitution, path, start)
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
@@ -184,7 +191,7 @@ def gaussian_p_value(sample: Sample) -> float:
     return 0.0 if result is None else result.p_value
 
 
-def _fitted(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
+def fitted_to(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
     """Restitution and ln l, whichever is None, by a fit. InputError where the data cannot tell."""
     unknowns = []
     if restitution is None:
@@ -199,17 +206,20 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
-    components = choose_components(usable, groups, len(unknowns))
-    if components.size < len(unknowns) or groups < len(unknowns) + 3:
+    components = components_of(AVERAGES, usable, groups, len(unknowns))
+    if components.tested.size < len(unknowns) or groups < len(unknowns) + 3:
         raise InputError(
             f"data: {wanted} cannot be found in so few times and groups "
             f"({groups} groups); give --restitution and --number-density"
         )
 
-    def model(at: Array) -> tuple[Array, Array]:
-        e = float(at[0]) if restitution is None else restitution
-        length = float(np.exp(at[-1])) if path is None else path
-        return expectation.theory(e, length, start)
+    def model_of(expectation: Expectation) -> Model:
+        def model(at: Array) -> tuple[Array, Array]:
+            e = float(at[0]) if restitution is None else restitution
+            length = float(np.exp(at[-1])) if path is None else path
+            return expectation.theory(e, length, start)
+
+        return model
 
     guess = _early_log_path(sample)
     starts: list[list[float]] = [[e] for e in _SCAN]
@@ -217,7 +227,14 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
         starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
         if restitution is None:
             starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-    found = fit(unknowns, model, (expectation.values, expectation.replicates), components, starts)
+    if components.logarithms:  # without the others, which cost more, until the place is known
+        second = Expectation(sample, SECOND_MOMENTS)
+        mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
+        only = components_of(SECOND_MOMENTS, mine, groups, len(unknowns))
+        near = fit(unknowns, model_of(second), (second.values, second.replicates), only, starts)
+        starts = starts if near is None else [near.values.tolist()]
+    data = expectation.values, expectation.replicates
+    found = fit(unknowns, model_of(expectation), data, components, starts)
     if found is None or not np.all(np.isfinite(found.errors)):
         raise InputError(f"data: {wanted} could not be fitted; give it as an option")
     return found

@@ -101,8 +101,10 @@ class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
     The p-value holds although the same tracers stand behind several rows. `groups` independent
-    groups gave the covariance, None where it is known. `rows` of the observable entered. `verdict`
-    looks at the p-value times the number of tests, as `sigmas` of a Gaussian.
+    groups gave the covariance, None where it is known. Every time of the observable entered.
+    `verdict` looks at the p-value times the number of tests, as `sigmas` of a Gaussian, and, for
+    an average, also at the time that differs most. `within` is the relative difference that the
+    data exclude at every time, at 95 % (of 1 + a2 for a2); None for a density.
     """
 
     observable: str
@@ -113,13 +115,17 @@ class ComparisonTest:
     groups: int | None
     sigmas: float
     verdict: Verdict
+    within: float | None = None
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the theory needed: given (error None) or found in the data."""
+    """A number that the theory needed: given (error None) or found in the data.
 
-    value: float
+    value is None where it was fitted and the model does not fit; the source then says so.
+    """
+
+    value: float | None
     error: float | None
     source: str
 
@@ -128,9 +134,10 @@ class Parameter:
 class Explanation:
     """Something that may explain a difference, compared with the data.
 
-    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by a tenth at
-    least), "does not", "noted" (a fact about data or theory; `tested` is then False) or "found" (an
-    effect that the data show by itself). `chi_square_before` and `_after` are of all averages.
+    outcome: "explains" (the rest agrees, and no other hypothesis is much likelier), "in part" (the
+    chi-square falls by 16 and by a tenth at least), "does not", "noted" (a fact about data or
+    theory; `tested` is then False) or "found" (an effect that the data show by itself).
+    `chi_square_before` and `_after` are of all averages. `headline` is what the summary says of it.
     """
 
     name: str
@@ -143,6 +150,7 @@ class Explanation:
     chi_square_after: float | None = None
     dof: int | None = None
     p_value: float | None = None
+    headline: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

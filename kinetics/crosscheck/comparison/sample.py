@@ -58,6 +58,18 @@ class StartBins:
         return np.asarray(self.by_group.sum(axis=0))
 
 
+@dataclass(frozen=True)
+class Flights:
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+
+    share: of all tracers at that time. The ratio is 1 where units belong together.
+    """
+
+    time: float
+    ratio: float
+    share: float
+
+
 @dataclass(frozen=True, eq=False)
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
@@ -72,6 +84,7 @@ class Sample:
     start : the speeds at time 0, None without one
     at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
+    flights : tracers that have flown straight, None if there are too few or it is unknown
     capped : collisions after which tracers were stopped, None if unknown or never
     free : known to be without recollisions (Boltzmann-Grad particles)
     warnings : what the reader should know, a sentence each
@@ -88,6 +101,7 @@ class Sample:
     start: StartBins | None
     at_rest: Counts
     grouping: str
+    flights: Flights | None = None
     capped: int | None = None
     free: bool = False
     warnings: tuple[str, ...] = field(default=())
@@ -103,13 +117,20 @@ class Sample:
         """Tracers at each time, (n_times,)."""
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
-    def rescaled(self, speed: float, length: float) -> "Sample":
-        """The sample with U = `speed` and d = `length` in the units that it had."""
+    def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
+        """The sample with U = `speed`, d = `length` and d/U = `time` in the units that it had.
+
+        time: None is length/speed.
+        """
+        factor = speed / length if time is None else 1 / time
 
         def binned(found: Binned | None, unit: float) -> Binned | None:
             return None if found is None else replace(found, edges=found.edges / unit)
 
-        start, told = self.start, dict(self.told)
+        start, told, flights = self.start, dict(self.told), self.flights
+        if flights is not None:
+            ratio = flights.ratio * speed / length / factor
+            flights = replace(flights, time=flights.time * factor, ratio=ratio)
         if start is not None:
             start = replace(start, squares=start.squares / speed**2)
         if "number_density" in told:
@@ -117,7 +138,8 @@ class Sample:
         return replace(
             self,
             told=told,
-            times=self.times * speed / length,
+            flights=flights,
+            times=self.times * factor,
             speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             speeds=binned(self.speeds, speed),
