@@ -7,11 +7,12 @@ from pathlib import Path
 import click
 
 COLUMNS = (
-    "DATA is .npz, .csv or .h5 with columns time, x, y, vx, vy and, where known, tracer and medium "
-    "(the configuration of scatterers), one row for each tracer at each time; or a file of an "
-    "Ensemble. Lengths are in d, speeds in U (standard deviation of one component of the initial "
-    "velocity), times in d/U, unless --diameter and --speed-unit say otherwise. Several files "
-    "are several runs of the same system. Data are only read."
+    "DATA is .csv, .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where known, tracer "
+    "and medium (the configuration of scatterers), one row for each tracer at each time; or a file "
+    "of an Ensemble. Usual other names (t, id, v_x, replica ...) are known; --columns says others. "
+    "Lengths are in d, speeds in U (standard deviation of one component of the initial "
+    "velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. "
+    "Several files are several runs of the same system. Data are only read."
 )
 FORMATS = ("pdf", "png", "svg")
 
@@ -44,8 +45,17 @@ FORMATS = ("pdf", "png", "svg")
     help="U in the data's unit of speed; data: from the speeds at time 0.",
 )  # fmt: skip
 @click.option(
-    "--diameter", type=float, default=1.0, help="Diameter d in the data's unit of length."
-)
+    "--diameter", "--length-unit", "diameter", type=float, default=1.0,
+    help="Diameter d in the data's unit of length.",
+)  # fmt: skip
+@click.option(
+    "--time-unit", type=float, default=None,
+    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
+)  # fmt: skip
+@click.option(
+    "--columns", default="", metavar="NAME=THEIRS,...",
+    help="Names of columns in the files, as in time=t_sim,tracer=id.",
+)  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=None, metavar="PAGE.html",
     help="Write the page here, and beside it a .json file with every number in it.",
@@ -53,6 +63,11 @@ FORMATS = ("pdf", "png", "svg")
 @click.option(
     "--figures", multiple=True, type=click.Choice(FORMATS),
     help="Write each figure as a file beside the page; may be repeated. Needs --output.",
+)  # fmt: skip
+@click.option(
+    "--fail-on", type=click.Choice(["differs", "unclear"]), default=None,
+    help="End with exit status 1 where data and equation differ (unclear: also where a difference "
+    "is possible).",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 def compare(
@@ -63,10 +78,13 @@ def compare(
     positions: str,
     speed_unit: str,
     diameter: float,
+    time_unit: float | None,
+    columns: str,
     output: Path | None,
     figures: tuple[str, ...],
+    fail_on: str | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
     Restitution, density and start are found in the data where they are not given. Prints, for each
@@ -83,13 +101,13 @@ def compare(
         from kinetics.crosscheck.files import write_together
 
         prepare(output, data)
+    from kinetics.crosscheck.comparison.data.columns import parsed_columns
     from kinetics.crosscheck.comparison.data.read import read_sample
     from kinetics.crosscheck.comparison.question import compare_sample, in_diameters
     from kinetics.validation import check_positive
 
     unit = _speed_unit(speed_unit)
-    sample = read_sample(data, positions, unit, diameter, show_progress=True)
-
+    sample = read_sample(data, positions, unit, diameter, True, time_unit, parsed_columns(columns))
     if number_density is not None:
         number_density = in_diameters(check_positive("number_density", number_density), diameter)
     result = compare_sample(sample, restitution, number_density, initial)
@@ -104,6 +122,7 @@ def compare(
         click.echo(tables(result))
         if written:
             click.echo(f"wrote {', '.join(str(path) for path in written)}")
+    return int(fail_on is not None and result.verdict in {"differs", fail_on})
 
 
 def _speed_unit(text: str) -> float | str:

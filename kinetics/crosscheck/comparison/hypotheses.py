@@ -79,8 +79,8 @@ def _ranked(tested: Sequence[Tested]) -> list[Tested]:
         if one.explanation.outcome == "explains" and one.criterion > best + NEAR_BEST:
             one = replace(one, explanation=replace(one.explanation, outcome="in part"))
         found.append(one)
-    if any(one.explanation.outcome == "explains" for one in found):
-        # What is inferred from the averages is no finding where another cause explains them all.
+    if whole and best < (whole[0].explanation.chi_square_before or 0.0) / 2:
+        # What is inferred from the averages is no finding where another cause is that likely.
         rest = [
             replace(one, explanation=replace(one.explanation, outcome="in part"))
             if one.explanation.outcome == "found"

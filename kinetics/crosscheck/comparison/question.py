@@ -4,7 +4,7 @@
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +59,7 @@ _LONGEST_PATH = 1e9
 
 
 def compare_data(
-    data: "str | PathLike[str] | Sequence[str | PathLike[str]] | Ensemble | Sample",
+    data: "str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Ensemble | Sample | Any",
     restitution: float | None = None,
     number_density: float | None = None,
     initial: str = "auto",
@@ -67,17 +67,24 @@ def compare_data(
     speed_unit: float | str = 1.0,
     diameter: float = 1.0,
     explain: bool = True,
+    time_unit: float | None = None,
+    columns: Mapping[str, str] | None = None,
 ) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does.
 
+    It is also `kinetics.compare`.
+
     Parameters
     ----------
-    data : a file, several files (see data.columns.FORMATS), a run of `simulate`, or a Sample
+    data : a file, several files (see data.columns.FORMATS), a DataFrame or a dictionary of arrays
+        with columns time, x, y, vx, vy and, where known, tracer and medium, (n,) each, a run of
+        `simulate`, or a Sample
     restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
     number_density : in the data's unit of length to the power -2; None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none
-    positions, speed_unit, diameter : of files, see data.read.read_sample
+    positions, speed_unit, diameter, time_unit, columns : of files and of columns in memory, see
+        data.read.read_sample
     explain : test what may explain a difference, and prepare figures; False is quicker
 
     Raises
@@ -87,24 +94,41 @@ def compare_data(
     """
     if number_density is not None:
         number_density = check_positive("number_density", number_density)
-    if isinstance(data, (str, PathLike)):
-        data = [data]
-    if isinstance(data, list | tuple) and all(isinstance(x, (str, PathLike)) for x in data):
+    sources = _sources(data)
+    if sources is not None:
         from kinetics.crosscheck.comparison.data.read import read_sample
 
         diameter = check_positive("diameter", diameter)
-        data = read_sample([Path(path) for path in data], positions, speed_unit, diameter)
+        data = read_sample(
+            sources, positions, speed_unit, diameter, time_unit=time_unit, columns=columns
+        )
         if number_density is not None:
             number_density = in_diameters(number_density, diameter)
     elif not isinstance(data, Sample):
         from particles import Ensemble
 
         if not isinstance(data, Ensemble):
-            refuse("data", data, "it must be a file, several files, a run of simulate or a Sample")
+            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
     return compare_sample(data, restitution, number_density, initial, explain)
+
+
+def _sources(data: Any) -> list[Any] | None:
+    """Files as paths and columns as tables; None for what is neither."""
+    from kinetics.crosscheck.comparison.data.columns import Table
+
+    if isinstance(data, list | tuple):
+        every = [_sources(one) for one in data]
+        return None if None in every else [one for found in every if found for one in found]
+    if isinstance(data, str | PathLike):
+        return [Path(data)]
+    if isinstance(data, Mapping):
+        return [Table(data)]
+    if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
+        return [Table({name: data[name].to_numpy() for name in data.columns})]
+    return None
 
 
 def in_diameters(number_density: float, diameter: float) -> float:

@@ -3,13 +3,14 @@
 import json
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from html import escape
 from typing import Any, NamedTuple, Self
 
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
+from kinetics.errors import InputError
 from kinetics.frozen import FrozenDict
 from kinetics.values import Value
 
@@ -211,6 +212,23 @@ class Comparison(Value):
         data = {name: parts.pop(name) for name in _OF_THE_DATA}
         title = f"{', '.join(self.names)}: compared with the kinetic equation"
         return {"schema": SCHEMA, "title": title, "data": data} | parts
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
+        return self.document()
+
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas DataFrame, a column for each field of ComparisonRow.
+
+        InputError without pandas, which is no dependency of this package.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise InputError("to_dataframe: needs pandas, which is not installed") from None
+        names = [one.name for one in fields(ComparisonRow)]
+        table = [[getattr(row, name) for name in names] for row in self.rows]
+        return pandas.DataFrame(table, columns=names).astype({"verdict": str})
 
     def to_json(self) -> str:
         """The document as strict JSON."""

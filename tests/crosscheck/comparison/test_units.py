@@ -81,8 +81,9 @@ def test_units_are_hypotheses_where_no_tracer_flies_straight(
     sample = sample_of(flights, *units, first=5)
     assert sample.flights is None
     result = compare_sample(sample, 0.7, 0.04)
-    (item,) = (item for item in result.explanations if item.name == name)
-    assert item.outcome == "explains"
+    item = result.explanations[0]  # the likeliest, though other causes help too
+    assert item.name == name
+    assert item.outcome in ("explains", "in part")
     assert item.value is not None
     assert item.error is not None
     assert abs(item.value - value) < 3.5 * item.error

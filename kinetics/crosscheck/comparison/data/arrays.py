@@ -9,7 +9,10 @@ import numpy as np
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
+    Asked,
     Rows,
+    Table,
+    find_columns,
     first_not_finite,
     shown,
 )
@@ -19,7 +22,18 @@ PIECE = 500_000
 """Rows that are in memory at once: 28 MB of seven columns."""
 
 
-def read_pieces(path: Path, columns: Mapping[str, Any]) -> Iterator[Rows]:
+def read_table(table: Table, asked: Asked) -> Iterator[Rows]:
+    """The rows of columns in memory: of a dictionary of arrays, or a DataFrame's."""
+    names = list(table.columns)
+    found = find_columns(table.name, [str(name) for name in names], asked)
+    columns = {name: np.asarray(table.columns[names[k]]) for name, k in found.items()}
+    for name in LABELS:
+        if name in columns and columns[name].dtype.kind not in "iuf":  # texts
+            columns[name] = np.unique(columns[name].astype(str), return_inverse=True)[1]
+    yield from read_pieces(table.name, columns)
+
+
+def read_pieces(path: Path | str, columns: Mapping[str, Any]) -> Iterator[Rows]:
     """The rows of columns in pieces; InputError for arrays that are no columns of numbers.
 
     Each column has a dtype, a shape, and parts column[start:stop], which are asked for one after

@@ -7,14 +7,14 @@ from typing import Any
 import h5py
 
 from kinetics.crosscheck.comparison.data.arrays import read_pieces
-from kinetics.crosscheck.comparison.data.columns import Rows, find_columns
+from kinetics.crosscheck.comparison.data.columns import Asked, Rows, find_columns
 
 
-def read(path: Path) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows]:
     """The rows of an HDF5 file; data that lie in other files are not followed."""
     with h5py.File(path, "r") as file:
         names = [name for name in file if _is_own_dataset(file, name)]
-        found = find_columns(path, names)
+        found = find_columns(path, names, asked)
         yield from read_pieces(path, {name: file[names[place]] for name, place in found.items()})
 
 

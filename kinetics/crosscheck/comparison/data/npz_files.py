@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.comparison.data.arrays import read_pieces
-from kinetics.crosscheck.comparison.data.columns import Rows, find_columns, shown
+from kinetics.crosscheck.comparison.data.columns import Asked, Rows, find_columns, shown
 from kinetics.errors import InputError
 
 
-def read(path: Path) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows]:
     """The rows of an .npz file."""
     with ExitStack() as stack:
         archive = stack.enter_context(zipfile.ZipFile(path))
         members = [n for n in archive.namelist() if n.endswith(".npy")]
-        found = find_columns(path, [m.removesuffix(".npy") for m in members])
+        found = find_columns(path, [m.removesuffix(".npy") for m in members], asked)
         columns = {
             name: _Array(
                 f"{shown(path)}: array {name!r}", stack.enter_context(archive.open(members[place]))
