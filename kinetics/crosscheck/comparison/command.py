@@ -9,7 +9,9 @@ import click
 COLUMNS = (
     "DATA is .csv, .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where known, tracer "
     "and medium (the configuration of scatterers), one row for each tracer at each time; or a file "
-    "of an Ensemble. Usual other names (t, id, v_x, replica ...) are known; --columns says others. "
+    "of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj) or "
+    "extended XYZ (.xyz, .extxyz). Usual other names (t, id, v_x, replica ...) are known; "
+    "--columns says others. "
     "Lengths are in d, speeds in U (standard deviation of one component of the initial "
     "velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. "
     "Several files are several runs of the same system. Data are only read."
@@ -53,6 +55,10 @@ FORMATS = ("pdf", "png", "svg")
     help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
 )  # fmt: skip
 @click.option(
+    "--timestep", type=float, default=None,
+    help="Time of one step, where a file gives steps and no times (dumps).",
+)  # fmt: skip
+@click.option(
     "--columns", default="", metavar="NAME=THEIRS,...",
     help="Names of columns in the files, as in time=t_sim,tracer=id.",
 )  # fmt: skip
@@ -80,6 +86,7 @@ def compare(
     diameter: float,
     time_unit: float | None,
     columns: str,
+    timestep: float | None,
     output: Path | None,
     figures: tuple[str, ...],
     fail_on: str | None,

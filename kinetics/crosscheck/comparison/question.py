@@ -69,6 +69,7 @@ def compare_data(
     explain: bool = True,
     time_unit: float | None = None,
     columns: Mapping[str, str] | None = None,
+    timestep: float | None = None,
 ) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does.
 
@@ -83,8 +84,8 @@ def compare_data(
     number_density : in the data's unit of length to the power -2; None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none
-    positions, speed_unit, diameter, time_unit, columns : of files and of columns in memory, see
-        data.read.read_sample
+    positions, speed_unit, diameter, time_unit, columns, timestep : of files and of columns in
+        memory, see data.read.read_sample
     explain : test what may explain a difference, and prepare figures; False is quicker
 
     Raises
@@ -100,7 +101,7 @@ def compare_data(
 
         diameter = check_positive("diameter", diameter)
         data = read_sample(
-            sources, positions, speed_unit, diameter, time_unit=time_unit, columns=columns
+            sources, positions, speed_unit, diameter, False, time_unit, columns, timestep
         )
         if number_density is not None:
             number_density = in_diameters(number_density, diameter)

@@ -42,9 +42,14 @@ _DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, Runtim
 
 @dataclass(frozen=True)
 class Asked:
-    """What the user says about files: names of columns in them, {"time": "t_sim"}."""
+    """What the user says about files.
+
+    columns: names of columns in them by ours, {"time": "t_sim"}; timestep: the time of one step,
+    for frames that give steps.
+    """
 
     columns: Mapping[str, str] = field(default_factory=dict)
+    timestep: float | None = None
 
 
 def parsed_columns(text: str) -> dict[str, str]:
@@ -102,6 +107,11 @@ FORMATS = {
     ".h5": "hdf5_files",
     ".hdf5": "hdf5_files",
     ".parquet": "parquet_files",
+    ".h5md": "hdf5_files",
+    ".dump": "lammps_files",
+    ".lammpstrj": "lammps_files",
+    ".xyz": "xyz_files",
+    ".extxyz": "xyz_files",
 }
 """The formats that can be read: the ending of a file's name, and the module beside this one.
 

@@ -37,6 +37,7 @@ def read_sample(
     show_progress: bool = False,
     time_unit: float | None = None,
     columns: Mapping[str, str] | None = None,
+    timestep: float | None = None,
 ) -> Sample:
     """One sample from files of columns (see `columns.FORMATS`), or from one file of an Ensemble.
 
@@ -47,6 +48,7 @@ def read_sample(
     diameter : d in the data's unit of length
     time_unit : d/U in the data's unit of time; None: diameter/speed_unit
     columns : names of columns in the files by ours, {"time": "t_sim"}; see columns.ALIASES
+    timestep : the time of one step, for formats whose frames give steps
     show_progress : count the rows that have been read, on a terminal
 
     Lengths, speeds and times of an Ensemble file are known, and these three are not looked at.
@@ -62,7 +64,9 @@ def read_sample(
         speed_unit = check_positive("speed_unit", speed_unit)
     if time_unit is not None:
         time_unit = check_positive("time_unit", time_unit)
-    asked = Asked(checked_columns(columns or {}))
+    if timestep is not None:
+        timestep = check_positive("timestep", timestep)
+    asked = Asked(checked_columns(columns or {}), timestep)
     if ensembles := [path for path in paths if isinstance(path, Path) and is_ensemble(path)]:
         if len(paths) > 1:
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
@@ -127,6 +131,10 @@ class _Files:
             warnings.append(said("one_configuration" if known else "unknown_configurations"))
         if grouping == "row":
             warnings.append(said("unknown_tracers"))
+        most, last = int(sample.samples.max()), int(np.argmin(sample.samples))
+        if sample.samples[last] < most:
+            count = most - int(sample.samples[last])
+            warnings.append(said("survivors", count=count, most=most, time=sample.times[last]))
         return replace(sample, warnings=tuple(warnings))
 
     def _reduced(self, grouping: str, origins: Origins | None) -> Reduction:
@@ -139,6 +147,11 @@ class _Files:
                 reduction.add(rows, number)
             except InputError as error:
                 raise InputError(f"{_where(self._paths[number])}: {error}") from None
+        if origins is not None:
+            try:
+                origins.check_not_wrapped()
+            except InputError as error:
+                raise InputError(f"{', '.join(self._names)}: {error}") from None
         return reduction
 
     def _origins(self) -> Origins:
