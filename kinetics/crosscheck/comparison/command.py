@@ -28,6 +28,10 @@ FORMATS = ("pdf", "png", "svg")
     help="Coefficient of restitution, 0 to 1. [default: an Ensemble's own, or fitted]",
 )  # fmt: skip
 @click.option(
+    "--tangential-restitution", type=float, default=None,
+    help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]",
+)  # fmt: skip
+@click.option(
     "--number-density", type=float, default=None,
     help="Scatterers per area, in the data's unit of length. [default: an Ensemble's own, or "
     "fitted]",
@@ -79,6 +83,7 @@ FORMATS = ("pdf", "png", "svg")
 def compare(
     data: tuple[Path, ...],
     restitution: float | None,
+    tangential_restitution: float | None,
     number_density: float | None,
     initial: str,
     positions: str,
@@ -110,11 +115,17 @@ def compare(
         prepare(output, data)
     from kinetics.crosscheck.comparison.data.columns import parsed_columns
     from kinetics.crosscheck.comparison.data.read import read_sample
-    from kinetics.crosscheck.comparison.question import compare_sample, in_diameters
+    from kinetics.crosscheck.comparison.question import (
+        compare_sample,
+        in_diameters,
+        with_tangential,
+    )
     from kinetics.validation import check_positive
 
     unit = _speed_unit(speed_unit)
     sample = read_sample(data, positions, unit, diameter, True, time_unit, parsed_columns(columns))
+    if tangential_restitution is not None:
+        sample = with_tangential(sample, tangential_restitution)
     if number_density is not None:
         number_density = in_diameters(check_positive("number_density", number_density), diameter)
     result = compare_sample(sample, restitution, number_density, initial)

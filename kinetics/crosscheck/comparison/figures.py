@@ -6,7 +6,7 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.result import OBSERVABLES
-from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
+from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved, system_of
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.templates import paragraphs
 
@@ -25,11 +25,8 @@ def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
     figures = {}
     later = both.sample.times[both.sample.times > 0]
     if later.size and both.names:
-        scene = both.solution.scene
         times = np.geomspace(later[0], later[-1], _POINTS) if later.size > 1 else later
-        theory = solved(
-            scene.restitution, scene.mean_free_path, scene.initial, times, both.names, RTOL
-        )
+        theory = solved(system_of(both.solution), times, both.names, RTOL)
         for i, name in enumerate(both.names):
             line = np.asarray(getattr(theory, name))
             figures[name.replace("_", "-")] = _over_time(both, i, (times, line), explained)

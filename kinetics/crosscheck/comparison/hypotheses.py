@@ -190,12 +190,17 @@ def _free_path(averages: Averages) -> Iterator[Tested]:
     if found is None:
         return
     told, disks, near = scene.mean_free_path, None, False
-    if np.pi * scene.number_density * scene.diameter**2 / 4 < 0.5:  # the disks' share of the area
+    smooth = averages.both.sample.law.smooth_disks
+    if (
+        smooth and np.pi * scene.number_density * scene.diameter**2 / 4 < 0.5
+    ):  # the disks' share of the area
         from kinetics.crosscheck.report.observables import contact_value
 
         disks = told / contact_value(scene.number_density, scene.diameter)
         near = abs(found.value - disks) <= 3 * found.error and found.value < told
-    text = said("free_path", found=found, told=told, disks=disks, near=near)
+    text = said(
+        "free_path", found=found, told=told, disks=disks, near=near, law=averages.both.sample.law
+    )
     headline = said("in_place_of", name="l", unit=" d", found=found, told=told)
     yield averages.tested("free path", text, headline, found)
 

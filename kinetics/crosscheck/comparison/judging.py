@@ -1,6 +1,7 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from kinetics.crosscheck.comparison.statistics import (
     hotelling,
     most_freedom,
 )
-from kinetics.crosscheck.comparison.theory import SampledStart
+from kinetics.crosscheck.comparison.theory import SampledStart, system_of
 from kinetics.crosscheck.comparison.units import wrong_unit
 from kinetics.crosscheck.verdicts import (
     DIFFERS_ABOVE,
@@ -37,7 +38,7 @@ from kinetics.crosscheck.verdicts import (
     corrected_sigmas,
     judge_sigmas,
 )
-from kinetics.errors import short
+from kinetics.errors import InputError, short
 
 if TYPE_CHECKING:
     from kinetics import Scene, Solution
@@ -81,6 +82,12 @@ def compare(
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         sample = from_ensemble(ensemble)
+    law = system_of(solution).law
+    if law.dimension != sample.law.dimension:
+        raise InputError(
+            f"solution: is of dimension {law.dimension}, the data of {sample.law.dimension}"
+        )
+    sample = replace(sample, law=law)
     both = side_by_side(solution, sample, found, densities)
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
@@ -125,10 +132,11 @@ def _parameters(
         return Parameter(value, error, words)
 
     words = "fitted to v₀ and ⟨r²⟩ over time"
-    of_density = Parameter(density, None, "told"), Parameter(path, None, "1/(2dρ₀)")
+    inverse = "1/(2dρ₀)" if scene.dimension == 2 else "1/(πd²ρ₀)"
+    of_density = Parameter(density, None, "told"), Parameter(path, None, inverse)
     if (error := errors.get("log_path")) is not None:
         of_density = (
-            fitted(density, error * density, f"1/(2dl), l {words}"),
+            fitted(density, error * density, f"{inverse.replace('ρ₀', 'l')}, l {words}"),
             fitted(path, error * path, words),
         )
     error = errors.get("restitution")

@@ -99,11 +99,15 @@ def _not_forgotten(both: DataAndTheory) -> Iterator[Explanation]:
     """Whether the theory itself is still on its way to the scaling state."""
     from kinetics import ScalingSolution
 
-    e = both.solution.scene.restitution
-    if e >= 1 or "a2" not in both.names:
+    scene = both.solution.scene
+    e, law = scene.restitution, both.sample.law
+    if (e >= 1 and law.tangential_restitution >= 1) or "a2" not in both.names:
         return
     i = both.names.index("a2")
-    exact, last = ScalingSolution(e).a2, float(both.theory[i, -1])
+    exact, last = (
+        ScalingSolution(e, law.tangential_restitution, law.dimension).a2,
+        float(both.theory[i, -1]),
+    )
     away = last - exact
     # Written so that a theory that is not finite is left out.
     if not abs(away) >= max(0.01 * (1 + exact), float(both.error[i, -1])):

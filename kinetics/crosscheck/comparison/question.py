@@ -5,6 +5,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,10 +35,11 @@ from kinetics.crosscheck.comparison.theory import (
     SPEED,
     Expectation,
     SampledStart,
+    System,
     solved,
 )
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, one_of, refuse
+from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -70,6 +72,7 @@ def compare_data(
     time_unit: float | None = None,
     columns: Mapping[str, str] | None = None,
     timestep: float | None = None,
+    tangential_restitution: float | None = None,
 ) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does.
 
@@ -86,6 +89,8 @@ def compare_data(
         these that the speeds at time 0 allow; a Gaussian, where there are none
     positions, speed_unit, diameter, time_unit, columns, timestep : of files and of columns in
         memory, see data.read.read_sample
+    tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
+        runs in space, averages are compared and densities are not
     explain : test what may explain a difference, and prepare figures; False is quicker
 
     Raises
@@ -113,7 +118,17 @@ def compare_data(
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
+    if tangential_restitution is not None:
+        data = with_tangential(data, tangential_restitution)
     return compare_sample(data, restitution, number_density, initial, explain)
+
+
+def with_tangential(sample: Sample, tangential_restitution: float) -> Sample:
+    """The sample, compared with the law of this tangential restitution."""
+    allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
+    name = "tangential_restitution"
+    checked = real_number(name, tangential_restitution, 0.0, 1.0, allowed)
+    return replace(sample, law=replace(sample.law, tangential_restitution=checked))
 
 
 def _sources(data: Any) -> list[Any] | None:
@@ -158,7 +173,7 @@ def compare_sample(
     if restitution is not None:
         restitution = check_restitution(restitution)
     if number_density is not None:
-        path = 1 / (2 * check_positive("number_density", number_density))
+        path = sample.law.free_path(check_positive("number_density", number_density))
     start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
     found = None
     if restitution is None or path is None:
@@ -166,25 +181,24 @@ def compare_sample(
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
-    solution = solved(restitution, path, start, sample.times, AVERAGES, RTOL)
-    densities = _densities(restitution, path, start, sample)
+    system = System(restitution, path, start, sample.law)
+    solution = solved(system, sample.times, AVERAGES, RTOL)
+    densities = _densities(system, sample) if sample.law.smooth_disks else {}
     return compare(solution, sample, explain, densities, found)
 
 
-def _densities(
-    restitution: float, path: float, start: Any, sample: Sample
-) -> "dict[str, Solution]":
+def _densities(system: System, sample: Sample) -> "dict[str, Solution]":
     """The densities by name, that of the displacement at late times and from a named start."""
     from kinetics import SolverStatus
 
     times = sample.times[histogram_times(sample)]
     found = {}
     if times.size:
-        found[SPEED] = solved(restitution, path, start, times, (SPEED,), DENSITY_RTOL)
-    late = times[times > COLLISIONS_BEFORE * path][-DISPLACEMENT_TIMES:]
+        found[SPEED] = solved(system, times, (SPEED,), DENSITY_RTOL)
+    late = times[times > COLLISIONS_BEFORE * system.free_path][-DISPLACEMENT_TIMES:]
     # From hundreds of single speeds it would take long.
-    if late.size and not isinstance(start, SampledStart):
-        known = solved(restitution, path, start, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+    if late.size and not isinstance(system.start, SampledStart):
+        known = solved(system, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
             found[DISPLACEMENT] = known
     return found
@@ -209,9 +223,12 @@ def _start(sample: Sample, initial: str) -> Any:
 
 
 def gaussian_p_value(sample: Sample) -> float:
-    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4."""
+    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4.
+
+    In space 3 U^2 and 15 U^4.
+    """
     expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
-    data = expectation.values[:, 0] - [np.sqrt(2), 0.0]
+    data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])
     return 0.0 if result is None else result.p_value
 

@@ -5,6 +5,7 @@ configuration (or several), or, where configurations are unknown, a number of tr
 every standard error and every covariance is the spread over groups.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -59,6 +60,28 @@ class StartBins:
 
 
 @dataclass(frozen=True)
+class Law:
+    """What the collision law has beside the restitution: smooth disks in the plane, if not told."""
+
+    tangential_restitution: float = 1.0
+    dimension: int = 2
+
+    @property
+    def smooth_disks(self) -> bool:
+        """Whether densities can be solved, which the solver does for this law alone."""
+        return self == Law()
+
+    @property
+    def gaussian(self) -> float:
+        """<v^4>/<v^2>^2 of a Gaussian: 2 in the plane, 5/3 in space."""
+        return (self.dimension + 2) / self.dimension
+
+    def free_path(self, density: float) -> float:
+        """Mean free path in d at a number density in d^-2 (d^-3 in space); and the other way."""
+        return 1 / ((2.0 if self.dimension == 2 else math.pi) * density)
+
+
+@dataclass(frozen=True)
 class Flights:
     """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
 
@@ -84,6 +107,7 @@ class Sample:
     start : the speeds at time 0, None without one
     at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
+    law : tangential restitution and dimension
     flights : tracers that have flown straight, None if there are too few or it is unknown
     capped : collisions after which tracers were stopped, None if unknown or never
     free : known to be without recollisions (Boltzmann-Grad particles)
@@ -101,6 +125,7 @@ class Sample:
     start: StartBins | None
     at_rest: Counts
     grouping: str
+    law: Law = Law()
     flights: Flights | None = None
     capped: int | None = None
     free: bool = False
@@ -134,7 +159,7 @@ class Sample:
         if start is not None:
             start = replace(start, squares=start.squares / speed**2)
         if "number_density" in told:
-            told["number_density"] *= length**2
+            told["number_density"] *= length**self.law.dimension
         return replace(
             self,
             told=told,

@@ -1,7 +1,5 @@
 """Chi-squares from groups, fits with their covariance, and bins: against laws known by heart."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -343,17 +341,3 @@ def test_displacements_are_held_against_their_density() -> None:
         assert wrong.p_value(DISPLACEMENT, time) < 1e-6
     assert "position-density" in right.figures
     assert any(row.low is not None for row in right.observable(DISPLACEMENT))
-
-
-@pytest.mark.parametrize(
-    "run",
-    [
-        {"medium": BoltzmannGrad(0.04, dimension=3)},
-        {"medium": BoltzmannGrad(0.04), "tangential_restitution": 0.8},
-    ],
-)
-def test_runs_of_other_laws_are_refused(run: dict[str, Any]) -> None:
-    """The comparison knows smooth disks in the plane only: no silent answer for other runs."""
-    ensemble = simulate(**run, restitution=0.7, times=[1.0], media=3, tracers=5, workers=1)
-    with pytest.raises(InputError, match="only runs of smooth disks in the plane"):
-        from_ensemble(ensemble)
