@@ -33,6 +33,8 @@ _SPEED_AVERAGES = ("thermal_speed", "a2")
 _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
 """Logarithms of the factors from which a unit or a free path is looked for."""
 _WIDEST = 12.0
+_OTHER_SCALE = 1.0
+"""|ln| of a free path's factor from which on a wrong diameter is the likely reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +204,8 @@ def _free_path(averages: Averages) -> Iterator[Tested]:
         "free_path", found=found, told=told, disks=disks, near=near, law=averages.both.sample.law
     )
     headline = said("in_place_of", name="l", unit=" d", found=found, told=told)
+    if abs(np.log(found.value / told)) > _OTHER_SCALE and averages.both.sample.law.dimension == 2:
+        headline += f" (as if d were {told / found.value:.4g} of the unit told)"
     yield averages.tested("free path", text, headline, found)
 
 
@@ -230,7 +234,7 @@ def _recollisions(averages: Averages) -> Iterator[Tested]:
     error = float(abs(relative) / np.sqrt(result.value))
     fits = found.chi_square.p_value >= AGREES_ABOVE
     text = said("recollisions", path=found.value, fits=fits, relative=relative, error=error)
-    outcome = "found" if relative < 0 else "does not"
+    outcome = ("found" if fits else "in part") if relative < 0 else "does not"
     yield Tested(
         Explanation(
             "recollisions", outcome, text, True, relative, error, p_value=result.p_value,

@@ -30,7 +30,7 @@ from kinetics.crosscheck.comparison.statistics import (
     most_freedom,
 )
 from kinetics.crosscheck.comparison.theory import SampledStart, system_of
-from kinetics.crosscheck.comparison.units import wrong_unit
+from kinetics.crosscheck.comparison.units import wrong_speeds, wrong_unit
 from kinetics.crosscheck.verdicts import (
     DIFFERS_ABOVE,
     Verdict,
@@ -91,7 +91,7 @@ def compare(
     both = side_by_side(solution, sample, found, densities)
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
-    unit = wrong_unit(sample)
+    unit = wrong_unit(sample) or wrong_speeds(sample, solution.scene.initial)
     explanations: tuple[Explanation, ...] = ()
     figures: dict[str, Any] = {}
     if explain:
@@ -262,8 +262,11 @@ def _over_times(both: DataAndTheory, i: int) -> ChiSquare | None:
 
 
 def _verdict_of_times(both: DataAndTheory, i: int) -> Verdict:
-    """The verdict on the time of an average that differs most, out of all times of all averages."""
-    looks = int(both.usable.sum())
+    """The verdict on the time of an average that differs most, out of all times of all averages.
+
+    Twice as many looks are allowed for: the chi-squares have looked at the same times.
+    """
+    looks = 2 * int(both.usable.sum())
     effective = effective_groups(both.replicates[:, i])
     return _worst(
         judge_sigmas(

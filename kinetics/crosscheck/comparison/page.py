@@ -102,6 +102,7 @@ def render(result: Comparison, json_name: str) -> str:
 
 def cells_of_test(test: Plain) -> dict[str, str]:
     """The cells of one chi-square, from the document of a comparison."""
+    shown = test["within"] is not None and test["verdict"] == "agrees"
     return {
         "observable": test["observable"],
         "time": "all" if test["time"] is None else f"{test['time']:.4g}",
@@ -109,7 +110,7 @@ def cells_of_test(test: Plain) -> dict[str, str]:
         "dof": str(test["dof"]),
         "p_value": f"{test['p_value']:.2g}",
         "sigmas": f"{test['sigmas']:.1f}",
-        "within": "" if test["within"] is None else f"{test['within']:.2%}",
+        "within": f"{test['within']:.2%}" if shown else "",
         "verdict": test["verdict"],
     }
 

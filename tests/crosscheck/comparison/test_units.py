@@ -65,6 +65,24 @@ def test_units_that_belong_together_are_not_complained_of(flights: Any) -> None:
         assert result.summary.startswith("No difference seen, better than ")
 
 
+@pytest.mark.parametrize("units", [(4e-6, 0.002, 500.0), (0.04, 0.002, 0.05)])
+def test_si_units_are_hinted_at(flights: Any, units: Any) -> None:
+    """v t is r, but U and d are not 1: 0.002 m and 500 or 0.05 m/s."""
+    result = compare_sample(sample_of(flights, *units), 0.7, 0.04 / 0.002**2)
+    assert [item.name for item in result.explanations] == ["speed unit"]
+    assert result.explanations[0].value == pytest.approx(units[2], rel=0.05)
+    assert "--length-unit" in result.explanations[0].text
+    assert result.summary.startswith("A unit is wrong: speeds at the first time are ")
+
+
+def test_a_forgotten_diameter_is_hinted_at(flights: Any) -> None:
+    sample = sample_of(flights, 0.002, 0.002, 1)
+    result = compare_sample(sample, 0.7, 0.04 / 0.002**2)
+    item = result.explanations[0]
+    assert (item.name, item.outcome) == ("free path", "explains")
+    assert "as if d were 0.00" in result.summary
+
+
 def test_a_wrong_unit_gives_no_fitted_value(flights: Any) -> None:
     result = compare_sample(sample_of(flights, 1.1, 1, 1), 0.7, None, explain=False)
     assert result.parameters["mean_free_path"].value is None
