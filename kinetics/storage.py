@@ -39,10 +39,13 @@ _HEADER = 512  # bytes of the user block, the smallest that HDF5 allows
 
 HOMES = {
     # what a user saves, and what these are made of
+    "ByCollision": "kinetics.moments.by_collision",
     "CollisionLaw": "kinetics.collision.law",
     "Comparison": "kinetics.crosscheck.comparison.result",
     "SampledBounce": "kinetics.collision.samples",
-    "PlanStep": "kinetics.plan",
+    "FieldState": "kinetics.field.solution",
+    "FieldUnits": "kinetics.field.solution",
+    "PlanStep": "kinetics.status",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",
     "Scene": "kinetics.scene",
@@ -55,6 +58,7 @@ HOMES = {
     "Maxwell": "kinetics.states.isotropic",
     "Monoenergetic": "kinetics.states.isotropic",
     "PolarGrid": "kinetics.states.directed",
+    "Rest": "kinetics.states.isotropic",
     "SpeedDensity": "kinetics.states.isotropic",
     "SpeedSamples": "kinetics.states.isotropic",
     "SpeedTable": "kinetics.states.isotropic",
@@ -63,9 +67,12 @@ HOMES = {
     "ElasticDensity": "kinetics.densities.elastic",
     "GridDensity": "kinetics.densities.grid_density",
     "LogGrid": "kinetics.numerics.log_grid",
-    "NodeMasses": "kinetics.densities.conservative",
+    "NodeMasses": "kinetics.densities.node_masses",
     "Profile": "kinetics.densities.harmonic",
     "ThenScaling": "kinetics.densities.harmonic",
+    # the steady state in a field
+    "SpeedPanels": "kinetics.field.panels",
+    "SteadyAverages": "kinetics.field.averages",
     # density of the displacement
     "Displacement": "kinetics.position.density",
     "FrontTail": "kinetics.position.front_tail",
