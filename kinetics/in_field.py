@@ -21,7 +21,7 @@ from kinetics.status import PlanStep, explain, status_of
 _ATTEMPTS = 3
 # Of two solutions the finer one has less than this share of the error of the other (measured:
 # tests/kinetics/field/test_evolution.py)
-_GAIN = 0.2
+_GAIN = 0.1
 
 
 def solve_in_field(scene: Scene, rtol: float) -> Solution:

@@ -79,6 +79,20 @@ def test_equilibration_reaches_the_contact_value_of_equilibrium() -> None:
     assert -0.12 < found * (1 - phi) ** 3 / (1 - phi / 2) - 1 < 0
 
 
+def test_steps_are_as_likely_forth_as_back() -> None:
+    # The mean displacement in 4 sweeps, over 3000 spheres and 8 configurations, is 0 within 4 sigma
+    # along each axis; sigma, some 0.004 d, from the spread over configurations.
+    box, n = (3000 / 0.3) ** (1 / 3), 8
+    means = np.empty((n, 3))
+    for c in range(n):
+        before, after = (place_spheres(box, 3000, False, s, np.uint64(4), c)[0] for s in (0, 4))
+        moved = after - before
+        means[c] = (moved - box * np.round(moved / box)).mean(axis=0)
+    sigma = means.std(axis=0, ddof=1) / np.sqrt(n)
+    assert np.all(sigma < 0.01)
+    assert np.all(abs(means.mean(axis=0)) < 4 * sigma), (means.mean(axis=0), sigma)
+
+
 def test_few_spheres_reach_the_equilibrium_that_rejection_draws() -> None:
     # 5 spheres in a box of 4 d, 2000 configurations after 40 sweeps against those of 60 000 without
     # an overlap: the mean squares of coordinates and the near pairs agree within 4 sigma.

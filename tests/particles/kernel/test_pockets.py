@@ -17,7 +17,7 @@ _SPEC = importlib.util.spec_from_file_location(
 reference = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(reference)
 
-BOUNCES = 200
+BOUNCES = 250
 START = 1e-3  # from the groove or the pocket to the start of a tracer, in d
 
 
