@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
+from particles.kernel.columns import (
+    FIELD_SUMS,
+    FINALS,
+    HISTOGRAMS,
+    MOMENTS,
+    STATUSES,
+    TOTALS,
+    TRAPS,
+)
 from particles.media import BoltzmannGrad, Medium, dilute_mean_path
 from particles.values import Value
 
@@ -44,7 +52,8 @@ _last = threading.local()
 class Plan(Value):
     """What is to be run, checked.
 
-    velocities (media or none, tracers, dimension), or None to draw them.
+    velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
+    rest. field: acceleration along x in U^2 over the user's unit of length.
     """
 
     medium: Medium
@@ -58,17 +67,30 @@ class Plan(Value):
     max_collisions: int | None
     seed: int
     observables: frozenset[str]
+    field: float = 0.0
+    rest: bool = False
+
+    def scales(self) -> np.ndarray:
+        """Return the numbers that velocities are multiplied by in sums, (n_times,).
+
+        In a field a tracer does not slow down for ever, so there they are 1.
+        """
+        times = self.times / self.medium.diameter
+        return np.ones(times.size) if self.field else time_scales(times)
 
     def grids(self) -> np.ndarray:
         """Return log2 of the first edge, bins per octave and bins of each histogram, (4, 3).
 
         Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
-        from 2**-12 d up to what the fastest start can fly, 2**40 d at most.
+        from 2**-12 d up to what the fastest start can fly, 2**40 d at most. In a field the speed of
+        a free fall is added to that of the start, 2**40 U at most.
         """
         fastest = 4.0
         if self.velocities is not None:
             fastest = float(speeds(self.velocities).max())
         last = float(self.times[-1]) if self.times.size else 1.0
+        if self.field:
+            fastest += min(abs(self.field) * last, 2.0**40)
         top = ceil(log2(fastest)) + 2
         bottom = -ceil(log2(max(last, 1.0))) - 20
         far = min(max(ceil(log2(fastest) + log2(max(last, 1.0))) + 2, 4), 40)
@@ -82,7 +104,7 @@ class Tally:
 
     moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps
     (n, trap_columns) tracer, time, place; histograms name -> (n_times, bins + 2); raw name ->
-    arrays, time first.
+    arrays, time first. field_sums (n_times, FIELD_SUMS[dimension]) in a field, else empty.
     """
 
     configuration: int
@@ -92,6 +114,7 @@ class Tally:
     traps: np.ndarray
     histograms: dict[str, np.ndarray] = field(default_factory=dict)
     raw: dict[str, np.ndarray] = field(default_factory=dict)
+    field_sums: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
 
 
 def speeds(velocities: np.ndarray) -> np.ndarray:
@@ -157,6 +180,7 @@ def _empty_tally(plan: Plan, configuration: int) -> Tally:
             for k, name in enumerate(HISTOGRAMS)
             if name in plan.observables
         },
+        field_sums=np.zeros((n_times if plan.field else 0, FIELD_SUMS[plan.medium.dimension])),
     )
 
 
@@ -168,7 +192,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, records
+    from particles.kernel import follow, free_paths, free_paths_in_field, lane, records
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     times = plan.times / plan.medium.diameter
@@ -177,6 +201,8 @@ def _follow_block(
     if plan.velocities is not None:
         every = plan.velocities.ndim == 2
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
+    if plan.rest:
+        given = np.zeros((n, dimension))
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
@@ -195,7 +221,7 @@ def _follow_block(
     )
     record = records.Records(
         times=times,
-        scales=time_scales(times),
+        scales=plan.scales(),
         moments=tally.moments,
         totals=tally.totals,
         statuses=tally.statuses,
@@ -210,8 +236,13 @@ def _follow_block(
     )
     caught = np.empty((n, trap_columns(plan.medium)))
     n_caught = 0
-    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if cells is None:
+    of_kind = lane.LANE_IN_FIELD_OF if plan.field else lane.LANE_OF
+    lanes = np.empty(lane.LANES, of_kind[dimension])
+    if plan.field:
+        free_paths_in_field.follow_free_paths_in_field(
+            start, mean_path, plan.field * plan.medium.diameter, lanes, record, tally.field_sums
+        )
+    elif cells is None:
         free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)

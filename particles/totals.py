@@ -4,7 +4,7 @@ import numpy as np
 
 from particles.configuration import Plan, Tally, trap_columns
 from particles.ensemble import Ensemble
-from particles.kernel.columns import MOMENTS, STATUSES, TOTALS
+from particles.kernel.columns import FIELD_SUMS, MOMENTS, STATUSES, TOTALS
 
 
 class Totals:
@@ -19,6 +19,9 @@ class Totals:
             "moments": np.zeros((plan.media, plan.times.size, MOMENTS)),
             "path_sums": np.zeros((plan.media, TOTALS)),
         }
+        if plan.field:
+            columns = FIELD_SUMS[plan.medium.dimension]
+            self._rows["field_sums"] = np.zeros((plan.media, plan.times.size, columns))
         self._sums = {"statuses": np.zeros(STATUSES, np.int64)}
         self._pieces = {"traps": [np.empty((0, 1 + trap_columns(plan.medium)))]}
 
@@ -29,6 +32,8 @@ class Totals:
             raise RuntimeError(f"tally of configuration {tally.configuration} came before {c}")
         self._rows["moments"][c] = tally.moments
         self._rows["path_sums"][c] = tally.totals
+        if self.plan.field:
+            self._rows["field_sums"][c] = tally.field_sums
         sums = {"statuses": tally.statuses}
         for name, counts in tally.histograms.items():
             m = counts.sum(axis=1)

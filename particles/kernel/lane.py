@@ -57,6 +57,12 @@ _FIELDS_IN_SPACE = {
     np.int64: ("k", "stored_k", "step_k"),
 }  # fmt: skip
 LANE_OF = {2: record_type(_FIELDS), 3: record_type(_FIELDS_IN_SPACE, _FIELDS)}
+# In a field the path depends on the speed: a lane holds the velocity where its flight began. The
+# direction and the slowness are not used there, and times are never shifted.
+LANE_IN_FIELD_OF = {
+    2: record_type({np.float64: ("vx", "vy")}, _FIELDS),
+    3: record_type({np.float64: ("vz", "vx", "vy")}, _FIELDS_IN_SPACE, _FIELDS),
+}
 
 
 class Start(NamedTuple):

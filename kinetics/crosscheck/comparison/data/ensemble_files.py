@@ -49,6 +49,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
 
     if ensemble.medium.dimension != 2 or ensemble.tangential_restitution != 1.0:
         raise InputError(f"{name}: only runs of smooth disks in the plane can be compared")
+    if ensemble.field:
+        raise InputError(f"{name}: a run in a field cannot be compared")
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
         raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")
