@@ -19,6 +19,7 @@ from kinetics.outputs import (
 )
 from kinetics.position.density import Displacement
 
+SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
 
 
@@ -51,6 +52,7 @@ def make_plan(
     others = "the start is isotropic" if isotropic else "no output needs more"
     points = averages.speeds.x.size
     return (
+        *_scatterers_step(averages),
         _moments_step(averages, pairs),
         PlanStep("initial state", True, f"{points} weighted speeds represent it"),
         _asked_step(COLLISIONS, outputs, "asked for"),
@@ -64,6 +66,16 @@ def make_plan(
         PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         _densities_step(profiles),
     )
+
+
+def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
+    """The level of the theory of a finite density; nothing where scatterers are dilute."""
+    return (PlanStep(SCATTERERS, True, averages.law.level),) if averages.law.level else ()
+
+
+def limits(averages: Averages) -> str:
+    """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
+    return averages.law.limits(float(averages.times[0]) / averages.mean_free_path)
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
@@ -32,17 +32,26 @@ class Scene(Value):
     Parameters
     ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
+    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
+        they are dilute
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative
+    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
+        it may be left out, and is 0
     outputs : names from `kinetics.outputs.OUTPUTS`
-    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
+    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
+        space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
-        x axis, and densities are not available yet)
+        x axis)
+    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
+        ``Solution.by_collision`` gives, shape (n_collisions,)
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
+        (placed independently) or "hard disks": the equation to the first order in the density, up
+        to number_density * diameter^2 = 0.3, for averages among smooth disks
+    density_order : how far, for those two; see `kinetics.collision.medium`
 
     Raises
     ------
@@ -62,6 +71,9 @@ class Scene(Value):
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    collision_numbers: ArrayLike = ()
+    scatterers: str = "dilute"
+    density_order: str = "second"
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
@@ -71,6 +83,7 @@ class Scene(Value):
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
+        law = self._among_scatterers(law)
         if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
             formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
@@ -79,21 +92,29 @@ class Scene(Value):
                 "a finite number above 0"
             )
         checked["state"] = _start(self.initial, law.dimension)
-        checked["times"] = _check_times(self.times)
+        checked["collision_numbers"] = _check_numbers(self.collision_numbers)
+        only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
+        checked["times"] = _check_times([0.0] if only_collisions else self.times)
         checked["outputs"] = _check_outputs(self.outputs)
-        _check_available(checked["outputs"], law)
+        _check_solved_in_medium(checked, law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
+        self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d."""
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
         return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        return self._among_scatterers(law)
+
+    def _among_scatterers(self, law: CollisionLaw) -> CollisionLaw:
+        system = (self.scatterers, self.number_density, self.diameter)
+        return law_in_medium(law, *system, self.density_order)
 
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
@@ -109,7 +130,7 @@ class Scene(Value):
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+            for name, unit in ((n, OUTPUTS[n].unit_in(self.dimension)) for n in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -141,12 +162,16 @@ def _start(initial: Any, dimension: int) -> State:
     return found
 
 
-def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
-    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
-    for name in outputs:
-        if OUTPUTS[name].values is None and not smooth_disks:
-            refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
+def _check_solved_in_medium(checked: dict[str, Any], law: CollisionLaw) -> None:
+    """At a finite density the operator is used for averages over time only."""
+    if not isinstance(law, MediumLaw):
+        return
+    for name in checked["outputs"]:
+        if OUTPUTS[name].values is None:
+            refuse("outputs", name, "it is available for scatterers='dilute' only")
+    if checked["collision_numbers"].size:
+        allowed = "it is available for scatterers='dilute' only"
+        refuse("collision_numbers", checked["collision_numbers"], allowed)
 
 
 def _check_times(times: Any) -> FloatArray:
@@ -155,6 +180,15 @@ def _check_times(times: Any) -> FloatArray:
     array = finite_line("times", times, allowed)
     if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
         refuse("times", times, allowed)
+    return read_only(array)
+
+
+def _check_numbers(numbers: Any) -> FloatArray:
+    """The collision numbers as a read-only array; InputError if they cannot be used."""
+    allowed = "collision numbers must be whole, not negative, up to 2^53"
+    array = finite_line("collision_numbers", numbers, allowed)
+    if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
+        refuse("collision_numbers", numbers, allowed)
     return read_only(array)
 
 

@@ -15,7 +15,7 @@ from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
-from kinetics.plan import make_plan, make_stats, powers_of
+from kinetics.plan import limits, make_plan, make_stats, powers_of
 from kinetics.position.density import Displacement
 from kinetics.position.solve_density import solve_displacement
 from kinetics.scene import Scene
@@ -80,7 +80,7 @@ def solve(
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes),
+        message=explain(errors, allowed, nodes) + limits(averages),
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),

@@ -38,6 +38,8 @@ def real_number(
     allowed: str | None = None,
 ) -> float:
     """A finite number from low to high, as a float."""
+    if type(value) is float and low <= value <= high and math.isfinite(value):
+        return value
     allowed = allowed or f"it must be a number from {low:g} to {high:g}"
     try:
         if np.ndim(value) or np.iscomplexobj(value) or np.ma.is_masked(value):

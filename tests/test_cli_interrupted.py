@@ -56,6 +56,19 @@ def how(request: pytest.FixtureRequest) -> Iterator[tuple[signal.Signals, int]]:
     return request.param
 
 
+def check_end(run: Running, how: tuple[signal.Signals, int]) -> None:
+    """It ends within two seconds, with the right status and without a word."""
+    status, err, seconds = run.end(how[0])
+    assert (status, err) == (how[1], "")
+    assert seconds < 2.0
+
+
+def wait_for_line(run: Running) -> None:
+    assert run.process.stdout is not None
+    run.process.stdout.readline()
+    time.sleep(0.2)
+
+
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_while_tracers_are_followed_for_hours(
     workers: str, how: tuple[signal.Signals, int], tmp_path: Path
@@ -63,9 +76,7 @@ def test_while_tracers_are_followed_for_hours(
     run = Running(tmp_path, *ENDLESS, "--workers", workers)
     run.wait_for(tmp_path / "a.h5.journal")
     time.sleep(0.5)
-    status, err, seconds = run.end(how[0])
-    assert (status, err) == (how[1], "")
-    assert seconds < 2.0
+    check_end(run, how)
     assert os.listdir(tmp_path) == ["a.h5"]
 
 
@@ -76,9 +87,7 @@ def test_while_kernels_are_compiled(how: tuple[signal.Signals, int], tmp_path: P
     while not cache.exists():  # made when the first kernel is defined
         time.sleep(0.01)
     time.sleep(1.5)
-    status, err, seconds = run.end(how[0])
-    assert (status, err) == (how[1], "")
-    assert seconds < 2.0
+    check_end(run, how)
 
 
 SWALLOWED = """
@@ -105,12 +114,8 @@ def test_an_exception_that_python_drops_ends_it_all_the_same(
     how: tuple[signal.Signals, int], tmp_path: Path
 ) -> None:
     run = Running(tmp_path, "simulate", code=SWALLOWED)
-    assert run.process.stdout is not None
-    run.process.stdout.readline()
-    time.sleep(0.2)
-    status, err, seconds = run.end(how[0])
-    assert (status, err) == (how[1], "")
-    assert seconds < 2.0
+    wait_for_line(run)
+    check_end(run, how)
 
 
 def test_while_compiled_code_runs_in_the_main_thread(
@@ -130,12 +135,8 @@ particles.simulate = simulate
 sys.exit(cli.main())
 """
     run = Running(tmp_path, "simulate", code=code)
-    assert run.process.stdout is not None
-    run.process.stdout.readline()
-    time.sleep(0.2)
-    status, err, seconds = run.end(how[0])
-    assert (status, err) == (how[1], "")
-    assert seconds < 2.0
+    wait_for_line(run)
+    check_end(run, how)
 
 
 def test_an_import_is_not_broken_off(tmp_path: Path) -> None:

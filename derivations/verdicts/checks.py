@@ -15,6 +15,7 @@ from ..derived import (  # noqa: F401  (they register their derivations)
     closed_forms,
     cooling,
     figures,
+    finite_density,
     flux,
     isotropic_scattering,
     kinetic_equation,

@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -30,6 +31,8 @@ from kinetics.validation import (
 
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
+_LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
+_MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
 
 
@@ -41,7 +44,7 @@ class CollisionLaw:
     ----------
     restitution : e in [0, 1], by which the normal velocity is multiplied (and turned round)
     tangential_restitution : et in [0, 1], by which the tangential velocity is multiplied; 1 for
-        smooth scatterers. Not both may be 0: the tracer would stop at its first bounce
+        smooth scatterers. Not both may be below 1e-8: the tracer would stop at its first bounce
     dimension : 2 (disks in the plane) or 3 (spheres)
 
     Raises
@@ -79,8 +82,9 @@ class CollisionLaw:
         allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
         value = self.tangential_restitution
         et = real_number("tangential_restitution", value, 0.0, 1.0, allowed)
-        if e == et == 0.0:
-            refuse("tangential_restitution", value, "at restitution 0 it must be above 0")
+        if max(e, et) < _LEAST_RATIO:
+            allowed = f"at restitution {short(e)} it must be {_LEAST_RATIO:g} or more"
+            refuse("tangential_restitution", value, allowed)
         set_(self, "restitution", e)
         set_(self, "tangential_restitution", et)
 
@@ -159,12 +163,31 @@ class CollisionLaw:
         return self._bounce.largest_loss
 
     @cached_property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
+        if self._samples is not None:
+            return min(self._samples.ratio)
+        assert self.restitution is not None
+        assert self.tangential_restitution is not None
+        return min(self.restitution, self.tangential_restitution)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values only: samples, or et = e."""
+        return self._samples is not None or self.restitution == self.tangential_restitution
+
+    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
         There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0.
         """
         return self._bounce.lowest_power
+
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isfinite(self._bounce.lowest_power)
 
     @cached_property
     def uniform_power(self) -> float | None:
@@ -234,9 +257,12 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        if level not in self._quadratures:
-            self._quadratures[level] = self._bounce.quadrature(level)
-        return self._quadratures[level]
+        known = self._quadratures.get(level)
+        if known is None:
+            known = self._bounce.quadrature(level)
+            if known.weight.size <= _MOST_KEPT:
+                self._quadratures[level] = known
+        return known
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -256,6 +282,10 @@ class CollisionLaw:
         0 cells end at -ln s = 40; the last one holds all bounces below.
         """
         return self._bounce.cells(spacing, points)
+
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
+        return self._bounce.chance_below(ratio)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
@@ -291,6 +321,34 @@ class CollisionLaw:
         q = self.quadrature_for(_size(z))
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
+
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(float(np.abs(z).max()))
+        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
+        out = [self.decay_rate(z)]
+        factor = np.ones_like(q.log_loss)
+        for n in range(1, orders):
+            factor = factor * (-q.log_loss) / n
+            out.append(-(power @ factor))
+        return out
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps and x of bounces straight back to the scatterer before: (0, 0), there are none.
+
+        Among scatterers that are met again (`kinetics.collision.medium`), K - 1 on harmonic m is
+        replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
+        return 0.0, 0.0
+
+    @property
+    def level(self) -> str:
+        """The level of the theory of a finite density in words; empty where there is none."""
+        return ""
+
+    def limits(self, first: float) -> str:
+        """What averages from this time on, in l/U, lack at a finite density; perhaps empty."""
+        return ""
 
     @cached_property
     def mean_log_loss(self) -> float:
@@ -337,39 +395,19 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+            refuse("p", p, f"{self._why_lowest} it must be above {self.lowest_power:g}")
         return p_
+
+    @property
+    def _why_lowest(self) -> str:
+        which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+        return f"at {which} 0"
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
-
-
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
-    """The law of these arguments, as the solvers take them.
-
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
-    """
-    if not isinstance(restitution, CollisionLaw):
-        return CollisionLaw(restitution, tangential_restitution, dimension)
-    law = restitution
-    for name, value, default in (
-        ("tangential_restitution", tangential_restitution, 1.0),
-        ("dimension", dimension, 2),
-    ):
-        if value is not None and value not in (default, getattr(law, name)):
-            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if law.least_loss < 0.0:
-        largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
-    return law
 
 
 def _size(z: NDArray[Any]) -> float:

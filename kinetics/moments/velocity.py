@@ -26,7 +26,7 @@ from kinetics.moments.backward import (
 )
 from kinetics.moments.resolution import Decay, decay_of
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule
+from kinetics.numerics.panels import panel_rule
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
@@ -182,7 +182,7 @@ class Averages:
         """
         late = np.isfinite(self.log_stretch)
         stretch = self.log_stretch[late]
-        rule = PanelRule(self.equation.nodes + _MORE_NODES, self.width)
+        rule = panel_rule(self.equation.nodes + _MORE_NODES, self.width)
         # panels down from the last time: the equation is not solved beyond it
         end = stretch[-1:]
         used, which = np.unique(

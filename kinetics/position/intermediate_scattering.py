@@ -17,8 +17,10 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
-from kinetics.position.scattering import Waves, most_at_once, solve_waves
+from kinetics.position.directions import mean_phase, share_of_harmonic
+from kinetics.position.scattering import most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
+from kinetics.position.waves import Waves
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
@@ -28,6 +30,8 @@ _POINTS = 10
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
+# Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
+_ONCE_MORE, _LEAST = 0.03, 1e-14
 _WIDEST = 0.5  # K up to which panels do not get narrower with K
 _FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
 _MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
@@ -139,7 +143,8 @@ class Scattering:
                 found = self._on_panels(waves, profile, stretch, tolerance)
             if found is None:
                 speeds = points_of(self.state, waves.rule.width, tolerance)
-                found = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
+                means = [speeds.weight @ self._collided(waves, speeds.x + s) for s in stretch]
+                found = np.array(means)
             out[:, part], error = found, max(error, waves.error_estimate)
         return out, error
 
@@ -164,13 +169,22 @@ class Scattering:
             return None
         steps = np.arange(first, max(first, last) + pieces + 1)
         x, w = panels_between(np.asarray(waves.start + width / pieces * steps), _POINTS)
-        left = _collided(waves, x)
+        left = self._collided(waves, x)
         out = np.empty((stretch.size, left.shape[1]))
         for i, s in enumerate(stretch):
             part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
             v = np.exp(x[part] - s)
             out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
         return out
+
+    def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
+        """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""
+        left = waves(x)
+        near = x < _FREE
+        path = np.exp(x[near])
+        free = mean_phase(np.outer(path, waves.wave_numbers), self.law.dimension)
+        left[near] -= np.exp(-path)[:, None] * free
+        return left
 
     def whole(
         self, wave_numbers: FloatArray, direction: float | None, tolerance: float
@@ -179,6 +193,8 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,)
         direction : angle of k to the x axis; None for the mean over the directions
+
+        The error is the mean over the initial speeds of that of the waves at each time.
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic
@@ -188,32 +204,22 @@ class Scattering:
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
         error = 0.0
         for part, waves in self._waves(wave_numbers, which, tolerance, kept):
-            error = max(error, waves.error_estimate)
+            speeds = points_of(self.state, waves.rule.width, tolerance)
+            for stretch in self.log_stretch(which):
+                error = max(error, float(speeds.weight @ waves.error_at(speeds.x + stretch)))
             for m in range(min(kept + 1, waves.values.shape[1])):
                 width = waves.rule.width
                 if m == 0:
-                    start: LogMeasure | None = points_of(self.state, width, tolerance)
+                    start: LogMeasure | None = speeds
                 else:
                     start = _harmonic_of(self.state, m, width, tolerance)
                 if start is None:
                     continue
-                turn = np.exp(1j * m * (direction or 0.0))
                 for i, stretch in enumerate(self.log_stretch(which)):
                     mean = start.weight @ waves(start.x + stretch, m)
-                    # harmonics m and -m together
-                    out[i, part] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
+                    angle, d = direction or 0.0, self.law.dimension
+                    out[i, part] += share_of_harmonic(m, mean, angle, d)
         return out, error
-
-
-def _collided(waves: Waves, x: FloatArray) -> FloatArray:
-    """a_0 - exp(-T) J_0(K T), the part of those that have collided, at X = x: (n_x, n_k)."""
-    from scipy.special import j0
-
-    left = waves(x)
-    near = x < _FREE
-    path = np.exp(x[near])
-    left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, waves.wave_numbers))
-    return left
 
 
 def scattering_function(
@@ -243,6 +249,9 @@ def scattering_function(
         largest = float(scaled[left].max())
         group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
         found, error = _through_points(system, scaled[group], direction, tolerance)
+        if error > tolerance:  # once more, with more nodes and harmonics
+            asked = max(_ONCE_MORE * tolerance, _LEAST)
+            found, error = _through_points(system, scaled[group], direction, asked)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group

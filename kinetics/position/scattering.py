@@ -10,6 +10,9 @@ and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real
 
     da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
 
+In space the harmonics are Legendre polynomials, and in the right units they obey nearly the same
+equations (:mod:`kinetics.position.directions`); a_m below is b_m there.
+
 On panels in X = ln T, as in :mod:`kinetics.moments.backward`, each panel is a block-tridiagonal
 system in m, solved from both ends to the middle for all wave numbers at once, with as many
 harmonics as count on that panel. a_0 is the mean over the directions: all that an isotropic start,
@@ -19,8 +22,6 @@ or a radial density, needs.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,6 +29,8 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
 from kinetics.position.coupled_harmonics import eliminate, iterate
+from kinetics.position.directions import coupling
+from kinetics.position.waves import Waves, carried, series_sum, together
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -50,59 +53,6 @@ _MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at 
 _PANELS = 32  # for which there is room at first
 # A panel on which free flights turn K T by less is solved by iteration: a third of the time.
 _FEW_TURNS = 10.0
-
-
-@dataclass(frozen=True)
-class Waves:
-    """a_m for some wave numbers.
-
-    Attributes
-    ----------
-    wave_numbers : K = k l, shape (n_k,)
-    rule : the collocation
-    start : X where the panels begin
-    values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
-    coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
-    ended : whether everything is below the tolerance at the last panel, and 0 from there on
-    error_estimate : absolute, of a_0 and of those kept
-    systems : how many systems of rule.nodes - 1 equations were solved
-    """
-
-    wave_numbers: FloatArray
-    rule: PanelRule
-    start: float
-    values: FloatArray
-    coefficients: FloatArray
-    ended: bool
-    error_estimate: float
-    systems: int
-
-    def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
-        """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
-        level = (x - self.start) / self.rule.width
-        out = np.empty((x.size, self.wave_numbers.size))
-        low = level < 0.0
-        if low.any():
-            out[low] = _sum(self.coefficients[:, m], np.exp(x[low]))
-        count = self.values.shape[0]
-        inside = level[~low]
-        index = np.minimum(inside.astype(int), count - 1)
-        rows = self.rule.rows(np.minimum(inside - index, 1.0))
-        found = np.einsum("ij,ijk->ik", rows, self.values[index, m])
-        beyond = inside > count
-        if beyond.any():
-            found[beyond] = self._late(inside[beyond] - count, m)
-        out[~low] = found
-        return out
-
-    def _late(self, panels: FloatArray, m: int) -> FloatArray:
-        """Beyond the last panel: 0, or the power of T with which the last panel falls."""
-        if self.ended:
-            return np.zeros((panels.size, self.wave_numbers.size))
-        last = self.values[-1, m, -1]
-        with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
-            fall = np.where(last != 0.0, np.abs(last / self.values[-1, m, 0]), 0.0)
-            return np.asarray(last * np.minimum(1.0, fall) ** panels[:, None])
 
 
 def solve_waves(
@@ -128,8 +78,7 @@ def most_at_once(
 ) -> int:
     """How many wave numbers up to ``largest`` can be solved for at once within _MEMORY."""
     rule, _, count, top = _extent(law, largest, highest, tolerance, kept)
-    n, e = rule.nodes, law.smooth_disks
-    deepest = 40.0 if e == 0.0 else min(40.0, -math.log(e))
+    n, deepest = rule.nodes, min(40.0, law.largest_loss)
     panels = count + min(count, deepest / rule.width) if kept else deepest / rule.width + _PANELS
     return max(1, int(_MEMORY / (8.0 * (top + 1.0) * n * (min(panels, 2.0 * count) + 2.0 * n))))
 
@@ -142,7 +91,7 @@ def _extent(
     first = math.log(_SERIES / (largest + 2.0))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     limit = highest
-    if law.smooth_disks < 1.0:
+    if not law.is_elastic:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
@@ -173,21 +122,6 @@ def _even(m: int) -> int:
     return m + m % 2
 
 
-def _cosines(deflection: FloatArray, top: int) -> Iterator[FloatArray]:
-    """cos(m deflection) for m up to ``top``, one after another: there may be many points."""
-    step, turned = np.exp(1j * deflection), np.ones(deflection.size, dtype=complex)
-    for _ in range(top + 1):
-        yield turned.real
-        turned = turned * step
-
-
-def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
-    """The series at small T = path (n,): shape (n, ...)."""
-    with np.errstate(under="ignore"):
-        powers = path[:, None] ** np.arange(_TERMS + 1)
-    return np.tensordot(powers, coefficients, axes=1)
-
-
 class Sweep:
     """The equations of some wave numbers, solved on panel after panel upwards.
 
@@ -215,23 +149,25 @@ class Sweep:
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose more speed lead from every panel to where the series holds
         near = q.log_loss <= count * rule.width
-        deflection, weight = q.deflection, q.weight
-        order = np.arange(top + 1)[:, None]
-        factor = np.cos(order * deflection[near])
-        lost = 2.0 * np.sin(0.5 * order * deflection[near]) ** 2  # 1 - factor
-        shifts = PanelShifts(rule, q.log_loss[near])
-        self._loss, self._gain = shifts.kernel(weight[near], factor, lost)
+        few = q.part(near)
+        shifts = PanelShifts(rule, few.log_loss)
+        loss, gain = shifts.kernel(few.weight, *few.harmonics(top))
+        # row m of the equations over the coupling: free flights then look the same for all m
+        self._coupling = coupling(top, law.dimension)
+        by_row = self._coupling[:, None, None]
+        self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain / by_row
         # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
         self._far_ratio = math.exp(-count * rule.width)
         self._far = np.zeros((_TERMS + 1, top + 1))
         if not near.all():
             diagonal = np.arange(rule.nodes)
-            self._loss[:, diagonal, diagonal] += weight[~near].sum()
+            many = q.part(~near)
+            self._loss[:, diagonal, diagonal] += many.weight.sum() / self._coupling[:, None]
             with np.errstate(under="ignore"):
-                ratio = q.ratio[~near] / self._far_ratio  # at most 1, as powers of T overflow
-                powers = weight[~near] * ratio ** np.arange(_TERMS + 1)[:, None]
-            for m, cosine in enumerate(_cosines(deflection[~near], top)):
-                self._far[:, m] = powers @ cosine
+                ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
+                powers = many.weight * ratio ** np.arange(_TERMS + 1)[:, None]
+            for m, harmonic in enumerate(many.each_harmonic(top)):
+                self._far[:, m] = powers @ harmonic / self._coupling[m]
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -245,9 +181,9 @@ class Sweep:
         table[:reach] = self._below(series, reach)
         largest = np.zeros(reach + count)  # of each panel
         largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
-        known = _sum(series, np.exp(np.array([self.start])))[0]
+        known = series_sum(series, np.exp(np.array([self.start])))[0]
         done, ended = count, False
-        used, left_out, systems = 0, 0.0, 0
+        used, systems, left_out = 0, 0, np.zeros(count)
         for j in range(count):
             if reach + j == table.shape[0]:
                 table = np.concatenate([table, np.zeros_like(table)])
@@ -259,7 +195,7 @@ class Sweep:
                 below = below.reshape(used + 1, reach * n, size)
                 drive = rate[:, None] * (gain[: used + 1] @ below)
             if self._far.any():
-                come = _sum(far[:, : used + 1], self._far_ratio * rate)
+                come = series_sum(far[:, : used + 1], self._far_ratio * rate)
                 drive += rate[:, None] * np.moveaxis(come, 1, 0)
             found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
@@ -267,7 +203,7 @@ class Sweep:
             known = table[reach + j, :, -1]
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
-            left_out = max(left_out, miss if kept else miss**2)
+            left_out[j] = miss if kept else miss**2
             largest[reach + j] = np.abs(found).max()
             # nothing that follows is larger than the mean over what collisions lead to it from
             if (
@@ -277,6 +213,9 @@ class Sweep:
                 done, ended = j + 1, True
                 break
         values = table[reach : reach + done, : kept + 1].copy()
+        last = self._last_coefficients(values)
+        errors = together(last) + left_out[:done]
+        errors = carried(errors, largest[reach : reach + done])
         return Waves(
             self.wave_numbers,
             self.rule,
@@ -284,7 +223,8 @@ class Sweep:
             values,
             series[:, : kept + 1].copy(),
             ended,
-            self._last_coefficient(values) + left_out,
+            float(last.max()) + float(left_out.max()),
+            errors,
             systems,
         )
 
@@ -301,7 +241,7 @@ class Sweep:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
         q = self.law.quadrature_for(float(_TERMS), self.top)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
-        loss = 1.0 - np.stack([cosine @ powers for cosine in _cosines(q.deflection, self.top)])
+        loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
         loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
@@ -311,6 +251,7 @@ class Sweep:
             coupled[1:] += a[:-1]
             coupled[:-1] -= a[1:]
             coupled[0] -= a[1]
+            coupled *= self._coupling[:, None]
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
         return out
 
@@ -318,7 +259,7 @@ class Sweep:
         """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
         below = (np.arange(reach) - reach)[:, None] * self.rule.width
         x = self.start + below + self.rule.local * self.rule.width
-        found = _sum(series, np.exp(x.ravel()))
+        found = series_sum(series, np.exp(x.ravel()))
         return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
 
     def _panel_harmonics(
@@ -352,7 +293,7 @@ class Sweep:
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
         blocks: FloatArray = (
-            self.rule.derivative[1:] * scale[:, None]
+            self._rise[:count, 1:] * scale[:, None]
             + (rate * scale)[:, None] * self._loss[:count, 1:]
         )
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
@@ -364,21 +305,18 @@ class Sweep:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)
 
-    def _last_coefficient(self, values: FloatArray) -> float:
-        """What the Chebyshev coefficients of the panels leave out, by their last two."""
+    def _last_coefficients(self, values: FloatArray) -> FloatArray:
+        """What the Chebyshev coefficients leave out, by their last two, (n_panels, n_kept, n_k)."""
         last, before = self.rule.last_coefficients(np.moveaxis(values, 2, 3))
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
-        return float((last * np.sqrt(fall)).max())
+        return np.asarray(last * np.sqrt(fall))
 
 
 def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
     """Shares of the collisions that come out of the last panels, farthest first."""
-    e = law.smooth_disks
     if reach == 0:
         return np.ones(1)
     with np.errstate(under="ignore"):
-        ratio = np.exp(-width * np.arange(reach + 1))
-    # collisions with impact parameters up to y leave the speed ratio below s(y)
-    impact = np.sqrt(np.maximum(0.0, ratio**2 - e * e) / (1.0 - e * e))
-    impact[-1] = 0.0
-    return -np.diff(impact)[::-1]
+        below = law.chance_below(np.exp(-width * np.arange(reach + 1)))
+    below[0], below[-1] = 1.0, 0.0
+    return -np.diff(below)[::-1]

@@ -33,7 +33,8 @@ def derive(only: str | None, latex: Path | None, as_json: bool) -> None:
     elif only is not None:
         click.echo(to_text(checks[0]))
     else:
+        width = max(len(check.label) for check in checks)
         for check in checks:
-            click.echo(f"{check.label:18} {check.status:12} {check.title}")
+            click.echo(f"{check.label:{width}} {check.status:12} {check.title}")
         counts = Counter(check.status for check in checks)
         click.echo(", ".join(f"{n} {status}" for status, n in counts.items()))

@@ -128,6 +128,13 @@ def test_bad_restitution_is_one_clear_line(value: Any) -> None:
     assert isinstance(caught.value, ValueError)
 
 
+def test_a_bounce_that_stops_every_tracer_is_refused() -> None:
+    for e in (0.0, 5e-324, 9e-9):
+        with pytest.raises(InputError, match=f"tangential_restitution: got 5e-09; at .* {e}"):
+            CollisionLaw(e, 5e-9)
+    assert CollisionLaw(0.0, 1e-8).least_loss > 18.0
+
+
 @pytest.mark.parametrize("p", [math.nan, math.inf, "x", None, [1.0, math.nan], -400.0])
 def test_bad_exponent(p: Any) -> None:
     """-400 is a number, but E[s^-400] is above 1e308."""
