@@ -14,6 +14,7 @@ LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 # With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
+DEEPEST = 1e100  # in d
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
 
@@ -21,7 +22,7 @@ MOST_WORKERS = 10_000
 def make_plan(
     medium: Medium, restitution: float, initial: Any, times: Any,
     observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
-    **whole: int | None,
+    depth: float | None = None, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -61,6 +62,7 @@ def make_plan(
         observables=_check_observables(observables, field),
         field=field,
         rest=isinstance(initial, str) and initial == "rest",
+        depth=_check_depth(depth, field),
     )
 
 
@@ -105,6 +107,16 @@ def _check_field(field: Any, medium: Medium) -> float:
     if not isinstance(medium, BoltzmannGrad):
         refuse("field", field, f"is not there for {type(medium).__name__}, only for BoltzmannGrad")
     return value
+
+
+def _check_depth(depth: Any, field: float) -> float | None:
+    if depth is None:
+        return None
+    number = isinstance(depth, (int, float)) and not isinstance(depth, bool)
+    if not (number and abs(depth) <= DEEPEST and depth * field > 0.0):
+        allowed = f"must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
+        refuse("depth", depth, allowed)
+    return float(depth)
 
 
 def _check_initial(

@@ -53,7 +53,8 @@ class Plan(Value):
     """What is to be run, checked.
 
     velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
-    rest. field: acceleration along x in U^2 over the user's unit of length.
+    rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
+    whose first passage is recorded.
     """
 
     medium: Medium
@@ -69,6 +70,13 @@ class Plan(Value):
     observables: frozenset[str]
     field: float = 0.0
     rest: bool = False
+    depth: float | None = None
+
+    @property
+    def raw(self) -> tuple[str, ...]:
+        """Names of what is kept of each tracer."""
+        names = tuple(name for name in RAW if name in self.observables)
+        return names if self.depth is None else (*names, "passages")
 
     def scales(self) -> np.ndarray:
         """Return the numbers that velocities are multiplied by in sums, (n_times,).
@@ -149,7 +157,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
     tally = _empty_tally(plan, configuration)
     traps: list[np.ndarray] = [tally.traps]
-    raw: dict[str, list[np.ndarray]] = {name: [] for name in RAW if name in plan.observables}
+    raw: dict[str, list[np.ndarray]] = {name: [] for name in plan.raw}
     for first in range(0, plan.tracers, BLOCK):
         block = _follow_block(plan, tally, cells, first)
         traps.append(block.pop("traps"))
@@ -160,7 +168,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
         tally,
         traps=np.concatenate(traps),
         raw={
-            name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
+            name: np.concatenate(pieces, axis=0 if name in ("finals", "passages") else 1)
             for name, pieces in raw.items()
         },
     )
@@ -239,9 +247,16 @@ def _follow_block(
     of_kind = lane.LANE_IN_FIELD_OF if plan.field else lane.LANE_OF
     lanes = np.empty(lane.LANES, of_kind[dimension])
     if plan.field:
+        passages = np.full(n if plan.depth is not None else 0, np.inf)
         free_paths_in_field.follow_free_paths_in_field(
-            start, mean_path, plan.field * plan.medium.diameter, lanes, record, tally.field_sums
+            start,
+            mean_path,
+            plan.field * plan.medium.diameter,
+            lanes,
+            record,
+            (tally.field_sums, passages, (plan.depth or 0.0) / plan.medium.diameter),
         )
+        raw["passages"] = passages
     elif cells is None:
         free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:

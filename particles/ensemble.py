@@ -10,7 +10,7 @@ import numpy as np
 
 from particles.configuration import RAW, SCALARS, Plan
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.field_estimates import IN_FIELD, FieldEstimates
+from particles.field_estimates import IN_FIELD, OF_A_DEPTH, FieldEstimates
 from particles.kernel.columns import (
     ALL_COLLISIONS,
     CAUGHT,
@@ -126,13 +126,16 @@ class Ensemble(FieldEstimates, Value):
         absent = {*HISTOGRAMS, *RAW} - self.plan.observables
         if not self.field:
             absent |= {*IN_FIELD}
+        if self.plan.depth is None:
+            absent |= {*OF_A_DEPTH}
         return sorted(set(super().__dir__()) - absent)
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the estimates, histograms and raw data that this ensemble has."""
         others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
-        return (*SCALARS, *(IN_FIELD if self.field else ()), *others)
+        passages = OF_A_DEPTH if self.plan.depth is not None else ()
+        return (*SCALARS, *(IN_FIELD if self.field else ()), *passages, *others)
 
     @property
     def medium(self) -> Medium:

@@ -12,6 +12,7 @@ import numpy as np
 from particles.configuration import Plan
 from particles.estimators import Estimate, jackknife
 from particles.kernel.columns import SAMPLES
+from particles.values import frozen
 
 IN_FIELD = (
     "drift",
@@ -22,6 +23,9 @@ IN_FIELD = (
     "dispersion_parallel",
     "dispersion_perpendicular",
 )
+
+
+OF_A_DEPTH = ("passage_times", "passed", "mean_passage_time")
 
 
 class FieldEstimates:
@@ -76,6 +80,28 @@ class FieldEstimates:
             lambda m, s: np.trace(self._covariance(m, s)[:, 1:, 1:], axis1=1, axis2=2) / (d - 1),
         )
         return found.divided(self.plan.medium.diameter**-2)
+
+    @property
+    def passage_times(self) -> np.ndarray:
+        """When each tracer first had x = depth, in d/U, (media * tracers,); inf if it never had."""
+        if "raw/passages" not in self.arrays:
+            raise AttributeError("passages were not asked for: simulate(field=..., depth=...)")
+        return frozen(self.arrays["raw/passages"] * self.plan.medium.diameter)
+
+    @cached_property
+    def passed(self) -> Estimate:
+        """Share of the tracers that have reached the depth by each time, (n_times,)."""
+        passages = self.passage_times.reshape(self.plan.media, 1, -1)
+        counts = (passages <= self.plan.times[:, None]).sum(axis=2)
+        sums = np.stack((counts, np.full(counts.shape, self.plan.tracers)))
+        return jackknife(np.moveaxis(sums, 0, 1), lambda total: total[0] / total[1])
+
+    @cached_property
+    def mean_passage_time(self) -> Estimate:
+        """Mean of `passage_times`, a scalar; infinite if one of the tracers never had x = depth."""
+        times = self.passage_times.reshape(self.plan.media, -1)
+        sums = np.stack((times.sum(axis=1), np.full(self.plan.media, self.plan.tracers)), axis=1)
+        return jackknife(sums, lambda total: total[0] / total[1])
 
     def _estimate(
         self, name: str, function: Callable[[np.ndarray, np.ndarray], np.ndarray]

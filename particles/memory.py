@@ -41,7 +41,7 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
     )
     dimension = plan.medium.dimension
     each = times * dimension * len(plan.observables & {"positions", "velocities"})
-    each += FINALS[dimension] * ("finals" in plan.observables)
+    each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
     columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
     threads = min(workers, plan.media)
     return {

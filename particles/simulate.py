@@ -40,6 +40,7 @@ def simulate(
     resume: bool = False,
     tangential_restitution: float = 1.0,
     field: float = 0.0,
+    depth: float | None = None,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
@@ -62,6 +63,7 @@ def simulate(
     progress: called as progress(done, total), in configurations, from the calling thread.
     field: uniform acceleration along +x in U^2/d, for BoltzmannGrad: a free path is then an
         exponential length along the parabola. U is any unit of speed where tracers start at rest.
+    depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
 
     output: file that the run is saved to (layout: storage.file). Each configuration is saved
         when it is done, whole or not at all, in `<output>.journal` (storage.journal) until the
@@ -76,8 +78,9 @@ def simulate(
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
-        medium, restitution, initial, times, observables, tangential_restitution, field, **whole
-    )
+        medium, restitution, initial, times, observables, tangential_restitution, field, depth,
+        **whole,
+    )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         refuse("executor", executor, "must be a concurrent.futures.Executor")

@@ -6,6 +6,9 @@ from particles.configuration import Plan, Tally, trap_columns
 from particles.ensemble import Ensemble
 from particles.kernel.columns import FIELD_SUMS, MOMENTS, STATUSES, TOTALS
 
+# Whose first axis is that of the tracers; the others begin with the times.
+_FIRST = ("traps", "raw/finals", "raw/passages")
+
 
 class Totals:
     """Tallies of configurations 0, 1, ... added up in this order."""
@@ -51,7 +54,7 @@ class Totals:
         """Return everything added so far, by its name in a file; rows and sums are not copied."""
         rows = {name: array[: self.configurations] for name, array in self._rows.items()}
         joined = {
-            name: np.concatenate(pieces, axis=0 if name in ("traps", "raw/finals") else 1)
+            name: np.concatenate(pieces, axis=0 if name in _FIRST else 1)
             for name, pieces in self._pieces.items()
         }
         return rows | self._sums | joined

@@ -24,6 +24,7 @@ from particles.kernel.parabola import (
     SPEED2,
     length_of,
     time_of,
+    time_to_reach,
     times_of,
 )
 from particles.kernel.records import QUEUE, Records, count_path, finish
@@ -114,14 +115,16 @@ _collide = by_dimension(_scatter, _scatter_in_space)
 @kernel
 def follow_free_paths_in_field(
     start: Start, mean_path: float, field: float, lanes: np.ndarray, records: Records,
-    sums: np.ndarray,
+    more: tuple[np.ndarray, np.ndarray, float],
 ) -> None:  # fmt: skip
     """Follow tracers whose free paths are exponential along the parabolas of a uniform field.
 
     mean_path: the mean free path in d. field: in U^2/d along x, not 0; negative against x. lanes:
-    of LANE_IN_FIELD_OF[dimension]. sums (n_times, FIELD_SUMS[dimension]): sums that only a run in a
-    field keeps.
+    of LANE_IN_FIELD_OF[dimension]. more: sums (n_times, FIELD_SUMS[dimension]) that only a run in a
+    field keeps; passages (n,), inf, which receives the times at which x first has the value depth,
+    or (0,); and this depth, in d.
     """
+    sums, passages, depth = more
     times, paths, grids = records.times, records.paths, records.grids
     queue, queued = records.queue, records.queued
     restitution, tangential = start.restitution, start.tangential
@@ -159,6 +162,11 @@ def follow_free_paths_in_field(
                 lasts = max(last_time - lane.time, 0.0)
                 # Of no time at all the length would be 0/0 at rest.
                 path = length_of(lasts, speed, along, across2, strength)[0] if lasts > 0.0 else 0.0
+            if passages.size and passages[lane.tracer] == np.inf:
+                left = towards * (depth - lane.flight_x)
+                reaches = time_to_reach(left, along, strength)
+                if reaches <= lasts:
+                    passages[lane.tracer] = lane.time + reaches
             lane.travelled += path
             lane.time += lasts
             _move(lane, lasts, field)

@@ -59,6 +59,13 @@ def length_of(
 
 
 @inlined
+def time_to_reach(distance: float, along: float, field: float) -> float:
+    """Return the time until a tracer first is so far along the field; distance: above 0."""
+    root = sqrt(along * along + 2.0 * field * distance)
+    return 2.0 * distance / (along + root) if along >= 0.0 else (root - along) / field
+
+
+@inlined
 def _bounds(s0: float, u0: float, g: float) -> tuple[float, float]:
     """Return the least and the greatest time that a length of 1 may take.
 

@@ -21,6 +21,8 @@ whatever unit the user's arguments were in.
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
+    raw/passages (done * tracers,)  where a depth was given, when each tracer first was there;
+                                    inf if it never was
     raw/<name>                      as the attributes of Ensemble, in d and U
 
 A run that is under way has a journal beside its file: particles.storage.journal.
@@ -40,7 +42,7 @@ import numpy as np
 
 from particles.arguments import make_plan
 from particles.checks import check_path
-from particles.configuration import RAW, Plan, trap_columns
+from particles.configuration import Plan, trap_columns
 from particles.kernel.columns import (
     FIELD_SUMS,
     FINALS,
@@ -54,7 +56,13 @@ from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 # Numbers of a plan that version 1 of the layout did not have, and what they were then.
-LATER = {"tangential_restitution": 1.0, "dimension": 2, "field": 0.0, "rest": False}
+LATER = {
+    "tangential_restitution": 1.0,
+    "dimension": 2,
+    "field": 0.0,
+    "rest": False,
+    "depth": None,
+}
 # Media that version 2 did not have.
 _LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres)]
 
@@ -69,6 +77,7 @@ _UNITS = {
     "traps": "1, 1, d/U, d, d",  # and d among spheres
     "raw/positions": "d",
     "raw/velocities": "U",
+    "raw/passages": "d/U",
     "raw/finals": "ln U, ln(d/U), d, d, 1",  # and d in three dimensions
 }
 
@@ -89,6 +98,7 @@ def _describe(plan: Plan) -> tuple[str, dict[str, np.ndarray]]:
         "monoenergetic": plan.monoenergetic,
         "field": plan.field,
         "rest": plan.rest,
+        "depth": plan.depth,
         "media": plan.media,
         "tracers": plan.tracers,
         "max_collisions": plan.max_collisions,
@@ -104,10 +114,9 @@ def _without_defaults(values: dict[str, Any]) -> dict[str, Any]:
 
 def _version(text: str) -> int:
     """Return the version of the layout that a plan, as JSON, needs."""
-    described = json.loads(text)
-    if "field" in described:
+    if '"field"' in text:
         return 4
-    if described["medium"]["kind"] in _LATER_MEDIA:
+    if any(f'"{name}"' in text for name in _LATER_MEDIA):
         return 3
     return 2 if any(f'"{name}"' in text for name in LATER) else 1
 
@@ -247,10 +256,10 @@ def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
                 rows = 1 if name == "free_path_histogram" else times
                 shapes[f"histograms/{name}/sums"] = (3, rows, bins)
                 shapes[f"histograms/{name}/samples"] = (2, rows)
-        for name in plan.observables.intersection(RAW):
-            dimension = plan.medium.dimension
-            row, place = (tracers, FINALS[dimension]), (times, tracers, dimension)
-            shapes[f"raw/{name}"] = row if name == "finals" else place
+        dimension = plan.medium.dimension
+        each = {"finals": (tracers, FINALS[dimension]), "passages": (tracers,)}
+        for name in plan.raw:
+            shapes[f"raw/{name}"] = each.get(name, (times, tracers, dimension))
     whole = {name for name in shapes if name == "statuses" or name.startswith("histograms")}
     return {name: array.shape for name, array in arrays.items()} == shapes and all(
         array.dtype == (np.int64 if name in whole else np.float64) for name, array in arrays.items()

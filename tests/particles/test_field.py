@@ -250,7 +250,7 @@ def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
 ) -> None:
     arguments = dict(
         restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
-        observables=EVERYTHING,
+        observables=EVERYTHING, depth=3.0,
     )  # fmt: skip
     one = simulate(medium, **arguments, workers=1)
     assert one == simulate(medium, **arguments, workers=3)
@@ -279,6 +279,62 @@ def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
     np.testing.assert_array_equal(again.drift.error, one.drift.error)
 
 
+@pytest.mark.parametrize("medium", [BoltzmannGrad(0.5), BoltzmannGrad(0.1, dimension=3)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_first_passage_is_when_the_depth_is_first_reached(
+    medium: BoltzmannGrad, sign: float
+) -> None:
+    times = np.linspace(0.0, 12.0, 601)
+    run = simulate(
+        medium, 0.8, times=times, media=2, tracers=100, field=0.6 * sign, depth=2.5 * sign,
+        observables=["positions"],
+    )  # fmt: skip
+    assert run.passage_times.shape == (200,)
+    beyond = sign * run.positions[:, :, 0] >= 2.5
+    for tracer, passage in enumerate(run.passage_times):
+        assert not beyond[times < passage, tracer].any()
+        if np.isfinite(passage):
+            # On a flight of so little time x is nearly 2.5 just after it.
+            after = np.searchsorted(times, passage)
+            near = run.positions[max(after - 1, 0) : after + 1, tracer, 0] * sign
+            assert near[0] <= 2.5 + 1e-12
+            assert np.all(abs(near - 2.5) < 0.2)
+    reached = np.isfinite(run.passage_times)
+    assert 100 < reached.sum() < 200
+    np.testing.assert_allclose(
+        run.passed.value, (run.passage_times <= times[:, None]).mean(axis=1), rtol=1e-14
+    )
+    assert np.isinf(run.mean_passage_time.value)
+    # One error of a share p of n independent tracers.
+    p = run.passed.value[-1]
+    assert 0.0 < run.passed.error[-1] < 5 * np.sqrt(p * (1 - p) / 200)
+    assert {"passed", "mean_passage_time"} < {*run.outputs}
+
+
+def test_the_first_passage_of_a_free_fall_and_of_a_long_way(tmp_path: Path) -> None:
+    thin = BoltzmannGrad(1e-40, diameter=2.0)
+    starts = np.array([[0.0, 0.0], [1.0, 0.3], [-2.0, 1.0]])
+    fall = simulate(thin, 0.5, starts, [9.0], media=1, tracers=3, field=2.0, depth=4.0)
+    expected = (-starts[:, 0] + np.sqrt(starts[:, 0] ** 2 + 16.0)) / 2.0
+    np.testing.assert_allclose(fall.passage_times, expected, rtol=1e-15)
+    # Late, the mean grows as the distance over the drift of the table; e = 0.5 in the plane.
+    means = []
+    for depth in (20.0, 120.0):
+        run = simulate(DISKS, 0.5, "rest", [600.0], media=50, tracers=40, field=1.0, depth=depth)
+        assert run.passed.value == 1.0
+        means.append(run.mean_passage_time)
+        run.save(tmp_path / "run.h5")
+        again = Ensemble.load(tmp_path / "run.h5")
+        assert again == run
+        assert again.plan.depth == depth
+    slope = (means[1].value - means[0].value) / 100
+    error = np.hypot(means[0].error, means[1].error) / 100
+    assert error < 0.01 * slope
+    assert abs(slope - 1 / 0.617488570787) < 4 * error
+    with pytest.raises(AttributeError, match="passages were not asked for"):
+        _ = simulate(DISKS, 0.5, times=[1.0], media=2, tracers=2, field=1.0).passage_times
+
+
 @pytest.mark.parametrize("field", [1e-100, 1e-12, 1e12, 1e100])
 @pytest.mark.parametrize("initial", ["gaussian", "rest"])
 def test_any_size_of_the_field_and_of_the_start(field: float, initial: str) -> None:
@@ -303,6 +359,10 @@ BAD = [
     (dict(field=10**400), "must be a finite number"),
     (dict(field=1e200), "field = 1e+200: times the mean free path, and times d, must be 0 or"),
     (dict(field=1e-200), "field = 1e-200: times the mean free path, and times d, must be 0 or"),
+    (dict(depth=-1.0), "depth = -1.0: must be a number with the sign of the field"),
+    (dict(depth=float("nan")), "depth = nan: must be a number with the sign of the field"),
+    (dict(field=0.0, depth=1.0), "depth = 1.0: must be a number with the sign of the field"),
+    (dict(depth="deep"), "depth = 'deep': must be a number with the sign of the field"),
     (dict(field=0.0, initial="rest"), "initial = 'rest': needs a field; without one a tracer"),
     (dict(initial="fall"), "initial = 'fall': must be 'gaussian', 'monoenergetic', 'rest'"),
     (dict(initial=np.zeros((2, 2)), field=0.0), "initial holds the velocity [0. 0.]"),

@@ -83,6 +83,7 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
     "--field", type=float, default=0.0,
     help="Uniform acceleration along +x in U^2/d, of --medium boltzmann-grad.",
 )  # fmt: skip
+@click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @times_option
 @click.option(
     "--observables", default="", metavar="NAMES",
@@ -136,6 +137,8 @@ def simulate(
         if run.field:
             estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
             estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
+        if run.plan.depth is not None:
+            estimates += ["passed", "mean_passage_time"]
         print_json(
             {
                 "medium": kind,
@@ -206,7 +209,12 @@ def _table(run: Ensemble) -> str:
     if not run.times.size:
         return line
     heads, values = ["t [d/U]"], [run.times]
-    for name, head in (_IN_FIELD if run.field else _ESTIMATES).items():
+    shown = dict(_IN_FIELD if run.field else _ESTIMATES)
+    if run.plan.depth is not None:
+        shown["passed"] = f"passed {run.plan.depth:g} d"
+        first = run.mean_passage_time
+        line += f"\nmean time of the first passage: {first.value:.6g} +- {first.error:.2g} d/U"
+    for name, head in shown.items():
         heads += [head, "+-"]
         values += _value_and_error(getattr(run, name)).values()
     return f"{columns(heads, values)}\n{line}"
