@@ -1,4 +1,4 @@
-"""When a tracer in a field first reaches a depth, in units of l = g = 1 where not said otherwise."""
+"""When a tracer in a field first reaches a depth, in units of l = g = 1 where not said else."""
 
 from pathlib import Path
 
