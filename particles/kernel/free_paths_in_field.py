@@ -13,7 +13,7 @@ import numpy as np
 from particles.compiled.decorators import by_dimension, inlined, kernel
 from particles.events import scatter, scatter_in_space
 from particles.kernel import columns
-from particles.kernel.lane import RUNNING, Start, launch
+from particles.kernel.lane import AT_REST, RUNNING, Start, launch
 from particles.kernel.parabola import (
     ACROSS2,
     ALONG,
@@ -181,7 +181,7 @@ def follow_free_paths_in_field(
             if status == RUNNING:
                 a += 1
                 continue
-            lane.slowness = 1.0 / sqrt(lane.vx * lane.vx + _across2(lane))
+            lane.slowness = 1.0 / max(sqrt(lane.vx * lane.vx + _across2(lane)), AT_REST)
             finish(lane, status, records)
             if launched < start.n:
                 _begin(lane, start, records, launched)

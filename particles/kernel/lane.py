@@ -21,6 +21,7 @@ from particles.streams import START, open_stream, uniform
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
+AT_REST = 1e-300  # a speed in place of 0, with which a tracer begins in a field only
 
 # Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
 _FIELDS = {
@@ -87,7 +88,7 @@ class Start(NamedTuple):
 @inlined
 def _launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
     vx, vy = _draw(start, tracer)
-    _begin(lane, records, tracer, vx, vy, sqrt(vx * vx + vy * vy))
+    _begin(lane, records, tracer, vx, vy, max(sqrt(vx * vx + vy * vy), AT_REST))
 
 
 @inlined
@@ -105,7 +106,7 @@ def _launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> 
         else:
             size = sqrt(-2.0 * log(uniform(state, gamma, 2)))
             vz = size * cos(2.0 * pi * uniform(state, gamma, 3))
-    speed = sqrt(vx * vx + vy * vy + vz * vz)
+    speed = max(sqrt(vx * vx + vy * vy + vz * vz), AT_REST)
     _begin(lane, records, tracer, vx, vy, speed)
     lane.uz, lane.start_vz = vz / speed, vz
     lane.z = lane.flight_z = 0.0

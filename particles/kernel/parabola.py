@@ -154,7 +154,9 @@ def times_of(work: np.ndarray, n: int, field: float) -> None:
             s1 = sqrt(u1 * u1 + w[a])
             both, ahead = s[a] + s1, u[a] + u1
             inverse = 1.0 / both
-            y = _halved(_halved(_halved(g[a] * t * inverse)))
+            y = g[a] * t * inverse
+            y = y if y < 1.0 else 1.0  # by rounding it may be above
+            y = _halved(_halved(_halved(y)))
             x = y * y
             bend = 1 / 33
             for k in range(16):

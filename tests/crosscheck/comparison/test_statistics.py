@@ -352,3 +352,6 @@ def test_runs_of_other_laws_are_refused(run: dict[str, Any]) -> None:
     ensemble = simulate(**run, restitution=0.7, times=[1.0], media=3, tracers=5, workers=1)
     with pytest.raises(InputError, match="only runs of smooth disks in the plane"):
         from_ensemble(ensemble)
+    falling = simulate(BoltzmannGrad(0.04), 0.7, times=[1.0], media=3, tracers=5, field=0.1)
+    with pytest.raises(InputError, match="a run in a field cannot be compared"):
+        from_ensemble(falling)
