@@ -232,6 +232,21 @@ slope = _positive("slope", "d<r^2>/d ln t over l^2")
 norm = _positive("norm", "integral of G(R) over R")
 flatness = _positive("flatness", "<R^4>/<R^2>^2")
 
+# --- a uniform field along z, beyond the paper; lengths in l, accelerations in that of the field
+f0 = _function("f_0", "harmonic 0 of the velocity distribution about the field")
+f1 = _function("f_1", "harmonic 1 of the velocity distribution about the field")
+f2 = _function("f_2", "harmonic 2 of the velocity distribution about the field")
+f3 = _function("f_3", "harmonic 3 of the velocity distribution about the field")
+row0 = _function("row_0", "harmonic 0 of the derivative of f by v_z")
+row1 = _function("row_1", "harmonic 1 of the derivative of f by v_z")
+row2 = _function("row_2", "harmonic 2 of the derivative of f by v_z")
+lam1 = _function("lambda_1", "1 - E[s^p cos(chi)], by the order p", positive=True)
+lam2 = _function("lambda_{2}", "1 - E[s^p P_2(cos(chi))], in the plane cos(2 chi)", positive=True)
+theta_z = _real("theta_z", "angle between the velocity and the field", latex=r"\theta_z")
+drift = _positive("u", "drift along the field")
+Dperp = _positive("D_perp", "diffusion coefficient across the field", latex=r"D_\perp")
+deficit = _positive("epsilon_e", "1 - e^2", latex=r"\epsilon")
+
 
 def meaning(name: str) -> str:
     """What the symbol or function of this name stands for; KeyError if it is not in the table."""

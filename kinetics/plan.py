@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from kinetics.densities.harmonic import Profile
@@ -18,18 +17,10 @@ from kinetics.outputs import (
     VELOCITY,
 )
 from kinetics.position.density import Displacement
+from kinetics.status import PlanStep
 
 SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
-
-
-@dataclass(frozen=True)
-class PlanStep:
-    """One part of the work: what, whether it was done, and why."""
-
-    part: str
-    solved: bool
-    reason: str
 
 
 def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import html
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,13 +17,14 @@ from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
-from kinetics.states.isotropic import as_state
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, finite_line, refuse, whole_number
+from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
 from kinetics.values import Value
 
 MOST_HARMONICS = 256
+_FIELD = "it must be a finite number, 0 or more: the field is along +x"
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,9 @@ class Scene(Value):
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, for averages among smooth disks
     density_order : how far, for those two; see `kinetics.collision.medium`
+    field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
+        "rest" (U is then any unit of speed), and the outputs are those of
+        `kinetics.outputs.FIELD_OUTPUTS`
 
     Raises
     ------
@@ -65,7 +70,7 @@ class Scene(Value):
     restitution: Any
     number_density: float = 0.04
     diameter: float = 1.0
-    initial: Any = field(default="gaussian", compare=False)
+    initial: Any = dataclasses.field(default="gaussian", compare=False)
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
     harmonics: int = 8
@@ -74,7 +79,8 @@ class Scene(Value):
     collision_numbers: ArrayLike = ()
     scatterers: str = "dilute"
     density_order: str = "second"
-    state: State = field(init=False)
+    field: float = 0.0
+    state: State = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         law = law_of(self.restitution, self.tangential_restitution, self.dimension)
@@ -91,12 +97,14 @@ class Scene(Value):
                 f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
                 "a finite number above 0"
             )
-        checked["state"] = _start(self.initial, law.dimension)
+        checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
+        with_field = checked["field"] > 0.0
+        checked["state"] = _start(self.initial, law.dimension, with_field)
         checked["collision_numbers"] = _check_numbers(self.collision_numbers)
         only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
         checked["times"] = _check_times([0.0] if only_collisions else self.times)
-        checked["outputs"] = _check_outputs(self.outputs)
-        _check_solved_in_medium(checked, law)
+        checked["outputs"] = _check_outputs(self.outputs, with_field)
+        _check_together(checked, law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
         self.__dict__["law"] = law  # the cached property below
@@ -122,6 +130,7 @@ class Scene(Value):
         return (
             f"{self.law.described}, number_density={self.number_density!r}, "
             f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
+            + (f", field={self.field!r}" if self.field else "")
         )
 
     def __repr__(self) -> str:
@@ -129,8 +138,9 @@ class Scene(Value):
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((n, OUTPUTS[n].unit_in(self.dimension)) for n in self.outputs)
+            f"<tr><td>{row.name}</td><td>{row.unit_in(self.dimension)}</td>"
+            f"<td>{html.escape(row.description)}</td></tr>"
+            for row in ((FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -150,9 +160,11 @@ def _span(times: ArrayLike) -> str:
     return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
 
 
-def _start(initial: Any, dimension: int) -> State:
+def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
-    state = as_state(initial)
+    state = Rest() if isinstance(initial, str) and initial == "rest" else as_state(initial)
+    if isinstance(state, Rest) and not with_field:
+        refuse("initial", initial, "tracers at rest stay there, give a field as well")
     if dimension == 2:
         return state
     found = state.in_space()
@@ -162,16 +174,18 @@ def _start(initial: Any, dimension: int) -> State:
     return found
 
 
-def _check_solved_in_medium(checked: dict[str, Any], law: CollisionLaw) -> None:
-    """At a finite density the operator is used for averages over time only."""
-    if not isinstance(law, MediumLaw):
-        return
+def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
+    """Finite densities are solved for averages over time only, and only without a field."""
+    at_a_density, numbers = isinstance(law, MediumLaw), checked["collision_numbers"]
+    if at_a_density and checked["field"]:
+        refuse("field", checked["field"], "it is available for scatterers='dilute' only")
+    if numbers.size and checked["field"]:
+        refuse("collision_numbers", numbers, "they are available without a field only")
+    if numbers.size and at_a_density:
+        refuse("collision_numbers", numbers, "they are available for scatterers='dilute' only")
     for name in checked["outputs"]:
-        if OUTPUTS[name].values is None:
+        if at_a_density and OUTPUTS[name].values is None:
             refuse("outputs", name, "it is available for scatterers='dilute' only")
-    if checked["collision_numbers"].size:
-        allowed = "it is available for scatterers='dilute' only"
-        refuse("collision_numbers", checked["collision_numbers"], allowed)
 
 
 def _check_times(times: Any) -> FloatArray:
@@ -192,18 +206,21 @@ def _check_numbers(numbers: Any) -> FloatArray:
     return read_only(array)
 
 
-def _check_outputs(outputs: Any) -> tuple[str, ...]:
+def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
     try:
         names = [outputs] if isinstance(outputs, str) else list(outputs)
     except TypeError:
         names = [outputs]
-    known = ", ".join(OUTPUTS)
+    table = FIELD_OUTPUTS if with_field else OUTPUTS
+    known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str) or name not in OUTPUTS:
-            near = difflib.get_close_matches(name, OUTPUTS, n=1) if isinstance(name, str) else []
+        if not isinstance(name, str) or name not in table:
+            near = difflib.get_close_matches(name, table, n=1) if isinstance(name, str) else []
             hint = f"did you mean {near[0]!r}? " if near else ""
+            if name in (*OUTPUTS, *FIELD_OUTPUTS):
+                hint = f"not available {'with' if with_field else 'without'} a field; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

@@ -67,6 +67,10 @@ def solve(
         refuse("scene", scene, "it must be a Scene")
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
+    if scene.field:
+        from kinetics.in_field import solve_in_field
+
+        return solve_in_field(scene, rtol)
     degree = max([2.0, *(p for p, _ in powers_of(scene.outputs, scene.dimension))])
     averages = averages_of(scene, rtol, degree)
     asked = asked_for(averages, scene.outputs)

@@ -30,6 +30,7 @@ from . import (
     random_walk,
     stability,
     transport,
+    uniform_field,
 )
 from .equation import PrintedEquation, read_equations
 
@@ -54,7 +55,13 @@ PRINTED = {
 }
 """The paper's equations and figures, in its order."""
 
-ROWS = PRINTED | beyond_the_paper.EQUATIONS | finite_density.EQUATIONS | _BY_LABEL
+ROWS = (
+    PRINTED
+    | beyond_the_paper.EQUATIONS
+    | finite_density.EQUATIONS
+    | uniform_field.EQUATIONS
+    | _BY_LABEL
+)
 """Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 

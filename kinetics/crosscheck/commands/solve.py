@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from kinetics.crosscheck.commands.field import field_document, field_text
 from kinetics.crosscheck.commands.options import (
     UNITS,
     Numbers,
@@ -50,6 +51,19 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
 )
 @click.option(
+    "--field-steady",
+    is_flag=True,
+    help="Solve the steady state in a uniform field: drift and dispersion, in units of g and l.",
+)
+@click.option(
+    "--field-units",
+    type=Numbers(),
+    default="",
+    metavar="G,D,RHO",
+    help="With --field-steady, also in your units: the acceleration, the diameter and the density "
+    "of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.",
+)
+@click.option(
     "--outputs",
     default="thermal_speed,a2,msd",
     help=f"Averages, separated by commas, of {', '.join(HEADS)}.",
@@ -65,6 +79,8 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 @json_option
 def solve(
     scaled: bool,
+    field_steady: bool,
+    field_units: tuple[float, ...],
     outputs: str,
     radii: tuple[float, ...],
     wave_numbers: tuple[float, ...],
@@ -76,8 +92,14 @@ def solve(
     """Solve the kinetic equation: averages over time or by collision number, G(R) and F(k, t)."""
     if rtol is None:  # G(R) cannot have 1e-10
         rtol = 1e-6 if radii and not scaled else 1e-10
-    if scaled:
-        law = {name: system[name] for name in LAW}
+    law = {name: system[name] for name in LAW}
+    if field_units and (not field_steady or len(field_units) != 3):
+        raise click.UsageError("--field-units takes three numbers, with --field-steady")
+    if field_steady:
+        if scaled:
+            raise click.UsageError("give --scaled or --field-steady, not both")
+        found, text = field_document(law, field_units, rtol), field_text
+    elif scaled:
         if system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
         found, text = scaled_document(law, rtol), scaled_text

@@ -1,0 +1,16 @@
+"""The equation in a uniform field, in the limit of low density.
+
+A tracer falls freely between its collisions, with the acceleration g, so speeds and times have
+scales of their own: sqrt(g l) and sqrt(l/g), l the mean free path. In these units the equation has
+no parameter but the collision law,
+
+    d_t f + d_z f = v (gain - f),        d_z the derivative by the velocity along the field.
+
+Angular harmonics about the field turn it into a chain in which each harmonic meets its two
+neighbours only. `panels` discretises the speed, `collisions` the gain on it, `ladder` eliminates
+the chain, `steady` solves for the steady state and the dispersion about it, `solution` holds the
+answer of `solve_field`.
+
+May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
+all rooms. Begin with `steady.py`.
+"""
