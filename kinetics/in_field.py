@@ -19,9 +19,8 @@ from kinetics.states.isotropic import Rest
 from kinetics.status import PlanStep, explain, status_of
 
 _ATTEMPTS = 3
-# Of two solutions the finer one has less than this share of the error of the other (measured:
-# tests/kinetics/field/test_evolution.py)
-_GAIN = 0.2
+# Of two solutions the finer one has about this share of the error of the other
+_GAIN = 0.1
 
 
 def solve_in_field(scene: Scene, rtol: float) -> Solution:

@@ -61,12 +61,13 @@ def make_plan(
 
 def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
     """The level of the theory of a finite density; nothing where scatterers are dilute."""
-    return (PlanStep(SCATTERERS, True, averages.law.level),) if averages.law.level else ()
+    level, _ = averages.law.density_theory(0.0)
+    return (PlanStep(SCATTERERS, True, level),) if level else ()
 
 
 def limits(averages: Averages) -> str:
     """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
-    return averages.law.limits(float(averages.times[0]) / averages.mean_free_path)
+    return averages.law.density_theory(averages.times[0] / averages.mean_free_path)[1]
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

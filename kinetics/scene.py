@@ -53,7 +53,8 @@ class Scene(Value):
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
         to number_density * diameter^2 = 0.3, for averages among smooth disks
-    density_order : how far, for those two; see `kinetics.collision.medium`
+    density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
+        "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
         "rest" (U is then any unit of speed), and the outputs are those of
         `kinetics.outputs.FIELD_OUTPUTS`
@@ -134,7 +135,11 @@ class Scene(Value):
         )
 
     def __repr__(self) -> str:
-        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+        numbers = ""
+        if np.size(self.collision_numbers):
+            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
+        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
+        return f"Scene({self._system()}, {rest})"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -152,12 +157,12 @@ class Scene(Value):
         return cls(**parts)
 
 
-def _span(times: ArrayLike) -> str:
-    """How many times there are, and the first and the last."""
+def _span(times: ArrayLike, name: str = "times") -> str:
+    """How many times there are, or what the name says, and the first and the last."""
     array = np.asarray(times)
     if array.size == 1:
         return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
+    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
 
 
 def _start(initial: Any, dimension: int, with_field: bool) -> State:

@@ -147,6 +147,7 @@ class Solution(Value):
 
         Raises InputError if the scene has no collision_numbers.
         """
+        self._require_no_field()
         scene, numbers = self.scene, np.asarray(self.scene.collision_numbers)
         if numbers.size == 0:
             raise InputError("collision_numbers: the scene has none; give Scene some")

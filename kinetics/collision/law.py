@@ -236,14 +236,6 @@ class CollisionLaw:
         """
         return self._bounce.tail_exponent
 
-    @property
-    def smooth_disks(self) -> float:
-        """e of smooth disks; InputError for any other law: densities are solved for these only."""
-        smooth = self.tangential_restitution == 1.0 and self.dimension == 2
-        if self.restitution is None or not smooth:
-            refuse("restitution", self, "densities are solved for smooth disks only")
-        return self.restitution
-
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property
@@ -326,29 +318,19 @@ class CollisionLaw:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
         q = self.quadrature_for(float(np.abs(z).max()))
         power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
-        out = [self.decay_rate(z)]
-        factor = np.ones_like(q.log_loss)
+        out, factor = [self.decay_rate(z)], np.ones_like(q.log_loss)
         for n in range(1, orders):
             factor = factor * (-q.log_loss) / n
             out.append(-(power @ factor))
         return out
 
     def returns(self, m: int) -> tuple[float, float]:
-        """eps and x of bounces straight back to the scatterer before: (0, 0), there are none.
-
-        Among scatterers that are met again (`kinetics.collision.medium`), K - 1 on harmonic m is
-        replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
-        """
+        """eps and x of returns to the scatterer before (`MediumLaw.returns`); none here."""
         return 0.0, 0.0
 
-    @property
-    def level(self) -> str:
-        """The level of the theory of a finite density in words; empty where there is none."""
-        return ""
-
-    def limits(self, first: float) -> str:
-        """What averages from this time on, in l/U, lack at a finite density; perhaps empty."""
-        return ""
+    def density_theory(self, first: float) -> tuple[str, str]:
+        """In words: its level, and what averages from this time (in l/U) on lack; none here."""
+        return "", ""
 
     @cached_property
     def mean_log_loss(self) -> float:
@@ -395,13 +377,9 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            refuse("p", p, f"{self._why_lowest} it must be above {self.lowest_power:g}")
+            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
+            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
         return p_
-
-    @property
-    def _why_lowest(self) -> str:
-        which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-        return f"at {which} 0"
 
     @staticmethod
     def _finite(p: ArrayLike, value: NDArray[Any]) -> NDArray[Any]:

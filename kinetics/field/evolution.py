@@ -50,12 +50,12 @@ class TimeResolution:
         digits = -math.log10(max(rtol, 1e-12))
         harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
         nodes = math.ceil(1.5 * digits + 1.0)
-        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), 3.0 * rtol)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), rtol)
 
     def finer(self) -> TimeResolution:
         """With half as many harmonics again, some more nodes and shorter steps."""
         harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
-        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.1 * self.rtol)
+        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
 
 
 @dataclass

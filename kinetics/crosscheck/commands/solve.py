@@ -11,7 +11,6 @@ from kinetics.crosscheck.commands.options import (
     UNITS,
     Numbers,
     density_option,
-    initial_option,
     json_option,
     names_in,
     print_json,
@@ -19,12 +18,19 @@ from kinetics.crosscheck.commands.options import (
     tangential_option,
     times_option,
 )  # fmt: skip
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
-MEDIUM = ("scatterers", "number_density")
+MEDIUM = ("scatterers", "density_order", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
+TENSORS = {
+    "mean_velocity": (("<v_x> [U]", (0,)),),
+    "mean_displacement": (("<x> [d]", (0,)),),
+    "velocity_tensor": (("<v_x^2> [U^2]", (0, 0)), ("<v_y^2> [U^2]", (1, 1))),
+    "displacement_tensor": (("var(x) [d^2]", (0, 0)), ("var(y) [d^2]", (1, 1))),
+}
+"""Outputs that are vectors or tensors, with --field -> heads of the parts that are printed."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
@@ -40,15 +46,32 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 )
 @density_option
 @click.option(
+    "--initial",
+    type=click.Choice(["gaussian", "monoenergetic", "rest"]),
+    default="gaussian",
+    help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
+)
+@click.option(
     "--scatterers",
     type=click.Choice(["dilute", "overlapping", "hard disks"]),
     default="dilute",
     help="Dilute: the paper's equation; else with the correction for this density.",
 )
-@initial_option
+@click.option(
+    "--density-order",
+    type=click.Choice(["leading", "first", "second"]),
+    default="second",
+    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
+)
 @times_option
 @click.option(
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
+)
+@click.option(
+    "--field",
+    type=float,
+    default=0.0,
+    help="A uniform acceleration along x, in U^2/d: averages over time with it.",
 )
 @click.option(
     "--field-steady",
@@ -66,7 +89,8 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 @click.option(
     "--outputs",
     default="thermal_speed,a2,msd",
-    help=f"Averages, separated by commas, of {', '.join(HEADS)}.",
+    help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
+    f"{', '.join(FIELD_OUTPUTS)}.",
 )
 @click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
 @click.option(
@@ -90,8 +114,9 @@ def solve(
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, G(R) and F(k, t)."""
-    if rtol is None:  # G(R) cannot have 1e-10
-        rtol = 1e-6 if radii and not scaled else 1e-10
+    over_time = not scaled and not field_steady
+    if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
+        rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
     law = {name: system[name] for name in LAW}
     if field_units and (not field_steady or len(field_units) != 3):
         raise click.UsageError("--field-units takes three numbers, with --field-steady")
@@ -147,9 +172,10 @@ def solve_document(
     from kinetics import solve as solve_scene
     from kinetics.validation import not_negative, one_of, refuse
 
-    names = [one_of("outputs", name, HEADS) for name in names_in(outputs)]
+    known = FIELD_OUTPUTS if system.get("field") else HEADS
+    names = [one_of("outputs", name, known) for name in names_in(outputs)]
     if not names:
-        refuse("outputs", outputs, f"name at least one of {', '.join(HEADS)}")
+        refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
     not_negative("radii", radii)  # refused before minutes of work
     not_negative("wave_numbers", wave_numbers)
     wanted = names + ["position_density"] * bool(radii)
@@ -157,6 +183,7 @@ def solve_document(
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
         **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
+        **({"field": system["field"]} if system.get("field") else {}),
         "rtol": rtol,
         "status": solution.status.name.lower(),
         "message": solution.message,
@@ -185,7 +212,12 @@ def solve_text(found: dict[str, Any]) -> str:
 
     names = [name for name in HEADS if name in found]
     heads = ["t [d/U]", *(HEADS[name] for name in names)]
-    tables = [columns(heads, [found[name] for name in ("times", *names)])]
+    arrays = [found[name] for name in ("times", *names)]
+    for name, parts in TENSORS.items():
+        for head, place in parts if name in found else ():
+            heads.append(head)
+            arrays.append(found[name][(slice(None), *place)])
+    tables = [columns(heads, arrays)]
     for head, at, name in (
         ("G({:g})", "scaled_radii", "scaled_position_density"),
         ("F({:g}/d)", "wave_numbers", "intermediate_scattering"),

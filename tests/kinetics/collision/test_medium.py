@@ -253,8 +253,13 @@ def test_the_command_solves_among_scatterers(capsys: pytest.CaptureFixture[str])
     scene = Scene(0.7, 0.04, times=[100.0, 1e4], outputs=("msd",), scatterers="hard disks")
     assert found["msd"] == pytest.approx(solve(scene).msd)
     assert found["scatterers"] == "hard disks"
-    assert cli.main([*arguments, "--scaled"]) == 0
-    state = ScalingSolution(0.7, scatterers="hard disks", number_density=0.04)
+    assert cli.main([*arguments, "--scaled", "--density-order", "leading"]) == 0
+    medium = {"scatterers": "hard disks", "number_density": 0.04, "density_order": "leading"}
+    state = ScalingSolution(0.7, **medium)
+    assert (
+        state.cooling_rate
+        != ScalingSolution(0.7, **medium | {"density_order": "first"}).cooling_rate
+    )
     found = json.loads(capsys.readouterr().out)
     assert found["cooling_rate"] == pytest.approx(state.cooling_rate)
 

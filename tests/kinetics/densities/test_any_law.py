@@ -72,7 +72,8 @@ def test_mass_moments_and_sign(name: str) -> None:
             assert weight @ v**p == pytest.approx(exact, rel=1e-6 if p == 4.0 else 2e-8, abs=0.0)
 
 
-@pytest.mark.parametrize("name", [name for name in LAWS if name not in LASTING])
+# the closed form of "no slip" takes seconds
+@pytest.mark.parametrize("name", [n for n in LAWS if n not in (*LASTING, "no slip")])
 def test_late_times_are_the_scaling_solution(name: str) -> None:
     law, c = LAWS[name], np.array([0.02, 0.3, 0.7, 1.0, 1.4, 2.5])
     solution, exact = solved(law, [1e8, 1e13], 1e-9), ScalingSolution(law)
