@@ -22,6 +22,7 @@ from particles.values import Value
 
 if TYPE_CHECKING:
     from particles.grid.cells import Cells
+    from particles.kernel.records import Records
 
 SCALARS = (
     "thermal_speed",
@@ -200,10 +201,9 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, free_paths_in_field, lane, records
+    from particles.kernel import follow, free_paths, free_paths_in_field, lane
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
-    times = plan.times / plan.medium.diameter
     n = min(BLOCK, plan.tracers - first)
     given = np.empty((0, dimension))
     if plan.velocities is not None:
@@ -215,33 +215,8 @@ def _follow_block(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
     )  # fmt: skip
-    raw = {
-        name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
-        for name, shape in {
-            "positions": (times.size, n, dimension),
-            "velocities": (times.size, n, dimension),
-            "finals": (n, FINALS[dimension]),
-        }.items()
-    }
-    nothing = np.zeros((0, 0), np.int64)
-    speeds, components, distances, paths = (
-        tally.histograms.get(name, nothing) for name in HISTOGRAMS
-    )
-    record = records.Records(
-        times=times,
-        scales=plan.scales(),
-        moments=tally.moments,
-        totals=tally.totals,
-        statuses=tally.statuses,
-        grids=np.ascontiguousarray(plan.grids()[:, :2]),
-        speeds=speeds,
-        components=components,
-        distances=distances,
-        paths=paths,
-        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
-        queued=np.zeros(1, np.int64),
-        **raw,
-    )
+    record = _make_records(plan, tally, n)
+    raw = {name: getattr(record, name) for name in RAW}
     caught = np.empty((n, trap_columns(plan.medium)))
     n_caught = 0
     of_kind = lane.LANE_IN_FIELD_OF if plan.field else lane.LANE_OF
@@ -262,3 +237,37 @@ def _follow_block(
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
     return {"traps": caught[:n_caught], **raw}
+
+
+def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":
+    """Return the arrays of the tally, and new ones for what is kept of each of n tracers."""
+    from particles.kernel import records
+
+    dimension, times = plan.medium.dimension, plan.times / plan.medium.diameter
+    raw = {
+        name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
+        for name, shape in {
+            "positions": (times.size, n, dimension),
+            "velocities": (times.size, n, dimension),
+            "finals": (n, FINALS[dimension]),
+        }.items()
+    }
+    nothing = np.zeros((0, 0), np.int64)
+    speeds, components, distances, paths = (
+        tally.histograms.get(name, nothing) for name in HISTOGRAMS
+    )
+    return records.Records(
+        times=times,
+        scales=plan.scales(),
+        moments=tally.moments,
+        totals=tally.totals,
+        statuses=tally.statuses,
+        grids=np.ascontiguousarray(plan.grids()[:, :2]),
+        speeds=speeds,
+        components=components,
+        distances=distances,
+        paths=paths,
+        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
+        queued=np.zeros(1, np.int64),
+        **raw,
+    )
