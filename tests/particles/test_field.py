@@ -15,7 +15,7 @@ from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, simulate
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
 # All but what a field refuses.
 EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
-# Of a spectral solution, to its digits: medium, e -> <v_x>, <v^2>, <v_x^2>, <v> in the steady state.
+# The steady state by a spectral solution, to its digits: medium, e -> <v_x>, <v^2>, <v_x^2>, <v>.
 TABLE = [
     (DISKS, 0.0, (0.985849365, 1.66747853, 1.39179697, 1.12644819)),
     (DISKS, 0.5, (0.617488571, 1.461042878, 1.009250122, 1.050469279)),
