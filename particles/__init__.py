@@ -15,14 +15,30 @@ if TYPE_CHECKING:
     from particles.configuration import OBSERVABLES
     from particles.ensemble import Ensemble, Statuses, load
     from particles.estimators import Estimate, Histogram
-    from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+    from particles.media import (
+        BoltzmannGrad,
+        HardDisks,
+        HardSpheres,
+        Medium,
+        Poisson,
+        PoissonSpheres,
+        Positions,
+    )
     from particles.simulate import simulate
 
 _NAMES = {
     "configuration": ("OBSERVABLES",),
     "ensemble": ("Ensemble", "Statuses", "load"),
     "estimators": ("Estimate", "Histogram"),
-    "media": ("BoltzmannGrad", "HardDisks", "Medium", "Poisson", "Positions"),
+    "media": (
+        "BoltzmannGrad",
+        "HardDisks",
+        "HardSpheres",
+        "Medium",
+        "Poisson",
+        "PoissonSpheres",
+        "Positions",
+    ),
     "simulate": ("simulate",),
 }
 
@@ -32,9 +48,11 @@ __all__ = [
     "Ensemble",
     "Estimate",
     "HardDisks",
+    "HardSpheres",
     "Histogram",
     "Medium",
     "Poisson",
+    "PoissonSpheres",
     "Positions",
     "Statuses",
     "load",

@@ -8,7 +8,7 @@ import numpy as np
 
 from particles.checks import check_whole, real_array, refuse, short
 from particles.configuration import OBSERVABLES, Plan, speeds
-from particles.media import Medium, Positions
+from particles.media import MEDIA, Medium, Positions
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
@@ -24,7 +24,8 @@ def make_plan(
     whole: media, tracers, max_collisions and seed. Raises ValueError for what is not allowed.
     """
     if not isinstance(medium, Medium):
-        refuse("medium", medium, "must be HardDisks, Poisson, BoltzmannGrad or Positions")
+        names = [kind.__name__ for kind in MEDIA]
+        refuse("medium", medium, f"must be {', '.join(names[:-1])} or {names[-1]}")
     kept = {"restitution": restitution, "tangential_restitution": tangential_restitution}
     for name, value in kept.items():
         if not (isinstance(value, (int, float)) and 0.0 <= value <= 1.0):

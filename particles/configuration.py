@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
-from particles.media import Medium, dilute_mean_path
+from particles.media import BoltzmannGrad, Medium, dilute_mean_path
 from particles.values import Value
 
 if TYPE_CHECKING:
@@ -78,10 +78,11 @@ class Plan(Value):
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """Sums over the tracers of one configuration (columns: particles.kernel.records).
+    """Sums over the tracers of one configuration (columns: particles.kernel.columns).
 
-    moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps (n, 4) tracer,
-    time, x, y; histograms name -> (n_times, bins + 2); raw name -> arrays, time first.
+    moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps
+    (n, trap_columns) tracer, time, place; histograms name -> (n_times, bins + 2); raw name ->
+    arrays, time first.
     """
 
     configuration: int
@@ -96,6 +97,11 @@ class Tally:
 def speeds(velocities: np.ndarray) -> np.ndarray:
     """Return the sizes of velocities (..., dimension), without overflow on the way."""
     return reduce(np.hypot, np.moveaxis(velocities, -1, 0))
+
+
+def trap_columns(medium: Medium) -> int:
+    """Return the number of columns of the trapped tracers (columns: kernel.columns)."""
+    return TRAPS[2 if isinstance(medium, BoltzmannGrad) else medium.dimension]
 
 
 def time_scales(times: np.ndarray) -> np.ndarray:
@@ -145,7 +151,7 @@ def _empty_tally(plan: Plan, configuration: int) -> Tally:
         moments=np.zeros((n_times, MOMENTS)),
         totals=np.zeros(TOTALS),
         statuses=np.zeros(STATUSES, np.int64),
-        traps=np.empty((0, TRAPS)),
+        traps=np.empty((0, trap_columns(plan.medium))),
         histograms={
             name: np.zeros((rows[name], bins[k] + 2), np.int64)
             for k, name in enumerate(HISTOGRAMS)
@@ -162,7 +168,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, free_paths_in_space, lane, records
+    from particles.kernel import follow, free_paths, lane, records
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     times = plan.times / plan.medium.diameter
@@ -198,18 +204,15 @@ def _follow_block(
         components=components,
         distances=distances,
         paths=paths,
-        queue=np.empty(records.QUEUE, records.OUTPUT),
+        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
         queued=np.zeros(1, np.int64),
-        third=np.zeros((records.QUEUE if dimension == 3 else 0, 3)),
         **raw,
     )
-    caught = np.empty((n, TRAPS))
+    caught = np.empty((n, trap_columns(plan.medium)))
     n_caught = 0
+    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
     if cells is None:
-        if dimension == 3:
-            free_paths_in_space.follow_free_paths_in_space(start, mean_path, record)
-        else:
-            free_paths.follow_free_paths(start, mean_path, record)
+        free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:
-        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, record)
+        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
     return {"traps": caught[:n_caught], **raw}

@@ -35,10 +35,12 @@ class Statuses(Value):
     trapped: caught in a corner between two scatterers, where infinitely many collisions follow
     within 1e-9 d or so. Declared after a flight shorter than 1e-9 d if, between two straight walls,
     the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
-    e = 0. escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
+    e = 0. Between spheres (kernel.pockets) a tracer leaves a groove along it where the tangential
+    restitution is 1, and is trapped in pockets between three spheres, or below 1 in grooves.
+    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
     it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
-    at the last speed, below 1 they may take for ever. trap_places (trapped, 2) relative to the
-    start, in d; trap_tracers (trapped, 2): configuration and tracer.
+    at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
+    to the start, in d; trap_tracers (trapped, 2): configuration and tracer.
     """
 
     finished: int
@@ -176,7 +178,7 @@ class Ensemble(Value):
             trapped,
             escaped,
             trap_times=traps[:, 2] * self._unit,
-            trap_places=traps[:, 3:5] * self._unit,
+            trap_places=traps[:, 3:] * self._unit,
             trap_tracers=traps[:, :2].astype(np.int64),
         )
 

@@ -33,6 +33,21 @@ def contact(dx: float, dy: float, ux: float, uy: float) -> tuple[float, float]:
 
 
 @njit(inline="always", error_model="numpy")
+def contact_in_space(dx: float, dy: float, dz: float, ux: float, uy: float, uz: float) -> float:
+    """Return the path to contact with a scatterer at (dx, dy, dz) from the tracer, in space.
+
+    NEVER where the unit direction (ux, uy, uz) misses it. The impact parameter is the size of what
+    is left of (dx, dy, dz) without its component along the direction.
+    """
+    along = dx * ux + dy * uy + dz * uz
+    px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
+    square = 1.0 - (px * px + py * py + pz * pz)
+    if along > GRAZING and square > 0.0:
+        return along - sqrt(square)
+    return NEVER
+
+
+@njit(inline="always", error_model="numpy")
 def touch(cx: float, cy: float, ux: float, uy: float, impact: float) -> tuple[float, float]:
     """Return the place of contact on the circle around (cx, cy), exact to rounding."""
     depth = sqrt((1.0 - impact) * (1.0 + impact))
@@ -121,6 +136,38 @@ def scatter_in_space(
     # As in the plane: one Newton step on the norm.
     unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
     return (vx * unit, vy * unit, vz * unit), ratio
+
+
+@njit(inline="always", error_model="numpy")
+def bounce_in_space(
+    offset: tuple[float, float, float],
+    direction: tuple[float, float, float],
+    restitution: float,
+    tangential: float,
+) -> tuple[tuple[float, float, float], tuple[float, float, float], float]:
+    """Return (normal at contact, new unit direction, speed ratio) of a flight that ends in contact.
+
+    offset: from the tracer to the scatterer, where the flight begins. With the impact parameter as
+    a vector y across the direction u, and q = sqrt(1 - y^2), the normal is -(q u + y), exact to
+    rounding, and the new velocity is that of `scatter_in_space`.
+    """
+    (dx, dy, dz), (ux, uy, uz) = offset, direction
+    along = dx * ux + dy * uy + dz * uz
+    px, py, pz = dx - along * ux, dy - along * uy, dz - along * uz
+    y2 = px * px + py * py + pz * pz
+    square = 1.0 - y2
+    depth = sqrt(square)
+    normal = -(depth * ux + px), -(depth * uy + py), -(depth * uz + pz)
+    kept, ratio = _rebound(y2, 1.0, square, restitution, tangential)
+    if ratio == 0.0:
+        return normal, direction, 0.0
+    scale = 1.0 / ratio
+    kept *= scale
+    across = -(tangential + restitution) * depth * scale
+    vx, vy, vz = kept * ux + across * px, kept * uy + across * py, kept * uz + across * pz
+    # As in the plane: one Newton step on the norm.
+    unit = 1.5 - 0.5 * (vx * vx + vy * vy + vz * vz)
+    return normal, (vx * unit, vy * unit, vz * unit), ratio
 
 
 @njit(error_model="numpy")

@@ -3,9 +3,9 @@
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import pi, sqrt
+from math import cbrt, pi, sqrt
 from os import PathLike
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -13,25 +13,29 @@ from particles.checks import check_path, check_positive, check_whole, real_array
 from particles.values import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
-# attempts per disk diverges. In d^-2; an area fraction of 0.51.
+# attempts per disk diverges. In d^-2; an area fraction of 0.51. Spheres jam at a volume fraction of
+# 0.384; for them the same number is in d^-3, a volume fraction of 0.34.
 LARGEST_RSA_DENSITY = 0.65
+# Overlapping spheres, in d^-3: cells of unbounded space list 100 of them. The places that a tracer
+# can be at are no longer connected above 0.84.
+LARGEST_POISSON_DENSITY = 1.0
 # In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
 LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
 # Scatterers that a cell lists on average. Speed depends on it, results do not;
 # tests/particles/measurements/kernel_speed.py measures the speed at several values.
 LISTED = 5.0
 # At lower densities flights are so long that too few digits of the impact parameter are exact.
-LEAST_DENSITY = 1e-10  # in d^-2
+LEAST_DENSITY = 1e-10  # in d^-2, or d^-3
 FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
 # In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
 LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 
-def _not_too_thin(name: str, value: float, in_diameters: float) -> None:
+def _not_too_thin(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
         raise ValueError(
-            f"{name} = {value!r}: {in_diameters:.3g} scatterers per d^2; at least "
+            f"{name} = {value!r}: {in_diameters:.3g} scatterers per d^{dimension}; at least "
             f"{LEAST_DENSITY:g}, below use BoltzmannGrad, which is the limit"
         )
 
@@ -120,6 +124,80 @@ class Poisson(_Random):
     """
 
     overlapping = True
+
+
+@dataclass(frozen=True)
+class _Spheres:
+    dimension: ClassVar[int] = 3
+    number_density: float
+    diameter: float = 1.0
+    count: int | None = 40_000
+    largest_density: ClassVar[float]  # in d^-3
+
+    def __post_init__(self) -> None:
+        density = check_positive("number_density", self.number_density)
+        d = check_positive("diameter", self.diameter)
+        in_diameters = density * d * d * d
+        _not_too_thin("number_density", self.number_density, in_diameters, dimension=3)
+        if in_diameters > self.largest_density:
+            raise ValueError(
+                f"number_density = {self.number_density}: at most "
+                f"{self.largest_density / d**3:g} for {type(self).__name__} of diameter = {d:g}"
+            )
+        if self.count is None:
+            return
+        check_whole("count", self.count, 1, LARGEST_COUNT)
+        if self.box_side < SMALLEST_BOX * d:
+            raise ValueError(
+                f"count = {self.count}: the box would be {self.box_side / d:.3g} d wide at "
+                f"number_density = {self.number_density}; it must be at least {SMALLEST_BOX:g} d"
+            )
+
+    @property
+    def box_side(self) -> float:
+        """Side of the periodic box, (count / number_density)^(1/3); infinite without one."""
+        return cbrt(self.count / self.number_density) if self.count else float("inf")
+
+    @property
+    def volume_fraction(self) -> float:
+        """Volume of the spheres per unit volume, overlaps counted as often as they occur."""
+        return pi / 6 * self.number_density * self.diameter**3
+
+
+@dataclass(frozen=True)
+class HardSpheres(_Spheres):
+    """Spheres in three dimensions that do not overlap, placed by random sequential addition.
+
+    number_density: spheres per unit volume. diameter d of a sphere and of the tracer, in the unit
+    of length that density, times and results share. count: their number in the periodic cubic box,
+    of side (count / number_density)^(1/3). equilibrate: sweeps of Monte Carlo moves (Metropolis,
+    one attempt per sphere each) after the placement.
+
+    No sphere lies within d of the box's centre, where tracers start. ValueError where an argument
+    is not positive, the box is smaller than 4 d, or the density is lower than 1e-10 d^-3 or higher
+    than 0.65 d^-3.
+    """
+
+    count: int = 40_000
+    equilibrate: int = 0
+    largest_density = LARGEST_RSA_DENSITY
+
+    def __post_init__(self) -> None:
+        check_whole("count", self.count, 1, LARGEST_COUNT)
+        super().__post_init__()
+        check_whole("equilibrate", self.equilibrate, 0, 2**31)
+
+
+@dataclass(frozen=True)
+class PoissonSpheres(_Spheres):
+    """Spheres in three dimensions, placed without regard to one another; they may overlap.
+
+    Arguments as of HardSpheres; the density is 1 d^-3 at most. count=None: unbounded space instead
+    of a periodic box, made where a tracer goes; it takes several times as long, because tracers
+    leave most of what is made for them behind. None of the spheres lies within d of the start.
+    """
+
+    largest_density = LARGEST_POISSON_DENSITY
 
 
 @dataclass(frozen=True)
@@ -267,7 +345,8 @@ def _pairs(path: str, table: Iterator[list[str]]) -> Iterator[tuple[float, float
         yield x, y
 
 
-Medium = HardDisks | Poisson | BoltzmannGrad | Positions
+Medium = HardDisks | Poisson | HardSpheres | PoissonSpheres | BoltzmannGrad | Positions
+MEDIA: tuple[type, ...] = get_args(Medium)
 
 
 def dilute_mean_path(medium: Medium) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 from particles.checks import refuse
 from particles.configuration import Plan
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, TOTALS
-from particles.media import BoltzmannGrad, Positions
+from particles.media import BoltzmannGrad, HardSpheres, PoissonSpheres, Positions
 
 _NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
@@ -54,7 +54,15 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
 def _scatterers(plan: Plan) -> int:
     """Return the bytes of one configuration's scatterers in a periodic box."""
     medium = plan.medium
-    if isinstance(medium, BoltzmannGrad) or not (isinstance(medium, Positions) or medium.box):
+    if isinstance(medium, BoltzmannGrad):
+        return 0
+    if isinstance(medium, (HardSpheres, PoissonSpheres)):
+        from particles.grid import space
+
+        d = medium.diameter
+        density = medium.number_density * d**3
+        return space.box_bytes(medium.box_side / d, density, medium.count) if medium.count else 0
+    if not (isinstance(medium, Positions) or medium.box):
         return 0
     from particles.grid.cells import box_bytes
 

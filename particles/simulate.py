@@ -42,7 +42,8 @@ def simulate(
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson, BoltzmannGrad or Positions.
+    medium: HardDisks, Poisson, Positions or BoltzmannGrad in the plane, HardSpheres, PoissonSpheres
+        or BoltzmannGrad(dimension=3) in space.
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0.
@@ -66,9 +67,9 @@ def simulate(
         bits as one that was never stopped.
 
     Raises ValueError for bad input, for a run that needs more memory than the machine has, where
-    the disks cannot be placed, and for an output that exists (without resume), is damaged, in use
-    by another process, cannot be written, or holds another run. What was there is left as it was.
-    Where the disk fills up during the run, what is done stays, and resume goes on from it.
+    the scatterers cannot be placed, and for an output that exists (without resume), is damaged, in
+    use by another process, cannot be written, or holds another run. What was there is left as it
+    was. Where the disk fills up during the run, what is done stays, and resume goes on from it.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(

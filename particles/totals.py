@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from particles.configuration import Plan, Tally
+from particles.configuration import Plan, Tally, trap_columns
 from particles.ensemble import Ensemble
-from particles.kernel.columns import MOMENTS, STATUSES, TOTALS, TRAPS
+from particles.kernel.columns import MOMENTS, STATUSES, TOTALS
 
 
 class Totals:
@@ -20,7 +20,7 @@ class Totals:
             "path_sums": np.zeros((plan.media, TOTALS)),
         }
         self._sums = {"statuses": np.zeros(STATUSES, np.int64)}
-        self._pieces = {"traps": [np.empty((0, 1 + TRAPS))]}
+        self._pieces = {"traps": [np.empty((0, 1 + trap_columns(plan.medium)))]}
 
     def add(self, tally: Tally) -> None:
         """Add the next configuration's tally."""

@@ -1,5 +1,8 @@
 """How functions are compiled: `inlined` into those that call them, or a `kernel` kept on disk.
 
+The steps of a tracer come `by_dimension`: one event loop serves the plane and space, and is
+compiled for either with the steps of that dimension in it.
+
 numba keeps compiled code in `__pycache__`, or where NUMBA_CACHE_DIR says, and compiles a function
 anew when its own file has changed. It does not see a change to a function of another file that has
 been inlined. Here the contents of every file that a kernel may be made of are part of the key that
@@ -13,12 +16,32 @@ from importlib.resources import files
 from typing import Any
 
 from numba import njit
+from numba.extending import overload
 
 from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
-inlined = njit(error_model="numpy", forceinline=True)
+_OPTIONS: Any = {"error_model": "numpy", "forceinline": True}
+inlined = njit(**_OPTIONS)
+
+
+def by_dimension(plane: Any, space: Any) -> Callable:
+    """Return one function for two `inlined` ones of the same arguments.
+
+    The first argument is a record; the function for space is meant if it has a field `z`. A kernel
+    chooses when it is compiled, so it has no trace of the other function.
+    """
+
+    def either(record: Any, *others: Any) -> Any:
+        return (space if "z" in record.dtype.names else plane)(record, *others)
+
+    def choose(record: Any, *others: Any) -> Any:
+        chosen = space if "z" in record.fields else plane
+        return getattr(chosen, "py_func", chosen)
+
+    overload(either, strict=False, jit_options=_OPTIONS)(choose)
+    return either
 
 
 @cache

@@ -7,21 +7,22 @@ on it.
 
 import warnings
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 from numba.extending import is_jitted, overload
 
 from particles.compiled import slots
-from particles.compiled.slots import SLOTS, crowd, strike
+from particles.compiled.slots import SLOTS, crowd, strike, strike_in_space
 from particles.events import contact
 
-__all__ = ["FORM", "NOTE", "SLOTS", "crowd", "strike"]
+__all__ = ["FORM", "NOTE", "SLOTS", "crowd", "strike", "strike_in_space"]
 
 
-def _choose() -> tuple[Callable, Callable, str, str]:
-    """Return the two functions that kernels compile, the form that they have, and why."""
+def _choose() -> tuple[ModuleType, str, str]:
+    """Return the module of the functions that kernels compile, their form, and why."""
     if not is_jitted(contact):
-        return slots.strike, slots.crowd, "loop", "NUMBA_DISABLE_JIT is set: nothing is compiled"
+        return slots, "loop", "NUMBA_DISABLE_JIT is set: nothing is compiled"
     try:
         from particles.compiled import vectors
 
@@ -34,11 +35,11 @@ def _choose() -> tuple[Callable, Callable, str, str]:
             RuntimeWarning,
             stacklevel=2,
         )
-        return slots.strike, slots.crowd, "loop", note
-    return vectors.strike, vectors.crowd, "vectors", ""
+        return slots, "loop", note
+    return vectors, "vectors", ""
 
 
-_STRIKE, _CROWD, FORM, NOTE = _choose()
+_MODULE, FORM, NOTE = _choose()
 
 
 # numba compares the names and the annotations of the arguments, so they are repeated here.
@@ -46,9 +47,17 @@ _STRIKE, _CROWD, FORM, NOTE = _choose()
 def _compiled_strike(
     slots: np.ndarray, cell: int, x: float, y: float, ux: float, uy: float
 ) -> Callable:
-    return _STRIKE
+    return _MODULE.strike
 
 
 @overload(crowd, inline="always")
 def _compiled_crowd(slots: np.ndarray, cell: int, x: float, y: float) -> Callable:
-    return _CROWD
+    return _MODULE.crowd
+
+
+@overload(strike_in_space, inline="always")
+def _compiled_strike_in_space(
+    slots: np.ndarray, cell: int, place: tuple[float, float, float],
+    direction: tuple[float, float, float],
+) -> Callable:  # fmt: skip
+    return _MODULE.strike_in_space

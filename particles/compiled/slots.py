@@ -6,7 +6,7 @@ These loops run as they stand in the interpreter. Compiled kernels have them fro
 
 import numpy as np
 
-from particles.events import NEVER, contact
+from particles.events import NEVER, contact, contact_in_space
 
 SLOTS = 8
 
@@ -33,3 +33,19 @@ def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
         dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
         mask |= int(dx * dx + dy * dy < 1.0) << slot
     return mask
+
+
+def strike_in_space(
+    slots: np.ndarray, cell: int, place: tuple[float, float, float],
+    direction: tuple[float, float, float],
+) -> tuple[float, int]:  # fmt: skip
+    """As `strike`, in three dimensions. slots (n_cells, 3 * SLOTS): x of each slot, then y, z."""
+    x, y, z = place
+    ux, uy, uz = direction
+    path, found = NEVER, 0
+    for slot in range(SLOTS):
+        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
+        s = contact_in_space(dx, dy, slots[cell, 2 * SLOTS + slot] - z, ux, uy, uz)
+        if s < path:
+            path, found = s, slot
+    return path, found

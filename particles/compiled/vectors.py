@@ -53,10 +53,33 @@ def _minimum(builder: Any, vector: Any) -> Any:
     return builder.extract_element(vector, ir.Constant(_INT32, 0))
 
 
-def _loader(context: Any, builder: Any, sig: Any, args: Any) -> Callable[[int], Any]:
+def _first(builder: Any, along: Any, square: Any) -> tuple[Any, Any]:
+    """Return (path, slot) of the first contact: the last lines of `contact`, and the minimum."""
+
+    def constant(value: float) -> Any:
+        return ir.Constant(_VECTOR, [value] * SLOTS)
+
+    b = builder
+    struck = b.and_(
+        b.fcmp_ordered(">", along, constant(GRAZING)),
+        b.fcmp_ordered(">", square, constant(0.0)),
+    )
+    root = cgutils.get_or_insert_function(
+        b.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{SLOTS}f64"
+    )
+    path = b.select(struck, b.fsub(along, b.call(root, [square])), constant(NEVER))
+    least = _minimum(b, path)
+    equal = b.fcmp_ordered("==", path, _splat(b, least))
+    mask = b.zext(b.bitcast(equal, ir.IntType(SLOTS)), _INT32)
+    return least, b.zext(b.cttz(mask, ir.Constant(ir.IntType(1), 0)), _INT64)
+
+
+def _loader(
+    context: Any, builder: Any, sig: Any, args: Any, dimension: int = 2
+) -> Callable[[int], Any]:
     """Return what loads eight numbers from somewhere in a cell's slots."""
     array = context.make_array(sig.args[0])(context, builder, args[0])
-    row = builder.gep(array.data, [builder.mul(args[1], ir.Constant(_INT64, 2 * SLOTS))])
+    row = builder.gep(array.data, [builder.mul(args[1], ir.Constant(_INT64, dimension * SLOTS))])
 
     def load(offset: int) -> Any:
         start = builder.gep(row, [ir.Constant(_INT64, offset)])
@@ -74,28 +97,37 @@ def _strike(typingctx, slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-de
     def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
         load = _loader(context, b, sig, args)
 
-        def constant(value: float) -> Any:
-            return ir.Constant(_VECTOR, [value] * SLOTS)
-
         px, py, dir_x, dir_y = (_splat(b, a) for a in args[2:])
         # The lines of `contact`, in its order.
         dx, dy = b.fsub(load(0), px), b.fsub(load(SLOTS), py)
         along = b.fadd(b.fmul(dx, dir_x), b.fmul(dy, dir_y))
         impact = b.fsub(b.fmul(dx, dir_y), b.fmul(dy, dir_x))
-        square = b.fmul(b.fsub(constant(1.0), impact), b.fadd(constant(1.0), impact))
-        struck = b.and_(
-            b.fcmp_ordered(">", along, constant(GRAZING)),
-            b.fcmp_ordered(">", square, constant(0.0)),
-        )
-        root = cgutils.get_or_insert_function(
-            b.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{SLOTS}f64"
-        )
-        path = b.select(struck, b.fsub(along, b.call(root, [square])), constant(NEVER))
-        least = _minimum(b, path)
-        equal = b.fcmp_ordered("==", path, _splat(b, least))
-        mask = b.zext(b.bitcast(equal, ir.IntType(SLOTS)), _INT32)
-        slot = b.zext(b.cttz(mask, ir.Constant(ir.IntType(1), 0)), _INT64)
-        return context.make_tuple(b, sig.return_type, [least, slot])
+        one = ir.Constant(_VECTOR, [1.0] * SLOTS)
+        square = b.fmul(b.fsub(one, impact), b.fadd(one, impact))
+        return context.make_tuple(b, sig.return_type, _first(b, along, square))
+
+    return signature, generate
+
+
+@intrinsic
+def _strike_in_space(typingctx, slots, cell, x, y, z, ux, uy, uz):  # type: ignore[no-untyped-def]
+    result = types.Tuple((types.float64, types.int64))
+    signature = result(slots, cell, x, y, z, ux, uy, uz)
+
+    def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
+        load = _loader(context, b, sig, args, dimension=3)
+        place, direction = ([_splat(b, a) for a in group] for group in (args[2:5], args[5:]))
+        # The lines of `contact_in_space`, in its order.
+        offset = [b.fsub(load(k * SLOTS), p) for k, p in enumerate(place)]
+
+        def total(terms: list[Any]) -> Any:
+            return b.fadd(b.fadd(terms[0], terms[1]), terms[2])
+
+        along = total([b.fmul(d, u) for d, u in zip(offset, direction, strict=True)])
+        across = [b.fsub(d, b.fmul(along, u)) for d, u in zip(offset, direction, strict=True)]
+        one = ir.Constant(_VECTOR, [1.0] * SLOTS)
+        square = b.fsub(one, total([b.fmul(p, p) for p in across]))
+        return context.make_tuple(b, sig.return_type, _first(b, along, square))
 
     return signature, generate
 
@@ -126,16 +158,28 @@ def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     return _crowd(slots, cell, x, y)  # type: ignore[call-arg]
 
 
+def strike_in_space(
+    slots: np.ndarray, cell: int, place: tuple[float, float, float],
+    direction: tuple[float, float, float],
+) -> tuple[float, int]:  # fmt: skip
+    """As `particles.compiled.slots.strike_in_space`; runs compiled only."""
+    x, y, z = place
+    ux, uy, uz = direction
+    return _strike_in_space(slots, cell, x, y, z, ux, uy, uz)  # type: ignore[call-arg]
+
+
 @keep
 @njit
-def _both(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
-    return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y)
+def _all(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
+    space = _strike_in_space(slots, cell, x, y, 0.5 * x, 0.6 * ux, 0.6 * uy, 0.8)
+    return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y), space
 
 
 def check() -> None:
-    """Compile both and compare them with the loops; raise where either fails."""
-    row = np.linspace(-3.0, 3.0, 2 * SLOTS)[None, :]
-    for at in ((0.1, 0.2, 0.6, 0.8), (-2.0, 2.5, 0.8, -0.6), (9.0, 9.0, 1.0, 0.0)):
-        expected = loop.strike(row, 0, *at), loop.crowd(row, 0, *at[:2])
-        if _both(row, 0, *at) != expected:
+    """Compile them and compare them with the loops; raise where one fails."""
+    row = np.linspace(-3.0, 3.0, 3 * SLOTS)[None, :]
+    for x, y, ux, uy in ((0.1, 0.2, 0.6, 0.8), (-2.0, 2.5, 0.8, -0.6), (9.0, 9.0, 1.0, 0.0)):
+        space = loop.strike_in_space(row, 0, (x, y, 0.5 * x), (0.6 * ux, 0.6 * uy, 0.8))
+        expected = loop.strike(row, 0, x, y, ux, uy), loop.crowd(row, 0, x, y), space
+        if _all(row, 0, x, y, ux, uy) != expected:
             raise ArithmeticError("its results are not those of the loop")

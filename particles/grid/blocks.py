@@ -38,13 +38,13 @@ def place(i: int, j: int) -> int:
     return (((block << BLOCK) | (i & within)) << BLOCK) | (j & within)
 
 
-def is_plane(keys: np.ndarray) -> bool:
+def is_unbounded(keys: np.ndarray) -> bool:
     """Tell a plane's keys from a box's by their type: known when a kernel is compiled."""
     return keys.dtype == np.int64
 
 
-@overload(is_plane, inline="always")
-def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
+@overload(is_unbounded, inline="always")
+def _compiled_is_unbounded(keys):  # type: ignore[no-untyped-def]
     if keys.dtype == int64:
         return lambda keys: True
     return lambda keys: False
@@ -53,7 +53,7 @@ def _compiled_is_plane(keys):  # type: ignore[no-untyped-def]
 def is_missing(keys: np.ndarray, cell: int, i: int, j: int) -> bool:
     """Tell whether the window lacks cell (i, j) in its place. A box lacks none."""
     block = cell >> 2 * BLOCK
-    return is_plane(keys) and (keys[block, 0] != i >> BLOCK or keys[block, 1] != j >> BLOCK)
+    return is_unbounded(keys) and (keys[block, 0] != i >> BLOCK or keys[block, 1] != j >> BLOCK)
 
 
 @overload(is_missing, inline="always")

@@ -18,7 +18,14 @@ from numba import njit
 
 from particles.compiled.decorators import inlined
 from particles.compiled.slots import SLOTS
-from particles.grid.plane import Counts, Law, candidate_density, make_counts, make_law
+from particles.grid.plane import (
+    Counts,
+    Law,
+    candidate_density,
+    cells_key,
+    make_counts,
+    make_law,
+)
 from particles.media import LISTED
 
 EMPTY = 1e150  # far away, and its square is still finite
@@ -32,13 +39,15 @@ LISTINGS = 9
 
 
 class Cells(NamedTuple):
-    """Scatterers of a periodic box of n by n cells, or of the unbounded plane (n = 0).
+    """Scatterers of a periodic box of n cells along each axis, or of an unbounded medium (n = 0).
 
-    side: of a cell. slots (n_cells, 2 * SLOTS): x of each slot, then y; EMPTY where free.
-    fill (n_cells,): scatterers in each cell. head (n_cells,), links, nodes (, 2): the chains; -1
-    ends one. keys (n_blocks, 2): which block of the plane is stored there; for a box, an empty
-    array of bytes. Used for the plane only: law, counts: the distribution of its scatterers;
-    draft (, 6), pairs (, 2), who (, SLOTS): working memory for drawing a block.
+    dimension: 2, or 3 (particles.grid.space). side: of a cell. slots (n_cells, dimension * SLOTS):
+    x of each slot, then y, then z; EMPTY where free. fill (n_cells,): scatterers in each cell.
+    head (n_cells,), links, nodes (, dimension): the chains; -1 ends one. keys
+    (n_blocks, dimension): which block of the plane, or cell of space, is stored there; for a box,
+    an empty array of bytes. Without a box: law, counts: the distribution of the scatterers. In the
+    plane without a box: draft (, 6), pairs (, 2), who (, SLOTS): working memory for drawing a
+    block.
     """
 
     side: float
@@ -78,13 +87,13 @@ def empty_box(box: float, number_density: float, count: int, listed: float = LIS
     return Cells(
         side=side,
         n=n,
-        slots=_rows(n * n, EMPTY),
+        slots=rows(n * n, 2, EMPTY),
         fill=np.zeros(n * n, np.int32),
         head=np.full(n * n, -1, np.int32),
         links=np.empty(room, np.int32),
         nodes=np.empty((room, 2)),
         keys=np.empty((0, 2), np.int8),
-        law=make_law(side, 0.0, False, np.uint64(0), 0),
+        law=make_law(side, 0.0, False, np.uint64(0)),
         counts=Counts(np.empty((0, 0)), np.empty((0, 0), np.int64)),
         draft=np.empty((0, 6)),
         pairs=np.empty((0, 2), np.int64),
@@ -116,7 +125,7 @@ def plane(
     """
     side = max(cell_side(number_density), 3.0)
     density = candidate_density(number_density) if hard else number_density
-    law = make_law(side * 2**BLOCK, -0.5 * side, hard, seed, configuration)
+    law = make_law(side * 2**BLOCK, -0.5 * side, hard, cells_key(seed, configuration))
     counts = make_counts(law.side, law.band, density)
     if old is not None and old.counts is counts:
         old.keys[:] = _NOWHERE
@@ -128,7 +137,7 @@ def plane(
     return Cells(
         side=side,
         n=0,
-        slots=_rows(n_cells),
+        slots=rows(n_cells, 2),
         fill=np.empty(n_cells, np.int32),
         head=np.empty(n_cells, np.int32),
         links=np.empty(room, np.int32),
@@ -142,12 +151,13 @@ def plane(
     )
 
 
-def _rows(n_cells: int, value: float | None = None) -> np.ndarray:
+def rows(n_cells: int, dimension: int, value: float | None = None) -> np.ndarray:
     """Return slots whose rows are aligned with the lines of the processor's cache, 64 bytes."""
     line = 64 // 8
-    whole = np.empty(n_cells * 2 * SLOTS + line)
+    columns = dimension * SLOTS
+    whole = np.empty(n_cells * columns + line)
     begin = -(whole.ctypes.data // 8) % line
-    slots = whole[begin : begin + n_cells * 2 * SLOTS].reshape(n_cells, 2 * SLOTS)
+    slots = whole[begin : begin + n_cells * columns].reshape(n_cells, columns)
     if value is not None:
         slots[:] = value
     return slots

@@ -23,7 +23,7 @@ from particles.streams import CELLS, bits, mix, open_stream, to_unit
 
 # Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
 _SQRT2, _SQRT3 = 0x6A09E667F3BCC909, 0xBB67AE8584CAA73B
-_GUIDES = 256  # entries of a table that only shortens a search; the draws do not depend on it
+GUIDES = 256  # entries of a table that only shortens a search; the draws do not depend on it
 _TO_UNIT = 2.0**-32
 
 
@@ -53,19 +53,22 @@ class Counts(NamedTuple):
     guides: np.ndarray
 
 
-def make_law(side: float, edge: float, hard: bool, seed: np.uint64, configuration: int) -> Law:
+def make_law(side: float, edge: float, hard: bool, key: np.uint64) -> Law:
     """Return the law of a plane whose blocks have this side (at least 8).
 
     A circle of radius 1 reaches over an edge if its centre is within 1 of it; a candidate that
     excludes such a hard disk is within 2 of the edge. So bands are twice as wide as these lengths.
     """
-    key = np.uint64(_plane_key(seed, configuration))
     return Law(side, 4.0 if hard else 2.0, edge, hard, key)
 
 
+def cells_key(seed: np.uint64, configuration: int) -> np.uint64:
+    """Return the key of the streams that an unbounded medium is drawn from."""
+    return np.uint64(_cells_key(seed, configuration))
+
+
 @kernel
-def _plane_key(seed: Any, configuration: int) -> Any:
-    """Return the key of the streams of an unbounded plane's regions, a 64-bit integer."""
+def _cells_key(seed: Any, configuration: int) -> Any:
     return open_stream(seed, CELLS, configuration, 0)[0]
 
 
@@ -73,14 +76,19 @@ def _plane_key(seed: Any, configuration: int) -> Any:
 def make_counts(side: float, band: float, density: float) -> Counts:
     """Return the counts of regions of these sizes for a density of candidates in d^-2."""
     core = side - band
-    means = [density * core * core, density * core * band, density * band * band]
+    return make_counts_of((density * core * core, density * core * band, density * band * band))
+
+
+@lru_cache(maxsize=8)
+def make_counts_of(means: tuple[float, ...]) -> Counts:
+    """Return the distributions of Poisson numbers of these means, the largest mean first."""
     # Twelve standard deviations: the chance of more is below 1e-30.
     most = ceil(means[0] + 12.0 * sqrt(means[0]) + 40.0)
     n = np.arange(most + 1)
     factorials = np.array([lgamma(k + 1.0) for k in n])
     cumulative = np.array([np.cumsum(np.exp(n * log(mean) - mean - factorials)) for mean in means])
     cumulative[:, -1] = 1.0
-    steps = np.arange(_GUIDES) / _GUIDES
+    steps = np.arange(GUIDES) / GUIDES
     guides = np.array([np.searchsorted(row, steps) for row in cumulative])
     return Counts(cumulative, guides)
 
@@ -112,7 +120,7 @@ def count(counts: Counts, p: int, q: int, state: Any) -> int:
     """Return the number of candidates of a region, by inversion of its stream's state."""
     kind = (p & 1) + (q & 1)
     u = to_unit(state)
-    n = counts.guides[kind, int(u * _GUIDES)]
+    n = counts.guides[kind, int(u * GUIDES)]
     while u > counts.cumulative[kind, n]:
         n += 1
     return n

@@ -22,9 +22,10 @@ TOTALS = 2
 LN_SPEED, LN_TIME, FINAL_X, FINAL_Y, FINAL_COLLISIONS, FINAL_Z = range(6)
 FINALS = {2: 5, 3: 6}
 
-# A trapped tracer, (TRAPS,): its number, and the time and the place at which it was caught.
-TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y = range(4)
-TRAPS = 4
+# A trapped tracer, (TRAPS[dimension],): its number, and the time and the place at which it was
+# caught. A medium without scatterers has no traps, and the columns of the plane.
+TRAP_TRACER, TRAP_TIME, TRAP_X, TRAP_Y, TRAP_Z = range(5)
+TRAPS = {2: 4, 3: 5}
 
 # Histograms: rows of the table of their grids.
 SPEED, COMPONENT, DISTANCE, PATH = range(4)

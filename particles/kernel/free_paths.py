@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from particles.compiled.decorators import inlined, kernel
-from particles.events import scatter
+from particles.compiled.decorators import by_dimension, inlined, kernel
+from particles.events import scatter, scatter_in_space
 from particles.kernel import columns
-from particles.kernel.lane import LANE, LANES, RUNNING, Start, fly, is_due, launch, shift_clock
+from particles.kernel.lane import RUNNING, Start, advance, fly, is_due, launch, shift_clock
 from particles.kernel.records import QUEUE, Records, count_path, enter_queue, finish, queue_output
-from particles.streams import FLIGHTS, open_stream, uniform
+from particles.streams import FLIGHTS, bits, in_disk, open_stream, uniform
 
 
 @inlined
@@ -22,19 +22,41 @@ def _begin(lane: Any, start: Start, records: Records, tracer: int) -> None:
     )
 
 
-@kernel
-def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
-    """Follow tracers whose free paths are exponential and whose impact parameters are uniform.
+@inlined
+def _scatter(lane: Any, draw: int, restitution: float, tangential: float) -> float:
+    # Odd multiples of 2**-53 less 1: never 0, so the speed ratio is never 0 either.
+    impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
+    lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
+    return ratio
 
-    mean_path: the mean free path in d.
+
+@inlined
+def _scatter_in_space(lane: Any, draw: int, restitution: float, tangential: float) -> float:
+    # The impact parameter is never 0, so the speed ratio is never 0 either.
+    impact = in_disk(bits(lane.stream, lane.gamma, draw))
+    before = lane.ux, lane.uy, lane.uz
+    (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(before, impact, restitution, tangential)
+    return ratio
+
+
+# Collide with an impact parameter from this draw: uniform on the line, or in the disk, across the
+# direction. Return the ratio of the speeds after and before.
+_collide = by_dimension(_scatter, _scatter_in_space)
+
+
+@kernel
+def follow_free_paths(start: Start, mean_path: float, lanes: np.ndarray, records: Records) -> None:
+    """Follow tracers whose free paths are exponential and whose impact parameters are random.
+
+    mean_path: the mean free path in d. lanes: of LANE_OF[dimension], as many as shall be under way
+    at the same time.
     """
     # Taken out of their tuples once, as in `follow`.
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     restitution, tangential = start.restitution, start.tangential
     last_time = times[times.size - 1] if times.size else np.inf
-    lanes = np.empty(LANES, LANE)
-    active = launched = min(LANES, start.n)
+    active = launched = min(lanes.size, start.n)
     for a in range(active):
         _begin(lanes[a], start, records, a)
     a = 0
@@ -42,7 +64,7 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
         if a >= active:
             a = 0
         lane = lanes[a]
-        ux, uy, draw = lane.ux, lane.uy, 2 * lane.collisions
+        draw = 2 * lane.collisions
         path = -mean_path * log(uniform(lane.stream, lane.gamma, draw))
         while is_due(lane, path, times.size):
             if queued[0] == QUEUE:
@@ -50,15 +72,12 @@ def follow_free_paths(start: Start, mean_path: float, records: Records) -> None:
             queue_output(lane, queue[queued[0]], times, scales)
             queued[0] += 1
         path, finished = fly(lane, path, times.size, last_time)
-        lane.flight_x += path * ux
-        lane.flight_y += path * uy
+        advance(lane, path)
         status = columns.FINISHED if finished else RUNNING
         if not finished:
             if paths.size:
                 count_path(paths, grids, path)
-            # Odd multiples of 2**-53 less 1: never 0, so the speed ratio is never 0 either.
-            impact = 2.0 * uniform(lane.stream, lane.gamma, draw + 1) - 1.0
-            lane.ux, lane.uy, ratio = scatter(ux, uy, impact, restitution, tangential)
+            ratio = _collide(lane, draw + 1, restitution, tangential)
             lane.collisions += 1
             lane.slowness /= ratio
             shift_clock(lane, times)

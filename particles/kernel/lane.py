@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from particles.compiled.decorators import inlined
-from particles.kernel.records import Records
+from particles.compiled.decorators import by_dimension, inlined
+from particles.kernel.records import Records, record_type
 from particles.streams import START, open_stream, uniform
 
 # Tracers that one thread follows in turns. Speed depends on it, results do not;
@@ -49,9 +49,14 @@ _FIELDS = {
     ),
     np.uint64: ("stream", "gamma"),     # what random flights without scatterers are drawn from
 }  # fmt: skip
-LANE = np.dtype(
-    (np.record, np.dtype([(n, kind) for kind, names in _FIELDS.items() for n in names], align=True))
-)
+# What a lane has besides in three dimensions: the third coordinates.
+_FIELDS_IN_SPACE = {
+    np.float64: (
+        "z", "uz", "flight_z", "start_vz", "wall_z", "between_z", "move_z", "struck_z",
+    ),
+    np.int64: ("k", "stored_k", "step_k"),
+}  # fmt: skip
+LANE_OF = {2: record_type(_FIELDS), 3: record_type(_FIELDS_IN_SPACE, _FIELDS)}
 
 
 class Start(NamedTuple):
@@ -74,15 +79,13 @@ class Start(NamedTuple):
 
 
 @inlined
-def launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
-    """Set a lane to the beginning of the path of tracer number `start.first + tracer`."""
+def _launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
     vx, vy = _draw(start, tracer)
     _begin(lane, records, tracer, vx, vy, sqrt(vx * vx + vy * vy))
 
 
 @inlined
-def launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> tuple[float, float]:
-    """As `launch`, in three dimensions: return the third components of direction and velocity."""
+def _launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> None:
     vx, vy = _draw(start, tracer)
     if start.given.shape[0]:
         vz = start.given[tracer, 2]
@@ -98,12 +101,18 @@ def launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> t
             vz = size * cos(2.0 * pi * uniform(state, gamma, 3))
     speed = sqrt(vx * vx + vy * vy + vz * vz)
     _begin(lane, records, tracer, vx, vy, speed)
-    return vz / speed, vz
+    lane.uz, lane.start_vz = vz / speed, vz
+    lane.z = lane.flight_z = 0.0
+    lane.k = 0
+
+
+# Set a lane to the beginning of the path of tracer number `start.first + tracer`.
+launch = by_dimension(_launch, _launch_in_space)
 
 
 @inlined
 def _draw(start: Start, tracer: int) -> tuple[float, float]:
-    """Return the first two components of a tracer's initial velocity, as in the plane."""
+    """Return the first two components of a tracer's initial velocity."""
     if start.given.shape[0]:
         vx, vy = start.given[tracer, 0], start.given[tracer, 1]
     else:
@@ -125,6 +134,22 @@ def _begin(lane: Any, records: Records, tracer: int, vx: float, vy: float, speed
     lane.time = lane.travelled = lane.normal_x = lane.normal_y = 0.0
     lane.collisions = lane.output = lane.shifts = lane.i = lane.j = 0
     lane.tracer = tracer
+
+
+@inlined
+def _advance(lane: Any, path: float) -> None:
+    lane.flight_x += path * lane.ux
+    lane.flight_y += path * lane.uy
+
+
+@inlined
+def _advance_in_space(lane: Any, path: float) -> None:
+    _advance(lane, path)
+    lane.flight_z += path * lane.uz
+
+
+# Move the place where the flight of a lane began by a path along its direction.
+advance = by_dimension(_advance, _advance_in_space)
 
 
 @inlined

@@ -3,8 +3,9 @@
 Layout. Attributes of the root: `format`, `version`, `done` (configurations in the file, the first
 so many), `plan` (JSON: medium and arguments), `digest` (SHA-256 of all the rest). Version 2 is for
 plans with numbers that version 1 did not know; at their defaults these are left out, and the
-version is 1. Each dataset has an attribute `unit`. Lengths are in d and times in d/U with d the
-diameter, whatever unit the user's arguments were in.
+version is 1. Version 3 is for media that version 2 did not know. Each dataset has an attribute
+`unit`. Lengths are in d and times in d/U with d the diameter, whatever unit the user's arguments
+were in.
 
     plan/times (n_times,)           output times, in the user's unit of length over U
     plan/velocities                 given initial velocities, if any, in U
@@ -13,7 +14,8 @@ diameter, whatever unit the user's arguments were in.
                                     s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
     statuses (4,)                   finished, collision cap, trapped, escaped
-    traps (n, 5)                    configuration, tracer, time, x, y of each trapped tracer
+    traps (n, 5)                    configuration, tracer, time, x, y of each trapped tracer;
+                                    among spheres (n, 6), with z
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
@@ -36,23 +38,25 @@ import numpy as np
 
 from particles.arguments import make_plan
 from particles.checks import check_path
-from particles.configuration import RAW, Plan
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
-from particles.media import BoltzmannGrad, HardDisks, Medium, Poisson, Positions
+from particles.configuration import RAW, Plan, trap_columns
+from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS
+from particles.media import MEDIA, HardSpheres, Medium, PoissonSpheres, Positions
 from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 # Numbers of a plan that version 1 of the layout did not have, and what they were then.
 LATER = {"tangential_restitution": 1.0, "dimension": 2}
+# Media that version 2 did not have.
+_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres)]
 
-_MEDIA: dict[str, type] = {m.__name__: m for m in (HardDisks, Poisson, BoltzmannGrad, Positions)}
+_MEDIA: dict[str, type] = {medium.__name__: medium for medium in MEDIA}
 _UNITS = {
     "plan/times": "length/U",
     "plan/velocities": "U",
     "plan/positions": "length",
     "moments": "1, U^2, U^4, d^2, d^4, 1, U^2, 1",
     "path_sums": "d, 1",
-    "traps": "1, 1, d/U, d, d",
+    "traps": "1, 1, d/U, d, d",  # and d among spheres
     "raw/positions": "d",
     "raw/velocities": "U",
     "raw/finals": "ln U, ln(d/U), d, d, 1",  # and d in three dimensions
@@ -88,6 +92,8 @@ def _without_defaults(values: dict[str, Any]) -> dict[str, Any]:
 
 def _version(text: str) -> int:
     """Return the version of the layout that a plan, as JSON, needs."""
+    if json.loads(text)["medium"]["kind"] in _LATER_MEDIA:
+        return 3
     return 2 if any(f'"{name}"' in text for name in LATER) else 1
 
 
@@ -174,8 +180,8 @@ def _read(path: str) -> tuple[Plan, dict[str, np.ndarray], int]:
     with h5py.File(path, "r") as file:
         if file.attrs.get("format") != FORMAT:
             raise _Refused("is not a saved simulation")
-        if file.attrs["version"] not in (1, 2):
-            raise _Refused(f"version {file.attrs['version']}; this program reads 1 and 2")
+        if file.attrs["version"] not in (1, 2, 3):
+            raise _Refused(f"version {file.attrs['version']}; this program reads 1, 2 and 3")
         done, text, digest = (file.attrs[name] for name in ("done", "plan", "digest"))
         arrays = _own_arrays(file, os.path.getsize(path))
     if _digest(text, done, arrays) != digest:
@@ -215,7 +221,7 @@ def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
         "moments": (done, times, MOMENTS),
         "path_sums": (done, TOTALS),
         "statuses": (STATUSES,),
-        "traps": (len(arrays["traps"]), 1 + TRAPS),
+        "traps": (len(arrays["traps"]), 1 + trap_columns(plan.medium)),
     }
     if done:
         for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2].astype(int) + 2, strict=True):

@@ -40,9 +40,12 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 
 @click.command(epilog=UNITS, short_help="Follow particles from collision to collision.")
 @click.option(
-    "--medium", type=click.Choice(["hard-disks", "poisson", "boltzmann-grad"]),
+    "--medium",
+    type=click.Choice(
+        ["hard-disks", "poisson", "hard-spheres", "poisson-spheres", "boltzmann-grad"]
+    ),
     default="hard-disks",
-    help="Disks that do not overlap, disks that may, or none: random free paths.",
+    help="Disks or spheres that do not overlap, that may, or none: random free paths.",
 )  # fmt: skip
 @restitution_option
 @tangential_option
@@ -50,7 +53,8 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
     "--box", type=click.Choice(["periodic", "none"]), default="periodic",
-    help="A periodic box, or the unbounded plane, made where a tracer goes.",
+    help="A periodic box, or the unbounded plane, made where a tracer goes (or space, of "
+    "poisson-spheres).",
 )  # fmt: skip
 @click.option(
     "--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
@@ -58,8 +62,9 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
 @click.option(
-    "--dimension", type=int, default=2,
-    help="3: spheres, of --medium boltzmann-grad only; densities are then in d^-3.",
+    "--dimension", type=int,
+    help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
+    "media have their own. Densities of spheres are in d^-3.",
 )  # fmt: skip
 @click.option("--media", type=int, default=100, help="Configurations of scatterers.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
@@ -140,17 +145,35 @@ def make_medium(
     box: str,
     positions: Path | None,
     box_side: float | None,
-    dimension: int,
+    dimension: int | None,
 ) -> Medium:
     """The medium that the options describe. Raises ValueError where they do not fit."""
-    from particles import BoltzmannGrad, HardDisks, Poisson, Positions
+    from particles import (
+        BoltzmannGrad,
+        HardDisks,
+        HardSpheres,
+        Poisson,
+        PoissonSpheres,
+        Positions,
+    )
 
     if (positions is None) != (box_side is None):
         raise ValueError("--positions and --box-side: give both or neither")
     if medium == "boltzmann-grad" and positions is None:
-        return BoltzmannGrad(number_density, dimension=dimension)  # type: ignore[arg-type]
-    if dimension != 2:
-        raise ValueError(f"dimension = {dimension}: must be 2 unless the medium is boltzmann-grad")
+        chosen = 2 if dimension is None else dimension
+        return BoltzmannGrad(number_density, dimension=chosen)  # type: ignore[arg-type]
+    spheres = medium.endswith("spheres") and positions is None
+    if dimension not in (None, 3 if spheres else 2):
+        others = "boltzmann-grad" if spheres else "boltzmann-grad, hard-spheres or poisson-spheres"
+        raise ValueError(
+            f"dimension = {dimension}: must be {3 if spheres else 2} unless the medium is {others}"
+        )
+    if medium == "hard-spheres" and spheres:
+        if box == "none":
+            raise ValueError("box = 'none': hard-spheres need a periodic box")
+        return HardSpheres(number_density, count=count)
+    if spheres:
+        return PoissonSpheres(number_density, count=None if box == "none" else count)
     if positions is not None and box_side is not None:
         return Positions.from_csv(positions, box_side)
     disks = HardDisks if medium == "hard-disks" else Poisson

@@ -1,0 +1,203 @@
+"""Where bounces do not end: grooves between two spheres and pockets between more of them.
+
+Two spheres leave a groove along the circle in which their spheres of contact (radius 1) meet, three
+leave a pocket where such circles meet. Close to them the spheres are planes, and the flights of a
+tracer may shrink geometrically, to infinitely many in a finite length.
+
+What is declared. After a flight shorter than SHORT, the bounces between all spheres within NEAR of
+contact are followed to their end (`last_bounces`), between the planes that touch them there. Where
+they end after a finite number, that is left to the event loop, as long as it can resolve them.
+
+Two planes, smooth spheres (et = 1). Across the edge the motion is that in a corner of the plane.
+With the unit normals n1 and n2 of the spheres, C = -n1.n2, and rho the normal speed with which the
+tracer leaves the one plane over that with which it approaches the other one, a bounce makes of rho
+
+    rho' = e / ((1 + e) C - rho),     fixed points rho^2 - (1 + e) C rho + e = 0.
+
+They are real if C >= 2 sqrt(e)/(1 + e), the rule of the plane; the upper one repels and the lower
+one attracts. So the tracer bounces for ever if rho is below the upper one: distance and speed
+across the edge shrink geometrically to nothing, and all this takes a finite time. The speed along
+the edge stays as it is, the edge is a circle and the spheres curve away from its tangent: the
+tracer leaves along the tangent. A groove is no trap. Where the spheres are so blunt that their
+curvature ends the bounces before (rho^3 > e^2 at the lower fixed point), the direction differs by
+less than SHORT.
+
+Two planes, et < 1. The same with r = e/et in the place of e, for r < 1 (for r >= 1 both fixed
+points are above 1, and the tracer runs out of the groove). The speed along the edge is multiplied
+by et at each bounce too, so infinitely many of them leave the tracer at rest: it is trapped. Per
+bounce, the path along the edge is multiplied by rho^2/r, the speed across the edge relative to
+that along it by r/rho. The spheres recede by path^2/2, which matters when path (along)/(across) is
+about 1; this number is multiplied by rho^3/r^2. So the bounces never end if rho^3 <= r^2, and are
+followed until the spheres recede if not.
+
+More planes: no such formula is known. The bounces are followed, each groove being left along its
+edge, until the tracer leaves, or until its speed has fallen to SLOW of what tangential friction
+alone would have left of it: then it is trapped.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numba import njit
+
+from particles.events import GRAZING
+from particles.grid.cells import Cells
+
+NEAR = 1e-8
+UNRESOLVED = 1e-14  # in d: shorter flights are rounding
+SLOW = 1e-9
+MOST_WALLS = 8
+MOST_BOUNCES = 10_000  # more are taken for infinitely many
+LEAVES, FOR_EVER, RESTS = range(3)
+
+
+@njit(error_model="numpy")
+def end_of_bounces(
+    cells: Cells,
+    cell: int,
+    place: tuple[float, float, float],
+    direction: tuple[float, float, float],
+    law: tuple[float, float],
+    path: float,
+) -> tuple[tuple[float, float, float], float]:
+    """Return (direction, speed ratio) with which a tracer leaves after a flight of this length.
+
+    place: of the tracer, from the centre of its
+    cell; direction: after the bounce there. law: restitution e and tangential restitution et > e.
+    The ratio is 0 if the tracer is trapped. Both are unchanged where the event loop is to go on.
+    """
+    found = np.empty((MOST_WALLS, 4))
+    n = walls_near(cells.slots[cell], cells.head[cell], cells.links, cells.nodes, place, found)
+    if n < 2:
+        return direction, 1.0
+    end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
+    if end == LEAVES and path > UNRESOLVED:
+        return direction, 1.0
+    return last, ratio
+
+
+@njit(error_model="numpy")
+def walls_near(
+    slots: np.ndarray, head: int, links: np.ndarray, nodes: np.ndarray,
+    place: tuple[float, float, float], found: np.ndarray,
+) -> int:  # fmt: skip
+    """Find the spheres of a cell within NEAR of contact with a tracer; return their number.
+
+    slots (3 * SLOTS,): of the cell. found (MOST_WALLS, 4): receives their normals, towards the
+    tracer, and the gaps.
+    """
+    n = 0
+    for slot in range(slots.size // 3):
+        k = slots.size // 3
+        n = _add(place, (slots[slot], slots[k + slot], slots[2 * k + slot]), found, n)
+    while head >= 0:
+        n = _add(place, (nodes[head, 0], nodes[head, 1], nodes[head, 2]), found, n)
+        head = links[head]
+    return n
+
+
+@njit(error_model="numpy")
+def _add(
+    place: tuple[float, float, float], centre: tuple[float, float, float], found: np.ndarray, n: int
+) -> int:
+    dx, dy, dz = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
+    distance = sqrt(dx * dx + dy * dy + dz * dz)
+    if distance > 1.0 + NEAR or n == MOST_WALLS:
+        return n
+    found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
+    found[n, 3] = max(distance - 1.0, 0.0)
+    return n + 1
+
+
+@njit(error_model="numpy")
+def is_endless(cosine: float, rho: float, restitution: float, tangential: float) -> bool:
+    """Tell whether a tracer between two planes bounces for ever, for r = e/et < 1.
+
+    cosine: of the angle between the normals. rho: as above. At et < 1 False also where the
+    curvature of the spheres lets the tracer go.
+    """
+    r = restitution / tangential
+    middle = -0.5 * (1.0 + r) * cosine
+    square = middle * middle - r
+    if middle <= 0.0 or square < 0.0 or rho >= middle + sqrt(square):
+        return False
+    lower = r / (middle + sqrt(square))
+    return tangential == 1.0 or lower**3 <= r * r
+
+
+@njit(error_model="numpy")
+def last_bounces(
+    walls: np.ndarray, direction: tuple[float, float, float], restitution: float, tangential: float
+) -> tuple[int, tuple[float, float, float], float]:
+    """Follow bounces between planes to their end; e < et. Return how they end.
+
+    walls (n, 4): normals and gaps; that of the plane which the tracer has just struck is 0. The
+    gaps are changed. Return LEAVES after finitely many bounces, FOR_EVER after infinitely many, or
+    RESTS; then the unit direction in the end, and the ratio of the speeds after and before.
+    """
+    ux, uy, uz = direction
+    n = walls.shape[0]
+    gap = walls[:, 3]
+    last = int(np.argmin(gap))
+    ratio = friction = 1.0
+    end = LEAVES
+    for _ in range(MOST_BOUNCES):
+        struck, path, approach, left = -1, np.inf, 0.0, 0.0
+        for k in range(n):
+            w = walls[k, 0] * ux + walls[k, 1] * uy + walls[k, 2] * uz
+            if k == last:
+                left = w
+            # A sphere recedes by path^2 / 2 from the plane.
+            if w < -GRAZING and w * w > 2.0 * gap[k] and gap[k] < -w * path:
+                struck, path, approach = k, -gap[k] / w, w
+        if struck < 0:
+            return end, (ux, uy, uz), ratio
+        nx, ny, nz = walls[struck, 0], walls[struck, 1], walls[struck, 2]
+        mx, my, mz = walls[last, 0], walls[last, 1], walls[last, 2]
+        farther = _gap_of_others(walls, last, struck, (ux, uy, uz))
+        if (
+            struck != last
+            and left >= 0.0
+            and 1e3 * max(gap[struck], gap[last]) <= farther
+            and is_endless(nx * mx + ny * my + nz * mz, -left / approach, restitution, tangential)
+        ):
+            end = FOR_EVER
+            tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
+            size = sqrt(tx * tx + ty * ty + tz * tz)
+            along = (tx * ux + ty * uy + tz * uz) / size if size > 0.0 else 0.0
+            ratio *= abs(along)
+            if tangential < 1.0 or abs(along) < GRAZING or ratio < SLOW:
+                return RESTS, (ux, uy, uz), 0.0
+            size *= 1.0 if along > 0.0 else -1.0
+            ux, uy, uz = tx / size, ty / size, tz / size
+            gap[struck] = gap[last] = 0.0
+            continue
+        for k in range(n):
+            w = walls[k, 0] * ux + walls[k, 1] * uy + walls[k, 2] * uz
+            gap[k] = max(gap[k] + w * path, 0.0)
+        gap[struck] = 0.0
+        change = (tangential + restitution) * approach
+        ux = tangential * ux - change * nx
+        uy = tangential * uy - change * ny
+        uz = tangential * uz - change * nz
+        size = sqrt(ux * ux + uy * uy + uz * uz)
+        ratio *= size
+        friction *= tangential
+        if ratio <= SLOW * friction:
+            return RESTS, (ux, uy, uz), 0.0
+        ux, uy, uz = ux / size, uy / size, uz / size
+        last = struck
+    return RESTS, (ux, uy, uz), 0.0
+
+
+@njit(error_model="numpy")
+def _gap_of_others(
+    walls: np.ndarray, one: int, other: int, direction: tuple[float, float, float]
+) -> float:
+    """Return the least gap to a plane that is approached, besides two of them."""
+    least = np.inf
+    for k in range(walls.shape[0]):
+        w = walls[k, 0] * direction[0] + walls[k, 1] * direction[1] + walls[k, 2] * direction[2]
+        if k not in (one, other) and w < -GRAZING:
+            least = min(least, walls[k, 3])
+    return least

@@ -1,0 +1,180 @@
+"""Grooves and pockets between spheres: who leaves, and how, and who is trapped."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from particles import Ensemble, HardSpheres, PoissonSpheres, simulate
+from particles.events import is_collapsing
+from particles.grid import build
+from particles.kernel.pockets import FOR_EVER, LEAVES, RESTS, is_endless, last_bounces
+
+_SPEC = importlib.util.spec_from_file_location(
+    "reference_simulator", Path(__file__).with_name("reference_simulator.py")
+)
+reference = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(reference)
+
+BOUNCES = 250
+START = 1e-3  # from the groove or the pocket to the start of a tracer, in d
+
+
+def around(angles: np.ndarray, steepness: float) -> np.ndarray:
+    """Return spheres whose spheres of contact all pass through the point START below the origin.
+
+    angles: of their centres about the vertical. steepness: of the planes that touch them there.
+    """
+    flat, down = np.cos(steepness), np.sin(steepness)
+    centres = [[down * np.cos(a), down * np.sin(a), -flat] for a in angles]
+    return np.array(centres) - [0.0, 0.0, START]
+
+
+def drop(
+    spheres: np.ndarray, law: tuple[float, float], monkeypatch: pytest.MonkeyPatch, n: int = 40
+) -> tuple[Ensemble, np.ndarray]:
+    """Send n tracers from the origin down to them; return the run and the initial velocities."""
+    rng = np.random.default_rng(4)
+    velocities = np.stack([*(0.6 * rng.uniform(-1, 1, (2, n))), -np.ones(n)], axis=1)
+    medium = PoissonSpheres(len(spheres) / 30.0**3, count=len(spheres))
+    monkeypatch.setattr(build, "positions_in_space", lambda *_: spheres)
+    run = simulate(
+        medium, law[0], velocities, times=[0.5], media=1, tracers=n, workers=1,
+        observables=["velocities", "positions"], tangential_restitution=law[1],
+    )  # fmt: skip
+    return run, velocities
+
+
+def test_the_rule_of_two_planes_is_that_of_a_corner_in_the_plane() -> None:
+    rng = np.random.default_rng(2)
+    endless = 0
+    for _ in range(3000):
+        theta, turn, r = rng.uniform(0.01, np.pi), rng.uniform(0, 2 * np.pi), rng.uniform(0, 0.99)
+        before = np.array([np.cos(turn), np.sin(turn)])
+        left = -np.array([np.cos(turn + theta), np.sin(turn + theta)])
+        angle = rng.uniform(0, 2 * np.pi)
+        u = np.array([np.cos(angle), np.sin(angle)])
+        if u @ left <= 0 or u @ before >= 0:
+            continue
+        rho = -(u @ left) / (u @ before)
+        expected = is_collapsing(tuple(before), tuple(left), tuple(u), r, 1.0)
+        assert is_endless(before @ left, rho, r, 1.0) == expected
+        endless += expected
+        # Rough spheres: the same with e/et, but where the spheres curve away.
+        if is_endless(before @ left, rho, 0.7 * r, 0.7):
+            assert expected
+    assert endless > 100
+
+
+def between_planes(walls: np.ndarray, u: np.ndarray, law: tuple[float, float]) -> np.ndarray | None:
+    """Bounce between planes, one after another; the last velocity, None if there is no end to it.
+
+    walls (n, 4): normals and gaps. Gaps shrink relative to the others only, so no digit is lost.
+    """
+    normals, gap, v = walls[:, :3], walls[:, 3].copy(), u.copy()
+    for _ in range(BOUNCES):
+        w = normals @ v
+        path = np.where(w < -1e-9 * np.linalg.norm(v), -gap / np.minimum(w, -1e-300), np.inf)
+        k = int(np.argmin(path))
+        if path[k] == np.inf:
+            return v
+        gap = np.maximum(gap + path[k] * w, 0.0)
+        gap[k] = 0.0
+        v = law[1] * v - (law[0] + law[1]) * w[k] * normals[k]
+    return None
+
+
+@pytest.mark.parametrize("law", [(0.05, 1.0), (0.3, 1.0), (0.7, 1.0), (0.1, 0.5), (0.4, 0.9)])
+def test_three_planes_against_one_bounce_after_another(law: tuple[float, float]) -> None:
+    rng = np.random.default_rng(7)
+    ends = [0, 0, 0]
+    for _ in range(1500):
+        angles = np.array([0.0, 2.1, 4.2]) + rng.uniform(-0.5, 0.5, 3)
+        tilt = rng.uniform(0.05, 0.7, 3)  # small: the planes are steep, the pocket is narrow
+        normals = np.stack(
+            [-np.cos(tilt) * np.cos(angles), -np.cos(tilt) * np.sin(angles), np.sin(tilt)], axis=1
+        )
+        gaps = np.array([0.0, *rng.uniform(0.1, 1.0, 2)])
+        walls = np.concatenate([normals, 1e-12 * gaps[:, None]], axis=1)
+        u = rng.normal(size=3)
+        u /= np.linalg.norm(u)
+        if u @ normals[0] < 0:
+            continue
+        end, found, ratio = last_bounces(walls.copy(), tuple(u), *law)
+        ends[end] += 1
+        expected = between_planes(walls, u, law)
+        if end == LEAVES:
+            assert expected is not None
+            np.testing.assert_allclose(ratio * np.array(found), expected, rtol=1e-5, atol=1e-5)
+        elif expected is not None:
+            # Bounces end in numbers where what is left across a groove is rounding.
+            crossing = abs(normals @ expected) < 1e-8 * np.linalg.norm(expected)
+            assert crossing.sum() >= 2 or np.linalg.norm(expected) < 1e-8
+    assert ends[LEAVES] > 100
+    assert ends[RESTS] > 10
+    assert (ends[FOR_EVER] > 10) == (law[1] == 1.0 and law[0] < 0.5)
+
+
+@pytest.mark.parametrize("steepness", [0.3, 0.9, 1.2, 1.4])
+@pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
+def test_a_tracer_leaves_a_groove_of_smooth_spheres_as_the_reference_says(
+    restitution: float, steepness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.0, np.pi]), steepness)
+    run, velocities = drop(spheres, (restitution, 1.0), monkeypatch)
+    assert run.statuses.trapped == 0
+    for k in range(8):
+        path = reference.follow(spheres, None, velocities[k], (restitution, 1.0), BOUNCES, 120)
+        last = np.array(path[-1][4:7], float) if path else velocities[k]
+        np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-6)
+        if len(path) == BOUNCES:  # endless: what is left runs along the groove
+            along = np.array([0.0, np.linalg.norm(last), 0.0])
+            np.testing.assert_allclose(abs(last), along, rtol=0, atol=1e-2)
+
+
+@pytest.mark.parametrize("law", [(0.1, 0.5), (0.05, 0.9)])
+def test_a_groove_of_rough_spheres_catches_whom_the_reference_never_lets_go(
+    law: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.0, np.pi]), 1.25)
+    run, velocities = drop(spheres, law, monkeypatch)
+    trapped = set(run.statuses.trap_tracers[:, 1].tolist())
+    assert 5 < len(trapped) < 40 or law[0] < 0.1
+    for k in range(12):
+        path = reference.follow(spheres, None, velocities[k], law, BOUNCES, 120)
+        assert (k in trapped) == (len(path) == BOUNCES)
+        if k not in trapped:
+            last = np.array(path[-1][4:7], float)
+            np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.1, 0.4])
+def test_a_pocket_catches_whom_the_reference_brings_to_rest(
+    restitution: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.1, 2.2, 4.3]), 1.15)
+    law = (restitution, 1.0)
+    run, velocities = drop(spheres, law, monkeypatch)
+    statuses = run.statuses
+    trapped = set(statuses.trap_tracers[:, 1].tolist())
+    assert trapped
+    assert np.all(np.linalg.norm(statuses.trap_places + [0, 0, START], axis=1) < 1e-7)
+    for k in range(12):
+        path = reference.follow(spheres, None, velocities[k], law, BOUNCES, 200)
+        speed = float(reference.dot(path[-1][4:7], path[-1][4:7])) ** 0.5
+        assert (k in trapped) == (len(path) == BOUNCES and speed < 1e-9), (k, len(path), speed)
+    rest = sorted(trapped)[0]
+    assert np.array_equal(run.velocities[0, rest], [0.0, 0.0, 0.0])
+    np.testing.assert_allclose(run.positions[0, rest], [0.0, 0.0, -START], atol=1e-7)
+
+
+@pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])
+def test_tracers_are_never_trapped_where_the_tangential_factor_is_not_the_larger(
+    law: tuple[float, float],
+) -> None:
+    run = simulate(
+        HardSpheres(0.4, count=500), law[0], media=4, tracers=10, max_collisions=20_000,
+        tangential_restitution=law[1],
+    )  # fmt: skip
+    assert run.statuses.collision_cap == 40
