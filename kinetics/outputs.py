@@ -74,6 +74,7 @@ class Output(NamedTuple):
     made_of : the observables that must be solved in this dimension, see :class:`Part`
     values : makes the array, or a tuple of arrays, one for each of ``names``
     also : name and unit of a second array that comes with it
+    in_space : the unit in three dimensions, where that is another one
     """
 
     name: str
@@ -85,6 +86,11 @@ class Output(NamedTuple):
     made_of: Callable[[int], tuple[Part, ...]] = lambda dimension: ()
     values: Callable[[Averages], Any] | None = None
     also: tuple[tuple[str, str], ...] = ()
+    in_space: str = ""
+
+    def unit_in(self, dimension: int) -> str:
+        """The unit, in the plane or in space."""
+        return self.in_space if dimension == 3 and self.in_space else self.unit
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -190,11 +196,12 @@ _ROWS = (
     ),
     Output(
         "speed_density", DENSITIES, "f", "1/U", ("n_times", "n_v"),
-        "density of the speed, normalised over v",
+        "density of the speed, its integral over v is 1",
     ),
     Output(
         "velocity_density", DENSITIES, "f", "1/U^2", ("n_times", "n_v", "n_phi"),
-        "f(v, phi) in the velocity plane, from its angular harmonics",
+        "f(v, phi) from its angular harmonics; in space phi is the angle to the x axis",
+        in_space="1/U^3",
     ),
 )  # fmt: skip
 

@@ -16,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import OUTPUTS, POSITION, SCATTERING
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, refuse, whole_number
@@ -37,12 +37,16 @@ class Scene(Value):
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
         SpeedTable, SpeedSamples, Gaussian, Beam, VelocitySamples, AngularHarmonics, PolarGrid
-    times : in d/U, shape (n_times,), not falling, not negative
+    times : in d/U, shape (n_times,), not falling, not negative; where collision_numbers are given
+        it may be left out, and is 0
     outputs : names from `kinetics.outputs.OUTPUTS`
-    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it
+    harmonics : highest angular harmonic m that "velocity_density" solves, if the state has it; in
+        space that of the Legendre polynomials of the angle to the x axis
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 (disks in the plane) or 3 (spheres; the initial state is then symmetric about the
-        x axis, and densities are not available yet)
+        x axis)
+    collision_numbers : N, whole numbers from 0, of the averages after N collisions that
+        ``Solution.by_collision`` gives, shape (n_collisions,)
 
     Raises
     ------
@@ -62,6 +66,7 @@ class Scene(Value):
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    collision_numbers: ArrayLike = ()
     state: State = field(init=False)
 
     def __post_init__(self) -> None:
@@ -79,7 +84,9 @@ class Scene(Value):
                 "a finite number above 0"
             )
         checked["state"] = _start(self.initial, law.dimension)
-        checked["times"] = _check_times(self.times)
+        checked["collision_numbers"] = _check_numbers(self.collision_numbers)
+        only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
+        checked["times"] = _check_times([0.0] if only_collisions else self.times)
         checked["outputs"] = _check_outputs(self.outputs)
         _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
@@ -110,7 +117,7 @@ class Scene(Value):
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((name, OUTPUTS[name].unit) for name in self.outputs)
+            for name, unit in ((n, OUTPUTS[n].unit_in(self.dimension)) for n in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -143,10 +150,10 @@ def _start(initial: Any, dimension: int) -> State:
 
 
 def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """Densities are solved for smooth disks only; F(k, t) and all averages for every law."""
+    """What of the position is solved for smooth disks only; all else is for every law."""
     smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
     for name in outputs:
-        if OUTPUTS[name].values is None and not smooth_disks:
+        if OUTPUTS[name].step in (POSITION, SCATTERING) and not smooth_disks:
             refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
 
 
@@ -156,6 +163,15 @@ def _check_times(times: Any) -> FloatArray:
     array = finite_line("times", times, allowed)
     if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
         refuse("times", times, allowed)
+    return read_only(array)
+
+
+def _check_numbers(numbers: Any) -> FloatArray:
+    """The collision numbers as a read-only array; InputError if they cannot be used."""
+    allowed = "collision numbers must be whole, not negative, up to 2^53"
+    array = finite_line("collision_numbers", numbers, allowed)
+    if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
+        refuse("collision_numbers", numbers, allowed)
     return read_only(array)
 
 

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetics.averaging import averages_of, power_of_speed
-from kinetics.densities.harmonic import Profile
-from kinetics.densities.marginal import component_density
+from kinetics.densities.harmonic import Profile, angular_function
+from kinetics.densities.marginal import component_density, component_density_in_space
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
+from kinetics.moments.by_collision import ByCollision
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
@@ -94,7 +95,8 @@ class Solution(Value):
         for name in self.scene.outputs:
             if OUTPUTS[name].values is None:
                 shape = f"({', '.join(OUTPUTS[name].shape)})"
-                found.append((name, shape.replace("n_times", str(self.times.size)), UNITS[name]))
+                unit = OUTPUTS[name].unit_in(self.scene.dimension)
+                found.append((name, shape.replace("n_times", str(self.times.size)), unit))
         return found
 
     def __repr__(self) -> str:
@@ -137,6 +139,17 @@ class Solution(Value):
         """
         return power_of_speed(self.scene, self.rtol, p, m)
 
+    @property
+    def by_collision(self) -> ByCollision:
+        """The averages after N collisions, N the ``collision_numbers`` of the scene: closed forms.
+
+        Raises InputError if the scene has no collision_numbers.
+        """
+        scene, numbers = self.scene, np.asarray(self.scene.collision_numbers)
+        if numbers.size == 0:
+            raise InputError("collision_numbers: the scene has none; give Scene some")
+        return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
+
     # -- velocity -----------------------------------------------------------------------------
 
     def speed_density(self, v: ArrayLike) -> FloatArray:
@@ -164,7 +177,7 @@ class Solution(Value):
 
         The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
         ones. As a function of c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure
-        ``scalev``; its integral over v_x is 1.
+        ``scalev``; its integral over v_x is 1. In space it is one component of three.
         Raises InputError as :meth:`speed_density` does (v_x may be negative).
         """
         profile = self._speed_profile()
@@ -172,32 +185,42 @@ class Solution(Value):
         out = np.empty((self.times.size, x.size))
         for i in range(self.times.size):
             unit = float(self._typical_speed[i])
+            near = np.minimum(x, _FASTEST * unit)
+            if self.scene.dimension == 3:
+
+                def in_space(v: FloatArray, i: int = i) -> FloatArray:
+                    return np.asarray(profile.at(i, v).real)
+
+                out[i] = component_density_in_space(in_space, near, unit)
+                continue
 
             def plane(v: FloatArray, i: int = i, unit: float = unit) -> FloatArray:
                 # times the square of a typical speed, or it overflows late
                 return np.asarray(profile.at(i, v).real * unit * (unit / v) / (2.0 * np.pi))
 
-            out[i] = component_density(plane, np.minimum(x, _FASTEST * unit), unit) / unit / unit
+            out[i] = component_density(plane, near, unit) / unit / unit
         if profile.peak_speed is not None and profile.peak_weight is not None:
-            room = profile.peak_speed**2 - np.minimum(x, 2.0 * profile.peak_speed) ** 2
-            shape = np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)
+            shape = _component_of_one_speed(x, profile.peak_speed, self.scene.dimension)
             out += profile.peak_weight.real[:, None] * shape
         return out
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
-        """f(v, phi) in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
+        """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
 
-        The sum of the harmonics up to ``scene.harmonics``; integral of f v dv dphi is 1. Delta
-        peaks in the speed are left out; v must be above 0. Raises InputError for bad v or phi, or
-        if "velocity_density" was not among the outputs.
+        The sum of the harmonics up to ``scene.harmonics``; integral of f v dv dphi is 1. In space
+        phi is the angle to the x axis, about which f is symmetric: the density is in 1/U^3, and
+        the integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks in the speed are left out; v
+        must be above 0. Raises InputError for bad v or phi, or if "velocity_density" was not among
+        the outputs.
         """
         v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
         self._require("velocity_density")
+        law = self.scene.law
         out = np.zeros((self.times.size, v_.size, phi_.size))
         for m, profile in self._profiles.items():
-            turn = np.exp(1j * m * phi_) * (1.0 if m == 0 else 2.0)
+            turn = angular_function(m, phi_, law.dimension)
             out += (profile.continuous(v_)[:, :, None] * turn).real
-        return out / (2.0 * np.pi * v_[:, None])
+        return out / (law.unit_surface * v_[:, None] ** (law.dimension - 1))
 
     # -- position -----------------------------------------------------------------------------
 
@@ -298,3 +321,11 @@ class Solution(Value):
     def _speed_profile(self) -> Profile:
         self._require("speed_density", "velocity_density")
         return self._profiles[0]
+
+
+def _component_of_one_speed(x: FloatArray, speed: float, dimension: int) -> FloatArray:
+    """Density at |v_x| = x of velocities of one speed and any direction, in 1/U, shape of x."""
+    if dimension == 3:
+        return np.where(x < speed, 0.5 / speed, 0.0)
+    room = speed**2 - np.minimum(x, 2.0 * speed) ** 2
+    return np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

@@ -39,6 +39,7 @@ _HEADER = 512  # bytes of the user block, the smallest that HDF5 allows
 
 HOMES = {
     # what a user saves, and what these are made of
+    "ByCollision": "kinetics.moments.by_collision",
     "CollisionLaw": "kinetics.collision.law",
     "Comparison": "kinetics.crosscheck.comparison.result",
     "SampledBounce": "kinetics.collision.samples",
@@ -63,7 +64,7 @@ HOMES = {
     "ElasticDensity": "kinetics.densities.elastic",
     "GridDensity": "kinetics.densities.grid_density",
     "LogGrid": "kinetics.numerics.log_grid",
-    "NodeMasses": "kinetics.densities.conservative",
+    "NodeMasses": "kinetics.densities.node_masses",
     "Profile": "kinetics.densities.harmonic",
     "ThenScaling": "kinetics.densities.harmonic",
     # density of the displacement

@@ -2,7 +2,8 @@
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
 equation needs; `impact.py` is the bounce off a disk or a sphere, `samples.py` a bounce that is
-given by weighted samples, and `quadrature.py` what both of them hand to the law.
+given by weighted samples, and `quadrature.py` what both of them hand to the law. `memory.py` finds
+the laws under which the speeds go on oscillating.
 """
 
 from kinetics.collision.impact import DiskBounce

@@ -162,6 +162,20 @@ class CollisionLaw:
         return self._bounce.largest_loss
 
     @cached_property
+    def least_ratio(self) -> float:
+        """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
+        if self._samples is not None:
+            return min(self._samples.ratio)
+        assert self.restitution is not None
+        assert self.tangential_restitution is not None
+        return min(self.restitution, self.tangential_restitution)
+
+    @property
+    def has_atoms(self) -> bool:
+        """Whether s takes single values only: samples, or et = e."""
+        return self._samples is not None or self.restitution == self.tangential_restitution
+
+    @cached_property
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 

@@ -3,6 +3,10 @@
 May import `kinetics.scaling`, `kinetics.moments`, `kinetics.states`, `kinetics.collision`,
 `kinetics.numerics` and `kinetics.values`. Begin with `harmonic.py`: what every solver here is
 asked, and what it gives. `spectral.py` solves smooth states, with `gain.py`, `intertwining.py` and
-`stepping.py`; `conservative.py` rough ones; `elastic.py` e = 1. `marginal.py` integrates one
-component out.
+`stepping.py`; `conservative.py` rough ones, with `node_masses.py` and `conservative_errors.py`;
+`elastic.py` laws that keep the speed. `marginal.py` integrates the other components out.
+
+All of it is for any collision law. A harmonic f_m is a density of the speed in the plane and in
+space alike; the dimension enters where f(v, phi) is made of them (`harmonic.angular_function`, and
+the volume element in `kinetics.solution`) and in `marginal.py`.
 """

@@ -18,33 +18,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.densities.harmonic import (
-    LEAST_MAXIMUM,
-    LOWEST_SPEED,
-    HarmonicProblem,
-    Profile,
-    count_before_scaling,
-    then_scaling,
+from kinetics.collision.memory import common_loss
+from kinetics.densities.conservative_errors import (
+    COARSEST,
+    guessed_error,
+    moment_error,
+    remembered_error,
+    sharing_error,
 )
+from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
+from kinetics.densities.node_masses import NodeMasses, bounce_kernel, deposit
 from kinetics.errors import InputError
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.quadrature import LogMeasure, interpolate
+from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-from kinetics.values import Value
 
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
-# A first guess of the error over the square of the spacing: 1.6, and near e = 1, where the shares
-# of a bounce spread the ring of speeds, 0.2/(1-e)^2 at late times. These two and the sweeps for
-# each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
-_ERROR, _ERROR_NEAR_ONE = 1.6, 0.2
-_SAFE = 1.1  # the estimate is a first order in the square of the spacing: true within a tenth
+# Sweeps for each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
 _SWEEPS = 80.0
 _DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
-_COARSEST, _FINEST = 0.1, 2e-3  # spacings that the solver chooses by itself
+_FINEST = 2e-3  # spacing that the solver chooses by itself; the widest is COARSEST
 _BEST_START = 1e-6  # the start need not be better known than that
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
@@ -52,55 +49,6 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 _STEP = 64.0
 _DEEPEST = 40.0  # -ln s of the deepest bounce in the estimate of the work
 _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
-
-
-@dataclass(frozen=True)
-class NodeMasses(Value):
-    """Masses at nodes in ln v: the density of ln v is linear between them.
-
-    Attributes
-    ----------
-    x : ln v at the nodes, equidistant, shape (n_nodes,)
-    spacing : of the nodes
-    mass : shape (n_times, n_nodes)
-    """
-
-    x: FloatArray
-    spacing: float
-    mass: NDArray[Any]
-
-    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
-        out = np.zeros(v.shape, dtype=self.mass.dtype)
-        positive = v > 0.0
-        log_v = np.log(v[positive])
-        out[positive] = interpolate(log_v, self.x, self.mass[i]) * np.exp(-log_v) / self.spacing
-        return out
-
-
-def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
-    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi)."""
-    q, low = law.cells(spacing)
-    # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
-    down = np.expm1(-2.0 * (q.log_loss - spacing * low)) / math.expm1(-2.0 * spacing)
-    down = np.clip(down, 0.0, 1.0)
-    weight = q.weight * q.harmonic(m)
-    kernel = np.zeros(int(low.max()) + 2)
-    np.add.at(kernel, low, weight * (1.0 - down))
-    np.add.at(kernel, low + 1, weight * down)
-    return kernel
-
-
-def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray[Any]:
-    """Masses of weighted points on the nodes, mass and energy kept."""
-    mass = np.zeros(nodes, dtype=start.weight.dtype)
-    level = (start.x - x0) / spacing
-    low = np.clip(np.floor(level).astype(int), 0, nodes - 2)
-    part = np.clip(level - low, 0.0, 1.0)
-    up = np.expm1(2.0 * spacing * part) / math.expm1(2.0 * spacing)
-    np.add.at(mass, low, start.weight * (1.0 - up))
-    np.add.at(mass, low + 1, start.weight * up)
-    return mass
 
 
 def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDArray[Any]:
@@ -236,10 +184,13 @@ def _choose_nodes(
     top = float(start.x.max())
     lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
-    fastest = math.inf if peaks else path * math.exp(min(top, 300.0))
-    coefficient = _guessed_error(law, 1.0, fastest)
+    coefficient = guessed_error(law, 1.0, path * math.exp(min(top, 300.0)), peaks)
     wanted = max(_FINEST, math.sqrt(rtol / coefficient))
-    spacing = span / nodes if nodes else min(_COARSEST, wanted)
+    spacing = span / nodes if nodes else min(COARSEST, wanted)
+    common = common_loss(law, math.pi / spacing)
+    if common is not None:
+        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
+        spacing = common / math.ceil(common / spacing)
     count = math.ceil(span / spacing) + 3
     cooling = _SWEEPS * (1.0 + math.log1p(path * math.exp(top))) / law.mean_log_loss
     sweeps = min(cooling, path * math.exp(min(top, 700.0 - math.log(max(path, 1.0)))))
@@ -261,20 +212,26 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
         raise InputError(f"initial: harmonic {m} of this state is zero")
     log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
-    early = count_before_scaling(law, shift + log_unit, rtol) if m == 0 else times.size
+    early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
     paths = times[:early] / mean_free_path
     path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
+    if peaks and law.has_atoms:
+        raise InputError(
+            "initial: from sharp speeds, bounces that take single shares of the speed (samples, or "
+            "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
+        )
     axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
     if work > _MOST_WORK:
         raise InputError(
-            f"times: got up to {times[early - 1]:g} at restitution {law.smooth_disks!r}; the "
+            f"times: got up to {times[early - 1]:g} at {law.described}; the "
             f"conservative method would need {work:.1e} products on {axis.count} nodes, ask for "
             "earlier times, a larger rtol, or averages only"
         )
     kernel, mass = bounce_kernel(law, axis.spacing, m), _start_masses(state, start, m, axis)
     uncollided = start.weight if start.x.size == 1 else None
     found = NodeMasses(axis.x, axis.spacing, _follow(axis, mass, kernel, paths, uncollided))
-    error = _sharing_error(law, found, paths, state)
+    error = sharing_error(law, found, paths, state)
+    error = max(error, remembered_error(asked, speeds, axis.spacing, paths))
     peak_speed, peak_weight = None, None
     if uncollided is not None:
         peak_speed = math.exp(float(start.x[0]))
@@ -287,7 +244,7 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
         density=then_scaling(law, found, early, shift[early:], rtol),
         count=times.size,
         # harmonics m > 0 have no moments of one sign to compare
-        error_estimate=error if m else max(error, _moment_error(averages, profile)),
+        error_estimate=error if m else max(error, moment_error(averages, profile)),
     )
 
 
@@ -317,74 +274,3 @@ def _follow(
         out[i] = axis.mass[-nodes.count :][::-1]
     out.flags.writeable = False
     return out
-
-
-def _guessed_error(law: CollisionLaw, spacing: float, path: float) -> float:
-    """The error of f relative to its maximum, for a smooth start, as measured.
-
-    path : of the fastest tracer at the start until that time, in l; infinite for delta peaks, of
-        which even the first bounces make densities as narrow as the late ring of speeds
-    """
-    late = 1.0 - (1.0 + law.mean_log_loss * path) ** -2.0
-    return (_ERROR + _ERROR_NEAR_ONE / (1.0 - law.smooth_disks) ** 2 * late) * spacing**2
-
-
-def _sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, state: State) -> float:
-    """What the shares of the bounces, and the straight lines between nodes, change in f.
-
-    A bounce moves its tracers by the mean of its shares, not by ln s, and spreads them: the bias
-    and the variance of ln v that come with one bounce, and with the start. Both are lost again as
-    tracers slow down, as 1/(1 + N) and its square after N = kappa v t/l. A density g of ln v
-    changes by bias g' and by variance g''/2; a straight line is off by h^2 g''/8. This is relative
-    to the maximum of f = g/v, or to that of a density of order 1, at the speeds for which f is
-    promised. The steps and kinks of a start that is not smooth have derivatives as large as the
-    nodes let them be: there the guess for smooth ones bounds it, and next to them f is worse.
-    """
-    h, q, kappa = found.spacing, law.quadrature, law.mean_log_loss
-    shares = bounce_kernel(law, h, 0)
-    moved = h * np.arange(shares.size)
-    bias = abs(float(shares @ moved - q.weight @ q.log_loss)) / kappa
-    variance = abs(float(shares @ moved**2 - q.weight @ q.log_loss**2)) / (2.0 * kappa)
-    first = h * h / 6.0  # both, of the shares of the start
-    top, peaks, worst = float(found.x[-1]), state.profile(0) is None, 0.0
-    for mass, path in zip(np.abs(found.mass), paths * math.exp(min(top, 300.0)), strict=True):
-        if not mass.any():
-            continue
-        slowed = 1.0 / (1.0 + kappa * path)
-        spread = variance * (1.0 - slowed**2) + first * slowed**2 + 0.25 * h * h
-        change = np.zeros(mass.size)
-        change[1:-1] = (bias * (1.0 - slowed) + first * slowed) / (2.0 * h) * np.abs(
-            mass[2:] - mass[:-2]
-        ) + 0.5 * spread / h**2 * np.abs(mass[2:] - 2.0 * mass[1:-1] + mass[:-2])
-        typical = 0.5 * math.log(float(mass @ np.exp(2.0 * (found.x - top))) / mass.sum())
-        v = np.exp(found.x - top - typical)
-        there = v > LOWEST_SPEED
-        most = max(float((mass / v)[there].max()), LEAST_MAXIMUM * h)
-        error = _SAFE * float((change / v)[there].max()) / most
-        guess = _guessed_error(law, h, math.inf if peaks else float(path))
-        if h > _COARSEST:
-            # too coarse for derivatives
-            error = max(error, guess)
-        elif not state.smooth:
-            error = min(error, guess)
-        worst = max(worst, error)
-    return worst
-
-
-def _moment_error(averages: Averages, profile: Profile) -> float:
-    """Largest relative error of <v> and <v^2> of the masses of m = 0, by the backward equation."""
-    found, worst = profile.density, 0.0
-    assert isinstance(found, NodeMasses)
-    if found.mass.shape[0] == 0:
-        return 0.0
-    for p in (1.0, 2.0):
-        reference = averages.power(p)
-        for i, log_v in enumerate(averages.log_reference):
-            with np.errstate(under="ignore"):
-                # speeds so far above the typical one that their powers overflow hold no mass
-                moment = float(found.mass[i] @ np.exp(p * np.minimum(found.x - log_v, 170.0)))
-                if profile.peak_speed is not None and profile.peak_weight is not None:
-                    off = min(math.log(profile.peak_speed) - float(log_v), 170.0)
-                    moment += float(profile.peak_weight[i].real) * math.exp(p * off)
-            worst = max(worst, abs(moment / float(reference[i].real) - 1.0))
-    return worst

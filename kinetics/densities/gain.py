@@ -1,5 +1,7 @@
 """The gain G of the collisions: G(z+1) = lambda(z) G(z), lambda(z) = 1 - E[s^z cos(m chi)].
 
+In space P_m(cos chi) stands for cos(m chi).
+
 It takes the collisions out of the equation (:mod:`kinetics.densities.intertwining`). G is the
 principal solution of its recurrence (:mod:`kinetics.numerics.recurrence`): on the line
 Re z = _TOP by the Euler-Maclaurin formula, and from there down to Re z = 0 by products.
@@ -30,10 +32,11 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     """ln of z G(z), up to its limit at z = 0, for m = 0 and of G(z)/G(0) for others, at z = -i k.
 
     k : equidistant from 0 on, shape (n,), spaced by less than 0.5 for an error of 1e-13
+    law : one that loses energy
 
-    Shape (n,). Branches are not followed: only exp of the result has a meaning. For e < 1.
+    Shape (n,). Branches are not followed: only exp of the result has a meaning.
     """
-    if m == 0 and law.smooth_disks == 0.0:
+    if m == 0 and law.uniform_power == 1.0:
         return np.zeros(k.size, dtype=complex)  # lambda = z/(1 + z), G = 1/z
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > _NEGLIGIBLE * q.weight.max()

@@ -17,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.collision.memory import oscillations, time_to_forget
 from kinetics.numerics import FloatArray
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
+from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 from kinetics.values import Value
 
@@ -31,6 +33,9 @@ LEAST_MAXIMUM = 0.3
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
 _SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
+# Wave numbers in ln v up to which a start is looked at: of smooth ones at most e^-50 is left there,
+# and of others the nodes of `conservative.py` see no more.
+_SMOOTH, _ROUGH = 64.0, 512.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,19 @@ class HarmonicProblem:
     nodes: int | None = None
 
 
+def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
+    """What harmonic m is multiplied by in the sum that gives f: shape of angle, (n,).
+
+    The sum is over m >= 0, and has to be divided by 2 pi v, in space by 4 pi v^2.
+    angle : to the x axis, in radians
+    """
+    if dimension == 2:
+        return np.asarray(np.exp(1j * m * angle) * (1.0 if m == 0 else 2.0))
+    coefficients = np.zeros(m + 1)
+    coefficients[m] = 2.0 * m + 1.0
+    return np.asarray(np.polynomial.legendre.legval(np.cos(angle), coefficients))
+
+
 class Density(Protocol):
     """A density at several times."""
 
@@ -68,6 +86,8 @@ class Density(Protocol):
 @dataclass(frozen=True)
 class Profile(Value):
     """Harmonic m of the velocity distribution: exp(-i m phi) v f(v, phi) integrated over phi.
+
+    In space it is P_m(cos theta) v^2 f integrated over all directions.
 
     Attributes
     ----------
@@ -98,12 +118,37 @@ class Profile(Value):
         return np.array([self.at(i, v) for i in range(self.count)])
 
 
-def count_before_scaling(law: CollisionLaw, tau: FloatArray, rtol: float) -> int:
+def memory_of(law: CollisionLaw, state: State, speeds: LogMeasure) -> list[tuple[complex, float]]:
+    """Oscillations of ln(v t) that fall more slowly than 1/t, and their sizes at the start.
+
+    ``speeds`` are those of the state. Each is a zero of lambda, see `kinetics.collision.memory`.
+    """
+    highest = _SMOOTH if state.smooth else _ROUGH
+    zeros = oscillations(law, highest)
+    profile = state.profile(0)
+    if not zeros:
+        return []
+    unit = 0.5 * speeds.log_second_moment()
+    x, weight = speeds.x - unit, speeds.weight
+    if profile is not None:
+        # the points of the state are for slow functions of ln v; these are for waves
+        spacing = 0.5 * math.pi / highest
+        x = np.arange(float(x.min()), float(x.max()) + spacing, spacing)
+        v = np.exp(x + unit)
+        weight = spacing * v * profile(v)
+    return [(z, abs(complex(weight @ np.exp(z * x)))) for z in zeros]
+
+
+def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatArray) -> int:
     """How many of the times tau = ln(1 + v_rms t/l) are before the scaling state is reached.
 
-    The slowest transient of an isotropic state falls as e^-tau.
+    The slowest transient of an isotropic state falls as e^-tau, but for the oscillations that some
+    laws leave for longer, or for ever. ``speeds`` are those of the start.
     """
+    law, rtol = asked.law, asked.rtol
     saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + _SURE
+    for z, size in memory_of(law, asked.state, speeds):
+        saturated = max(saturated, time_to_forget(z, size * math.exp(_SURE) / rtol))
     return int(np.searchsorted(tau, saturated))
 
 
@@ -137,7 +182,9 @@ class ThenScaling(Value):
             log_c = np.log(v) - log_thermal
         near = np.abs(log_c) < _FARTHEST
         c = np.exp(log_c[near])
-        out[near] = 2.0 * math.pi * c * self.scaled.vdf(c) * math.exp(-log_thermal)
+        law = self.scaled.law
+        surface = law.unit_surface * c ** (law.dimension - 1)
+        out[near] = surface * self.scaled.vdf(c) * math.exp(-log_thermal)
         return out
 
 
@@ -147,6 +194,4 @@ def then_scaling(
     """The early density, with the scaling state solved if there are later times."""
     if late_shift.size == 0:
         return early
-    return ThenScaling(
-        early, count, late_shift, solve_scaled(law.smooth_disks, max(rtol, _BEST_SCALED))
-    )
+    return ThenScaling(early, count, late_shift, solve_scaled(law, max(rtol, _BEST_SCALED)))

@@ -56,6 +56,7 @@ class Turn:
     raised : ln of the most by which what is small is raised
     highest : wave number up to which modes are used
     tapered : whether the window ends softly, because high modes raise their rounding above all else
+    uncertain : size of that rounding
     """
 
     angle: float
@@ -63,6 +64,7 @@ class Turn:
     raised: float
     highest: float
     tapered: bool = False
+    uncertain: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,7 @@ def choose_turn(
         raised=float(raised[best]),
         highest=highest,
         tapered=bool(uncertain[best] > _UNTAPERED * rtol),
+        uncertain=float(uncertain[best]),
     )
 
 
@@ -187,6 +190,7 @@ class Intertwined:
     floor : u below the grid, shape (rows,)
     back : 1/(G e^(k angle)), shape (nodes/2 + 1,)
     noise : standard deviation of the rounding that is left in g
+    lowest : size of w (m = 0) or u at the lower end of the grid, where it should be 0
     """
 
     grid: LogGrid
@@ -195,6 +199,7 @@ class Intertwined:
     floor: FloatArray
     back: ComplexArray
     noise: float
+    lowest: float
 
     def at(self, stretch: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The density g of x where v t/l is expm1(stretch) at x = 0; stretch (n_times,).
@@ -273,13 +278,14 @@ def intertwine(
     field = math.sqrt(float(np.mean(np.abs(fields) ** 2, axis=1).max()))
     amplified = math.sqrt(2.0 / grid.nodes * float(np.sum(np.abs(back) ** 2)))
     noise = float(rounding_noise(field * amplified, grid.nodes))
+    lowest = float(np.abs(fields[:, :_AT_ENDS]).max())
     if turn.tapered:
         ends = np.abs(fields[:, [*range(_AT_ENDS), *range(-_AT_ENDS, 0)]])
         noise += _LEFT * float(ends.max())
         low, high = _taper(grid)
         fields *= low * high
     if m:
-        return Intertwined(grid, angle, fields[None], np.zeros(rows.shape[0]), back, noise)
+        return Intertwined(grid, angle, fields[None], np.zeros(rows.shape[0]), back, noise, lowest)
     # u is the integral of w from x upwards: of its mean, and of its other modes
     mean = whole[:, :1].real / grid.nodes
     whole[:, 0] = 0.0
@@ -293,4 +299,4 @@ def intertwine(
         falling = high * (1.0 - high)
         u -= (u @ falling / falling.sum())[:, None]
         u = high * (floor[:, None] + low * (u - floor[:, None]))
-    return Intertwined(grid, angle, np.stack([fields, u]), floor, back, noise)
+    return Intertwined(grid, angle, np.stack([fields, u]), floor, back, noise, lowest)

@@ -42,20 +42,23 @@ from kinetics.states.state import SpeedFunction
 _MOST_NODES, _MOST_NODES_STEPPED = 32768, 8192
 _MOST_VALUES, _MOST_WORK = 3e7, 1e8
 # Shares of rtol: for each of many small parts of the error, and for what rounding or steps leave.
-_SHARE, _LARGE_SHARE = 0.005, 0.3
+_SHARE, _LARGE_SHARE, _STEPPED_SHARE = 0.005, 0.3, 0.03
 _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
-# Of f relative to its maximum, where nothing but rounding is left; and what steps reach. Both:
-# tests/kinetics/measurements/densities.py
-_BEST, _BEST_STEPPED = 4e-13, 1e-10
+# Of f relative to its maximum, where nothing but rounding is left; the error above which steps are
+# tried; and what they reach. The first and the last: tests/kinetics/measurements/densities.py
+_BEST, _BEST_STEPPED, _LEAST_STEPPED = 4e-13, 1e-10, 1e-11
 # At e = 0: below this share of the thermal speed f is continued as a polynomial, because there
 # g = v f holds f with the rounding of g over v only.
 _FILLED = 1e-3
+# The rounding of the highest modes is up to 4 times its estimate at the ends of the window.
+_ROUNDING_AT_END = 20.0
 # Two solutions are compared at about so many speeds, where g is above this share of its maximum.
 _SAMPLES, _COMPARED = 200, 1e-6
 # Steps of three searches, each a compromise between their number and the work of the last: for a
 # finer grid whose error must fall by so much, for fewer modes, and for more nodes.
 _FINER, _WORTH_IT, _FEWER, _MORE = 0.6, 0.3, 0.8, 1.4
-_SMALL_E = 0.3  # below, bounces fill the low speeds up to v^1 in the density of ln v
+# Where s may fall below this, bounces fill the low speeds up to v^1 in the density of ln v.
+_SMALL_RATIO = 0.3
 # There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: a
 # zero of 1 - E[s^z cos(m chi)] in z, tests/kinetics/measurements/densities.py
 _SLOWEST = 0.6
@@ -95,9 +98,9 @@ class _Problem:
 
     def too_much(self, wanted: float) -> InputError:
         """The error that says how many nodes this would need."""
-        latest, restitution = self.asked.times[-1], self.asked.law.smooth_disks
+        latest, law = self.asked.times[-1], self.asked.law
         return InputError(
-            f"times: got up to {latest:g} at restitution {restitution!r}; the density would need"
+            f"times: got up to {latest:g} at {law.described}; the density would need"
             f" {wanted:.1e} nodes, ask for other times, a larger rtol, or averages only"
         )
 
@@ -111,6 +114,7 @@ class _Found:
     moved: FloatArray  # ln v at the nodes is x - moved, (n_times,)
     highest: FloatArray  # size of the highest modes, (n_times,)
     rounding: float  # what it may have left of g
+    cut_off: float = 0.0  # what lies below the window
 
 
 def _window(
@@ -137,7 +141,7 @@ def _window(
     # before that the ring of nearly elastic tracers is still as wide as the start
     formed = kept > -math.log(law.mean_log_loss) - 1.0
     band = _scaling_band(law, depth, deviation) if formed else 8.0
-    if law.smooth_disks < _SMALL_E:
+    if law.least_ratio < _SMALL_RATIO:
         low = min(low, -depth)
     return low - 0.5, right + 0.5, band
 
@@ -168,7 +172,7 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / asked.mean_free_path + math.exp(-log_unit))
     tau = shift + log_unit
-    early = count_before_scaling(law, tau, rtol) if m == 0 else tau.size
+    early = tau.size if m else count_before_scaling(asked, speeds, tau)
     problem = _Problem(asked, start, speeds, tau[:early], asked.nodes)
     found = _solve(problem)
     if found is None:
@@ -210,18 +214,32 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     grid, rows, rough = _resolve(problem, left, right, band)
     if rough > rtol and problem.nodes is None:
         return None
-    found = _at_once(problem, grid, rows)
-    if found is None:
-        # the drift and the losses turn the highest mode this often
-        turns = math.pi / grid.spacing * (1.0 + law.mean_log_loss * math.exp(right))
-        if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
+    best = None
+    at_once = _at_once(problem, grid, rows)
+    if at_once is not None:
+        best = _judged(problem, at_once, right, rough)
+        # oscillations at low speeds, that of laws which lose by steps, do not fit into its window
+        if problem.nodes is not None or best[1] <= max(rtol, _BEST_STEPPED):
+            return best
+    # the drift and the losses turn the highest mode this often
+    turns = math.pi / grid.spacing * (1.0 + law.mean_log_loss * math.exp(right))
+    if wanted > _MOST_NODES_STEPPED or turns * duration * grid.nodes > _MOST_WORK:
+        if best is None:
             raise problem.too_much(wanted)
-        values, highest = stepped(law, grid, rows, m, tau, rtol)
-        found = _Found(
-            grid, values, tau, highest, LOWEST_SPEED * max(_LARGE_SHARE * rtol, _BEST_STEPPED)
-        )
+        return best
+    values, highest = stepped(law, grid, rows, m, tau, rtol)
+    rounding = LOWEST_SPEED * max(_STEPPED_SHARE * rtol, _LEAST_STEPPED)
+    other = _judged(problem, _Found(grid, values, tau, highest, rounding), right, rough)
+    return other if best is None or other[1] < best[1] else best
+
+
+def _judged(
+    problem: _Problem, found: _Found, right: float, rough: float
+) -> tuple[GridDensity, float]:
+    """The density, of which nothing is left at speeds above x = right, and its error."""
+    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
     values = found.values[:, 0]
-    if rows.shape[0] == 2:
+    if found.values.shape[1] == 2:
         values = values + 1j * found.values[:, 1]
     density = GridDensity(
         grid=found.grid,
@@ -229,9 +247,9 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
         resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
-        filled=_FILLED if m == 0 and law.smooth_disks == 0.0 else 0.0,
+        filled=_FILLED if m == 0 and math.isfinite(law.lowest_power) else 0.0,
     )
-    ends = _ends(values, 0.0 if m == 0 else LEAST_MAXIMUM)
+    ends = max(_ends(values, 0.0 if m == 0 else LEAST_MAXIMUM), found.cut_off)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
     if m:
         missed = max(missed, found.rounding / LOWEST_SPEED)
@@ -284,7 +302,7 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     tail = math.log(_SHARE * rtol) - turn.raised
     if m == 0:
         tail += math.log(law.mean_log_loss)
-    elif law.smooth_disks < _SMALL_E:
+    elif law.least_ratio < _SMALL_RATIO:
         tail /= _SLOWEST
     left = min(grid.start, tail)
     # there exp(-v t/l) is e^-7 rtol
@@ -301,7 +319,10 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     gain = log_gain(law, wide.wave_numbers, m)
     hidden = intertwine(wide, problem.on(wide), gain, turn, m)
     moved, values, last = hidden.at(problem.tau)
-    return _Found(wide, values, moved * wide.spacing, last, 3.0 * hidden.noise)
+    # what is at the lower end goes on below, unless it is rounding
+    allowed = _LARGE_SHARE * rtol + _BEST_STEPPED + _ROUNDING_AT_END * turn.uncertain
+    cut_off = hidden.lowest if hidden.lowest > allowed else 0.0
+    return _Found(wide, values, moved * wide.spacing, last, 3.0 * hidden.noise, cut_off)
 
 
 def _good_count(least: int) -> int:

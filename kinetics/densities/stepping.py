@@ -17,7 +17,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.log_grid import LogGrid
 from kinetics.scaling.symbols import harmonic_symbol
 
-_SHARE = 0.01  # of rtol that the error of one step may have, because the errors of steps add up
+_SHARE = 1e-4  # of rtol that a step may err in g: f = g/v has 100 times it at the lowest speeds
 _FINEST, _FINEST_ABSOLUTE = 3e-14, 1e-15  # what rounding allows the integrator to reach
 
 

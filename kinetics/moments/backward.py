@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
+from kinetics.collision.memory import oscillations
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule
 
@@ -36,8 +37,10 @@ START = -2.0  # X where the panels begin; below it the power series in T is summ
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
 _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
-# Beyond ln(1/kappa) + 38 corrections to the asymptote, which fall as 1/T, are e^-38 = 3e-17.
-_SATURATION = 38.0
+# Beyond ln(1/kappa) + 38 corrections to the asymptote, which fall as 1/T, are e^-38 = 3e-17. Under
+# laws that lose by steps some fall more slowly, or never; of wave numbers above 24 in X there is
+# e^(-24 pi/2) = 4e-17.
+_SATURATION, _FASTEST_WAVE = 38.0, 24.0
 # Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
 _STEEPEST = 4.0
 # Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
@@ -215,7 +218,8 @@ class BackwardEquation:
     _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        limit = _SATURATION - math.log(self.law.mean_log_loss)
+        slowest = min([1.0, *(-z.real for z in oscillations(self.law, _FASTEST_WAVE))])
+        limit = _SATURATION / max(slowest, 1e-9) - math.log(self.law.mean_log_loss)
         self.count = max(1, math.ceil((min(self.highest, limit) - START) / self.width))
 
     # -- discretisation -----------------------------------------------------------------------

@@ -23,6 +23,8 @@ from kinetics.outputs import OUTPUTS
 LAW = ("restitution", "tangential_restitution", "dimension")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
+BY_COLLISION = ("thermal_speed", "a2", "msd")
+"""Those that are printed by collision number as well."""
 
 
 @click.command(epilog=UNITS, short_help="Solve the kinetic equation.")
@@ -32,7 +34,7 @@ HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
     "--dimension",
     type=int,
     default=2,
-    help="3: spheres, with averages and --scaled only; densities are then in d^-3.",
+    help="3: spheres; number densities are then in d^-3.",
 )
 @density_option
 @initial_option
@@ -46,6 +48,9 @@ HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
     help=f"Averages, separated by commas, of {', '.join(HEADS)}.",
 )
 @click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
+@click.option(
+    "--collision-numbers", type=Numbers(), default="", help="N at which to print averages, commas."
+)
 @click.option("--wave-numbers", type=Numbers(), default="", help="k in 1/d at which to print F.")
 @click.option(
     "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
@@ -56,17 +61,19 @@ def solve(
     outputs: str,
     radii: tuple[float, ...],
     wave_numbers: tuple[float, ...],
+    collision_numbers: tuple[float, ...],
     rtol: float | None,
     as_json: bool,
     **system: Any,
 ) -> None:
-    """Solve the kinetic equation: averages over time, G(R) and F(k, t)."""
+    """Solve the kinetic equation: averages over time or by collision number, G(R) and F(k, t)."""
     if rtol is None:  # G(R) cannot have 1e-10
         rtol = 1e-6 if radii and not scaled else 1e-10
     if scaled:
         law = {name: system[name] for name in LAW}
         found, text = scaled_document(law, rtol), scaled_text
     else:
+        system["collision_numbers"] = collision_numbers
         found, text = solve_document(system, outputs, radii, wave_numbers, rtol), solve_text
     if as_json:
         print_json(found)
@@ -131,6 +138,13 @@ def solve_document(
     if wave_numbers:
         found["wave_numbers"] = wave_numbers
         found["intermediate_scattering"] = solution.intermediate_scattering(wave_numbers)
+    collision_numbers = system.get("collision_numbers", ())
+    if collision_numbers:
+        after = solution.by_collision
+        found["by_collision"] = {
+            "collision_numbers": [int(n) for n in collision_numbers],
+            **{name: getattr(after, name) for name in BY_COLLISION},
+        }
     return found
 
 
@@ -148,4 +162,7 @@ def solve_text(found: dict[str, Any]) -> str:
         if name in found:
             heads = ["t [d/U]", *(head.format(x) for x in found[at])]
             tables.append(columns(heads, [found["times"], *found[name].T]))
+    if "by_collision" in found:
+        heads = ["N", *(HEADS[name] for name in BY_COLLISION)]
+        tables.append(columns(heads, list(found["by_collision"].values())))
     return "\n".join([*tables, f"status: {found['message']}"])

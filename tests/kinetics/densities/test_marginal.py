@@ -3,6 +3,7 @@
 For an isotropic velocity F(v_x) = (1/pi) integral over v > |v_x| of f(v)/sqrt(v^2 - v_x^2).
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -126,3 +127,50 @@ def test_a_peak_far_below_the_typical_speed(typical: float) -> None:
     exact = np.sqrt(2.0 * np.pi) * width * np.exp(-0.5 * (x / width) ** 2)
     found = component_density(plane, x, typical)
     assert np.max(np.abs(found / exact - 1.0)) < 1e-5
+
+
+def in_space(e: float, times: Any, initial: Any = "gaussian") -> Scene:
+    return Scene(
+        e, number_density=1.0 / np.pi, dimension=3, initial=initial, times=times,
+        outputs=("speed_density", "thermal_speed"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
+def test_gaussian_at_the_start_in_space(e: float) -> None:
+    v_x = np.concatenate([[0.0], np.linspace(-4.0, 4.0, 41)])
+    found = solve(in_space(e, [0.0]), rtol=1e-9).velocity_component_density(v_x)
+    exact = np.exp(-0.5 * v_x * v_x) / np.sqrt(2 * np.pi)
+    assert np.max(np.abs(found[0] - exact)) < 1e-8
+
+
+@pytest.mark.parametrize("e", [0.3, 0.9])
+def test_normalised_with_a_third_of_the_energy_in_space(e: float) -> None:
+    solution = solve(in_space(e, [0.0, 4.0, 1e12]), rtol=1e-8)
+    node, weight = np.polynomial.legendre.leggauss(8)
+    for i, v0 in enumerate(solution.thermal_speed):
+        edges = np.concatenate([[0.0], np.geomspace(1e-3, 16.0, 14)]) * v0
+        v = (edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1 + node)).ravel()
+        w = (np.diff(edges)[:, None] * 0.5 * weight).ravel()
+        density = solution.velocity_component_density(v)[i]
+        assert abs(2 * (density @ w) - 1.0) < 1e-6, i
+        assert abs(2 * (density @ (w * v * v)) / (v0 * v0 / 3.0) - 1.0) < 1e-6, i
+
+
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_one_speed_at_the_start_in_space(e: float) -> None:
+    """On a sphere of radius u one component is uniform from -u to u."""
+    v_x = np.array([-1.9, -1.0, 0.0, 0.5, 1.99, 2.5])
+    scene = in_space(e, [0.0], Monoenergetic(2.0))
+    found = solve(scene, rtol=1e-3).velocity_component_density(v_x)[0]
+    assert np.allclose(found, [0.25, 0.25, 0.25, 0.25, 0.25, 0.0], rtol=1e-12)
+
+
+def test_random_scission_in_space() -> None:
+    """e = 0: f = v K'', K = exp(-v t) erfc(v/sqrt 2), so that F = -K'(v_x)/2."""
+    t, v_x = 2.0, np.array([0.0, 0.01, 0.3, 1.0])
+    found = solve(in_space(0.0, [t]), rtol=1e-10).velocity_component_density(v_x)[0]
+    rest = np.array([math.erfc(x / math.sqrt(2.0)) for x in v_x])
+    slope = math.sqrt(2.0 / math.pi) * np.exp(-0.5 * v_x * v_x)
+    exact = 0.5 * np.exp(-v_x * t) * (t * rest + slope)
+    assert np.max(np.abs(found - exact)) < 1e-8 * exact.max()

@@ -13,7 +13,7 @@ import numpy as np
 
 from kinetics import CollisionLaw, Gaussian, Monoenergetic, Scene, SpeedDensity, solve
 from kinetics.crosscheck.references import load
-from kinetics.densities import conservative, harmonic, marginal, spectral
+from kinetics.densities import conservative, conservative_errors, harmonic, marginal, spectral
 from kinetics.densities.grid_density import GridDensity
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.densities.spectral import solve_spectral
@@ -82,7 +82,9 @@ def slowest_zero(e: float, m: int) -> float:
 
 def measure_low_speeds() -> None:
     """How slowly harmonics without their collisions fall at low speeds."""
-    print("spectral._SLOWEST, the exponent of harmonics m > 0 at low speeds, of e below _SMALL_E")
+    print(
+        "spectral._SLOWEST, the exponent of harmonics m > 0 at low speeds, of e below _SMALL_RATIO"
+    )
     exponents = {(e, m): -slowest_zero(e, m) for e in (0.0, 1e-3, 0.03, 0.1, 0.2, 0.3)
                  for m in (1, 2, 3, 4, 6, 8, 16, 32)}  # fmt: skip
     least = min(exponents, key=lambda case: exponents[case])
@@ -105,7 +107,9 @@ def measure_maximum() -> None:
 
 def measure_spacing() -> None:
     """The error of the conservative method over the square of its spacing, and its sweeps."""
-    print("conservative._ERROR + conservative._ERROR_NEAR_ONE/(1 - e)^2, and _SWEEPS")
+    print(
+        "conservative_errors._ERROR[2] + conservative_errors._ERROR_NEAR_ONE/(1 - e)^2, and _SWEEPS"
+    )
     v, times = np.geomspace(0.02, 3.0, 200), np.array([0.5, 5.0, 50.0])
     for e in (0.0, 0.3, 0.6, 0.8, 0.9):
         law = CollisionLaw(e)
@@ -117,7 +121,7 @@ def measure_spacing() -> None:
         assert isinstance(found.density, conservative.NodeMasses)
         size = exact.continuous(v).max(axis=1, keepdims=True)
         error = float(np.max(np.abs(found.continuous(v) - exact.continuous(v)) / size))
-        used = conservative._ERROR + conservative._ERROR_NEAR_ONE / (1.0 - e) ** 2
+        used = conservative_errors._ERROR[2] + conservative_errors._ERROR_NEAR_ONE / (1.0 - e) ** 2
         count, arriving = [0], conservative._Axis._arriving
 
         def counting(axis: Any, moving: Any, n: Any = count, inner: Any = arriving) -> Any:

@@ -1,0 +1,78 @@
+r"""How long the speeds remember where they started, under a law that loses by steps.
+
+In the scaling state the density of x = ln(v t/l) stands still. What an initial state adds to it is
+a sum of terms e^(z tau), tau = ln t, over the zeros z of lambda(z) = 1 - E[s^z] with Re z < 0. If
+the loss -ln s may take any value from 0 on, as at smooth scatterers, all of them fall faster than
+1/t. If every loss is a multiple of one number L (et = e: L = -ln e; or samples of one ratio), then
+lambda vanishes at z = 2 pi i n/L: v t/l keeps oscillating in ln t, and the scaling state is never
+reached. Where the losses are nearly so (et close to e, a few samples), the oscillations die slowly.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from kinetics.collision.law import CollisionLaw
+
+SLOW = 1.0  # terms that fall faster than t^-1 are not listed
+_STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
+_RARE = 0.01  # bounces of so small a weight, that lose more than all others, do not count there
+_CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
+_AT_ONCE = 1_000_000  # exponentials in one piece of the scan
+_FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; zeros that are one
+_MOST_STEPS = 40
+
+
+@lru_cache(maxsize=16)
+def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
+    """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
+
+    None at smooth scatterers: only laws that have a least loss, or that take single values of s,
+    are looked at (tests/kinetics/collision/test_memory.py counts the zeros of both kinds).
+    """
+    if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
+        return ()
+    if not law.has_atoms:
+        highest = min(highest, _CONTINUOUS)
+    q = law.quadrature_for(highest)
+    order = np.argsort(q.log_loss)
+    common = np.cumsum(q.weight[order]) <= 1.0 - _RARE
+    largest = max(1.0, float(q.log_loss[order][common].max(initial=0.0)))
+    k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
+    pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
+    size = np.concatenate(
+        [
+            abs(1.0 - np.exp(1j * np.multiply.outer(piece, q.log_loss)) @ q.weight)
+            for piece in pieces
+        ]
+    )
+    least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
+    found: list[complex] = []
+    for start in k[least]:
+        z = complex(0.0, -start)
+        for _ in range(_MOST_STEPS):
+            power = q.weight * np.exp(-z * q.log_loss)
+            step = complex((1.0 - power.sum()) / (power @ q.log_loss))
+            z -= step / max(1.0, 2.0 * abs(step))
+            if abs(step) < _FOUND or z.real < -2.0 * SLOW:
+                break
+        slow = abs(step) < _FOUND and -SLOW < z.real < _SAME and 0.0 < -z.imag < highest
+        if slow and abs(z) > _SAME and all(abs(z - other) > _SAME for other in found):
+            found.append(complex(min(z.real, 0.0), z.imag))
+    return tuple(sorted(found, key=lambda z: -z.imag))
+
+
+def time_to_forget(z: complex, amplitude: float) -> float:
+    """tau at which amplitude e^(Re z tau) has fallen to 1; 0 if it is smaller, inf if it stays."""
+    if amplitude <= 1.0:
+        return 0.0
+    return math.log(amplitude) / -z.real if z.real < -_SAME else math.inf
+
+
+def common_loss(law: CollisionLaw, highest: float) -> float | None:
+    """L where every loss -ln s is a multiple of L, and L > 2 pi/highest; None at other laws."""
+    lasting = [z for z in oscillations(law, highest) if z.real > -_SAME]
+    return 2.0 * math.pi / abs(lasting[0].imag) if lasting else None

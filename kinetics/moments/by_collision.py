@@ -1,0 +1,160 @@
+r"""Averages after N collisions: closed forms, for those who record by collision and not by time.
+
+The path of a tracer does not depend on its speed. Before each collision it flies freely over an
+exponential length of mean l, and each collision multiplies its speed by an independent s and turns
+it by an independent chi. With c = E[cos(chi)], after N collisions and at the place of the last one,
+
+    <v^p exp(i m phi)> = <v^p exp(i m phi)>_0 E[s^p cos(m chi)]^N
+    <r^2> = 2 l^2 [N/(1-c) - c (1-c^N)/(1-c)^2]        for every initial state
+    <t>   = l <1/v>_0 (1 + E[1/s] + ... + E[1/s]^(N-1))
+
+In space P_m(cos(chi)) stands for cos(m chi).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
+from kinetics.states.state import State
+from kinetics.validation import exponent, whole_number
+from kinetics.values import Value
+
+_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
+# Where (1 - c)(N + 1) is less than this the bracket is a series; so many terms leave 1e-17 of it.
+_SMALL, _TERMS = 0.1, 14
+
+
+@dataclass(frozen=True)
+class ByCollision(Value):
+    """What tracers are like right after their N-th collision; N = 0 is the initial state.
+
+    Arrays have the collision number as their first axis. Made by ``Solution.by_collision``.
+
+    Attributes
+    ----------
+    law : the collision law
+    mean_free_path : l in d
+    state : the initial state
+    collision_numbers : N, shape (n_collisions,)
+    rtol : the relative accuracy of averages over the initial state; nothing else is approximate
+    """
+
+    law: CollisionLaw
+    mean_free_path: float
+    state: State
+    collision_numbers: FloatArray
+    rtol: float
+
+    def moment(self, p: float) -> FloatArray:
+        """<v^p> in U^p for real p, shape (n_collisions,); InputError where it does not exist."""
+        return np.asarray(self.harmonic(p, 0).real)
+
+    def harmonic(self, p: float, m: int) -> NDArray[Any]:
+        """<v^p exp(-i m phi)> in U^p, in space <v^p P_m(cos theta)>, shape (n_collisions,).
+
+        Raises InputError for p or m out of range, or where the moment does not exist or overflows.
+        """
+        p = exponent("p", p, _HIGHEST_POWER)
+        m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
+        lowest = max(self.state.lowest_moment, self.law.lowest_power)
+        if p <= lowest:
+            raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+        return self._in_range(f"<v^{p:g}>", self._start(p, m) * self._kept(p, m))
+
+    @property
+    def thermal_speed(self) -> FloatArray:
+        """v0 = sqrt(<v^2>) in U, shape (n_collisions,)."""
+        return np.sqrt(self.moment(2.0))
+
+    @property
+    def a2(self) -> FloatArray:
+        """<v^4> d/((d+2) <v^2>^2) - 1, shape (n_collisions,)."""
+        d = self.law.dimension
+        second, fourth = self.law.decay_rate(2.0), self.law.decay_rate(4.0)
+        grown = self.collision_numbers * (math.log1p(-fourth) - 2.0 * math.log1p(-second))
+        start = self._start(4.0, 0).real / self._start(2.0, 0).real ** 2
+        with np.errstate(over="ignore"):
+            return self._in_range("a2", d / (d + 2.0) * start * np.exp(grown) - 1.0)
+
+    @property
+    def msd(self) -> FloatArray:
+        """<r^2> in d^2 at the place of the collision, shape (n_collisions,)."""
+        n, gap = self.collision_numbers, float(self.law.harmonic_decay_rate(0.0, 1))
+        return np.asarray(2.0 * self.mean_free_path**2 * _pairs(n, gap))
+
+    @property
+    def mean_displacement(self) -> FloatArray:
+        """<r> in d at the place of the collision, shape (n_collisions, d)."""
+        gap = float(self.law.harmonic_decay_rate(0.0, 1))
+        along = self.mean_free_path * _sum_of_powers(self.collision_numbers, gap)
+        first = self._start(0.0, 1)
+        out = np.zeros((self.collision_numbers.size, self.law.dimension))
+        out[:, 0], out[:, 1] = along * first.real, -along * first.imag
+        return out
+
+    @property
+    def mean_time(self) -> FloatArray:
+        """Mean time of the N-th collision in d/U, shape (n_collisions,).
+
+        Raises InputError where <1/v> of the initial state or E[1/s] does not exist.
+        """
+        lowest = max(self.state.lowest_moment, self.law.lowest_power)
+        if lowest >= -1.0:
+            raise InputError("collision_numbers: <1/v> does not exist, and so no mean time")
+        slow = self._start(-1.0, 0).real * self.mean_free_path
+        gap = float(self.law.decay_rate(-1.0))
+        with np.errstate(over="ignore"):
+            found = slow * _sum_of_powers(self.collision_numbers, gap)
+        return self._in_range("the mean time", found)
+
+    def _start(self, p: float, m: int) -> Any:
+        """<v^p exp(-i m phi)> at N = 0."""
+        measure = self.state.harmonic(m, self.rtol, min(p, 0.0), max(p, 2.0))
+        return 0.0j if measure is None else complex(measure.weight @ np.exp(p * measure.x))
+
+    def _kept(self, p: float, m: int) -> FloatArray:
+        """E[s^p cos(m chi)]^N."""
+        return _power(float(self.law.harmonic_decay_rate(p, m)), self.collision_numbers)
+
+    @staticmethod
+    def _in_range(name: str, value: NDArray[Any]) -> NDArray[Any]:
+        if not np.all(np.isfinite(value)):
+            raise InputError(f"collision_numbers: {name} overflows double precision there")
+        return value
+
+
+def _power(gap: float, n: FloatArray) -> FloatArray:
+    """(1 - gap)^n, accurate for small gaps; shape of n."""
+    with np.errstate(under="ignore", over="ignore"):
+        if gap < 1.0:
+            return np.asarray(np.exp(n * math.log1p(-gap)))
+        return np.asarray((1.0 - gap) ** n)
+
+
+def _sum_of_powers(n: FloatArray, gap: float) -> FloatArray:
+    """1 + (1 - gap) + ... + (1 - gap)^(n-1), shape of n."""
+    if gap == 0.0:
+        return n
+    if gap < 1.0:
+        return np.asarray(-np.expm1(n * math.log1p(-gap)) / gap)
+    return np.asarray((1.0 - _power(gap, n)) / gap)
+
+
+def _pairs(n: FloatArray, gap: float) -> FloatArray:
+    """n/(1-c) - c (1-c^n)/(1-c)^2 with c = 1 - gap: the sum of (n-k) c^k, k < n; shape of n."""
+    series, term = np.zeros(n.shape), 0.5 * n * (n + 1.0)
+    for k in range(_TERMS):  # binomial coefficients of n + 1 over k + 2, times (-gap)^k
+        series += term
+        term = term * -gap * (n - 1.0 - k) / (k + 3.0)
+    if gap == 0.0:
+        return series
+    closed = (n - (1.0 - gap) * _sum_of_powers(n, gap)) / gap
+    return np.where((n + 1.0) * gap < _SMALL, series, closed)

@@ -1,0 +1,100 @@
+"""Histograms of the speed among particles without recollisions, for spheres and rough scatterers.
+
+Tracers are independent, so that the chi-square of a histogram has as many degrees of freedom as it
+has bins, less one. A test fails if it is 4 of its own standard deviations from its mean: with some
+20 comparisons, one such file in 700 would fail by chance.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import AngularHarmonics, CollisionLaw, Scene, Solution, solve
+from particles import BoltzmannGrad, simulate
+
+SIGMAS, TRACERS = 4.0, 150_000
+TIMES = np.array([0.7, 4.0, 40.0])
+LAWS = [(0.7, 1.0, 3), (0.0, 1.0, 3), (0.7, 0.8, 2), (0.6, 0.6, 2), (0.9, 0.3, 3), (1.0, 0.5, 2)]
+
+
+def density(dimension: int) -> float:
+    """Of scatterers, so that l = 1."""
+    return 0.5 if dimension == 2 else 1.0 / np.pi
+
+
+def check(counts: Any, shares: Any) -> None:
+    """Counts against the shares of all tracers in each bin, (n_bins,); what is left is a bin."""
+    shares, counts = shares.ravel(), counts.ravel()
+    rest = 1.0 - shares.sum()
+    expected = TRACERS * np.append(shares, rest)
+    found = np.append(counts, TRACERS - counts.sum())
+    kept = expected > 20.0
+    chi_square, freedom = np.sum((found - expected)[kept] ** 2 / expected[kept]), kept.sum() - 1
+    assert freedom > 10
+    assert abs(chi_square - freedom) < SIGMAS * np.sqrt(2.0 * freedom), (chi_square, freedom)
+
+
+def shares_between(solution: Solution, i: int, edges: Any) -> Any:
+    """The integral of the speed density over each bin."""
+    x, w = np.polynomial.legendre.leggauss(8)
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    v = middle[:, None] + half[:, None] * x
+    return (solution.speed_density(v.ravel())[i].reshape(v.shape) @ w) * half
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_speeds_of_a_gaussian_start(law: tuple[float, float, int]) -> None:
+    e, et, d = law
+    scene = Scene(
+        CollisionLaw(e, et, d), number_density=density(d), times=TIMES,
+        outputs=("speed_density", "thermal_speed"),
+    )  # fmt: skip
+    solution = solve(scene, 1e-8)
+    medium = BoltzmannGrad(density(d), dimension=d)
+    ensemble = simulate(
+        medium, e, "gaussian", TIMES, media=1, tracers=TRACERS, seed=7, observables=["velocities"],
+        tangential_restitution=et,
+    )  # fmt: skip
+    for i, thermal in enumerate(solution.thermal_speed):
+        edges = np.linspace(0.0, 2.6, 41) * thermal
+        speed = np.linalg.norm(ensemble.velocities[i], axis=1)
+        check(np.histogram(speed, edges)[0], shares_between(solution, i, edges))
+
+
+def test_speeds_and_angles_in_space() -> None:
+    """From f = maxwell(v) (1 + 0.8 cos(theta))/(4 pi): the two harmonics that there are."""
+    e, et = 0.6, 0.9
+
+    def maxwell(v: Any) -> Any:
+        return np.sqrt(2.0 / np.pi) * v**2 * np.exp(-0.5 * v**2)
+
+    scene = Scene(
+        CollisionLaw(e, et, 3), number_density=density(3), times=TIMES[:2],
+        initial=AngularHarmonics({0: maxwell, 1: lambda v: 0.8 / 3.0 * maxwell(v)}),
+        outputs=("velocity_density", "thermal_speed"),
+    )  # fmt: skip
+    solution = solve(scene, 1e-8)
+    rng = np.random.default_rng(5)
+    speed = np.linalg.norm(rng.normal(size=(TRACERS, 3)), axis=1)
+    # the share below x = cos(theta) is (x + 1)/2 + 0.2 (x^2 - 1)
+    share = rng.uniform(size=TRACERS)
+    cosine = (np.sqrt(0.25 - 0.8 * (0.3 - share)) - 0.5) / 0.4
+    angle, sine = rng.uniform(0.0, 2.0 * np.pi, TRACERS), np.sqrt(1.0 - cosine**2)
+    direction = np.stack([cosine, sine * np.cos(angle), sine * np.sin(angle)], axis=1)
+    ensemble = simulate(
+        BoltzmannGrad(density(3), dimension=3), e, (speed[:, None] * direction)[None], TIMES[:2],
+        media=1, tracers=TRACERS, seed=8, observables=["velocities"], tangential_restitution=et,
+    )  # fmt: skip
+    x, w = np.polynomial.legendre.leggauss(6)
+    for i, thermal in enumerate(solution.thermal_speed):
+        edges, sides = np.linspace(0.0, 2.6, 21) * thermal, np.linspace(-1.0, 1.0, 6)
+        velocity = ensemble.velocities[i]
+        speed = np.linalg.norm(velocity, axis=1)
+        counts = np.histogram2d(speed, velocity[:, 0] / speed, [edges, sides])[0]
+        v = (0.5 * (edges[1:] + edges[:-1])[:, None] + 0.5 * np.diff(edges)[:, None] * x).ravel()
+        c = (0.5 * (sides[1:] + sides[:-1])[:, None] + 0.5 * np.diff(sides)[:, None] * x).ravel()
+        f = solution.velocity_density(v, np.arccos(c))[i] * (2.0 * np.pi * v**2)[:, None]
+        f = f.reshape(20, 6, 5, 6)
+        shares = np.einsum("aibj,i,j->ab", f, w, w) * np.outer(np.diff(edges), np.diff(sides)) / 4
+        check(counts, shares)

@@ -1,0 +1,145 @@
+"""Averages after N collisions: direct sums, particles, and what is refused."""
+
+import json
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, load, solve
+from kinetics.cli import cli
+from kinetics.moments.by_collision import ByCollision
+from particles import BoltzmannGrad, simulate
+
+SIGMAS = 4.0  # some 70 comparisons: one in 250 such test files would fail by chance
+NUMBERS = (1, 2, 5)
+
+
+def after(law: Any, numbers: Any = NUMBERS, **options: Any) -> ByCollision:
+    """With l = 1."""
+    rho = 0.5 if law.dimension == 2 else 1.0 / np.pi
+    scene = Scene(law, number_density=rho, collision_numbers=numbers, **options)
+    return solve(scene).by_collision
+
+
+def turning(cosine: float, dimension: int = 2) -> CollisionLaw:
+    """Elastic bounces, all by one angle."""
+    return CollisionLaw.from_samples([1.0], [1.0], [cosine], dimension)
+
+
+@pytest.mark.parametrize("cosine", [-1.0, -0.75, 0.0, 0.5, 1.0 - 2.0**-12, 1.0 - 2.0**-40, 1.0])
+def test_the_displacement_is_a_sum_over_pairs_of_flights(cosine: float) -> None:
+    """Exactly: <r^2> = 2 l^2 sum of (N - k) c^k."""
+    numbers, c = [0, 1, 2, 7, 40, 300], Fraction(cosine)
+    exact = [float(2 * sum((n - k) * c**k for k in range(n))) for n in numbers]
+    found = after(turning(cosine), numbers).msd
+    np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-14)
+
+
+def test_the_start_does_not_matter_to_the_displacement() -> None:
+    law = CollisionLaw(0.6, 0.9, 3)
+    beam, gaussian = after(law, initial=Beam()), after(law)
+    np.testing.assert_array_equal(beam.msd, gaussian.msd)
+    c = law.mean_cosine
+    exact = [sum(c**k for k in range(n)) for n in NUMBERS]
+    np.testing.assert_allclose(beam.mean_displacement[:, 0], exact, rtol=1e-13)
+    assert np.all(beam.mean_displacement[:, 1:] == 0.0)
+    np.testing.assert_allclose(beam.harmonic(0.0, 1).real, c ** np.array(NUMBERS), rtol=1e-13)
+
+
+def test_a_beam_at_an_angle() -> None:
+    beam = after(CollisionLaw(0.4), initial=Beam(0.7))
+    angle = np.arctan2(beam.mean_displacement[:, 1], beam.mean_displacement[:, 0])
+    np.testing.assert_allclose(angle, 0.7, rtol=1e-13)
+
+
+def check(values: Any, expected: float) -> None:
+    sigmas = (values.mean() - expected) / (values.std(ddof=1) / np.sqrt(values.size))
+    assert abs(sigmas) < SIGMAS, (sigmas, values.mean(), expected)
+
+
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
+@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 2), (0.5, 0.8, 2), (0.6, 0.8, 3)])
+def test_particles_recorded_by_collision(e: float, et: float, dimension: int, initial: str) -> None:
+    law, rho = CollisionLaw(e, et, dimension), 0.5 if dimension == 2 else 1.0 / np.pi
+    found = after(law, initial=initial)
+    for i, n in enumerate(NUMBERS):
+        ends = simulate(
+            BoltzmannGrad(rho, dimension=dimension), e, initial, media=4, tracers=25_000, seed=n,
+            max_collisions=n, observables=["finals"], tangential_restitution=et,
+        ).finals  # fmt: skip
+        v, place = np.exp(ends[:, 0]), np.delete(ends[:, 2:], 2, axis=1)
+        check(v**2, found.thermal_speed[i] ** 2)
+        check(np.sqrt(v), found.moment(0.5)[i])
+        gaussian = dimension / (dimension + 2.0)
+        check(v**4, (found.a2[i] + 1.0) * found.thermal_speed[i] ** 4 / gaussian)
+        check(np.sum(place**2, axis=1), found.msd[i])
+        if initial == "monoenergetic":  # of a Gaussian in the plane <1/v^2> is infinite
+            check(np.exp(ends[:, 1]), found.mean_time[i])
+
+
+def test_a_gaussian_keeps_its_mean_time_in_space() -> None:
+    """<1/v> = sqrt(2/pi)/U and E[1/s] = 2 (1 - e)/(1 - e^2): s^2 is uniform."""
+    e, numbers = 0.6, [0, 1, 4]
+    found = after(CollisionLaw(e, dimension=3), numbers).mean_time
+    slower = 2.0 / (1.0 + e)
+    exact = [np.sqrt(2.0 / np.pi) * sum(slower**k for k in range(n)) for n in numbers]
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
+
+
+def test_harmonics_after_many_collisions() -> None:
+    """Of a beam along x in space: E[s^p P_m]^N, also where that is negative or next to nothing."""
+    law = CollisionLaw(0.9, dimension=3)
+    found = after(law, [0, 1, 2, 3, 10**9], initial=Beam())
+    q = law.quadrature
+    for p, m in ((0.0, 1), (2.0, 2), (1.0, 3)):
+        kept = q.weight @ (q.ratio**p * q.harmonic(m))
+        exact = kept ** np.arange(4)
+        np.testing.assert_allclose(found.harmonic(p, m)[:4].real, exact, rtol=0, atol=1e-13)
+        assert found.harmonic(p, m)[-1] == 0.0
+    other = AngularHarmonics({0: lambda v: np.exp(-v)})
+    assert np.all(after(law, initial=other).harmonic(1.0, 1) == 0.0)
+
+
+def test_a_scene_without_times_is_solved_saved_and_read_again(tmp_path: Any) -> None:
+    solution = solve(Scene(0.7, collision_numbers=range(4), outputs=("thermal_speed",)))
+    assert solution.times.tolist() == [0.0]
+    assert solution.thermal_speed == pytest.approx(solution.by_collision.thermal_speed[:1])
+    solution.save(tmp_path / "found.json")
+    again = load(tmp_path / "found.json")
+    assert again == solution
+    np.testing.assert_array_equal(again.by_collision.msd, solution.by_collision.msd)
+
+
+@pytest.mark.parametrize("numbers", [[0.5], [-1], [1e300], [np.nan], "many", [[1, 2]], None, [1j]])
+def test_bad_collision_numbers(numbers: Any) -> None:
+    with pytest.raises(
+        InputError, match=r"^collision_numbers: got .*whole, not negative"
+    ) as caught:
+        Scene(0.5, collision_numbers=numbers)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_does_not_exist_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^collision_numbers: the scene has none"):
+        _ = solve(Scene(0.5, times=[1.0])).by_collision
+    stopping = after(CollisionLaw(0.0), [3])
+    with pytest.raises(InputError, match=r"^p: got -1\.0; moments of this scene exist for p > -1"):
+        stopping.moment(-1.0)
+    with pytest.raises(InputError, match=r"^collision_numbers: <1/v> does not exist"):
+        _ = stopping.mean_time
+    with pytest.raises(InputError, match=r"^collision_numbers: a2 overflows"):
+        _ = after(CollisionLaw(0.1), [10**6]).a2
+
+
+def test_the_command_prints_them() -> None:
+    arguments = ["solve", "-e", "0.6", "--times", "", "--collision-numbers", "0,3"]
+    text = CliRunner().invoke(cli, arguments).output
+    found = json.loads(CliRunner().invoke(cli, [*arguments, "--json"]).output)["by_collision"]
+    exact = solve(Scene(0.6, collision_numbers=[0, 3])).by_collision
+    assert found["collision_numbers"] == [0, 3]
+    for name in ("thermal_speed", "a2", "msd"):
+        np.testing.assert_allclose(found[name], getattr(exact, name), rtol=1e-12)
+        assert f"{getattr(exact, name)[1]:.6g}" in text
