@@ -16,7 +16,7 @@ from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS, POSITION, SCATTERING
+from kinetics.outputs import OUTPUTS
 from kinetics.states.isotropic import as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, refuse, whole_number
@@ -88,7 +88,6 @@ class Scene(Value):
         only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
         checked["times"] = _check_times([0.0] if only_collisions else self.times)
         checked["outputs"] = _check_outputs(self.outputs)
-        _check_available(checked["outputs"], law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
         self.__dict__["law"] = law  # the cached property below
@@ -147,14 +146,6 @@ def _start(initial: Any, dimension: int) -> State:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
         refuse("initial", initial, allowed)
     return found
-
-
-def _check_available(outputs: tuple[str, ...], law: CollisionLaw) -> None:
-    """What of the position is solved for smooth disks only; all else is for every law."""
-    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
-    for name in outputs:
-        if OUTPUTS[name].step in (POSITION, SCATTERING) and not smooth_disks:
-            refuse("outputs", name, "it is available for smooth disks only (dimension 2, et = 1)")
 
 
 def _check_times(times: Any) -> FloatArray:

@@ -21,6 +21,7 @@ from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
 from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
+from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
 from kinetics.status import SolverStatus
@@ -270,6 +271,7 @@ class Solution(Value):
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
 
+        In space p = G(R)/(4 pi R^2).
         Both of shape (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the exponent is n: 2 for a
         Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and the rate -d ln p/dR.
         Tracers that have not collided are left out. NaN where p is below its error. Raises
@@ -281,9 +283,10 @@ class Solution(Value):
         for i, root in enumerate(found.root_mean_square):
             if root == 0.0:
                 continue
-            p, slope = found.collided_in_plane(i, np.minimum(x, _BEYOND) * root)
-            center, _ = found.collided_in_plane(i, np.zeros(1))
-            floor = found.error_estimate / (2.0 * np.pi * np.maximum(x, 0.1) * root**2)
+            p, slope = found.collided_in_place(i, np.minimum(x, _BEYOND) * root)
+            center, _ = found.collided_in_place(i, np.zeros(1))
+            d = found.dimension
+            floor = found.error_estimate / (surface(d) * element(np.maximum(x, 0.1), d) * root**d)
             with np.errstate(divide="ignore", invalid="ignore"):
                 good = (p > floor) & (x > 0.0)
                 rate[i] = np.where(good, -root * slope / p, np.nan)

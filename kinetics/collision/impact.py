@@ -172,6 +172,16 @@ class DiskBounce:
         share = np.where(share > 1.0 - 1e-12, 1.0, share)  # y = 0, where 1 - y is not rounded
         return share / (1.0 + np.sqrt(1.0 - share))
 
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """y^(d-1) where s(y) is this ratio and e < et, and 1 - y^(d-1) where et < e."""
+        e, et = self.restitution, self.tangential_restitution
+        square = ratio**2 - e * e  # (et^2 - e^2) y^2
+        if e == et:
+            return np.where(square > 0.0, 1.0, 0.0)
+        share = np.clip(square / (et * et - e * e), 0.0, 1.0)
+        within = np.sqrt(share) if self.dimension == 2 else share
+        return within if e < et else 1.0 - within
+
     def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
         """1 - et^z (d-1)/(z+d-1) at e = 0; at et = 0 with Beta functions, not close to z = 0."""
         e, et, d = self.restitution, self.tangential_restitution, self.dimension

@@ -20,6 +20,7 @@ from kinetics.collision.impact import RESOLVED, DiskBounce
 from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
 from kinetics.collision.samples import SampledBounce
 from kinetics.errors import InputError, short
+from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -276,6 +277,10 @@ class CollisionLaw:
         0 cells end at -ln s = 40; the last one holds all bounces below.
         """
         return self._bounce.cells(spacing, points)
+
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
+        return self._bounce.chance_below(ratio)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -54,15 +55,49 @@ class ImpactQuadrature:
         """1 - harmonic(m), shape (n_nodes,), accurate where it is small."""
         if self.dimension == 2:  # 1 - cos(m chi) = 2 sin^2(m chi/2)
             return np.asarray(2.0 * np.sin(0.5 * m * self.deflection) ** 2)
+        last = np.zeros_like(self.cosine)
+        for lost in self._legendre_losses(abs(m)):
+            last = lost
+        return last
+
+    def harmonics(self, top: int) -> tuple[FloatArray, FloatArray]:
+        """harmonic(m) and harmonic_loss(m) for m up to ``top``, shape (top + 1, n_nodes) each."""
+        if self.dimension == 2:
+            order = np.arange(top + 1)[:, None]
+            lost = 2.0 * np.sin(0.5 * order * self.deflection) ** 2
+            return np.cos(order * self.deflection), lost
+        lost = np.stack(list(self._legendre_losses(top)))
+        return 1.0 - lost, lost
+
+    def each_harmonic(self, top: int) -> Iterator[FloatArray]:
+        """harmonic(m) for m up to ``top``, one after another: there may be many nodes."""
+        if self.dimension == 3:
+            yield from (1.0 - lost for lost in self._legendre_losses(top))
+            return
+        step, turned = np.exp(1j * self.deflection), np.ones(self.deflection.size, dtype=complex)
+        for _ in range(top + 1):
+            yield turned.real
+            turned = turned * step
+
+    def part(self, used: NDArray[np.bool_]) -> ImpactQuadrature:
+        """Some of the nodes, (n_nodes,) of booleans; their weights need not sum to 1."""
+        return ImpactQuadrature(
+            self.weight[used],
+            self.log_loss[used],
+            self.ratio[used],
+            self.parallel[used],
+            self.dimension,
+        )
+
+    def _legendre_losses(self, top: int) -> Iterator[FloatArray]:
+        """1 - P_m(cos chi) for m up to ``top``, one after another, (n_nodes,) each."""
         # q_m = (1 - P_m(x))/(1 - x), from (n+1) P_(n+1) = (2n+1) x P_n - n P_(n-1)
         x = self.cosine
-        before, last = np.zeros_like(x), np.ones_like(x)
-        if m == 0:
-            return before
-        for n in range(1, abs(m)):
+        before, last = np.zeros_like(x), np.zeros_like(x)
+        for n in range(top + 1):
+            yield (1.0 - x) * last
             next_one = ((2 * n + 1) * (1.0 + x * last) - n * before) / (n + 1)
             before, last = last, next_one
-        return np.asarray((1.0 - x) * last)
 
 
 def at_right_angle(m: int, dimension: int) -> float:
@@ -127,6 +162,9 @@ class Bounce(Protocol):
 
     def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node."""
+
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """Share of the bounces after which the speed ratio is below ``ratio``, its shape."""
 
     def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
         """1 - E[s^z] where a closed form is better than the quadrature, shape of z; or None."""

@@ -114,6 +114,13 @@ class SampledBounce:
         cell = np.floor(self._arrays[1] / spacing).astype(np.int64)
         return self.quadrature(0), cell
 
+    def chance_below(self, ratio: FloatArray) -> FloatArray:
+        """The weight of the samples with smaller ratios."""
+        weight, samples = np.array(self.weight), np.array(self.ratio)
+        order = np.argsort(samples)
+        sums = np.concatenate([[0.0], np.cumsum(weight[order])])
+        return np.asarray(sums[np.searchsorted(samples[order], ratio)])
+
     def closed_decay(self, z: NDArray[Any]) -> NDArray[Any] | None:
         """The sum over the samples serves."""
         return None

@@ -1,9 +1,10 @@
 r"""The distribution of the displacement: g(r, t), and what the scaled G(R) is made of.
 
 With F(k, t), the average of exp(i k.r) over the start and the paths
-(:mod:`kinetics.position.intermediate_scattering`),
+(:mod:`kinetics.position.intermediate_scattering`), in the plane and in space
 
-    g(r, t) = r integral of k J_0(k r) F(k, t) dk
+    g(r, t) = r integral of k J_0(k r) F(k, t) dk,
+    g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
 (:mod:`kinetics.position.ballistic_front`), and of a start of few speeds those that have collided
@@ -21,6 +22,7 @@ import numpy as np
 
 from kinetics.numerics import FloatArray
 from kinetics.position.ballistic_front import UncollidedDensity
+from kinetics.position.directions import element, radial_measure, radial_waves, surface
 from kinetics.position.front_tail import FrontTail
 from kinetics.position.once_collided import OnceCollided
 from kinetics.position.tail import PowerTail
@@ -47,6 +49,7 @@ class Displacement(Value):
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
     once : the once-collided of a start of few speeds; None in files of version 0.1
+    dimension : 2 or 3
     """
 
     mean_free_path: float
@@ -62,6 +65,7 @@ class Displacement(Value):
     error_estimate: float
     systems: Mapping[int, int]
     once: OnceCollided | None = None
+    dimension: int = 2
 
     @property
     def wave_numbers(self) -> int:
@@ -70,15 +74,16 @@ class Displacement(Value):
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
+        path, d = self.mean_free_path, self.dimension
         near = np.minimum(r, self.reach[time])
-        collided = near / self.mean_free_path * (self._transform(time, r, 0) / self.mean_free_path)
+        collided = element(near / path, d) * (self._transform(time, r, 0) / path)
         if self.once is not None:
             collided = collided + self.once.at(time, r)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
-        inside = r / self.mean_free_path * self._transform(time, r, 1)
+        inside = element(r / self.mean_free_path, self.dimension) * self._transform(time, r, 1)
         inside = np.where(r <= self.reach[time], inside, self._at_zero(time))
         return inside if self.once is None else np.asarray(inside + self.once.within(time, r))
 
@@ -95,31 +100,35 @@ class Displacement(Value):
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
         return np.asarray(self.collided_within(time, r) + front + self.uncollided.within(time, r))
 
-    def collided_in_plane(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Density in the plane of the collided, in 1/d^2, and its slope in 1/d^3, (n_r,) each."""
-        path = self.mean_free_path
-        value = self._transform(time, r, 0) / path / path / (2.0 * math.pi)
-        slope = -self._transform(time, r, 2) / path / path / path / (2.0 * math.pi)
+    def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Density of the collided in the plane, or in space, and its slope, (n_r,) each.
+
+        In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
+        """
+        value, slope = self._transform(time, r, 0), -self._transform(time, r, 2)
+        for _ in range(self.dimension):  # the power of l may overflow
+            value, slope = value / self.mean_free_path, slope / self.mean_free_path
+        value = value / surface(self.dimension)
+        slope = slope / self.mean_free_path / surface(self.dimension)
         if self.once is not None and self.once.kept_apart(time):
-            apart, its_slope = self._once_in_plane(self.once, time, r)
+            apart, its_slope = self._once_in_place(self.once, time, r)
             value, slope = value + apart, slope + its_slope
         return value, slope
 
-    def _once_in_plane(
+    def _once_in_place(
         self, once: OnceCollided, time: int, r: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """The same of the once-collided; the slope from a difference, right to about 1e-9."""
         near = np.maximum(r, 1e-4 * self.mean_free_path)  # at e = 0 it falls as 1/r
         step = 1e-5 * near
         low, at, high = (
-            once.at(time, x) / (2.0 * math.pi * x) for x in (near - step, near, near + step)
+            once.at(time, x) / (surface(self.dimension) * element(x, self.dimension))
+            for x in (near - step, near, near + step)
         )
         return at, (high - low) / (2.0 * step)
 
     def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
-        """Integral over K of F times K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) at r; 0 out of reach."""
-        from scipy.special import j0, j1
-
+        """Integral of F over K at r, of a kind of `radial_waves`; 0 out of reach."""
         out = np.zeros(r.shape)
         inside = r <= self.reach[time]
         rho = r[inside] / self.mean_free_path
@@ -127,7 +136,6 @@ class Displacement(Value):
             return out
         tail = self.tails[time]
         total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
-        bessel = j0 if kind == 0 else j1
         for panel in self.panels:
             f = panel.of(time)
             if f is None:
@@ -140,13 +148,17 @@ class Displacement(Value):
                 # tapered over a factor of two: a sharp end would leave oscillations everywhere
                 level = np.clip(k / self.cut[time] - 1.0, 0.0, 1.0)
                 values = values * np.cos(0.5 * math.pi * level) ** 2
-            total += bessel(np.outer(rho, k)) @ (weight * values * k ** (1, 0, 2)[kind])
+            measure = radial_measure(k, kind, self.dimension)
+            waves = radial_waves(np.outer(rho, k), kind, self.dimension)
+            total += waves @ (weight * values * measure)
         out[inside] = total
         return out
 
 
 def _enough(nodes: int, turns: float) -> int:
     """Gauss points for a polynomial through the nodes times J_0 over ``turns`` of its argument.
+
+    In space sin(x)/x turns as often.
 
     n points are exact for polynomials up to degree 2 n - 1. The Chebyshev coefficients of the
     Bessel function end at the order h = turns/2, over a width of h^(1/3) (DLMF 10.19.8); 2.5 of it

@@ -137,7 +137,7 @@ def _columns(k: FloatArray, e: float, flights: FloatArray) -> FloatArray:
         rho, parts = _table(e, float(T), turns)
         columns.append(j0(np.outer(k, rho)) @ parts.T)
         if e < _SMALL:
-            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN))
+            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN, 2))
     return np.hstack(columns)
 
 
@@ -195,7 +195,7 @@ def _transforms(rho: FloatArray, T: float, e: float, kind: int) -> FloatArray:
         parts = (ends[0] - ends[1]) / (2.0 * step)
     if e < _SMALL:
         scale = _ORIGIN / T
-        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind) * scale ** (2, 1, 3)[kind]
+        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind, 2) * scale ** (2, 1, 3)[kind]
         parts = np.concatenate([parts, at_origin])
     return parts
 

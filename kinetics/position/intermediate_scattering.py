@@ -17,6 +17,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
+from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import Waves, most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
@@ -139,7 +140,8 @@ class Scattering:
                 found = self._on_panels(waves, profile, stretch, tolerance)
             if found is None:
                 speeds = points_of(self.state, waves.rule.width, tolerance)
-                found = np.array([speeds.weight @ _collided(waves, speeds.x + s) for s in stretch])
+                means = [speeds.weight @ self._collided(waves, speeds.x + s) for s in stretch]
+                found = np.array(means)
             out[:, part], error = found, max(error, waves.error_estimate)
         return out, error
 
@@ -164,13 +166,22 @@ class Scattering:
             return None
         steps = np.arange(first, max(first, last) + pieces + 1)
         x, w = panels_between(np.asarray(waves.start + width / pieces * steps), _POINTS)
-        left = _collided(waves, x)
+        left = self._collided(waves, x)
         out = np.empty((stretch.size, left.shape[1]))
         for i, s in enumerate(stretch):
             part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
             v = np.exp(x[part] - s)
             out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
         return out
+
+    def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
+        """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""
+        left = waves(x)
+        near = x < _FREE
+        path = np.exp(x[near])
+        free = mean_phase(np.outer(path, waves.wave_numbers), self.law.dimension)
+        left[near] -= np.exp(-path)[:, None] * free
+        return left
 
     def whole(
         self, wave_numbers: FloatArray, direction: float | None, tolerance: float
@@ -197,23 +208,11 @@ class Scattering:
                     start = _harmonic_of(self.state, m, width, tolerance)
                 if start is None:
                     continue
-                turn = np.exp(1j * m * (direction or 0.0))
                 for i, stretch in enumerate(self.log_stretch(which)):
                     mean = start.weight @ waves(start.x + stretch, m)
-                    # harmonics m and -m together
-                    out[i, part] += mean.real if m == 0 else 2.0 * 1j**m * (turn * mean).real
+                    angle, d = direction or 0.0, self.law.dimension
+                    out[i, part] += share_of_harmonic(m, mean, angle, d)
         return out, error
-
-
-def _collided(waves: Waves, x: FloatArray) -> FloatArray:
-    """a_0 - exp(-T) J_0(K T), the part of those that have collided, at X = x: (n_x, n_k)."""
-    from scipy.special import j0
-
-    left = waves(x)
-    near = x < _FREE
-    path = np.exp(x[near])
-    left[near] -= np.exp(-path)[:, None] * j0(np.outer(path, waves.wave_numbers))
-    return left
 
 
 def scattering_function(

@@ -2,17 +2,22 @@ r"""Tracers that have collided exactly once: their density is one integral, thei
 
 In units of the mean free path, a tracer of speed v that has flown T = v t/l without or with one
 collision flew x to the collision and u = T - x after it, and is at distance R. With the impact
-parameter y uniform (`kinetics.collision`), R^2 is linear in y^2 for each x:
+parameter y (`kinetics.collision`), R^2 is linear in y^2 for each x:
 
-    R^2 = A^2 + y^2 (T^2 - A^2),   A = x - e u,
+    R^2 = A^2 + y^2 (B^2 - A^2),   A = x - e u,   B = x + et u.
 
-so that the radial density of these tracers, each of weight exp(-x - s(y) u), is
+These tracers have weight exp(-x - s(y) u). In the plane y is uniform, and their radial density is
 
-    P_1(R) = (R/(1 + e)) integral of exp(-x - s u)/sqrt((T^2 - A^2) (R^2 - A^2)) dA
+    P_1(R) = R integral of exp(-x - s u)/sqrt(|B^2 - A^2| |R^2 - A^2|) du
 
-over -min(R, e T) < A < R. With A = R tanh z no edge is singular. P_1 itself has a logarithm at
-R = T and, for 0 < e < 1, a square root at R = e T, above which nobody collided at once and
-head-on: what a Fourier transform on finitely many wave numbers cannot show.
+over all u at which R is between |A| and B. In space y^2 is uniform, and it is
+
+    P_1(R) = 2 R integral of exp(-x - s u)/|B^2 - A^2| du.
+
+For smooth disks B = T, and with A = R tanh z no edge is singular. P_1 itself has a logarithm at
+R = T for smooth scatterers and, for 0 < e < 1, a square root (in space a kink) at R = e T, above
+which no tracer collided at once and head-on. For et < 1 it has a step at R = T instead. A Fourier
+transform on finitely many wave numbers cannot show these.
 """
 
 from __future__ import annotations
@@ -22,21 +27,45 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import gauss_legendre, panels_between
+from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
+from kinetics.position.directions import mean_phase
 from kinetics.states.state import State
 from kinetics.values import Value
 
 _MOST_SPEEDS = 4  # of a start: each costs as much as one
 _POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is left
 _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
+_LENGTH = 1.0  # of a panel in z for other bounces
 _NEAREST = 20  # panels towards a singular radius, each a quarter of the next
 _TURN = 6.0  # of K R on a panel in R, at most
 _LONGEST = 40.0  # T beyond which none is at the front R = T, and few elsewhere
+
+
+class Scatterer(NamedTuple):
+    """What a tracer has collided with."""
+
+    restitution: float
+    tangential_restitution: float
+    dimension: int
+
+    @property
+    def smooth_disk(self) -> bool:
+        """Whether it is the scatterer of the paper."""
+        return self.tangential_restitution == 1.0 and self.dimension == 2
+
+    def singular_radii(self, T: float) -> tuple[float, ...]:
+        """R at which P_1 is not smooth, 0 and T among them."""
+        e, et = self.restitution, self.tangential_restitution
+        if et == 1.0:
+            return (0.0, e * T, T)
+        same = T * (e + et) / (2.0 + e - et)  # reached with any impact parameter, where et <= e
+        return (0.0, e * T, et * T, *((same,) if et <= e else ()), T)
 
 
 @dataclass(frozen=True)
@@ -45,18 +74,27 @@ class OnceCollided(Value):
 
     Attributes
     ----------
-    restitution : e
+    restitution : e, and 1 for a law that is given by samples, for which none are kept apart
     mean_free_path : l, in d
     flights : T = v t/l of each time and speed, shape (n_times, n_speeds); n_speeds = 0 where these
         tracers are not kept apart
     shares : of all tracers in each speed, 0 at times at which they are not kept apart,
         shape (n_times, n_speeds)
+    tangential_restitution : et
+    dimension : 2 or 3
     """
 
     restitution: float
     mean_free_path: float
     flights: FloatArray
     shares: FloatArray
+    tangential_restitution: float = 1.0
+    dimension: int = 2
+
+    @property
+    def scatterer(self) -> Scatterer:
+        """What they have collided with."""
+        return Scatterer(self.restitution, self.tangential_restitution, self.dimension)
 
     def kept_apart(self, time: int) -> bool:
         """Whether these tracers are kept apart at a time."""
@@ -65,7 +103,7 @@ class OnceCollided(Value):
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Their density in 1/d at radii r in d, shape (n_r,)."""
         rho, path = r / self.mean_free_path, self.mean_free_path
-        return self._sum(time, lambda T: once_density(rho, T, self.restitution) / path, r.shape)
+        return self._sum(time, lambda T: once_density(rho, T, self.scatterer) / path, r.shape)
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided once and are within r, shape (n_r,)."""
@@ -73,9 +111,9 @@ class OnceCollided(Value):
 
         def share(T: float) -> FloatArray:
             near = np.clip(rho, 0.0, T)
-            edges = np.union1d(radial_edges((0.0, self.restitution * T, T), T), near)
+            edges = np.union1d(radial_edges(self.scatterer.singular_radii(T), T), near)
             x, w = panels_between(edges, _POINTS)
-            part = (once_density(x, T, self.restitution) * w).reshape(edges.size - 1, -1)
+            part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
             sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
             return np.asarray(sums[np.searchsorted(edges, near)])
 
@@ -83,15 +121,13 @@ class OnceCollided(Value):
 
     def scattering(self, time: int, wave_numbers: FloatArray) -> FloatArray:
         """Their part of F(k, t) at K = k l, shape (n_k,)."""
-        from scipy.special import j0
-
         highest = float(wave_numbers.max(initial=0.0))
 
         def transform(T: float) -> FloatArray:
             # few different resolutions, so that tables are used again
             turns = 2.0 ** math.ceil(math.log2(max(32.0, highest * T)))
-            rho, weight = _table(self.restitution, T, turns)
-            return np.asarray(j0(np.outer(wave_numbers, rho)) @ weight)
+            rho, weight = _table(self.scatterer, T, turns)
+            return mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
 
         return self._sum(time, transform, wave_numbers.shape)
 
@@ -113,17 +149,20 @@ def once_collided(
 
     least : share of tracers that is negligible
     """
-    peaks, e = state.peaks, law.smooth_disks
+    peaks, e, et = state.peaks, law.restitution, law.tangential_restitution
+    if e is None or et is None:  # every sample has its own singular radii
+        peaks, e, et = None, 1.0, 1.0
     speeds, shares = (np.zeros(0), np.zeros(0)) if peaks is None else _distinct(*peaks)
     if speeds.size > _MOST_SPEEDS:
         speeds, shares = speeds[:0], shares[:0]
     with np.errstate(over="ignore", under="ignore"):
         flights = np.outer(times, speeds) / mean_free_path
-        # those that flew e T after a head-on collision at once
-        seen = (np.exp(-e * flights) > least) & (flights > least) & (flights < _LONGEST)
+        # those that lost most at once: that flew e T after a head-on collision where e < et
+        seen = (np.exp(-min(e, et) * flights) > least) & (flights > least) & (flights < _LONGEST)
     # all speeds or none: what is left is as smooth as the worst of them
     every = seen.all(axis=1, keepdims=True)
-    return OnceCollided(e, mean_free_path, flights, np.where(every, shares, 0.0))
+    kept = np.where(every, shares, 0.0)
+    return OnceCollided(e, mean_free_path, flights, kept, et, law.dimension)
 
 
 def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -132,8 +171,19 @@ def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatAr
     return distinct, np.bincount(place, weights=share).astype(float)
 
 
-def once_density(rho: FloatArray, T: float, e: float) -> FloatArray:
+def once_density(rho: FloatArray, T: float, scatterer: Scatterer) -> FloatArray:
     """P_1 at R = rho (n,), for one speed, in units of l; 0 outside (0, T)."""
+    if scatterer.smooth_disk:
+        return _smooth_disks(rho, T, scatterer.restitution)
+    out = np.zeros(rho.shape)
+    inside = (rho > 0.0) & (rho < T)
+    if inside.any():
+        out[inside] = _any_bounce(rho[inside], T, scatterer)
+    return out
+
+
+def _smooth_disks(rho: FloatArray, T: float, e: float) -> FloatArray:
+    """P_1 by the integral over A = R tanh z."""
     out = np.zeros(rho.shape)
     inside = (rho > 0.0) & (rho < T)
     r = rho[inside][:, None]
@@ -159,11 +209,66 @@ def once_density(rho: FloatArray, T: float, e: float) -> FloatArray:
     return out
 
 
+def _any_bounce(r: FloatArray, T: float, scatterer: Scatterer) -> FloatArray:
+    """P_1 by the integral over u, in two parts, R rising with y in one and falling in the other."""
+    e, et = scatterer.restitution, scatterer.tangential_restitution
+    # u at which A = R, A = -R and B = R
+    first, second = (T - r) / (1.0 + e), (T + r) / (1.0 + e)
+    third = (T - r) / (1.0 - et) if et < 1.0 else np.full_like(r, np.inf)
+    end = np.minimum(T, np.minimum(second, third))
+    out = _between(first, end, True, r, (T, scatterer))
+    if et < e:
+        end = np.minimum(T, np.maximum(second, third))
+        out += _between(end, np.full_like(r, T), False, r, (T, scatterer))
+    return out
+
+
+def _between(
+    low: FloatArray,
+    high: FloatArray,
+    rising: bool,
+    r: FloatArray,
+    system: tuple[float, Scatterer],
+) -> FloatArray:
+    """The integral over low < u < high, for each r; rising : whether R rises with y there.
+
+    u = low + (high - low)/(1 + exp(-z)): no power of the distance from either end is singular in
+    z. Each distance is a sum of terms of one sign, but for those that are far from zero.
+    """
+    T, scatterer = system
+    e, et, d = scatterer.restitution, scatterer.tangential_restitution, scatterer.dimension
+    far = _FAR if d == 3 else 2.0 * _FAR  # in the plane the ends are inverse square roots
+    z, weight = equal_panels(2.0 * far, _POINTS, _LENGTH)
+    share = 1.0 / (1.0 + np.exp(z - far))  # of the interval above u, and below by symmetry
+    length = np.maximum(high - low, 0.0)[:, None]
+    above, below = length * share, length * share[::-1]
+    low, high, r = low[:, None], high[:, None], r[:, None]
+    u, x = low + below, (T - high) + above
+
+    def distance(end: float | FloatArray) -> FloatArray:
+        """From u to an end that is above the interval where R rises with y, else below it."""
+        if rising:
+            return np.maximum(end - high, 0.0) + above
+        return np.maximum(low - end, 0.0) + below
+
+    # at the second of these u, |A| = B, and every impact parameter leads to the same R
+    to_minus, to_same = distance((T + r) / (1.0 + e)), distance(2.0 * T / (2.0 + e - et))
+    to_plus = np.maximum(low - (T - r) / (1.0 + e), 0.0) + below
+    rise = (1.0 + e) ** 2 * to_plus * to_minus  # |R - A| |R + A|
+    gap = (e + et) * (2.0 + e - et) * u * to_same  # |B^2 - A^2|
+    with np.errstate(under="ignore", divide="ignore", invalid="ignore"):
+        square = np.minimum(1.0, rise / gap)  # y^2
+        ratio = np.sqrt(np.maximum(0.0, e * e + (et * et - e * e) * square))
+        chance = 2.0 * r / gap if d == 3 else r / np.sqrt(gap * rise)
+        value = np.exp(-x - ratio * u) * chance * length * share * share[::-1]
+    return np.asarray(np.where(np.isfinite(value), value, 0.0) @ weight)
+
+
 @lru_cache(maxsize=16)
-def _table(e: float, T: float, turns: float) -> tuple[FloatArray, FloatArray]:
+def _table(scatterer: Scatterer, T: float, turns: float) -> tuple[FloatArray, FloatArray]:
     """Radii on [0, T], and weights times P_1 there, for K T up to ``turns``, (n,) each."""
-    rho, weight = panels_between(radial_edges((0.0, e * T, T), T, turns), _POINTS)
-    return rho, weight * once_density(rho, T, e)
+    rho, weight = panels_between(radial_edges(scatterer.singular_radii(T), T, turns), _POINTS)
+    return rho, weight * once_density(rho, T, scatterer)
 
 
 def radial_edges(singular: tuple[float, ...], T: float, turns: float = 0.0) -> FloatArray:

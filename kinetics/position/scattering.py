@@ -19,7 +19,6 @@ or a radial density, needs.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +27,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
 from kinetics.position.coupled_harmonics import eliminate, iterate
+from kinetics.position.directions import coupling
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -128,8 +128,7 @@ def most_at_once(
 ) -> int:
     """How many wave numbers up to ``largest`` can be solved for at once within _MEMORY."""
     rule, _, count, top = _extent(law, largest, highest, tolerance, kept)
-    n, e = rule.nodes, law.smooth_disks
-    deepest = 40.0 if e == 0.0 else min(40.0, -math.log(e))
+    n, deepest = rule.nodes, min(40.0, law.largest_loss)
     panels = count + min(count, deepest / rule.width) if kept else deepest / rule.width + _PANELS
     return max(1, int(_MEMORY / (8.0 * (top + 1.0) * n * (min(panels, 2.0 * count) + 2.0 * n))))
 
@@ -142,7 +141,7 @@ def _extent(
     first = math.log(_SERIES / (largest + 2.0))
     start = rule.width * math.floor(min(first, highest) / rule.width)
     limit = highest
-    if law.smooth_disks < 1.0:
+    if not law.is_elastic:
         limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
     count = max(1, math.ceil((limit - start) / rule.width))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
@@ -171,14 +170,6 @@ def _harmonics(largest: float, highest: float, tolerance: float) -> int:
 
 def _even(m: int) -> int:
     return m + m % 2
-
-
-def _cosines(deflection: FloatArray, top: int) -> Iterator[FloatArray]:
-    """cos(m deflection) for m up to ``top``, one after another: there may be many points."""
-    step, turned = np.exp(1j * deflection), np.ones(deflection.size, dtype=complex)
-    for _ in range(top + 1):
-        yield turned.real
-        turned = turned * step
 
 
 def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
@@ -215,23 +206,25 @@ class Sweep:
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose more speed lead from every panel to where the series holds
         near = q.log_loss <= count * rule.width
-        deflection, weight = q.deflection, q.weight
-        order = np.arange(top + 1)[:, None]
-        factor = np.cos(order * deflection[near])
-        lost = 2.0 * np.sin(0.5 * order * deflection[near]) ** 2  # 1 - factor
-        shifts = PanelShifts(rule, q.log_loss[near])
-        self._loss, self._gain = shifts.kernel(weight[near], factor, lost)
+        few = q.part(near)
+        shifts = PanelShifts(rule, few.log_loss)
+        loss, gain = shifts.kernel(few.weight, *few.harmonics(top))
+        # row m of the equations over the coupling: free flights then look the same for all m
+        self._coupling = coupling(top, law.dimension)
+        by_row = self._coupling[:, None, None]
+        self._rise, self._loss, self._gain = rule.derivative / by_row, loss / by_row, gain / by_row
         # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
         self._far_ratio = math.exp(-count * rule.width)
         self._far = np.zeros((_TERMS + 1, top + 1))
         if not near.all():
             diagonal = np.arange(rule.nodes)
-            self._loss[:, diagonal, diagonal] += weight[~near].sum()
+            many = q.part(~near)
+            self._loss[:, diagonal, diagonal] += many.weight.sum() / self._coupling[:, None]
             with np.errstate(under="ignore"):
-                ratio = q.ratio[~near] / self._far_ratio  # at most 1, as powers of T overflow
-                powers = weight[~near] * ratio ** np.arange(_TERMS + 1)[:, None]
-            for m, cosine in enumerate(_cosines(deflection[~near], top)):
-                self._far[:, m] = powers @ cosine
+                ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
+                powers = many.weight * ratio ** np.arange(_TERMS + 1)[:, None]
+            for m, harmonic in enumerate(many.each_harmonic(top)):
+                self._far[:, m] = powers @ harmonic / self._coupling[m]
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -301,7 +294,7 @@ class Sweep:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
         q = self.law.quadrature_for(float(_TERMS), self.top)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
-        loss = 1.0 - np.stack([cosine @ powers for cosine in _cosines(q.deflection, self.top)])
+        loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
         loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
@@ -311,6 +304,7 @@ class Sweep:
             coupled[1:] += a[:-1]
             coupled[:-1] -= a[1:]
             coupled[0] -= a[1]
+            coupled *= self._coupling[:, None]
             out[j + 1] = (0.5 * self.wave_numbers * coupled - loss[:, j, None] * a) / (j + 1.0)
         return out
 
@@ -352,7 +346,7 @@ class Sweep:
         rate = rate[1:]
         scale = 1.0 / np.maximum(1.0, rate)
         blocks: FloatArray = (
-            self.rule.derivative[1:] * scale[:, None]
+            self._rise[:count, 1:] * scale[:, None]
             + (rate * scale)[:, None] * self._loss[:count, 1:]
         )
         right = drive[:, 1:] * scale[:, None] - blocks[:, :, :1] * known[:, None]
@@ -373,12 +367,9 @@ class Sweep:
 
 def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
     """Shares of the collisions that come out of the last panels, farthest first."""
-    e = law.smooth_disks
     if reach == 0:
         return np.ones(1)
     with np.errstate(under="ignore"):
-        ratio = np.exp(-width * np.arange(reach + 1))
-    # collisions with impact parameters up to y leave the speed ratio below s(y)
-    impact = np.sqrt(np.maximum(0.0, ratio**2 - e * e) / (1.0 - e * e))
-    impact[-1] = 0.0
-    return -np.diff(impact)[::-1]
+        below = law.chance_below(np.exp(-width * np.arange(reach + 1)))
+    below[0], below[-1] = 1.0, 0.0
+    return -np.diff(below)[::-1]

@@ -87,6 +87,7 @@ def solve_displacement(
         front_radius=radius,
         front_weight=weight,
         once=once,
+        dimension=law.dimension,
         reach=reach,
         error_estimate=max(float(sweep.missed.max()) for sweep in sweeps),
         systems=dict(system.systems),
@@ -211,8 +212,9 @@ class _Sweep:
             return 0.0
         flights = self._flights[self.active]
         flying = flights[np.exp(-flights) > tolerance]
-        if self.fronts:  # and with cos(K e T) those that collided once, head-on and at once
-            flying = np.append(flying, self.once.restitution * flights)
+        if self.fronts:  # and with cos(K e T) those that collided head-on at once
+            slower = [R for R in self.once.scatterer.singular_radii(1.0) if R < 1.0]
+            flying = np.append(flying, max(slower) * flights)
         return 0.5 * (high - low) * float(flying.max(initial=0.0))
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | FrontTail | None, float]:
@@ -225,7 +227,8 @@ class _Sweep:
             if enough or high * self._flights[time] < _FIRST_TURNS:
                 return None, ended
             flights = self.once.flights[time][self.once.shares[time] > 0.0]
-            if flights.size > 1:  # more functions than the data determine
+            # several have more functions than the data determine
+            if flights.size > 1 or not self.once.scatterer.smooth_disk:
                 return None, ended
             front, left = fit_fronts(k, f, self.once.restitution, flights)
             left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
@@ -235,7 +238,7 @@ class _Sweep:
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
         if high < _POWERS * begin:
             return None, largest
-        tail, left = fit_tail(k, f, begin)
+        tail, left = fit_tail(k, f, begin, self.system.law.dimension)
         return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
 
 

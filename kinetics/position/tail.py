@@ -1,8 +1,8 @@
 """How F(k, t) ends: the powers of 1/k that the slowest tracers leave.
 
-Initial speeds near 0, of density ~ v, put a cusp on the density of the displacement at r = 0, of
-weight (l/U t)^2, and F falls as k^-3 there. The end of F is fitted by terms whose Hankel
-transforms are known, so that the transform needs no large k.
+Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
+displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. The end of F is fitted
+by terms whose transforms are known, so that the transform needs no large k.
 """
 
 from __future__ import annotations
@@ -11,60 +11,91 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import panels_between
 from kinetics.values import Value
 
 TERMS = 8  # of the sum: with more, errors of F are raised instead of fitted
+_GONE, _POINTS = 60.0, 12  # x beyond which x^2 K_nu(x) is below 1e-20; of a Gauss rule
+_TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 
 
 @dataclass(frozen=True)
 class PowerTail(Value):
-    """sum_j c_j (q^2 + 1)^(-nu - 1), nu = (1 + j)/2, q = K/scale, K = k l.
+    """sum_j c_j (q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, q = K/scale, K = k l, d the dimension.
 
         integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
 
-    (DLMF 10.22.46).
+    (DLMF 10.22.46), and in space
+
+        (2/pi) integral of q sin(q x)/x (q^2 + 1)^(-nu - 3/2) dq
+            = (x/2)^nu K_nu(x)/(sqrt(pi) Gamma(nu + 3/2)).
 
     Attributes
     ----------
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
+    dimension : 2 or 3
     """
 
     coefficients: FloatArray
     scale: float
+    dimension: int = 2
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
-        return np.asarray(origin_terms(k / self.scale, self.coefficients.size) @ self.coefficients)
+        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension)
+        return np.asarray(terms @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
-        """Integral over all K of K J_0, J_1 or K^2 J_1 (kind 0, 1, 2) times it, at r = rho l."""
-        parts = origin_transforms(self.scale * rho, self.coefficients.size, kind)
-        return np.asarray(self.coefficients @ parts) * self.scale ** (2, 1, 3)[kind]
+        """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
+        d = self.dimension
+        parts = origin_transforms(self.scale * rho, self.coefficients.size, kind, d)
+        return np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
 
 
-def origin_terms(q: FloatArray, count: int) -> FloatArray:
-    """(q^2 + 1)^(-nu - 1), nu = (1 + j)/2, for j < count: q (n,) gives (n, count)."""
-    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (3.0 + np.arange(count))))
+def origin_terms(q: FloatArray, count: int, dimension: int) -> FloatArray:
+    """(q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, for j < count: q (n,) gives (n, count)."""
+    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + 1.0 + np.arange(count))))
 
 
-def origin_transforms(x: FloatArray, count: int, kind: int) -> FloatArray:
-    """Integral over q of q J_0(q x), J_1 or q^2 J_1 (kind 0, 1, 2) times each term, (count, n)."""
+def origin_transforms(x: FloatArray, count: int, kind: int, dimension: int) -> FloatArray:
+    """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
     near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
     macdonald = _macdonald(near, count + 2)
     out = np.zeros((count, x.size))
     for j in range(count):
         nu = 0.5 * (1 + j)
-        part = 1.0 / (2.0**nu * math.gamma(nu + 1.0))
+        part = _share(nu, dimension)
         if kind == 0:
             out[j] = part * macdonald[j + 2]
-        elif kind == 1:
-            out[j] = (1.0 - part * macdonald[j + 4]) / np.maximum(x, near)
-        else:
+        elif kind == 2:
             out[j] = part * near * macdonald[j]
+        elif dimension == 2:
+            out[j] = (1.0 - part * macdonald[j + 4]) / np.maximum(x, near)
+    if kind == 1 and dimension == 3:
+        return _within_in_space(x, count)
     return out
+
+
+def _share(nu: float, dimension: int) -> float:
+    """What stands before x^nu K_nu(x) in the transform of a term."""
+    if dimension == 2:
+        return 1.0 / (2.0**nu * math.gamma(nu + 1.0))
+    return 1.0 / (2.0**nu * math.sqrt(math.pi) * math.gamma(nu + 1.5))
+
+
+def _within_in_space(x: FloatArray, count: int) -> FloatArray:
+    """1/x^2 times the integral of x^2 times kind 0 from 0 to x, which has no closed form."""
+    near = np.clip(x, 0.0, _GONE)
+    edges = np.union1d(np.append(np.linspace(0.0, _GONE, 2 * int(_GONE) + 1), _TOWARDS_ZERO), near)
+    node, weight = panels_between(edges, _POINTS)
+    parts = origin_transforms(node, count, 0, 3) * (weight * node**2)
+    sums = np.cumsum(parts.reshape(count, edges.size - 1, _POINTS).sum(axis=2), axis=1)
+    sums = np.concatenate([np.zeros((count, 1)), sums], axis=1)
+    return sums[:, np.searchsorted(edges, near)] / np.maximum(x, 1e-12) ** 2
 
 
 def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
@@ -80,7 +111,7 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
     return found
 
 
-def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, float]:
+def fit_tail(k: FloatArray, f: FloatArray, scale: float, dimension: int) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
     ``scale`` is where the powers begin. The error is seen in the upper part of the range, after a
@@ -88,20 +119,18 @@ def fit_tail(k: FloatArray, f: FloatArray, scale: float) -> tuple[PowerTail, flo
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
-        return PowerTail(np.zeros(0), scale), np.inf
+        return PowerTail(np.zeros(0), scale, dimension), np.inf
+
+    def fit(used: NDArray[np.bool_], terms: int) -> PowerTail:
+        """Least squares of the errors relative to the first power."""
+        weight = k[used] ** (dimension + 1)
+        columns = origin_terms(k[used] / scale, terms, dimension)
+        found = np.linalg.lstsq(columns * weight[:, None], f[used] * weight, rcond=1e-13)
+        return PowerTail(np.asarray(found[0]), scale, dimension)
+
     # the error of one number of terms may vanish by accident: a mean over three of them
     missed = [
-        float(np.abs(_fit(k[below], f[below], scale, terms).at(k) - f).max())
-        for terms in (TERMS - 2, TERMS - 1, TERMS)
+        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (TERMS - 2, TERMS - 1, TERMS)
     ]
     left = math.sqrt(max(missed[:2])) * math.sqrt(max(missed[1:]))
-    return _fit(k, f, scale, TERMS), left
-
-
-def _fit(k: FloatArray, f: FloatArray, scale: float, terms: int) -> PowerTail:
-    """Least squares of the errors relative to K^-3."""
-    weight = k**3
-    found = np.linalg.lstsq(
-        origin_terms(k / scale, terms) * weight[:, None], f * weight, rcond=1e-13
-    )
-    return PowerTail(np.asarray(found[0]), scale)
+    return fit(k > 0.0, TERMS), left

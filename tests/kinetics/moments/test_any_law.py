@@ -149,7 +149,6 @@ def test_starts_in_space() -> None:
     [
         ({"initial": Gaussian(1.0, 2.0)}, "initial: got Gaussian"),
         ({"initial": Beam(0.5)}, "initial: got Beam"),
-        ({"outputs": ["position_density"]}, "outputs: got 'position_density'"),
         ({"number_density": 1e-320}, "number_density: got 1e-320"),
     ],
 )

@@ -6,22 +6,23 @@ import tracemalloc
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.special import j0
 
 from kinetics import Scene, Solution, SolverStatus, SpeedSamples, solve
 from kinetics.collision import CollisionLaw
 from kinetics.position.coupled_harmonics import eliminate, iterate
 from kinetics.position.front_tail import fit_fronts, inner_fronts
 from kinetics.position.intermediate_scattering import Scattering
-from kinetics.position.once_collided import once_collided, once_density
+from kinetics.position.once_collided import Scatterer, once_collided, once_density
 from kinetics.states.isotropic import Monoenergetic
 
 FloatArray = NDArray[np.float64]
 PATH = 12.5
 
 
-def bounce(e: float, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def bounce(e: float, y: FloatArray, et: float = 1.0) -> tuple[FloatArray, FloatArray]:
     """Speed ratio and deflection at impact parameter y, written down again."""
-    along, across = -e + (1.0 + e) * y * y, (1.0 + e) * y * np.sqrt(1.0 - y * y)
+    along, across = -e + (e + et) * y * y, (e + et) * y * np.sqrt(1.0 - y * y)
     return np.hypot(along, across), np.arctan2(across, along)
 
 
@@ -32,28 +33,40 @@ def one_speed(e: float, *flights: float, rtol: float = 1e-5) -> Solution:
     return solve(Scene(e, initial="monoenergetic", times=times, outputs=outputs), rtol=rtol)
 
 
-@pytest.mark.parametrize("e", [0.0, 1e-3, 0.37, 0.9, 1.0])
-@pytest.mark.parametrize("T", [0.3, 3.0, 12.0])
-def test_the_once_collided_against_the_integral_over_their_collision(e: float, T: float) -> None:
-    """Of exp(-x - s u) J_0(K R) over its place x and impact parameter y: smooth, no delta."""
-    from scipy.special import j0
+SMOOTH = [(e, 1.0, 2) for e in (0.0, 1e-3, 0.37, 0.9, 1.0)]
+SPHERES = [(e, 1.0, 3) for e in (0.0, 0.37, 1.0)]
+ROUGH = [(0.37, 0.8), (0.9, 0.8), (0.6, 0.6), (0.5, 0.0), (0.0, 0.6)]
 
-    once = once_collided(CollisionLaw(e), Monoenergetic(), 1.0, np.array([T]), 0.0)
+
+@pytest.mark.parametrize(
+    ("e", "et", "dimension"),
+    [*SMOOTH, *SPHERES, *((e, et, dimension) for e, et in ROUGH for dimension in (2, 3))],
+)
+@pytest.mark.parametrize("T", [0.3, 3.0, 12.0])
+def test_the_once_collided_against_the_integral_over_their_collision(
+    e: float, et: float, dimension: int, T: float
+) -> None:
+    """Of exp(-x - s u) J_0(K R) over its place x and impact parameter y: smooth, no delta."""
+    law = CollisionLaw(e, et, dimension)
+    once = once_collided(law, Monoenergetic(), 1.0, np.array([T]), 0.0)
     node, weight = np.polynomial.legendre.leggauss(160)
     x = 0.5 * T * (1.0 + node)[:, None]
     u = 0.5 * math.pi * 0.5 * (1.0 + node)
     y, w = np.sin(u) ** 2, 0.5 * math.pi * 0.5 * weight * 2.0 * np.sin(u) * np.cos(u)
-    s, turn = bounce(e, y)
+    s, turn = bounce(e, y, et)
+    w = w if dimension == 2 else 2.0 * y * w
     share = np.exp(-x - s * (T - x)) * np.outer(0.5 * T * weight, w)
     r = np.abs(x + s * (T - x) * np.exp(1j * turn))
+    of_waves = j0 if dimension == 2 else lambda x: np.sinc(x / math.pi)
     for k in (0.0, 1.0 / T, 10.0 / T, 60.0 / T):
-        assert abs(once.scattering(0, np.array([k]))[0] - np.sum(share * j0(k * r))) < 1e-9
+        assert abs(once.scattering(0, np.array([k]))[0] - np.sum(share * of_waves(k * r))) < 1e-9
     assert abs(once.within(0, np.array([T]))[0] - share.sum()) < 1e-9
     # within one radius: the derivative of what is within is the density
-    near = T * np.array([0.2, 0.6, 0.95])
+    near = T * np.array([0.23, 0.55, 0.95])
     step = 1e-4 * T
     slope = (once.within(0, near + step) - once.within(0, near - step)) / (2.0 * step)
-    assert np.abs(slope / once_density(near, T, e) - 1.0).max() < 1e-5
+    density = once_density(near, T, Scatterer(e, et, dimension))
+    assert np.abs(slope - density).max() < 1e-5 * density.max()
 
 
 def twice_or_more(
@@ -137,7 +150,8 @@ def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
     rho = np.array([0.2, 0.7, 1.4])
     for i, t in enumerate(times):
         expected = sum(
-            w * once_density(rho, v * t, 0.6) for v, w in ((0.5, 0.25), (1, 0.5), (2, 0.25))
+            w * once_density(rho, v * t, Scatterer(0.6, 1.0, 2))
+            for v, w in ((0.5, 0.25), (1, 0.5), (2, 0.25))
         )
         assert np.allclose(few.at(i, rho), expected, rtol=1e-12)
     many = once_collided(law, SpeedSamples(np.linspace(0.5, 1.5, 9)), 1.0, times, 1e-9)

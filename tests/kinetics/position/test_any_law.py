@@ -1,0 +1,267 @@
+"""F(k, t) and the density of the displacement in space, of rough scatterers, of laws of samples."""
+
+import itertools
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from kinetics import (
+    AngularHarmonics,
+    Beam,
+    CollisionLaw,
+    InputError,
+    Scene,
+    Solution,
+    SolverStatus,
+    load,
+    solve,
+)
+from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
+from kinetics.position.tail import PowerTail, fit_tail, origin_terms
+
+FloatArray = NDArray[np.float64]
+PATH = 12.5
+DENSITY = {2: 1.0 / (2.0 * PATH), 3: 1.0 / (math.pi * PATH)}  # scatterers per d^2 or d^3
+OUTPUTS = ("msd", "kurtosis", "position_density", "intermediate_scattering")
+
+# F(k, t) of isotropic scattering in space, l = v = 1, by tests/references/one_speed.py: rows are
+# times, columns wave numbers
+TIMES, WAVE_NUMBERS = (0.5, 2.0, 4.0, 10.0), (0.3, 1.0, 2.5, 8.0)
+ONE_SPEED = np.array([
+    (0.99680740299138336, 0.96489788710750154, 0.79353634423315582, -0.087902963940590419),
+    (0.96638477155745434, 0.67274398274043397, 0.0032171606301799188, 0.0025841164449471678),
+    (0.91292608244219119, 0.33833615380596938, 0.0019252455258241822, -3.9973412301538862e-5),
+    (0.7620635909806319, 0.039405397760367072, -1.1348748558636662e-6, -3.9716504558551546e-7),
+])  # fmt: skip
+
+MIXTURE = CollisionLaw.from_samples(
+    [0.3, 0.2, 0.5], [0.9, 0.45, 0.7], [0.2, -0.6, 0.1], dimension=3
+)
+LAWS = [
+    CollisionLaw(0.4, dimension=3),
+    CollisionLaw(1.0, dimension=3),
+    CollisionLaw(0.9, 0.8, dimension=3),
+    CollisionLaw(0.0, dimension=3),
+    CollisionLaw(0.7, 0.8),
+    CollisionLaw(0.6, 0.6),
+    MIXTURE,
+]
+
+
+def scene(
+    law: CollisionLaw, times: Any, initial: Any = "gaussian", outputs: Any = OUTPUTS
+) -> Scene:
+    """Times in l/U."""
+    return Scene(
+        **law.arguments,
+        number_density=DENSITY[law.dimension],
+        initial=initial,
+        times=PATH * np.atleast_1d(times),
+        outputs=outputs,
+    )
+
+
+def bins(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """20 Gauss points and weights between each two edges."""
+    x, w = np.polynomial.legendre.leggauss(20)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
+
+
+# -- exact solutions -------------------------------------------------------------------------------
+
+
+def test_elastic_spheres_of_one_speed_against_the_transport_solution() -> None:
+    law = CollisionLaw(1.0, dimension=3)
+    found = solve(scene(law, TIMES, "monoenergetic", "intermediate_scattering"), rtol=1e-12)
+    f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
+    assert np.abs(f - ONE_SPEED).max() < 1e-12
+
+
+def isotropic(dimension: int, count: int = 400) -> CollisionLaw:
+    """Elastic, every direction as likely: exact for harmonics below the number of samples."""
+    if dimension == 2:
+        cosine = np.cos(math.pi * (np.arange(count) + 0.5) / count)
+        weight = np.full(count, 1.0 / count)
+    else:
+        cosine, weight = np.polynomial.legendre.leggauss(count)
+        weight = 0.5 * weight
+    return CollisionLaw.from_samples(weight, np.ones(count), cosine, dimension)
+
+
+def test_isotropic_scattering_from_samples() -> None:
+    """In space it is what elastic spheres do."""
+    found = solve(scene(isotropic(3), TIMES, "monoenergetic", "intermediate_scattering"), 1e-12)
+    f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
+    assert np.abs(f - ONE_SPEED).max() < 1e-12
+
+
+@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 1e-4), (24.0, 1e-6), (48.0, 1e-7)])
+def test_isotropic_scattering_in_the_plane(t: float, tolerance: float) -> None:
+    """The closed form of Stadje, J. Stat. Phys. 46, 207 (1987); Paasschens, PRE 56, 1135 (1997)."""
+    found = solve(scene(isotropic(2), t, "monoenergetic"), rtol=0.3 * tolerance)
+    r = t * np.linspace(0.0, 0.9, 91)
+    root = np.sqrt(t * t - r * r)
+    exact = r / root * np.exp(root - t)
+    width = math.sqrt(found.msd[0]) / PATH
+    assert width * np.abs(PATH * found.position_density(PATH * r)[0] - exact).max() < tolerance
+    # the uncollided are in it, as a front, and the rest has weight 1 - exp(-t)
+    shares = found.position_fraction(PATH * t * np.array([0.0, 0.5, 1.01]))[0]
+    half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
+    assert np.abs(shares - [half, 1.0 - half]).max() < tolerance
+
+
+# -- moments, which come from other equations ------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_norm_and_moments(law: CollisionLaw) -> None:
+    found = solve(scene(law, 40.0), rtol=1e-5)
+    assert found.status is SolverStatus.CONVERGED
+    g = found.scaled_position_density
+    r, w = bins(np.linspace(0.0, 12.0, 49))
+    values = g(r)[0]
+    assert abs(values @ w - 1.0) < 1e-7
+    assert abs(values @ (w * r**2) - 1.0) < 1e-4
+    assert abs(values @ (w * r**4) / found.kurtosis[0] - 1.0) < 1e-3
+    assert values.min() > -1e-5
+    # shares between radii, and the fall of the density, are of the same function
+    root = math.sqrt(found.msd[0])
+    edges = np.array([0.0, 0.3, 1.0, 2.0])
+    panels = [bins(np.linspace(low, high, 9)) for low, high in itertools.pairwise(edges)]
+    shares = [g(x)[0] @ y for x, y in panels]
+    assert np.abs(found.position_fraction(edges * root)[0] - shares).max() < 1e-6
+    power, step = law.dimension - 1, 1e-4
+    x = np.array([0.5, 1.5])
+    low, high = (np.log(g(x + h)[0] / (x + h) ** power) for h in (-step, step))
+    rate = found.position_tail(x)[1][0]
+    assert np.abs(rate * 2.0 * step / (low - high) - 1.0).max() < 0.02  # it leaves the uncollided
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
+def test_small_wave_numbers(law: CollisionLaw, initial: str) -> None:
+    """F = 1 - k^2 <r^2>/(2 d) + k^4 <r^4>/(8 d (d + 2)) - ..."""
+    found = solve(
+        scene(law, [0.5, 20.0, 1e4], initial, ("msd", "kurtosis", "intermediate_scattering")), 1e-9
+    )
+    d = law.dimension
+    for i, second in enumerate(found.msd):
+        k2 = 1e-2 / second
+        fourth = found.kurtosis[i] * second**2
+        expected = 1.0 - k2 * second / (2 * d) + k2**2 * fourth / (8 * d * (d + 2))
+        f = found.intermediate_scattering([math.sqrt(k2)])[i, 0]
+        assert abs(f - expected) < 1e-7
+        assert abs(f - expected) < 0.02 * abs(k2**2 * fourth / (8 * d * (d + 2)))
+
+
+@pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
+@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
+def test_the_scattering_function_is_the_transform_of_the_density(
+    law: CollisionLaw, initial: str
+) -> None:
+    t = 40.0
+    found = solve(scene(law, t, initial), rtol=1e-6)
+    k = np.array([0.0, 0.004, 0.02, 0.06])
+    r, w = bins(np.linspace(0.0, 6.0 * math.sqrt(found.msd[0]), 61))
+    transformed = mean_phase(np.outer(k, r), law.dimension) @ (w * found.position_density(r)[0])
+    assert np.abs(found.intermediate_scattering(k)[0] - transformed).max() < 3e-6
+
+
+# -- directed starts in space ----------------------------------------------------------------------
+
+
+def speeds(v: Any) -> Any:
+    return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
+
+
+@pytest.mark.parametrize(
+    "initial", [Beam(), Beam(speeds="gaussian"), AngularHarmonics({0: speeds, 1: speeds})], ids=repr
+)
+def test_directed_starts_in_space(initial: Any) -> None:
+    """Along k the slope of F is the mean displacement; over all k its mean is the isotropic F."""
+    outputs = ("mean_displacement", "msd", "intermediate_scattering")
+    found = solve(scene(CollisionLaw(0.5, 0.9, 3), [0.2, 6.0], initial, outputs))
+    assert np.abs(found.mean_displacement[:, 1:]).max() < 1e-12
+    k = 1e-4
+    for angle in (0.0, 0.7, 2.0, math.pi):
+        f = found.intermediate_scattering([k], direction=angle)[:, 0]
+        along = found.mean_displacement[:, 0] * math.cos(angle)
+        assert np.abs(f.imag / k - along).max() < 1e-5 * found.mean_displacement[:, 0].max()
+    cosine, weight = np.polynomial.legendre.leggauss(24)
+    waves = [0.03, 0.1]
+    parts = [found.intermediate_scattering(waves, direction=math.acos(c)) for c in cosine]
+    mean = np.tensordot(0.5 * weight, parts, axes=1)
+    assert np.abs(mean - found.intermediate_scattering(waves)).max() < 1e-10
+
+
+def test_free_flight_of_a_beam_in_space() -> None:
+    """exp(i k v t cos(angle)), which needs all harmonics with their right factors."""
+    t = 1e-6
+    law = CollisionLaw(0.5, dimension=3)
+    found = solve(scene(law, t / PATH, Beam(), "intermediate_scattering"), rtol=1e-12)
+    for turns, angle in ((1.0, 0.0), (7.0, 1.1), (7.0, 2.8)):
+        f = found.intermediate_scattering([turns / t], direction=angle)[0, 0]
+        assert abs(f - np.exp(1j * turns * math.cos(angle))) < 1e-6
+
+
+# -- the parts -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("kind", [0, 1, 2])
+def test_powers_have_these_transforms(dimension: int, kind: int) -> None:
+    tail = PowerTail(np.array([0.0, 0.0, 0.0, 0.3, -0.2, 1.0]), 1.7, dimension)
+    rho = np.array([0.05, 0.4, 2.0])
+    k, w = bins(np.concatenate([np.linspace(0.0, 400.0, 1201), np.geomspace(402.0, 1e4, 400)]))
+    waves = radial_waves(np.outer(rho, k), kind, dimension)
+    expected = waves @ (w * tail.at(k) * radial_measure(k, kind, dimension))
+    assert np.allclose(tail.transform(rho, kind), expected, rtol=1e-6, atol=1e-7)
+
+
+def test_the_tail_in_space_is_found_again() -> None:
+    k = np.linspace(3.0, 30.0, 60)
+    exact = PowerTail(0.5 ** np.arange(6.0), 1.0, 3)
+    found, left = fit_tail(k, exact.at(k), 1.0, 3)
+    assert left < 1e-9
+    rho = np.array([0.0, 0.3, 2.0])
+    assert np.abs(found.transform(rho, 0) - exact.transform(rho, 0)).max() < 1e-5
+    assert origin_terms(k, 1, 3)[-1, 0] == pytest.approx((1.0 + 900.0) ** -2.0)
+
+
+def test_elements_and_waves() -> None:
+    x = np.array([0.0, 1e-9, 0.3, 50.0])
+    assert np.allclose(element(x, 3), x**2)
+    assert np.allclose(mean_phase(x, 3), [1.0, 1.0, math.sin(0.3) / 0.3, math.sin(50.0) / 50.0])
+
+
+# -- results ---------------------------------------------------------------------------------------
+
+
+def test_a_result_in_space_is_saved_and_pickled(tmp_path: Any) -> None:
+    def shown(value: Solution) -> list[FloatArray]:
+        return [value.position_density([0.0, 3.0, 9.0, 70.0]), value.position_fraction([0, 5, 90])]
+
+    for law in (LAWS[2], MIXTURE):
+        found = solve(scene(law, 4.0, "monoenergetic"), rtol=1e-2)
+        found.save(tmp_path / "result.h5")
+        for again in (load(tmp_path / "result.h5"), pickle.loads(pickle.dumps(found))):
+            assert again == found
+            assert all(map(np.array_equal, shown(again), shown(found)))
+
+
+def test_a_density_that_is_not_resolved_says_so() -> None:
+    """Each sample has a front of its own: early they cannot be told apart."""
+    found = solve(scene(MIXTURE, 2.0, "monoenergetic"), rtol=1e-5)
+    assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
+    assert found.error_estimate > 1e-3
+
+
+def test_wave_numbers_that_are_too_large_are_one_line() -> None:
+    found = solve(scene(LAWS[0], 10.0, outputs="intermediate_scattering"))
+    with pytest.raises(InputError, match="wave_numbers: got up to"):
+        found.intermediate_scattering([1e3])
