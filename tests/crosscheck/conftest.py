@@ -131,7 +131,7 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
         late=solution,
         position=made_up_position(),
         free=made_up_run("Boltzmann-Grad", solution, free, 12.5),
-        disks=run,
+        hard=run,
         rescaled_errors={
             name: getattr(run, name).error
             for name in ("thermal_speed", "a2", "msd", "kurtosis", "cooling_rate", "msd_slope")
