@@ -8,7 +8,7 @@ from markupsafe import Markup
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.equations import report_equations
 from kinetics.crosscheck.report.figures import svg
-from kinetics.crosscheck.report.row import OBSERVABLES, relative_error
+from kinetics.crosscheck.report.row import OBSERVABLES, Names, relative_error
 from kinetics.crosscheck.report.templates import environment, number
 from kinetics.crosscheck.text_tables import aligned
 
@@ -26,12 +26,20 @@ def render(document: Mapping[str, Any]) -> str:
         matrix=matrix(document),
         dimensions=dimension_pairs(document),
         is_papers_law="dimension" not in document["settings"],
-        observables=OBSERVABLES,
+        observables=_observables(document),
         deviation=deviation,
         dimension_cells=_dimension_cells,
         # Written by sympy's printer from the package's own formulas, not from anybody's data.
         formula=Markup,
     )
+
+
+def _observables(document: Mapping[str, Any]) -> dict[str, Names]:
+    """The names of the observables; in space p is G(R)/(4 pi R^2)."""
+    if document["settings"].get("dimension") != 3:
+        return OBSERVABLES
+    title, short = OBSERVABLES["tail_exponent"]
+    return OBSERVABLES | {"tail_exponent": Names(title.replace("G(R)/R ", "G(R)/R² "), short)}
 
 
 def _figure_groups(document: Mapping[str, Any]) -> list[tuple[str, list[str]]]:

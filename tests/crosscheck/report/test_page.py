@@ -198,9 +198,9 @@ def test_trapped_tracers_and_the_cap_are_among_the_findings(
 ) -> None:
     case = make_case()
     statuses = {"finished": 9_990, "trapped": 10, "escaped": 0}
-    disks = replace(case.disks, statuses=statuses, most_collisions=200, above_cap=0.01)
+    disks = replace(case.hard, statuses=statuses, most_collisions=200, above_cap=0.01)
     rows = rows_of_case(case, settings)
-    found = build_document(settings, [replace(case, disks=disks)], None, rows, CHECKS)["findings"]
+    found = build_document(settings, [replace(case, hard=disks)], None, rows, CHECKS)["findings"]
     assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
     assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
 
