@@ -196,7 +196,7 @@ def test_the_solver_reaches_what_is_asked_in_a_process_of_its_own() -> None:
     stages: list[tuple[str, int]] = []
     found = run_bench(quick=True, cases=["accuracy"], progress=lambda *told: stages.append(told))
     assert stages == [("accuracy", 1)]
-    assert len(found.records) == 420
+    assert len(found.records) == 600
     assert {(r.section, r.status) for r in found.records} == {("accuracy", MEASURED)}
     missed = [r for r in found.records if r.note == accuracy.MISSED]
     assert not missed, [(r.problem, r.asked, r.error) for r in missed]
