@@ -135,9 +135,11 @@ def particles(
     """A Boltzmann-Grad run in blocks, of one thread, with the free path MEAN_FREE_PATH."""
     from particles import BoltzmannGrad, simulate
 
-    density = NUMBER_DENSITY if dimension == 2 else 1.0 / (math.pi * MEAN_FREE_PATH)
+    medium = BoltzmannGrad(NUMBER_DENSITY)
+    if dimension == 3:
+        medium = BoltzmannGrad(1.0 / (math.pi * MEAN_FREE_PATH), dimension=3)
     return simulate(
-        BoltzmannGrad(density, dimension=dimension),
+        medium,
         restitution=e,
         initial=start,
         times=times,

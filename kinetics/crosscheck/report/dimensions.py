@@ -62,7 +62,7 @@ def _other(case: Case, settings: ReportSettings) -> tuple[Any, Any, Any, Particl
     equation = solution(law, density, case.times, OUTPUTS, settings.rtol)
     groups = min(GROUPS, settings.free_tracers // 2)
     run = simulate(
-        BoltzmannGrad(density, dimension=law.dimension),
+        BoltzmannGrad(density, dimension=3 if law.dimension == 3 else 2),
         restitution=case.restitution,
         tangential_restitution=settings.tangential_restitution,
         times=case.times,

@@ -5,6 +5,7 @@ The sentences stand in `../templates/report.txt.j2`, one block for each question
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -122,8 +123,8 @@ def _gaussian(results: Results) -> Answer:
         e, run = case.restitution, case.free
         measured = {f"a2, {either.name}": either.a2[-1] for either in case.runs}
         numbers += _numbers(e, {"a2, exact": case.scaling_state[0].a2, **measured})
-        d = case.dimension
-        gaussian = bin_average(lambda c, d=d: gaussian_vdf(c, d), case.speed_edges, d)
+        vdf = partial(gaussian_vdf, dimension=case.dimension)
+        gaussian = bin_average(vdf, case.speed_edges, case.dimension)
         look = worst(run.vdf.value, run.vdf.error, gaussian)
         if look is None:
             continue
