@@ -200,6 +200,24 @@ nu2 = _positive("nu_2", "decay rate of the second harmonic")
 S2 = _function("S_2", "second harmonic of <exp(i k.r)>, of order k^2, in units of l^2")
 W1 = _function("W_1", "first harmonic of <exp(i k.r)>, of order k^3, in units of l^3")
 
+# --- scatterers that are met again, at a finite density
+harm = _vector("m_phi", "order of an angular harmonic", latex="m", integer=True, nonnegative=True)
+lamm = _positive("lambda_m", "loss of v^p exp(i m phi) per collision, 1 - E[s^p cos(m chi)]")
+lamd = _positive("lambda_m_rho", "the same among scatterers of a finite density")
+back = _positive("P_pi", "probability density of the deflection at pi, per radian")
+ret = _positive("epsilon_B", "chance per collision to be thrown back to the scatterer before")
+retR = _function("epsilon_R", "the same from the distance R, per unit of R")
+dist = _positive("R_12", "distance of two scatterers", latex="R")
+offset = _positive("delta_y", "distance of the way back from the way out, over d")
+damp = _positive("a_l", "scatterers met on the way out and back, over R/l")
+Lnest = _real("L", "logarithm by which a nested ring differs from a single return")
+ln = _positive("l_rho", "mean free path at a finite density")
+coefA = _function("A", "coefficient of n ln(1/n) in the slope of the displacement, n = rho_0 d^2")
+free = _function("G_0", "harmonic m of one free flight in Fourier space")
+tail = _function("F_j", "what the harmonics from j on do to the one before")
+prop = _positive("R_mm", "harmonic m of the propagator in Fourier space")
+lamj = _function("lambda_j", "loss of harmonic j per collision")
+
 # --- exact theory
 q = _positive("q", "half of an even order")
 cos_chi = _real("cos_chi", "mean cosine of the deflection angle", latex=r"\langle\cos\chi\rangle")
@@ -213,6 +231,21 @@ rate = _positive("rate", "rate of the exponential in the tail of F")
 slope = _positive("slope", "d<r^2>/d ln t over l^2")
 norm = _positive("norm", "integral of G(R) over R")
 flatness = _positive("flatness", "<R^4>/<R^2>^2")
+
+# --- a uniform field along z, beyond the paper; lengths in l, accelerations in that of the field
+f0 = _function("f_0", "harmonic 0 of the velocity distribution about the field")
+f1 = _function("f_1", "harmonic 1 of the velocity distribution about the field")
+f2 = _function("f_2", "harmonic 2 of the velocity distribution about the field")
+f3 = _function("f_3", "harmonic 3 of the velocity distribution about the field")
+row0 = _function("row_0", "harmonic 0 of the derivative of f by v_z")
+row1 = _function("row_1", "harmonic 1 of the derivative of f by v_z")
+row2 = _function("row_2", "harmonic 2 of the derivative of f by v_z")
+lam1 = _function("lambda_1", "1 - E[s^p cos(chi)], by the order p", positive=True)
+lam2 = _function("lambda_{2}", "1 - E[s^p P_2(cos(chi))], in the plane cos(2 chi)", positive=True)
+theta_z = _real("theta_z", "angle between the velocity and the field", latex=r"\theta_z")
+drift = _positive("u", "drift along the field")
+Dperp = _positive("D_perp", "diffusion coefficient across the field", latex=r"D_\perp")
+deficit = _positive("epsilon_e", "1 - e^2", latex=r"\epsilon")
 
 
 def meaning(name: str) -> str:

@@ -5,7 +5,8 @@ so that `lorentz --help` costs neither numpy nor scipy.
 
 Rooms, each of which imports only those before it: `numerics` (no physics), `collision` (the law of
 one bounce), `states` (initial states) and `scaling` (the scaled distribution), `moments`
-(averages), `densities` (of the velocity) and `position` (of the displacement). Then the modules of
+(averages), `densities` (of the velocity), `position` (of the displacement) and `field` (the
+equation in a uniform field). Then the modules of
 this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
 answer. `values`, `storage`, `status`, `errors` and `validation` serve all of them. `sonine` holds
 the paper's approximations; `crosscheck` compares with particles and algebra. Begin reading with
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from kinetics import sonine
     from kinetics.collision import CollisionLaw
     from kinetics.errors import InputError, ToleranceWarning
+    from kinetics.field.solution import FieldState, solve_field
     from kinetics.scaling.closed_form import ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
     from kinetics.scene import Scene
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "collision": ("CollisionLaw",),
     "errors": ("InputError", "ToleranceWarning"),
+    "field.solution": ("FieldState", "solve_field"),
     "scaling.closed_form": ("ScalingSolution",),
     "scaling.scaled_vdf": ("ScaledVDF", "solve_scaled"),
     "scene": ("Scene",),
@@ -60,6 +63,7 @@ __all__ = [
     "AngularHarmonics",
     "Beam",
     "CollisionLaw",
+    "FieldState",
     "Gaussian",
     "InputError",
     "Monoenergetic",
@@ -77,6 +81,7 @@ __all__ = [
     "__version__",
     "load",
     "solve",
+    "solve_field",
     "solve_scaled",
     "sonine",
 ]

@@ -205,9 +205,36 @@ _ROWS = (
     ),
 )  # fmt: skip
 
+_FIELD_ROWS = (
+    Output(
+        "displacement_tensor", DISPLACEMENT, "cov(r)", "d^2", ("n_times", "d", "d"),
+        "<(r_i - <r_i>)(r_j - <r_j>)>, with a field only",
+    ),
+)  # fmt: skip
+
+FIELD_OUTPUTS: dict[str, Output] = {
+    row.name: row
+    for row in (*_ROWS, *_FIELD_ROWS)
+    if row.name
+    in (
+        "thermal_speed",
+        "temperature",
+        "a2",
+        "collisions",
+        "msd",
+        "mean_displacement",
+        "mean_velocity",
+        "velocity_tensor",
+        "displacement_tensor",
+    )
+}
+"""The same for scenes with a field, which `kinetics.in_field` solves."""
+
 # what a row is made of is the same tuple each time
 OUTPUTS: dict[str, Output] = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
 """Name -> row, in the order in which outputs are listed."""
 
-UNITS: dict[str, str] = {name: unit for row in _ROWS for name, unit in row.units.items()}
+UNITS: dict[str, str] = {
+    name: unit for row in (*_ROWS, *_FIELD_ROWS) for name, unit in row.units.items()
+}
 """Name of an array of a Solution -> its unit."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from kinetics.densities.harmonic import Profile
@@ -18,17 +17,10 @@ from kinetics.outputs import (
     VELOCITY,
 )
 from kinetics.position.density import Displacement
+from kinetics.status import PlanStep
 
+SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
-
-
-@dataclass(frozen=True)
-class PlanStep:
-    """One part of the work: what, whether it was done, and why."""
-
-    part: str
-    solved: bool
-    reason: str
 
 
 def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
@@ -51,6 +43,7 @@ def make_plan(
     others = "the start is isotropic" if isotropic else "no output needs more"
     points = averages.speeds.x.size
     return (
+        *_scatterers_step(averages),
         _moments_step(averages, pairs),
         PlanStep("initial state", True, f"{points} weighted speeds represent it"),
         _asked_step(COLLISIONS, outputs, "asked for"),
@@ -64,6 +57,17 @@ def make_plan(
         PlanStep("angular harmonics", bool(solved), f"m = {solved or 'none'}: {others}"),
         _densities_step(profiles),
     )
+
+
+def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
+    """The level of the theory of a finite density; nothing where scatterers are dilute."""
+    level, _ = averages.law.density_theory(0.0)
+    return (PlanStep(SCATTERERS, True, level),) if level else ()
+
+
+def limits(averages: Averages) -> str:
+    """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
+    return averages.law.density_theory(averages.times[0] / averages.mean_free_path)[1]
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

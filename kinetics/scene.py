@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import html
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS
-from kinetics.states.isotropic import as_state
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
-from kinetics.validation import check_positive, finite_line, refuse, whole_number
+from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
 from kinetics.values import Value
 
 MOST_HARMONICS = 256
+_FIELD = "it must be a finite number, 0 or more: the field is along +x"
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,8 @@ class Scene(Value):
     Parameters
     ----------
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
-    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0)
+    number_density : rho_0, scatterers per d^2; the mean free path is 1/(2 diameter rho_0) where
+        they are dilute
     diameter : of tracer and scatterers, in d
     initial : "gaussian" (each component of the velocity has standard deviation U),
         "monoenergetic" (all speeds are U), a speed density as a function of v/U, or a state:
@@ -47,6 +50,14 @@ class Scene(Value):
         x axis)
     collision_numbers : N, whole numbers from 0, of the averages after N collisions that
         ``Solution.by_collision`` gives, shape (n_collisions,)
+    scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
+        (placed independently) or "hard disks": the equation to the first order in the density, up
+        to number_density * diameter^2 = 0.3, for averages among smooth disks
+    density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
+        "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
+    field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
+        "rest" (U is then any unit of speed), and the outputs are those of
+        `kinetics.outputs.FIELD_OUTPUTS`
 
     Raises
     ------
@@ -60,14 +71,17 @@ class Scene(Value):
     restitution: Any
     number_density: float = 0.04
     diameter: float = 1.0
-    initial: Any = field(default="gaussian", compare=False)
+    initial: Any = dataclasses.field(default="gaussian", compare=False)
     times: ArrayLike = ()
     outputs: tuple[str, ...] = ("thermal_speed",)
     harmonics: int = 8
     tangential_restitution: float | None = 1.0
     dimension: int = 2
     collision_numbers: ArrayLike = ()
-    state: State = field(init=False)
+    scatterers: str = "dilute"
+    density_order: str = "second"
+    field: float = 0.0
+    state: State = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         law = law_of(self.restitution, self.tangential_restitution, self.dimension)
@@ -76,6 +90,7 @@ class Scene(Value):
             "number_density": check_positive("number_density", self.number_density),
             "diameter": check_positive("diameter", self.diameter),
         }
+        law = self._among_scatterers(law)
         if not 0.0 < law.mean_free_path(checked["number_density"], checked["diameter"]) < math.inf:
             formula = "2 diameter" if law.dimension == 2 else "pi diameter^2"
             raise InputError(
@@ -83,24 +98,32 @@ class Scene(Value):
                 f"{short(self.diameter)}; the mean free path 1/({formula} number_density) must be "
                 "a finite number above 0"
             )
-        checked["state"] = _start(self.initial, law.dimension)
+        checked["field"] = real_number("field", self.field, 0.0, allowed=_FIELD)
+        with_field = checked["field"] > 0.0
+        checked["state"] = _start(self.initial, law.dimension, with_field)
         checked["collision_numbers"] = _check_numbers(self.collision_numbers)
         only_collisions = checked["collision_numbers"].size > 0 and np.size(self.times) == 0
         checked["times"] = _check_times([0.0] if only_collisions else self.times)
-        checked["outputs"] = _check_outputs(self.outputs)
+        checked["outputs"] = _check_outputs(self.outputs, with_field)
+        _check_together(checked, law)
         checked["harmonics"] = whole_number("harmonics", self.harmonics, 0, MOST_HARMONICS)
         self.store(**checked)
         self.__dict__["law"] = law  # the cached property below
 
     @property
     def mean_free_path(self) -> float:
-        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d."""
+        """l = 1/(2 d rho_0), in space 1/(pi d^2 rho_0), in d; or that at this density."""
         return self.law.mean_free_path(self.number_density, self.diameter)
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        return self._among_scatterers(law)
+
+    def _among_scatterers(self, law: CollisionLaw) -> CollisionLaw:
+        system = (self.scatterers, self.number_density, self.diameter)
+        return law_in_medium(law, *system, self.density_order)
 
     def _system(self) -> str:
         """The arguments without the outputs, for texts."""
@@ -108,15 +131,21 @@ class Scene(Value):
         return (
             f"{self.law.described}, number_density={self.number_density!r}, "
             f"diameter={self.diameter!r}, initial={short(initial)}, times={_span(self.times)}"
+            + (f", field={self.field!r}" if self.field else "")
         )
 
     def __repr__(self) -> str:
-        return f"Scene({self._system()}, outputs={self.outputs!r}, harmonics={self.harmonics})"
+        numbers = ""
+        if np.size(self.collision_numbers):
+            numbers = f", collision_numbers={_span(self.collision_numbers, 'numbers')}"
+        rest = f"outputs={self.outputs!r}, harmonics={self.harmonics}{numbers}"
+        return f"Scene({self._system()}, {rest})"
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{name}</td><td>{unit}</td><td>{html.escape(OUTPUTS[name].description)}</td></tr>"
-            for name, unit in ((n, OUTPUTS[n].unit_in(self.dimension)) for n in self.outputs)
+            f"<tr><td>{row.name}</td><td>{row.unit_in(self.dimension)}</td>"
+            f"<td>{html.escape(row.description)}</td></tr>"
+            for row in ((FIELD_OUTPUTS if self.field else OUTPUTS)[name] for name in self.outputs)
         )
         return (
             f"<p>Scene: {html.escape(self._system())}</p>"
@@ -128,17 +157,19 @@ class Scene(Value):
         return cls(**parts)
 
 
-def _span(times: ArrayLike) -> str:
-    """How many times there are, and the first and the last."""
+def _span(times: ArrayLike, name: str = "times") -> str:
+    """How many times there are, or what the name says, and the first and the last."""
     array = np.asarray(times)
     if array.size == 1:
         return f"[{array[0]:g}]"
-    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} times]"
+    return f"[{array[0]:g} ... {array[-1]:g}, {array.size} {name}]"
 
 
-def _start(initial: Any, dimension: int) -> State:
+def _start(initial: Any, dimension: int, with_field: bool) -> State:
     """The initial state in this dimension."""
-    state = as_state(initial)
+    state = Rest() if isinstance(initial, str) and initial == "rest" else as_state(initial)
+    if isinstance(state, Rest) and not with_field:
+        refuse("initial", initial, "tracers at rest stay there, give a field as well")
     if dimension == 2:
         return state
     found = state.in_space()
@@ -146,6 +177,20 @@ def _start(initial: Any, dimension: int) -> State:
         allowed = "with dimension 3 it must be isotropic, a Beam along x, or AngularHarmonics"
         refuse("initial", initial, allowed)
     return found
+
+
+def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
+    """Finite densities are solved for averages over time only, and only without a field."""
+    at_a_density, numbers = isinstance(law, MediumLaw), checked["collision_numbers"]
+    if at_a_density and checked["field"]:
+        refuse("field", checked["field"], "it is available for scatterers='dilute' only")
+    if numbers.size and checked["field"]:
+        refuse("collision_numbers", numbers, "they are available without a field only")
+    if numbers.size and at_a_density:
+        refuse("collision_numbers", numbers, "they are available for scatterers='dilute' only")
+    for name in checked["outputs"]:
+        if at_a_density and OUTPUTS[name].values is None:
+            refuse("outputs", name, "it is available for scatterers='dilute' only")
 
 
 def _check_times(times: Any) -> FloatArray:
@@ -166,18 +211,21 @@ def _check_numbers(numbers: Any) -> FloatArray:
     return read_only(array)
 
 
-def _check_outputs(outputs: Any) -> tuple[str, ...]:
+def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:
     """The names without repetitions; InputError, with the nearest name, for an unknown one."""
     try:
         names = [outputs] if isinstance(outputs, str) else list(outputs)
     except TypeError:
         names = [outputs]
-    known = ", ".join(OUTPUTS)
+    table = FIELD_OUTPUTS if with_field else OUTPUTS
+    known = ", ".join(table)
     if not names:
         refuse("outputs", outputs, f"name at least one of {known}")
     for name in names:
-        if not isinstance(name, str) or name not in OUTPUTS:
-            near = difflib.get_close_matches(name, OUTPUTS, n=1) if isinstance(name, str) else []
+        if not isinstance(name, str) or name not in table:
+            near = difflib.get_close_matches(name, table, n=1) if isinstance(name, str) else []
             hint = f"did you mean {near[0]!r}? " if near else ""
+            if name in (*OUTPUTS, *FIELD_OUTPUTS):
+                hint = f"not available {'with' if with_field else 'without'} a field; "
             refuse("outputs", name, f"{hint}known are {known}")
     return tuple(str(name) for name in dict.fromkeys(names))

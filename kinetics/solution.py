@@ -19,12 +19,11 @@ from kinetics.frozen import read_only
 from kinetics.moments.by_collision import ByCollision
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
-from kinetics.plan import PlanStep
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
-from kinetics.status import SolverStatus
+from kinetics.status import PlanStep, SolverStatus
 from kinetics.validation import (
     finite_line,
     not_negative_line,
@@ -93,7 +92,7 @@ class Solution(Value):
     def _shown(self) -> list[tuple[str, str, str]]:
         """Name, shape and unit of every array, and of every output that is a method."""
         found = [(name, str(a.shape), UNITS.get(name, "1")) for name, a in self.values.items()]
-        for name in self.scene.outputs:
+        for name in () if self.scene.field else self.scene.outputs:
             if OUTPUTS[name].values is None:
                 shape = f"({', '.join(OUTPUTS[name].shape)})"
                 unit = OUTPUTS[name].unit_in(self.scene.dimension)
@@ -131,6 +130,7 @@ class Solution(Value):
 
     def moment(self, p: float) -> FloatArray:
         """<v^p>(t) in U^p for real p, shape (n_times,); InputError where it does not exist."""
+        self._require_no_field()
         return np.asarray(power_of_speed(self.scene, self.rtol, p, 0).real)
 
     def harmonic(self, p: float, m: int) -> NDArray[Any]:
@@ -138,6 +138,7 @@ class Solution(Value):
 
         Raises InputError for p or m out of range.
         """
+        self._require_no_field()
         return power_of_speed(self.scene, self.rtol, p, m)
 
     @property
@@ -146,10 +147,16 @@ class Solution(Value):
 
         Raises InputError if the scene has no collision_numbers.
         """
+        self._require_no_field()
         scene, numbers = self.scene, np.asarray(self.scene.collision_numbers)
         if numbers.size == 0:
             raise InputError("collision_numbers: the scene has none; give Scene some")
         return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
+
+    def _require_no_field(self) -> None:
+        """Raise InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
 
     # -- velocity -----------------------------------------------------------------------------
 
@@ -299,9 +306,10 @@ class Solution(Value):
         """F(k, t) = <exp(i k.r)> for k in 1/d, shape (n_times, n_k), to max(rtol, 1e-12) absolute.
 
         ``direction`` is the angle of k to the x axis, in radians, for directed starts, where F is
-        complex; by default F is the mean over the directions of k, and real. Raises InputError for
-        wave numbers that are none, negative, not finite or larger than can be solved for, or if
-        "intermediate_scattering" was not among the outputs.
+        complex (in space the start is symmetric about this axis); by default F is the mean over the
+        directions of k, and real. Raises InputError for wave numbers that are none, negative, not
+        finite or larger than can be solved for, or if "intermediate_scattering" was not among the
+        outputs.
         """
         self._require("intermediate_scattering")
         k = not_negative_line("wave_numbers", wave_numbers)

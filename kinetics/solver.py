@@ -15,7 +15,7 @@ from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
-from kinetics.plan import make_plan, make_stats, powers_of
+from kinetics.plan import limits, make_plan, make_stats, powers_of
 from kinetics.position.density import Displacement
 from kinetics.position.solve_density import solve_displacement
 from kinetics.scene import Scene
@@ -67,6 +67,10 @@ def solve(
         refuse("scene", scene, "it must be a Scene")
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
+    if scene.field:
+        from kinetics.in_field import solve_in_field
+
+        return solve_in_field(scene, rtol)
     degree = max([2.0, *(p for p, _ in powers_of(scene.outputs, scene.dimension))])
     averages = averages_of(scene, rtol, degree)
     asked = asked_for(averages, scene.outputs)
@@ -80,7 +84,7 @@ def solve(
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes),
+        message=explain(errors, allowed, nodes) + limits(averages),
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),

@@ -1,11 +1,21 @@
-"""How a solve ended, in words that say what to change."""
+"""How a solve ended, in words that say what to change, and the steps of its plan."""
 
 from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 _LARGEST_RTOL = 0.1  # that can be asked for
+
+
+@dataclass(frozen=True)
+class PlanStep:
+    """One part of the work: what, whether it was done, and why."""
+
+    part: str
+    solved: bool
+    reason: str
 
 
 class SolverStatus(enum.Enum):

@@ -43,7 +43,9 @@ HOMES = {
     "CollisionLaw": "kinetics.collision.law",
     "Comparison": "kinetics.crosscheck.comparison.result",
     "SampledBounce": "kinetics.collision.samples",
-    "PlanStep": "kinetics.plan",
+    "FieldState": "kinetics.field.solution",
+    "FieldUnits": "kinetics.field.solution",
+    "PlanStep": "kinetics.status",
     "ScaledVDF": "kinetics.scaling.scaled_vdf",
     "ScalingSolution": "kinetics.scaling.closed_form",
     "Scene": "kinetics.scene",
@@ -56,6 +58,7 @@ HOMES = {
     "Maxwell": "kinetics.states.isotropic",
     "Monoenergetic": "kinetics.states.isotropic",
     "PolarGrid": "kinetics.states.directed",
+    "Rest": "kinetics.states.isotropic",
     "SpeedDensity": "kinetics.states.isotropic",
     "SpeedSamples": "kinetics.states.isotropic",
     "SpeedTable": "kinetics.states.isotropic",
@@ -67,6 +70,9 @@ HOMES = {
     "NodeMasses": "kinetics.densities.node_masses",
     "Profile": "kinetics.densities.harmonic",
     "ThenScaling": "kinetics.densities.harmonic",
+    # the steady state in a field
+    "SpeedPanels": "kinetics.field.panels",
+    "SteadyAverages": "kinetics.field.averages",
     # density of the displacement
     "Displacement": "kinetics.position.density",
     "FrontTail": "kinetics.position.front_tail",

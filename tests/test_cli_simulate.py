@@ -14,7 +14,15 @@ import pytest
 
 import particles
 from kinetics import cli
-from particles import BoltzmannGrad, Ensemble, HardDisks, Poisson, simulate
+from particles import (
+    BoltzmannGrad,
+    Ensemble,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    simulate,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -139,7 +147,9 @@ def test_three_dimensions(capsys: pytest.CaptureFixture[str]) -> None:
     assert document["dimension"] == 3
     assert document["kurtosis"]["value"] == expected.kurtosis.value.tolist()
     assert "dimension = 4: must be 2 or 3" in refused(capsys, *arguments, "--dimension", "4")
-    message = "dimension = 3: must be 2 unless the medium is boltzmann-grad"
+    message = (
+        "dimension = 3: must be 2 unless the medium is boltzmann-grad, hard-spheres or poisson"
+    )
     assert message in refused(capsys, "--dimension", "3")
     assert message in refused(capsys, "--dimension", "3", "--medium", "poisson")
 
@@ -227,3 +237,27 @@ sys.exit(cli.main())
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert done.stderr == "lorentz: warning: mind the step\nlorentz: the end\n"
     assert done.returncode == 2
+
+
+def test_media_of_spheres(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["-e", "0.7", "--media", "2", "--tracers", "3", "--times", "1,9", "--count", "100"]
+    for name, options, medium in (
+        ("hard-spheres", [], HardSpheres(0.04, count=100)),
+        ("hard-spheres", ["--dimension", "3"], HardSpheres(0.04, count=100)),
+        ("poisson-spheres", [], PoissonSpheres(0.04, count=100)),
+        ("poisson-spheres", ["--box", "none"], PoissonSpheres(0.04, count=None)),
+    ):
+        command = ["simulate", *arguments, "--medium", name, *options, "--json"]
+        assert cli.main(command) == 0
+        document = json.loads(capsys.readouterr().out)
+        expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
+        assert document["medium"] == name
+        assert document["dimension"] == 3
+        assert document["msd"]["value"] == expected.msd.value.tolist()
+    for name in ("hard-spheres", "poisson-spheres"):
+        assert "dimension = 2: must be 3 unless the medium is boltzmann-grad" in refused(
+            capsys, "--medium", name, "--dimension", "2"
+        )
+    assert "box = 'none': hard-spheres need a periodic box" in refused(
+        capsys, "--medium", "hard-spheres", "--box", "none"
+    )

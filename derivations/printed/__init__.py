@@ -2,13 +2,14 @@
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
 LaTeX of it; the files of the sections transcribe the same equations into sympy, and a test holds
-each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` states the results
-that the paper does not have.
+each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` and
+``finite_density`` state the results that the paper does not have.
 
 May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with
 ``paper.tex``.
 
-A new row of derivations: state it here, in ``beyond_the_paper`` (its label starts with
+A new row of derivations: state it here, in ``beyond_the_paper`` or
+``finite_density`` (its label starts with
 ``beyond:``); or in ``paper.tex`` and in the file of its section, if the paper prints it. Then
 derive it by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 """
@@ -24,10 +25,12 @@ from . import (
     appendix_d,
     beyond_the_paper,
     cooling,
+    finite_density,
     position,
     random_walk,
     stability,
     transport,
+    uniform_field,
 )
 from .equation import PrintedEquation, read_equations
 
@@ -52,7 +55,13 @@ PRINTED = {
 }
 """The paper's equations and figures, in its order."""
 
-ROWS = PRINTED | beyond_the_paper.EQUATIONS | _BY_LABEL
+ROWS = (
+    PRINTED
+    | beyond_the_paper.EQUATIONS
+    | finite_density.EQUATIONS
+    | uniform_field.EQUATIONS
+    | _BY_LABEL
+)
 """Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 

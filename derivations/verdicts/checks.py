@@ -15,6 +15,7 @@ from ..derived import (  # noqa: F401  (they register their derivations)
     closed_forms,
     cooling,
     figures,
+    finite_density,
     flux,
     isotropic_scattering,
     kinetic_equation,
@@ -26,6 +27,7 @@ from ..derived import (  # noqa: F401  (they register their derivations)
     stability,
     statements,
     steepest_descent,
+    uniform_field,
 )
 from ..derived.record import REGISTRY, Number, Status, Step
 from ..printed import ROWS, printed_equation

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -184,6 +184,11 @@ class CollisionLaw:
         """
         return self._bounce.lowest_power
 
+    @property
+    def reaches_rest(self) -> bool:
+        """Whether bounces leave as little of the speed as one likes."""
+        return math.isfinite(self._bounce.lowest_power)
+
     @cached_property
     def uniform_power(self) -> float | None:
         """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
@@ -230,14 +235,6 @@ class CollisionLaw:
         0 where E[s^p] falls faster than any power, infinite or NaN where it falls more slowly.
         """
         return self._bounce.tail_exponent
-
-    @property
-    def smooth_disks(self) -> float:
-        """e of smooth disks; InputError for any other law: densities are solved for these only."""
-        smooth = self.tangential_restitution == 1.0 and self.dimension == 2
-        if self.restitution is None or not smooth:
-            refuse("restitution", self, "densities are solved for smooth disks only")
-        return self.restitution
 
     # -- averages ---------------------------------------------------------------------------------
 
@@ -317,6 +314,24 @@ class CollisionLaw:
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
 
+    def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
+        """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
+        q = self.quadrature_for(float(np.abs(z).max()))
+        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
+        out, factor = [self.decay_rate(z)], np.ones_like(q.log_loss)
+        for n in range(1, orders):
+            factor = factor * (-q.log_loss) / n
+            out.append(-(power @ factor))
+        return out
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps and x of returns to the scatterer before (`MediumLaw.returns`); none here."""
+        return 0.0, 0.0
+
+    def density_theory(self, first: float) -> tuple[str, str]:
+        """In words: its level, and what averages from this time (in l/U) on lack; none here."""
+        return "", ""
+
     @cached_property
     def mean_log_loss(self) -> float:
         """kappa = E[-ln s]: 1 - e arccos(e)/sqrt(1-e^2) for smooth disks; 0 if elastic."""
@@ -371,38 +386,6 @@ class CollisionLaw:
         if not np.all(np.isfinite(value)):
             refuse("p", p, "E[s^p] overflows double precision there")
         return value
-
-
-def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
-    """The law of these arguments, as the solvers take them.
-
-    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
-    given. Raises InputError for arguments out of range, and for a law that gains energy.
-    """
-    if not isinstance(restitution, CollisionLaw):
-        arguments = restitution, tangential_restitution, dimension
-        plain = tuple(map(type, arguments)) == (float, float, int)
-        return _kept_law(*arguments) if plain else CollisionLaw(*arguments)
-    law = restitution
-    for name, value, default in (
-        ("tangential_restitution", tangential_restitution, 1.0),
-        ("dimension", dimension, 2),
-    ):
-        if value is not None and value not in (default, getattr(law, name)):
-            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
-    if law.least_loss < 0.0:
-        largest = math.exp(-law.least_loss)
-        raise InputError(
-            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
-            "a tracer that never gains energy (ratios up to 1)"
-        )
-    return law
-
-
-@lru_cache(maxsize=16)
-def _kept_law(e: float, et: float, dimension: int) -> CollisionLaw:
-    """The same law again: its quadratures are not made twice."""
-    return CollisionLaw(e, et, dimension)
 
 
 def _size(z: NDArray[Any]) -> float:

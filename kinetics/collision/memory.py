@@ -10,19 +10,23 @@ reached. Where the losses are nearly so (et close to e, a few samples), the osci
 
 from __future__ import annotations
 
+import cmath
 import math
 from functools import lru_cache
 
 import numpy as np
 
 from kinetics.collision.law import CollisionLaw
+from kinetics.collision.quadrature import ImpactQuadrature
 
 SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
 _RARE = 0.01  # bounces of so small a weight, that lose more than all others, do not count there
+_LARGEST_LOSS = 40.0
+_LINES = (0.0, -0.3, -0.6, -0.9)  # real parts at which the size of lambda is scanned
 _CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
 _AT_ONCE = 1_000_000  # exponentials in one piece of the scan
-_FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; zeros that are one
+_FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a zero
 _MOST_STEPS = 40
 
 
@@ -39,30 +43,39 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
         highest = min(highest, _CONTINUOUS)
     q = law.quadrature_for(highest)
     order = np.argsort(q.log_loss)
-    common = np.cumsum(q.weight[order]) <= 1.0 - _RARE
-    largest = max(1.0, float(q.log_loss[order][common].max(initial=0.0)))
+    loss, beyond = q.log_loss[order], np.cumsum(q.weight[order][::-1])[::-1]
+    # at Re z = -1 a bounce counts s^-1 times its weight; where s is continuous, its density is less
+    counts = beyond > _RARE * (np.exp(-loss) if law.has_atoms else 1.0)
+    largest = min(max(1.0, float(loss[counts].max())), _LARGEST_LOSS)
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
     pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
-    size = np.concatenate(
-        [
-            abs(1.0 - np.exp(1j * np.multiply.outer(piece, q.log_loss)) @ q.weight)
-            for piece in pieces
-        ]
-    )
-    least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
-    found: list[complex] = []
-    for start in k[least]:
-        z = complex(0.0, -start)
-        for _ in range(_MOST_STEPS):
+    found: dict[tuple[float, float], complex] = {}
+    for real in _LINES:
+        weight = q.weight * np.exp(np.minimum(-real * q.log_loss, _LARGEST_LOSS))
+        size = np.concatenate(
+            [abs(1.0 - np.exp(1j * np.multiply.outer(x, q.log_loss)) @ weight) for x in pieces]
+        )
+        least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
+        for start in k[least]:
+            z = _zero_near(q, complex(real, -start))
+            slow = z is not None and -SLOW < z.real < _SAME and 0.0 < -z.imag < highest
+            if z is not None and slow and abs(z) > _SAME:
+                found[round(z.real, 5), round(z.imag, 5)] = complex(min(z.real, 0.0), z.imag)
+    return tuple(sorted(found.values(), key=lambda z: -z.imag))
+
+
+def _zero_near(q: ImpactQuadrature, z: complex) -> complex | None:
+    """A zero of lambda by Newton's method from z on; None where it finds none."""
+    for _ in range(_MOST_STEPS):
+        with np.errstate(over="ignore", invalid="ignore"):
             power = q.weight * np.exp(-z * q.log_loss)
             step = complex((1.0 - power.sum()) / (power @ q.log_loss))
-            z -= step / max(1.0, 2.0 * abs(step))
-            if abs(step) < _FOUND or z.real < -2.0 * SLOW:
-                break
-        slow = abs(step) < _FOUND and -SLOW < z.real < _SAME and 0.0 < -z.imag < highest
-        if slow and abs(z) > _SAME and all(abs(z - other) > _SAME for other in found):
-            found.append(complex(min(z.real, 0.0), z.imag))
-    return tuple(sorted(found, key=lambda z: -z.imag))
+        if not cmath.isfinite(step) or z.real < -2.0 * SLOW:
+            return None
+        z -= step / max(1.0, 2.0 * abs(step))
+        if abs(step) < _FOUND:
+            return z
+    return None
 
 
 def time_to_forget(z: complex, amplitude: float) -> float:

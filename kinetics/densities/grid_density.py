@@ -95,14 +95,15 @@ class GridDensity(Value):
 
     @cached_property
     def _resolved(self) -> tuple[FloatArray, NDArray[np.intp]]:
-        """The maximum of |g|, and the first node below it at which g is resolved, (n_times,)."""
+        """The maximum of |g|, and the lowest node at which g is resolved, (n_times,).
+
+        Above it g may be weak again, where it changes its sign or between two of its maxima.
+        """
         tops, firsts = [np.zeros(0)], [np.zeros(0, dtype=int)]
-        nodes = np.arange(self.grid.nodes)
         for size in self._sizes():
             top = size.max(axis=1)
-            weak = (size < self.resolved * top[:, None]) & (nodes <= size.argmax(axis=1)[:, None])
             tops.append(top)
-            firsts.append(np.minimum(np.where(weak, nodes, -1).max(axis=1) + 1, nodes[-1]))
+            firsts.append((size >= self.resolved * top[:, None]).argmax(axis=1))
         return np.concatenate(tops), np.concatenate(firsts)
 
     def _sizes(self) -> Iterator[FloatArray]:

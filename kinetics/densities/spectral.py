@@ -26,6 +26,7 @@ from kinetics.densities.harmonic import (
     HarmonicProblem,
     Profile,
     count_before_scaling,
+    memory_of,
     then_scaling,
 )
 from kinetics.densities.intertwining import TAPER, Spectrum, choose_turn, intertwine
@@ -52,6 +53,8 @@ _BEST, _BEST_STEPPED, _LEAST_STEPPED = 4e-13, 1e-10, 1e-11
 _FILLED = 1e-3
 # The rounding of the highest modes is up to 4 times its estimate at the ends of the window.
 _ROUNDING_AT_END = 20.0
+# What is wrong in f where an oscillation of this size is cut off: up to 34 times it, as measured.
+_CUT_OFF = 40.0
 # Two solutions are compared at about so many speeds, where g is above this share of its maximum.
 _SAMPLES, _COMPARED = 200, 1e-6
 # Steps of three searches, each a compromise between their number and the work of the last: for a
@@ -322,6 +325,9 @@ def _at_once(problem: _Problem, grid: LogGrid, rows: FloatArray) -> _Found | Non
     # what is at the lower end goes on below, unless it is rounding
     allowed = _LARGE_SHARE * rtol + _BEST_STEPPED + _ROUNDING_AT_END * turn.uncertain
     cut_off = hidden.lowest if hidden.lowest > allowed else 0.0
+    if m == 0 and memory_of(law, problem.asked.state, problem.speeds):
+        # an oscillation that does not fall in the window, and that f = g/v raises at low speeds
+        cut_off = _CUT_OFF * hidden.lowest
     return _Found(wide, values, moved * wide.spacing, last, 3.0 * hidden.noise, cut_off)
 
 

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import oscillations
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule
+from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
@@ -245,6 +245,9 @@ class BackwardEquation:
             factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
             loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
             self._kernels[m] = loss[0], gain[0]
+            eps, delay = self.law.returns(m)
+            if eps:
+                self._kernels[m] = with_returns(self.rule, loss[0], gain[0], eps, delay)
         return self._kernels[m]
 
     # -- solution -----------------------------------------------------------------------------

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
 
+_FORGOTTEN = 1e-17  # panels further down that weigh less are left out
+_FEW_PANELS = 40  # for which room is made at first
+_MOST_PANELS = 300  # never reached
 _TINY = 1e-290  # stands for a distance of 0: its reciprocal is finite, and outweighs all others
 
 
@@ -110,3 +113,38 @@ class PanelShifts:
 def _average(factor: FloatArray, weight: FloatArray, rows: FloatArray) -> FloatArray:
     """Sum over k of factor (m, k) weight (i, k) rows (i, k, j): (m, i, j)."""
     return np.tensordot(factor, weight[:, :, None] * rows, axes=(1, 1))
+
+
+def with_returns(
+    rule: PanelRule, loss: FloatArray, gain: FloatArray, factor: float, shift: float
+) -> tuple[FloatArray, FloatArray]:
+    """Loss and gain of (K - 1)/(1 - factor S (K - 1)), with S f(x) = f(x - shift), from those of K.
+
+    Both as :meth:`PanelShifts.kernel` has them; the gain reaches as many panels down as it takes.
+    """
+    n = rule.nodes
+    old = np.concatenate([-loss[None], gain.reshape(n, -1, n).transpose(1, 0, 2)[::-1]])  # K - 1
+    shifts = PanelShifts(rule, np.array([shift]))
+    span = range(int(shifts.below.min()), int(shifts.below.max()) + 1)
+    # g = (K - 1)(f + factor S g), panel by panel, the nearest one first
+    again = np.zeros((len(old) + span[-1], n, n))
+    for j in span:
+        again[j : j + len(old)] += old @ (factor * (shifts.below == j) * shifts.rows[:, 0])
+    inside = np.linalg.inv(np.eye(n) - again[0])
+    further = inside @ again[:0:-1].transpose(1, 0, 2).reshape(n, -1)
+    old = inside @ old
+    reach = len(again) - 1
+    new = np.zeros((reach + _FEW_PANELS, n, n))
+    small = 0
+    for k in range(_MOST_PANELS):
+        if reach + k == len(new):
+            new = np.concatenate([new, np.zeros_like(new)])
+        block = further @ new[k : k + reach].reshape(-1, n)
+        if k < len(old):
+            block += old[k]
+        new[reach + k] = block
+        small = small + 1 if np.abs(block).max() < _FORGOTTEN else 0
+        if small > reach:
+            break
+    new = new[reach : reach + k + 1 - small]
+    return -new[0], new[:0:-1].transpose(1, 0, 2).reshape(n, -1)

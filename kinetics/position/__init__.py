@@ -1,6 +1,8 @@
 """The distribution of the displacement: F(k, t), g(r, t) and G(R).
 
-- `scattering`: one system of equations for each wave number; `intermediate_scattering`: F(k, t)
+- `scattering`: one system of equations for each wave number; `waves`: what it gives;
+  `intermediate_scattering`: F(k, t)
+- `directions`: what depends on the dimension
 - `density`: g(r, t) as a result; `solve_density`: which wave numbers it takes
 - `tail`, `front_tail`: how F ends in k; `coupled_harmonics`: the linear systems of `scattering`
 - `ballistic_front`, `once_collided`: tracers that have not collided, and that have collided once

@@ -2,8 +2,9 @@ r"""The equations of one panel: harmonics, each coupled to the two beside it by 
 
     blocks_m a_m = right_m + K turn (a_(m-1) - a_(m+1)),    a_(-1) = -a_1,
 
-for each wave number K. Shapes: blocks (m, nodes, nodes), turn (nodes,), right and the solution
-(m, nodes, n_k), wave_numbers (n_k,). The number of harmonics is odd.
+for each wave number K; in space in the units of :mod:`kinetics.position.directions`, each row over
+its coupling, so that it looks the same. Shapes: blocks (m, nodes, nodes), turn (nodes,), right and
+the solution (m, nodes, n_k), wave_numbers (n_k,). The number of harmonics is odd.
 """
 
 from __future__ import annotations

@@ -18,8 +18,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import mean_phase, share_of_harmonic
-from kinetics.position.scattering import Waves, most_at_once, solve_waves
+from kinetics.position.scattering import most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
+from kinetics.position.waves import Waves
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
@@ -29,6 +30,8 @@ _POINTS = 10
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more
+# Where the tolerance was missed, F is solved once more for this share of it, not below _LEAST.
+_ONCE_MORE, _LEAST = 0.03, 1e-14
 _WIDEST = 0.5  # K up to which panels do not get narrower with K
 _FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
 _MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
@@ -190,6 +193,8 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,)
         direction : angle of k to the x axis; None for the mean over the directions
+
+        The error is the mean over the initial speeds of that of the waves at each time.
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic
@@ -199,11 +204,13 @@ class Scattering:
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
         error = 0.0
         for part, waves in self._waves(wave_numbers, which, tolerance, kept):
-            error = max(error, waves.error_estimate)
+            speeds = points_of(self.state, waves.rule.width, tolerance)
+            for stretch in self.log_stretch(which):
+                error = max(error, float(speeds.weight @ waves.error_at(speeds.x + stretch)))
             for m in range(min(kept + 1, waves.values.shape[1])):
                 width = waves.rule.width
                 if m == 0:
-                    start: LogMeasure | None = points_of(self.state, width, tolerance)
+                    start: LogMeasure | None = speeds
                 else:
                     start = _harmonic_of(self.state, m, width, tolerance)
                 if start is None:
@@ -242,6 +249,9 @@ def scattering_function(
         largest = float(scaled[left].max())
         group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
         found, error = _through_points(system, scaled[group], direction, tolerance)
+        if error > tolerance:  # once more, with more nodes and harmonics
+            asked = max(_ONCE_MORE * tolerance, _LEAST)
+            found, error = _through_points(system, scaled[group], direction, asked)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group

@@ -41,7 +41,7 @@ from kinetics.values import Value
 _MOST_SPEEDS = 4  # of a start: each costs as much as one
 _POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is left
 _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
-_LENGTH = 1.0  # of a panel in z for other bounces
+_LENGTH = 2.0  # of a panel in z for other bounces
 _NEAREST = 20  # panels towards a singular radius, each a quarter of the next
 _TURN = 6.0  # of K R on a panel in R, at most
 _LONGEST = 40.0  # T beyond which none is at the front R = T, and few elsewhere

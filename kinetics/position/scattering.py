@@ -10,6 +10,9 @@ and for the harmonics of psi = sum_m i^|m| a_|m| exp(i m theta), which stay real
 
     da_m/dT = (K/2) (a_(m-1) - a_(m+1)) + E[cos(m chi) a_m(s T)] - a_m     (-K a_1 for m = 0).
 
+In space the harmonics are Legendre polynomials, and in the right units they obey nearly the same
+equations (:mod:`kinetics.position.directions`); a_m below is b_m there.
+
 On panels in X = ln T, as in :mod:`kinetics.moments.backward`, each panel is a block-tridiagonal
 system in m, solved from both ends to the middle for all wave numbers at once, with as many
 harmonics as count on that panel. a_0 is the mean over the directions: all that an isotropic start,
@@ -19,7 +22,6 @@ or a radial density, needs.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
 from kinetics.position.coupled_harmonics import eliminate, iterate
 from kinetics.position.directions import coupling
+from kinetics.position.waves import Waves, carried, series_sum, together
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
@@ -50,59 +53,6 @@ _MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at 
 _PANELS = 32  # for which there is room at first
 # A panel on which free flights turn K T by less is solved by iteration: a third of the time.
 _FEW_TURNS = 10.0
-
-
-@dataclass(frozen=True)
-class Waves:
-    """a_m for some wave numbers.
-
-    Attributes
-    ----------
-    wave_numbers : K = k l, shape (n_k,)
-    rule : the collocation
-    start : X where the panels begin
-    values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
-    coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
-    ended : whether everything is below the tolerance at the last panel, and 0 from there on
-    error_estimate : absolute, of a_0 and of those kept
-    systems : how many systems of rule.nodes - 1 equations were solved
-    """
-
-    wave_numbers: FloatArray
-    rule: PanelRule
-    start: float
-    values: FloatArray
-    coefficients: FloatArray
-    ended: bool
-    error_estimate: float
-    systems: int
-
-    def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
-        """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
-        level = (x - self.start) / self.rule.width
-        out = np.empty((x.size, self.wave_numbers.size))
-        low = level < 0.0
-        if low.any():
-            out[low] = _sum(self.coefficients[:, m], np.exp(x[low]))
-        count = self.values.shape[0]
-        inside = level[~low]
-        index = np.minimum(inside.astype(int), count - 1)
-        rows = self.rule.rows(np.minimum(inside - index, 1.0))
-        found = np.einsum("ij,ijk->ik", rows, self.values[index, m])
-        beyond = inside > count
-        if beyond.any():
-            found[beyond] = self._late(inside[beyond] - count, m)
-        out[~low] = found
-        return out
-
-    def _late(self, panels: FloatArray, m: int) -> FloatArray:
-        """Beyond the last panel: 0, or the power of T with which the last panel falls."""
-        if self.ended:
-            return np.zeros((panels.size, self.wave_numbers.size))
-        last = self.values[-1, m, -1]
-        with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
-            fall = np.where(last != 0.0, np.abs(last / self.values[-1, m, 0]), 0.0)
-            return np.asarray(last * np.minimum(1.0, fall) ** panels[:, None])
 
 
 def solve_waves(
@@ -172,13 +122,6 @@ def _even(m: int) -> int:
     return m + m % 2
 
 
-def _sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
-    """The series at small T = path (n,): shape (n, ...)."""
-    with np.errstate(under="ignore"):
-        powers = path[:, None] ** np.arange(_TERMS + 1)
-    return np.tensordot(powers, coefficients, axes=1)
-
-
 class Sweep:
     """The equations of some wave numbers, solved on panel after panel upwards.
 
@@ -238,9 +181,9 @@ class Sweep:
         table[:reach] = self._below(series, reach)
         largest = np.zeros(reach + count)  # of each panel
         largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
-        known = _sum(series, np.exp(np.array([self.start])))[0]
+        known = series_sum(series, np.exp(np.array([self.start])))[0]
         done, ended = count, False
-        used, left_out, systems = 0, 0.0, 0
+        used, systems, left_out = 0, 0, np.zeros(count)
         for j in range(count):
             if reach + j == table.shape[0]:
                 table = np.concatenate([table, np.zeros_like(table)])
@@ -252,7 +195,7 @@ class Sweep:
                 below = below.reshape(used + 1, reach * n, size)
                 drive = rate[:, None] * (gain[: used + 1] @ below)
             if self._far.any():
-                come = _sum(far[:, : used + 1], self._far_ratio * rate)
+                come = series_sum(far[:, : used + 1], self._far_ratio * rate)
                 drive += rate[:, None] * np.moveaxis(come, 1, 0)
             found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
@@ -260,7 +203,7 @@ class Sweep:
             known = table[reach + j, :, -1]
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
-            left_out = max(left_out, miss if kept else miss**2)
+            left_out[j] = miss if kept else miss**2
             largest[reach + j] = np.abs(found).max()
             # nothing that follows is larger than the mean over what collisions lead to it from
             if (
@@ -270,6 +213,9 @@ class Sweep:
                 done, ended = j + 1, True
                 break
         values = table[reach : reach + done, : kept + 1].copy()
+        last = self._last_coefficients(values)
+        errors = together(last) + left_out[:done]
+        errors = carried(errors, largest[reach : reach + done])
         return Waves(
             self.wave_numbers,
             self.rule,
@@ -277,7 +223,8 @@ class Sweep:
             values,
             series[:, : kept + 1].copy(),
             ended,
-            self._last_coefficient(values) + left_out,
+            float(last.max()) + float(left_out.max()),
+            errors,
             systems,
         )
 
@@ -312,7 +259,7 @@ class Sweep:
         """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
         below = (np.arange(reach) - reach)[:, None] * self.rule.width
         x = self.start + below + self.rule.local * self.rule.width
-        found = _sum(series, np.exp(x.ravel()))
+        found = series_sum(series, np.exp(x.ravel()))
         return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
 
     def _panel_harmonics(
@@ -358,11 +305,11 @@ class Sweep:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)
 
-    def _last_coefficient(self, values: FloatArray) -> float:
-        """What the Chebyshev coefficients of the panels leave out, by their last two."""
+    def _last_coefficients(self, values: FloatArray) -> FloatArray:
+        """What the Chebyshev coefficients leave out, by their last two, (n_panels, n_kept, n_k)."""
         last, before = self.rule.last_coefficients(np.moveaxis(values, 2, 3))
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
-        return float((last * np.sqrt(fall)).max())
+        return np.asarray(last * np.sqrt(fall))
 
 
 def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.scaling import mellin
 from kinetics.scaling.symbols import from_rest
 from kinetics.validation import exponent, not_negative, refuse
@@ -38,6 +38,11 @@ class ScalingSolution(Value):
     restitution : e in [0, 1], or a :class:`kinetics.CollisionLaw`
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 or 3
+    scatterers : "dilute", or at a finite density "overlapping" or "hard disks", as in a Scene
+    number_density, diameter : of those, per d^2 and in d; they count as number_density * diameter^2
+    density_order : as in a Scene
+
+    Lengths are in l, the mean path between collisions, which is ``law.mean_free_path``.
 
     Raises
     ------
@@ -55,6 +60,10 @@ class ScalingSolution(Value):
     restitution: Any
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    scatterers: str = "dilute"
+    number_density: float | None = None
+    diameter: float = 1.0
+    density_order: str = "second"
 
     def __post_init__(self) -> None:
         for name, value in self.law.arguments.items():
@@ -63,7 +72,9 @@ class ScalingSolution(Value):
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
+        return law_in_medium(law, *medium)
 
     @cached_property
     def cooling_rate(self) -> float:

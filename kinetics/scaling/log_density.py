@@ -98,12 +98,18 @@ class SpeedAxis:
         if not math.isfinite(largest):
             self.unresolved = True
             return 0.0
-        return largest + math.log(float(np.exp(terms - largest).sum()) * spacing)
+        terms = np.exp(terms - largest)
+        if self.law.returns(0)[0]:
+            # among scatterers that are met again g changes sign below all that is trusted
+            low = x < self._bottom
+            unit = np.exp(p * x[low] + self.scales[0] - largest)
+            terms[low] = self.tilts[0].density(x[low]) * unit
+        return largest + math.log(float(terms.sum()) * spacing)
 
     @property
     def _reaches_rest(self) -> bool:
         """Whether bounces come as near to rest as one likes: g is a power of speed low down."""
-        return math.isfinite(self.law.lowest_power)
+        return self.law.reaches_rest
 
     def _extend_for_moment(self, p: float, accepted: float) -> None:
         """Solve further up and down until the noise of the last tilts is negligible."""
@@ -226,11 +232,13 @@ class SpeedAxis:
         return False
 
     def _add_below(self) -> bool:
-        """One piece further down; False where F ~ g/c^d is below e^-690."""
+        """One piece further down; False where F ~ g/c^d is below e^-690, or is not known."""
         if self._log_at_bottom() - self.law.dimension * self._bottom < _LOWEST_LOG - 50.0:
             return False
         if self.law.uniform_power:
             return False  # known in closed form, see _power_of_speed
+        if self.law.returns(0)[0]:
+            return False  # what slow tracers do among scatterers that are met again is not known
         self._sampled = None
         if self._low is not None:
             bottom = self._bottom
@@ -279,7 +287,7 @@ class SpeedAxis:
         )
 
     def log_density(self, x: FloatArray) -> FloatArray:
-        """ln g at x, shape (n,), up to the norm; -inf where it is negligible."""
+        """ln g at x, (n,), up to the norm; -inf where it is negligible, NaN where not known."""
         if x.size == 0:
             return np.zeros(0)
         self.cover_above(float(x.max()))
@@ -293,6 +301,8 @@ class SpeedAxis:
             out = self._joined(x)
             moved = self._steepest(x, out) * self.unit_error
         self._moved = max(self._moved, moved)
+        if self.law.returns(0)[0]:
+            out[x < self._bottom] = math.nan
         return out
 
     def _steepest(self, x: FloatArray, log_g: FloatArray) -> float:

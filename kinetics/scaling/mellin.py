@@ -56,13 +56,7 @@ def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
     p = law.uniform_power
     if p:
         return [np.log1p(z / p), *(-((-1.0 / (p + z)) ** n) / n for n in orders)]
-    q = law.quadrature_for(float(np.abs(z).max()))
-    power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
-    rate = [law.decay_rate(z)]
-    factor = np.ones_like(q.log_loss)
-    for n in orders:
-        factor = factor * (-q.log_loss) / n
-        rate.append(-(power @ factor))
+    rate = law.decay_taylor(z, MOST_ORDERS)
     of_rate = taylor_of_log([c / rate[0] for c in rate])  # lambda < 0 for z < 0
     rest = [-((-1.0 / z) ** n) / n - of_rate[n] for n in orders]
     return [np.log(law.mean_log_loss * z / rate[0]), *rest]
@@ -101,7 +95,7 @@ def _far_from_zeros(law: CollisionLaw, height: float) -> bool:
 
     Near e = 1 it is: at the zeros of lambda all bounces turn s^z once round at least.
     """
-    if not law.largest_loss < math.log(2.0):
+    if not law.largest_loss < math.log(2.0) or math.isfinite(law.lowest_power):
         return False
     return 2.0 * math.pi / law.largest_loss - height > _START + 1.0
 
@@ -110,7 +104,7 @@ def _integral(law: CollisionLaw, low: float, high: float) -> float:
     """Integral of rho from low to high on the real axis, where it is smooth."""
     # rho is analytic within about _START of the path, or 2 pi over the largest loss if that is
     # further: 24 Gauss points for a panel that is no longer leave less than rounding
-    unit = max(float(_START), 2.0 / law.largest_loss)
+    unit = max(float(_START), min(2.0 / law.largest_loss, _START - law.lowest_power))
     signed = math.copysign(unit, high - low)
     nodes, weights = equal_panels(abs(high - low) / unit, 24)
     return float(_rho(law, low + signed * nodes) @ weights) * signed
@@ -164,7 +158,10 @@ class _Line(NamedTuple):
 
 
 def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
-    """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F ~ g/c^d is 0."""
+    """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F ~ g/c^d is 0.
+
+    NaN where a medium makes g unknown: at speeds that only powers below the lowest one resolve.
+    """
     out = np.full(x.shape, -math.inf)
     todo = np.ones(x.shape, dtype=bool)
     # from the bulk (x near 0) outwards, and no further on a side once F is 0
@@ -177,15 +174,19 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
             continue
         near = np.abs(x - line.centre) <= _REACH * line.deviation
         if line.exponent == law.lowest_power + _LOWEST_LINE:
-            near |= x < line.centre
+            below = x < (line.centre if law.reaches_rest else line.centre - _REACH * line.deviation)
+            near |= below
         near &= todo
         n = np.arange(line.samples.size)
         turn = np.exp(-1j * np.outer(x[near] - line.centre, n * line.step))
         # the phase of the centre is taken out of the samples: no large arguments
         rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
         total = 2.0 * (turn @ rotated).real - 1.0
-        total = np.maximum(total, 1e-300) * line.step / (2.0 * math.pi)
+        unknown = math.nan if math.isfinite(law.lowest_power) and not law.reaches_rest else 1e-300
+        total = np.where(total > 0.0, total, unknown) * line.step / (2.0 * math.pi)
         out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
+        if line.exponent == law.lowest_power + _LOWEST_LINE and not law.reaches_rest:
+            out[below] = math.nan
         todo &= ~near
         if out[nearest] - law.dimension * x[nearest] < _NOTHING:
             todo &= ~beyond
@@ -231,7 +232,7 @@ def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, flo
     up = log_moment(law, a + steps) - log_a
     right = float(np.min((up + _NEGLIGIBLE) / steps))
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
-    steps = np.append(steps, 0.1 / scale)
+    steps = np.append(steps, [0.1 / scale, min(0.1 / scale, 0.5 * (a - law.lowest_power))])
     steps = steps[steps - a < min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)]
     down = log_moment(law, a - steps) - log_a
     left = float(np.max(-(down + _NEGLIGIBLE) / steps))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, law_of
+from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.scaling.log_density import SpeedAxis
 from kinetics.scaling.symbols import from_rest
@@ -56,6 +56,7 @@ class ScaledVDF(Value):
     requested_nodes : nodes of each tilt, or None for the solver's own choice
     tangential_restitution : et
     dimension : 2 or 3
+    scatterers, number_density, diameter, density_order : as in :func:`solve_scaled`
     """
 
     restitution: Any
@@ -63,11 +64,17 @@ class ScaledVDF(Value):
     requested_nodes: int | None = None
     tangential_restitution: float | None = 1.0
     dimension: int = 2
+    scatterers: str = "dilute"
+    number_density: float | None = None
+    diameter: float = 1.0
+    density_order: str = "second"
 
     @cached_property
     def law(self) -> CollisionLaw:
         """The collision law of these restitutions, in this dimension."""
-        return law_of(self.restitution, self.tangential_restitution, self.dimension)
+        law = law_of(self.restitution, self.tangential_restitution, self.dimension)
+        medium = (self.scatterers, self.number_density, self.diameter, self.density_order)
+        return law_in_medium(law, *medium)
 
     @cached_property
     def _axis(self) -> SpeedAxis:
@@ -203,6 +210,10 @@ class ScaledVDF(Value):
             "dimension": self.dimension,
             "rtol": self.rtol,
             "requested_nodes": self.requested_nodes,
+            "scatterers": self.scatterers,
+            "number_density": self.number_density,
+            "diameter": self.diameter,
+            "density_order": self.density_order,
         }
         return arguments | {"cooling_rate": self.cooling_rate, "a2": self.a2}
 
@@ -245,6 +256,10 @@ def solve_scaled(
     nodes: int | None = None,
     tangential_restitution: float = 1.0,
     dimension: int = 2,
+    scatterers: str = "dilute",
+    number_density: float | None = None,
+    diameter: float = 1.0,
+    density_order: str = "second",
 ) -> ScaledVDF:
     """Solve the scaled inelastic Lorentz equation (paper, label ``ifmu2``).
 
@@ -255,6 +270,7 @@ def solve_scaled(
     nodes : nodes of each tilt, for convergence studies; chosen from rtol by default
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
     dimension : 2 or 3
+    scatterers, number_density, diameter, density_order : as in :class:`kinetics.ScalingSolution`
 
     Returns
     -------
@@ -279,6 +295,14 @@ def solve_scaled(
         refuse("restitution", restitution, allowed)
     if nodes is not None:
         nodes = whole_number("nodes", nodes, SMALLEST_NODES, MAX_NODES)
-    solution = ScaledVDF(rtol=check_rtol(rtol), requested_nodes=nodes, **law.arguments)
+    solution = ScaledVDF(
+        rtol=check_rtol(rtol),
+        requested_nodes=nodes,
+        **law.arguments,
+        scatterers=scatterers,
+        number_density=number_density,
+        diameter=diameter,
+        density_order=density_order,
+    )
     solution._axis  # noqa: B018  (an error of the arguments must be raised here)
     return solution

@@ -93,6 +93,8 @@ def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray
     F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
     lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
     """
+    if not law.reaches_rest:
+        return c, np.zeros(c.shape)
     power = -law.lowest_power - law.dimension
     if power == 0.0:
         c = np.where(c == 0.0, _CLOSE_TO_REST, c)

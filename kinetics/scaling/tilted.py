@@ -115,6 +115,10 @@ class Tilt:
     def _coefficients(self) -> ComplexArray:
         return self.grid.coefficients(self.values)
 
+    def density(self, x: FloatArray) -> FloatArray:
+        """g(x) up to the tilt's own scale, x (n,) in the window, with its sign."""
+        return self.grid.evaluate(self._coefficients, x) * np.exp(-self.theta * x)
+
     def log_density(self, x: FloatArray) -> FloatArray:
         """Log g(x) up to the tilt's own scale, x (n,) in the window; -inf where it is not > 0."""
         value = self.grid.evaluate(self._coefficients, x)

@@ -320,6 +320,19 @@ class SpeedDensity(State):
         return None if m else lambda v: quadrature.evaluate_density(self.function, v)
 
 
+@dataclass(frozen=True)
+class Rest(State):
+    """All tracers start at rest: for scenes with a field."""
+
+    lowest_moment = 0.0
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """Harmonic 0 is one point at the speed 0; all others are zero."""
+        return None if m else LogMeasure(np.array([-np.inf]), np.ones(1))
+
+
 NAMED: dict[str, State] = {"gaussian": Gaussian(), "monoenergetic": Monoenergetic()}
 
 

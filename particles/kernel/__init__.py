@@ -1,5 +1,6 @@
 """The compiled loops that follow tracers, and what they write down.
 
 May import: `particles.grid` and what that may import. `columns` imports nothing.
-Begin reading with `follow`, then `lane` (the state of one tracer) and `records` (what is kept).
+Begin reading with `follow`, whose steps are in `in_plane` and `in_space` (with `pockets`), then
+`lane` (the state of one tracer) and `records` (what is kept).
 """

@@ -162,14 +162,10 @@ def last_bounces(
             and is_endless(nx * mx + ny * my + nz * mz, -left / approach, restitution, tangential)
         ):
             end = FOR_EVER
-            tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
-            size = sqrt(tx * tx + ty * ty + tz * tz)
-            along = (tx * ux + ty * uy + tz * uz) / size if size > 0.0 else 0.0
-            ratio *= abs(along)
-            if tangential < 1.0 or abs(along) < GRAZING or ratio < SLOW:
+            (ux, uy, uz), along = _along_edge((nx, ny, nz), (mx, my, mz), (ux, uy, uz))
+            ratio *= along
+            if tangential < 1.0 or along < GRAZING or ratio < SLOW:
                 return RESTS, (ux, uy, uz), 0.0
-            size *= 1.0 if along > 0.0 else -1.0
-            ux, uy, uz = tx / size, ty / size, tz / size
             gap[struck] = gap[last] = 0.0
             continue
         for k in range(n):
@@ -188,6 +184,27 @@ def last_bounces(
         ux, uy, uz = ux / size, uy / size, uz / size
         last = struck
     return RESTS, (ux, uy, uz), 0.0
+
+
+@njit(error_model="numpy")
+def _along_edge(
+    one: tuple[float, float, float],
+    other: tuple[float, float, float],
+    direction: tuple[float, float, float],
+) -> tuple[tuple[float, float, float], float]:
+    """Return (unit vector along the edge of two planes, component of the direction along it >= 0).
+
+    one, other: the normals of the planes.
+    """
+    (nx, ny, nz), (mx, my, mz), (ux, uy, uz) = one, other, direction
+    tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
+    size = sqrt(tx * tx + ty * ty + tz * tz)
+    if size == 0.0:
+        return direction, 0.0
+    along = (tx * ux + ty * uy + tz * uz) / size
+    if along < 0.0:
+        size = -size
+    return (tx / size, ty / size, tz / size), abs(along)
 
 
 @njit(error_model="numpy")

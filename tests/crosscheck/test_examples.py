@@ -17,6 +17,7 @@ def test_every_example_is_tested() -> None:
         "cooling_rate.py",
         "localisation.py",
         "sonine_convergence.py",
+        "spheres.py",
     }
 
 
@@ -63,6 +64,19 @@ def test_sonine_convergence_example(tmp_path: Path) -> None:
     assert [round(rate[0.9, n], 2) for n in (1, 5, 10, 20)] == [1.17, 1.0, 0.93, 1.01]
     assert np.isnan(rate[0.4, 1])
     assert series[0.9, 20][1] == pytest.approx(-0.3957, abs=1e-4)
+    result["draw"](str(tmp_path / "figure.png"))
+    assert (tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_spheres_example(tmp_path: Path) -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "spheres.py"))
+    printed = [result["EXACT"][3, e] for e in (0.7, 0.9)]
+    assert printed == pytest.approx([0.29805, 0.09994], abs=5e-6)
+    # 20 points of 1 % and better; recollisions and traps change h by less than 1 % at this density.
+    for (dimension, e, name), (value, error) in result["PARTICLES"].items():
+        exact = result["EXACT"][dimension, e]
+        assert error < 0.015 * exact
+        assert abs(value - exact) < 4 * error + (0.01 * exact if name == "events" else 0.0)
     result["draw"](str(tmp_path / "figure.png"))
     assert (tmp_path / "figure.png").stat().st_size > 10_000
 

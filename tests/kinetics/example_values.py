@@ -19,6 +19,7 @@ from kinetics import (
     SpeedTable,
     VelocitySamples,
     solve,
+    solve_field,
     solve_scaled,
 )
 from kinetics.outputs import OUTPUTS
@@ -67,4 +68,5 @@ VALUES: dict[str, Callable[[], Any]] = {
     "rough solution": lambda: solved("samples", 0.7, ("speed_density",)),
     "scaled": lambda: solve_scaled(0.7, 1e-8),
     "exact": lambda: ScalingSolution(0.7),
+    "field": lambda: solve_field(0.7, rtol=1e-4),
 }  # fmt: skip

@@ -24,7 +24,7 @@ from kinetics import (
 )
 from kinetics.frozen import FrozenDict, contents, read_only
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.plan import PlanStep
+from kinetics.status import PlanStep
 from kinetics.storage import HOMES
 from kinetics.values import Value
 

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 import particles
-from particles import BoltzmannGrad, HardDisks, Poisson, simulate
+from particles import (
+    BoltzmannGrad,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    simulate,
+)
 
 TIMES = [0.0, 1.0, 30.0, 1000.0]
 EVERYTHING = particles.OBSERVABLES
@@ -25,6 +32,9 @@ def assert_same(a: particles.Ensemble, b: particles.Ensemble) -> None:
         Poisson(0.1, 4000),
         BoltzmannGrad(0.04),
         BoltzmannGrad(0.04, dimension=3),
+        HardSpheres(0.1, count=2000, equilibrate=1),
+        PoissonSpheres(0.2, count=2000),
+        PoissonSpheres(0.2, count=None),
     ],
 )
 def test_the_same_bits_on_any_number_of_threads(medium: particles.Medium) -> None:
@@ -151,13 +161,20 @@ def test_observables_not_asked_for_are_named() -> None:
         _ = ensemble.speed_histogram
 
 
-def test_diameter_only_sets_the_unit_of_length() -> None:
+@pytest.mark.parametrize(
+    ("one", "twice"),
+    [
+        (Poisson(0.1, 500), Poisson(0.1 / 4, 500, diameter=2.0)),
+        (HardSpheres(0.1, count=500), HardSpheres(0.1 / 8, diameter=2.0, count=500)),
+        (PoissonSpheres(0.1, count=None), PoissonSpheres(0.1 / 8, diameter=2.0, count=None)),
+    ],
+)
+def test_diameter_only_sets_the_unit_of_length(
+    one: particles.Medium, twice: particles.Medium
+) -> None:
     names = ["positions", "displacement_histogram", "finals"]
-    a = simulate(Poisson(0.1, 500), 0.5, times=[1, 20], media=3, tracers=9, observables=names)
-    b = simulate(
-        Poisson(0.1 / 4, 500, diameter=2.0), 0.5, times=[2, 40], media=3, tracers=9,
-        observables=names,
-    )  # fmt: skip
+    a = simulate(one, 0.5, times=[1, 20], media=3, tracers=9, observables=names)
+    b = simulate(twice, 0.5, times=[2, 40], media=3, tracers=9, observables=names)
     np.testing.assert_allclose(b.positions, 2 * a.positions, rtol=1e-12)
     np.testing.assert_allclose(b.msd.value, 4 * a.msd.value, rtol=1e-12)
     np.testing.assert_allclose(b.thermal_speed.value, a.thermal_speed.value, rtol=1e-12)
@@ -195,7 +212,16 @@ BAD = [
     (dict(seed=-1), "seed = -1: must be a whole number from 0"),
     (dict(workers=0), "workers = 0: must be a whole number from 1"),
     (dict(observables=["speed"]), "observables = 'speed': must be names out of thermal_speed"),
-    (dict(medium="Poisson"), "medium = 'Poisson': must be HardDisks, Poisson,"),
+    (
+        dict(medium="Poisson"),
+        "medium = 'Poisson': must be HardDisks, Poisson, HardSpheres, PoissonSpheres, Boltzmann"
+        "Grad or Positions",
+    ),
+    (
+        dict(initial=np.ones((2, 2)), medium=PoissonSpheres(0.1)),
+        "initial of shape (2, 2): velocities must be of shape (tracers, 3) = (2, 3) or",
+    ),
+    (dict(initial=np.ones((2, 3))), "initial of shape (2, 3): velocities must be of shape"),
     (dict(observables=3), "observables = 3: must be names out of thermal_speed"),
     (dict(observables=[["a"]]), "observables = [['a']]: must be names out of"),
     (dict(executor=3), "executor = 3: must be a concurrent.futures.Executor"),

@@ -1,10 +1,21 @@
 """One event: contact and the collision rule, against 50-digit arithmetic."""
 
+import json
+from pathlib import Path
+
 import mpmath as mp
 import numpy as np
 import pytest
 
-from particles.events import NEVER, contact, scatter, scatter_in_space, touch
+from particles.events import (
+    NEVER,
+    bounce_in_space,
+    contact,
+    contact_in_space,
+    scatter,
+    scatter_in_space,
+    touch,
+)
 
 RESTITUTIONS = [0.0, 1e-8, 0.2, 0.4, 0.7, 0.9, 1.0 - 1e-12, 1.0]
 TANGENTIAL = [1.0, 0.8, 0.2, 1e-8, 0.0]
@@ -124,3 +135,31 @@ def test_a_tracer_does_not_meet_again_the_scatterer_that_it_leaves() -> None:
             x, y = touch(0.3, -0.2, ux, uy, impact)
             vx, vy, _ = scatter(ux, uy, impact, restitution, tangential)
             assert contact(0.3 - x, -0.2 - y, vx, vy)[0] == NEVER
+
+
+def test_contacts_in_space_against_50_digits() -> None:
+    # Made by tests/references/contacts.py. The impact parameter y is exact to the rounding of the
+    # offset, some 1e-15; what follows from sqrt(1 - y^2) and the new direction lose by it.
+    cases = json.loads(Path(__file__).with_name("contacts_in_space.json").read_text())
+    assert len(cases) == 48
+    for c in cases:
+        offset, u, law = c["offset"], c["direction"], c["law"]
+        depth = -np.dot(c["normal"], u)
+        error = 1e-15 * np.linalg.norm(offset)
+        assert abs(contact_in_space(*offset, *u) - c["path"]) < 3 * error / depth
+        normal, new, ratio = bounce_in_space(tuple(offset), tuple(u), *law)
+        np.testing.assert_allclose(normal, c["normal"], rtol=0, atol=2 * error / depth)
+        assert abs(np.linalg.norm(normal) - 1) < error
+        assert abs(ratio - c["ratio"]) < 3 * error / depth
+        np.testing.assert_allclose(new, c["new"], rtol=0, atol=3 * error / c["ratio"] / depth)
+        assert abs(np.linalg.norm(new) - 1) < 4e-16
+        # It does not meet again the sphere that it leaves.
+        assert contact_in_space(*(-np.array(normal)), *new) == NEVER
+
+
+def test_spheres_that_are_missed_or_behind_are_never_met() -> None:
+    u = (0.36, 0.48, 0.8)
+    across = np.array([0.8, -0.6, 0.0])
+    for impact, along, met in ((0.999999, 5.0, True), (1.000001, 5.0, False), (0.5, -5.0, False)):
+        offset = impact * across + along * np.array(u)
+        assert (contact_in_space(*offset, *u) < NEVER) == met

@@ -7,7 +7,17 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from particles import BoltzmannGrad, HardDisks, Medium, Poisson, Positions, memory, simulate
+from particles import (
+    BoltzmannGrad,
+    HardDisks,
+    HardSpheres,
+    Medium,
+    Poisson,
+    PoissonSpheres,
+    Positions,
+    memory,
+    simulate,
+)
 from particles.arguments import make_plan
 from particles.grid.build import build
 
@@ -19,6 +29,7 @@ GOOD: dict[str, Any] = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=
     [
         (dict(medium=HardDisks(0.04, 10**12)), "count = 1000000000000: the run needs about "),
         (dict(medium=Poisson(0.04, 10**15)), "count = 1000000000000000: the run needs about "),
+        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000: the run needs "),
         (dict(media=2 * 10**9), "media = 2000000000: the run needs about "),
         (
             dict(media=10**5, tracers=10**7, observables=["positions", "velocities"]),
@@ -55,6 +66,8 @@ def test_the_memory_of_this_machine_is_known() -> None:
     [
         HardDisks(0.04, 20_000),
         Poisson(0.5, 20_000),
+        HardSpheres(0.03, count=20_000),
+        PoissonSpheres(0.9, count=20_000),
         Positions(np.random.default_rng(1).uniform(1.5, 499, (20_000, 2)), 500.0, start=(0, 0)),
     ],
 )

@@ -6,11 +6,11 @@ from typing import Any
 
 import click
 
+from kinetics.crosscheck.commands.field import field_document, field_text
 from kinetics.crosscheck.commands.options import (
     UNITS,
     Numbers,
     density_option,
-    initial_option,
     json_option,
     names_in,
     print_json,
@@ -18,11 +18,19 @@ from kinetics.crosscheck.commands.options import (
     tangential_option,
     times_option,
 )  # fmt: skip
-from kinetics.outputs import OUTPUTS
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
+MEDIUM = ("scatterers", "density_order", "number_density")
 HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
 """Outputs that are one number for each time -> heads of their columns."""
+TENSORS = {
+    "mean_velocity": (("<v_x> [U]", (0,)),),
+    "mean_displacement": (("<x> [d]", (0,)),),
+    "velocity_tensor": (("<v_x^2> [U^2]", (0, 0)), ("<v_y^2> [U^2]", (1, 1))),
+    "displacement_tensor": (("var(x) [d^2]", (0, 0)), ("var(y) [d^2]", (1, 1))),
+}
+"""Outputs that are vectors or tensors, with --field -> heads of the parts that are printed."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
@@ -37,15 +45,52 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     help="3: spheres; number densities are then in d^-3.",
 )
 @density_option
-@initial_option
+@click.option(
+    "--initial",
+    type=click.Choice(["gaussian", "monoenergetic", "rest"]),
+    default="gaussian",
+    help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
+)
+@click.option(
+    "--scatterers",
+    type=click.Choice(["dilute", "overlapping", "hard disks"]),
+    default="dilute",
+    help="Dilute: the paper's equation; else with the correction for this density.",
+)
+@click.option(
+    "--density-order",
+    type=click.Choice(["leading", "first", "second"]),
+    default="second",
+    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
+)
 @times_option
 @click.option(
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
 )
 @click.option(
+    "--field",
+    type=float,
+    default=0.0,
+    help="A uniform acceleration along x, in U^2/d: averages over time with it.",
+)
+@click.option(
+    "--field-steady",
+    is_flag=True,
+    help="Solve the steady state in a uniform field: drift and dispersion, in units of g and l.",
+)
+@click.option(
+    "--field-units",
+    type=Numbers(),
+    default="",
+    metavar="G,D,RHO",
+    help="With --field-steady, also in your units: the acceleration, the diameter and the density "
+    "of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.",
+)
+@click.option(
     "--outputs",
     default="thermal_speed,a2,msd",
-    help=f"Averages, separated by commas, of {', '.join(HEADS)}.",
+    help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
+    f"{', '.join(FIELD_OUTPUTS)}.",
 )
 @click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
 @click.option(
@@ -58,6 +103,8 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 @json_option
 def solve(
     scaled: bool,
+    field_steady: bool,
+    field_units: tuple[float, ...],
     outputs: str,
     radii: tuple[float, ...],
     wave_numbers: tuple[float, ...],
@@ -67,10 +114,19 @@ def solve(
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, G(R) and F(k, t)."""
-    if rtol is None:  # G(R) cannot have 1e-10
-        rtol = 1e-6 if radii and not scaled else 1e-10
-    if scaled:
-        law = {name: system[name] for name in LAW}
+    over_time = not scaled and not field_steady
+    if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
+        rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
+    law = {name: system[name] for name in LAW}
+    if field_units and (not field_steady or len(field_units) != 3):
+        raise click.UsageError("--field-units takes three numbers, with --field-steady")
+    if field_steady:
+        if scaled:
+            raise click.UsageError("give --scaled or --field-steady, not both")
+        found, text = field_document(law, field_units, rtol), field_text
+    elif scaled:
+        if system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
         found, text = scaled_document(law, rtol), scaled_text
     else:
         system["collision_numbers"] = collision_numbers
@@ -116,16 +172,18 @@ def solve_document(
     from kinetics import solve as solve_scene
     from kinetics.validation import not_negative, one_of, refuse
 
-    names = [one_of("outputs", name, HEADS) for name in names_in(outputs)]
+    known = FIELD_OUTPUTS if system.get("field") else HEADS
+    names = [one_of("outputs", name, known) for name in names_in(outputs)]
     if not names:
-        refuse("outputs", outputs, f"name at least one of {', '.join(HEADS)}")
+        refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
     not_negative("radii", radii)  # refused before minutes of work
     not_negative("wave_numbers", wave_numbers)
     wanted = names + ["position_density"] * bool(radii)
     wanted += ["intermediate_scattering"] * bool(wave_numbers)
     solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, "number_density", "initial")},
+        **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
+        **({"field": system["field"]} if system.get("field") else {}),
         "rtol": rtol,
         "status": solution.status.name.lower(),
         "message": solution.message,
@@ -154,7 +212,12 @@ def solve_text(found: dict[str, Any]) -> str:
 
     names = [name for name in HEADS if name in found]
     heads = ["t [d/U]", *(HEADS[name] for name in names)]
-    tables = [columns(heads, [found[name] for name in ("times", *names)])]
+    arrays = [found[name] for name in ("times", *names)]
+    for name, parts in TENSORS.items():
+        for head, place in parts if name in found else ():
+            heads.append(head)
+            arrays.append(found[name][(slice(None), *place)])
+    tables = [columns(heads, arrays)]
     for head, at, name in (
         ("G({:g})", "scaled_radii", "scaled_position_density"),
         ("F({:g}/d)", "wave_numbers", "intermediate_scattering"),

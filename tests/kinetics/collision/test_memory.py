@@ -40,6 +40,7 @@ def turns(law: CollisionLaw, top: float) -> int:
         CollisionLaw(0.2, 0.3, 3),
         CollisionLaw(0.3, 0.3),
         TWO,
+        CollisionLaw.from_samples([0.995, 0.005], [0.7, 1e-3], [0.0, 0.0]),
     ],
 )
 def test_none_is_missed_and_none_is_too_many(law: CollisionLaw) -> None:
@@ -86,3 +87,10 @@ def test_nearly_one_ratio_against_many_digits() -> None:
 
 def test_elastic_tracers_forget_nothing_that_oscillates() -> None:
     assert oscillations(CollisionLaw.from_samples([1.0], [1.0], [0.3]), 64.0) == ()
+
+
+def test_ratios_next_to_zero_overflow_nowhere() -> None:
+    """A thousandth of the bounces leave 1e-300: their tracers come back at rates 1000^(-1/691)."""
+    law = CollisionLaw.from_samples([0.5, 0.499, 0.001], [0.9, 0.4, 1e-300], [0.0, 0.0, 0.0])
+    slowest = max(z.real for z in oscillations(law, 20.0))
+    assert -0.011 < slowest < -0.005

@@ -1,5 +1,6 @@
 """Shifts on equal panels: exact for polynomials, and no digits are lost where shifts are small."""
 
+import math
 from types import ModuleType
 
 import mpmath as mp
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, solve
-from kinetics.numerics.panels import PanelRule, PanelShifts
+from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
 
 
 @pytest.mark.parametrize("width", [1.0, 0.4])
@@ -73,3 +74,19 @@ def test_the_cooling_rate_of_nearly_elastic_tracers(gap: float, formulas: Module
     with mp.workdps(50):
         h = float(2 / mp.sqrt(formulas.integer_moment(e, 2)))
     assert 2.0 * 12.5 / (found.thermal_speed[0] * t) == pytest.approx(h, rel=2e-12, abs=0.0)
+
+
+def test_returns_act_on_exponentials_as_their_symbol() -> None:
+    """On e^(p x) all three are numbers: K - 1 = -a, S = e^(-p shift), and -a/(1 + factor a S)."""
+    rule, p, shift, factor = PanelRule(14, 0.8), 0.6, 1.3, 0.2
+    weight, losses = np.array([0.3, 0.7]), np.array([0.4, 1.7])
+    kept = np.array([[0.9, -0.5]])
+    loss, gain = PanelShifts(rule, losses).kernel(weight, kept, 1.0 - kept)
+    loss, gain = with_returns(rule, loss[0], gain[0], factor, shift)
+    rate = 1.0 - float(kept[0] @ (weight * np.exp(-p * losses)))
+    panels = gain.shape[1] // rule.nodes
+    below = np.exp(p * rule.width * (np.arange(-panels, 0)[:, None] + rule.local)).ravel()
+    here = np.exp(p * rule.width * rule.local)
+    found = gain @ below - loss @ here
+    expected = -rate / (1.0 + factor * rate * math.exp(-p * shift)) * here
+    assert found == pytest.approx(expected, rel=1e-12)

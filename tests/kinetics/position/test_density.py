@@ -185,12 +185,33 @@ def test_directed_starts_meet_the_accuracy_asked_for(
 
 
 def test_a_scattering_function_that_misses_its_tolerance_says_so() -> None:
-    scene = Scene(
-        0.9, initial=Gaussian(2.0, 1.0), times=[20.0], outputs=("intermediate_scattering",)
-    )
+    """Where free flights reach many harmonics at once: the error is 2e-10, it says 2e-8."""
+    start = Beam(speeds="gaussian")
+    scene = Scene(0.9, initial=start, times=[125.0], outputs=("intermediate_scattering",))
     solution = solve(scene, rtol=1e-12)
     with pytest.warns(ToleranceWarning, match=r"F\(k, t\): the error estimate"):
-        solution.intermediate_scattering([0.4], direction=0.3)
+        solution.intermediate_scattering([1.0], direction=0.3)
+
+
+@pytest.mark.parametrize(
+    ("e", "initial", "t", "k"),
+    [
+        (0.7, Beam(), 1e3, 2.0),
+        (0.7, Beam(), 1e300, 2.0),
+        (1.0, Gaussian(), 1e300, 1e-3),
+        (1.0, Gaussian(), 1e300, 1e-150),
+        (1.0, Beam(), 1.0, 2.0),
+    ],
+    ids=repr,
+)
+def test_a_scattering_function_that_meets_its_tolerance_does_not_warn(
+    e: float, initial: Any, t: float, k: float
+) -> None:
+    """The error is that at the time asked for, not the largest of all times before."""
+    scene = Scene(e, initial=initial, times=[t], outputs=("intermediate_scattering",))
+    f = solve(scene, rtol=1e-9).intermediate_scattering([k], direction=0.3)
+    best = solve(scene, rtol=1e-11).intermediate_scattering([k], direction=0.3)
+    assert np.abs(f - best).max() < 1e-9
 
 
 @pytest.mark.parametrize("initial", ["gaussian", "monoenergetic", Beam(0.7)])

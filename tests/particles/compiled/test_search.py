@@ -61,6 +61,28 @@ def test_compiled_and_loop_give_the_same_bits() -> None:
     assert near > 500
 
 
+@njit
+def _compiled_in_space(cells, k, place, direction):  # type: ignore[no-untyped-def]
+    return search.strike_in_space(cells, k, place, direction)
+
+
+def test_compiled_and_loop_give_the_same_bits_in_space() -> None:
+    rng = np.random.default_rng(10)
+    cells = rng.uniform(-2, 2, (CELLS, 3 * slots.SLOTS))
+    free = rng.random((CELLS, slots.SLOTS)) < 0.3
+    cells[np.concatenate([free] * 3, axis=1)] = 1e150
+    for axis in range(3):  # the same sphere twice
+        cells[:600, axis * slots.SLOTS + 3] = cells[:600, axis * slots.SLOTS + 1]
+    struck = 0
+    for k, u in enumerate(rng.normal(size=(CELLS, 3))):
+        direction = tuple((u / np.linalg.norm(u)).tolist())
+        path, slot = slots.strike_in_space(cells, k, (0.1, -0.2, 0.3), direction)
+        found = _compiled_in_space(cells, k, (0.1, -0.2, 0.3), direction)
+        assert (np.float64(path).tobytes(), slot) == (np.float64(found[0]).tobytes(), found[1])
+        struck += path < 1e100
+    assert struck > 1000
+
+
 PROGRAM = """
     import hashlib, sys, warnings
     {before}

@@ -1,4 +1,4 @@
-"""A slow, obvious simulator: one tracer, all scatterers, all images, in as many digits as asked for.
+"""A slow, obvious simulator: one tracer, all scatterers and images, in as many digits as asked for.
 
 It shares nothing with the package: velocities are vectors with their speed in them, a contact is
 the smaller root of a quadratic equation, a collision is v' = et v - (et + e)(v.s)s with s the unit

@@ -8,12 +8,16 @@ import textwrap
 PROGRAM = """
     import hashlib
     import numpy as np
-    from particles import OBSERVABLES, BoltzmannGrad, HardDisks, Poisson, simulate
+    from particles import (
+        OBSERVABLES, BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate,
+    )
     media = {
         "box": HardDisks(0.2, 60), "chains": Poisson(2.0, 80), "gas": BoltzmannGrad(0.1),
         "spheres": BoltzmannGrad(0.1, dimension=3),
         "plane": Poisson(0.3, box=None), "hard plane": HardDisks(0.3, box=None),
         "equilibrium": HardDisks(0.4, 50, equilibrate=2),
+        "hard spheres": HardSpheres(0.4, count=40, equilibrate=2),
+        "space": PoissonSpheres(0.5, count=None),
     }
     laws = ((0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (0.3, 0.8), (0.9, 0.4))
     for kind, (e, et) in ((kind, law) for kind in media for law in laws):
@@ -37,5 +41,5 @@ def run(**environment: str) -> list[str]:
 
 def test_interpreted_and_compiled_kernels_give_the_same_bits() -> None:
     compiled = run()
-    assert len(compiled) == 7 * 5 * 15
+    assert len(compiled) == 9 * 5 * 15
     assert run(NUMBA_DISABLE_JIT="1") == compiled

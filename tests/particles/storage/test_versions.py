@@ -7,7 +7,16 @@ import h5py
 import numpy as np
 import pytest
 
-from particles import OBSERVABLES, BoltzmannGrad, Ensemble, Poisson, simulate
+from particles import (
+    OBSERVABLES,
+    BoltzmannGrad,
+    Ensemble,
+    HardSpheres,
+    Medium,
+    Poisson,
+    PoissonSpheres,
+    simulate,
+)
 
 # Made by version 0.2, stopped after the first of two configurations:
 OLD = Path(__file__).with_name("half_a_run_of_0_2.h5")
@@ -62,9 +71,17 @@ def test_tangential_restitution_is_saved_and_printed(
     assert not np.array_equal(run.finals, smooth.finals)
 
 
-@pytest.mark.parametrize("initial", ["gaussian", np.ones((3, 3))])
+@pytest.mark.parametrize(
+    ("spheres", "initial", "version"),
+    [
+        (SPHERES, "gaussian", 2),
+        (SPHERES, np.ones((3, 3)), 2),
+        (HardSpheres(0.05, 2.0, count=50, equilibrate=1), "gaussian", 3),
+        (PoissonSpheres(0.1, 2.0, count=None), np.ones((3, 3)), 3),
+    ],
+)
 def test_three_dimensions_are_saved_and_gone_on_with(
-    initial: str | np.ndarray, tmp_path: Path
+    spheres: Medium, initial: str | np.ndarray, version: int, tmp_path: Path
 ) -> None:
     path = tmp_path / "run.h5"
     arguments = ARGUMENTS | dict(initial=initial, observables=OBSERVABLES, media=6)
@@ -77,11 +94,22 @@ def test_three_dimensions_are_saved_and_gone_on_with(
             raise Stopped
 
     with pytest.raises(Stopped):
-        simulate(SPHERES, **arguments, output=path, progress=stop)
+        simulate(spheres, **arguments, output=path, progress=stop)
     in_plane = arguments | dict(medium=BoltzmannGrad(0.1, diameter=2.0), initial="gaussian")
     with pytest.raises(ValueError, match="holds another run, with medium = "):
         simulate(**in_plane, output=path, resume=True)
-    resumed = simulate(SPHERES, **arguments, output=path, resume=True)
-    assert resumed == simulate(SPHERES, **arguments) == Ensemble.load(path)
+    resumed = simulate(spheres, **arguments, output=path, resume=True)
+    assert resumed == simulate(spheres, **arguments) == Ensemble.load(path)
     assert resumed.medium.dimension == 3
-    assert version_of(path) == 2
+    assert version_of(path) == version
+
+
+def test_traps_among_spheres_are_saved(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    run = simulate(PoissonSpheres(0.5, count=500), 0.1, media=3, tracers=30, max_collisions=300)
+    statuses = run.statuses
+    assert statuses.trapped > 10
+    assert statuses.trap_places.shape == (statuses.trapped, 3)
+    assert np.all(np.ptp(statuses.trap_places, axis=0) > 1.0)
+    run.save(path)
+    assert Ensemble.load(path) == run

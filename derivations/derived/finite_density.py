@@ -1,0 +1,210 @@
+"""Smooth disks at a finite density: the tracer meets a scatterer again; beyond the paper.
+
+Premises: those of one collision (`premises`), scatterers placed independently with density rho0
+(hard disks: with no two of them closer than d), and what a scatterer does when it is met again.
+There, as at the first meeting, a bounce K takes the place of going on: each meeting counts K - 1.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import eq
+from ..premises import mean_free_path
+from .any_law import impact_density, plane_average, velocity_after
+from .record import Derived, Step, derives, result
+
+
+@cache
+def straight_back() -> sp.Expr:
+    """The density of the deflection at pi, per radian, from both sides."""
+    across, along = velocity_after(2).subs(s.et, 1)
+    missing = sp.atan(across / along)  # pi - chi, for contacts that are nearly head-on
+    per_contact = impact_density(2) * sp.diff(sp.sin(s.theta), s.theta)
+    turned = sp.simplify(sp.diff(missing, s.theta).subs(s.theta, 0))
+    return sp.factor(per_contact.subs(s.theta, 0) / turned)
+
+
+@derives("beyond:straight-back")
+def _straight_back() -> Derived:
+    return result(
+        eq(s.back, straight_back()),
+        Step("v'/|v|, across and along v", sp.Tuple(*velocity_after(2).subs(s.et, 1))),
+        Step("y = sin(theta) is uniform on [-1, 1]", impact_density(2)),
+    )
+
+
+@cache
+def return_chance() -> sp.Expr:
+    """The chance per collision, per unit of the distance, to come straight back."""
+    small = sp.Symbol("small", positive=True)  # d/R
+    window = sp.series(2 * sp.asin(small), small, 0, 2).removeO().subs(small, s.d / s.dist)
+    return sp.factor(straight_back() * window / mean_free_path(2))
+
+
+@derives("beyond:return-chance")
+def _return_chance() -> Derived:
+    total = sp.integrate(return_chance(), (s.dist, s.d, s.l))
+    together = sp.cancel(return_chance() * s.dist) * sp.log(s.l / s.d)
+    if sp.simplify(sp.expand_log(together) - sp.expand_log(total)) != 0:
+        raise ArithmeticError("the integral over the distance is no logarithm")
+    return result(
+        sp.Tuple(eq(s.retR(s.dist), return_chance()), eq(s.ret, together)),
+        Step("directions that meet a disk at the distance R: 2 asin(d/R)", 2 * s.d / s.dist),
+        Step("the second scatterer is met at R with the chance dR/l", 1 / mean_free_path(2)),
+        Step("from R = d to R = l, beyond which others are in the way", together),
+        note="Where it begins and ends changes the order n, not n ln(1/n), n = rho_0 d^2.",
+    )
+
+
+@cache
+def return_symbols() -> tuple[sp.Expr, sp.Expr]:
+    """What takes the place of lambda_m(p): to first order in the chance, and summed."""
+    turned = sp.cos(sp.pi * s.harm) * s.e**s.p  # v^p exp(i m phi) with e v and phi + pi
+    meeting = -s.lamm  # K - 1
+    again = sp.Symbol("again")
+    summed = sp.solve(again - meeting - s.ret * meeting * turned * again, again)
+    return sp.expand(-(meeting + s.ret * meeting * turned * meeting)), -summed[0]
+
+
+@derives("beyond:return-operator")
+def _return_operator() -> Derived:
+    first, summed = return_symbols()
+    if sp.simplify(sp.diff(summed - first, s.ret).subs(s.ret, 0)) != 0:
+        raise ArithmeticError("the sum of all returns does not begin with the first one")
+    path = sp.expand(sp.cancel(1 / summed - 1 / s.lamm))
+    return result(
+        sp.Tuple(eq(s.lamd, first), eq(s.lamd, summed)),
+        Step("K - 1 on v^p exp(i m phi)", -s.lamm),
+        Step("straight back with e times the speed", sp.cos(sp.pi * s.harm) * s.e**s.p),
+        Step("(K - 1) + epsilon (K - 1) B (K - 1)", -first),
+        Step("the integral over the path, less 1/lambda_m", path),
+    )
+
+
+@cache
+def slope_coefficient() -> sp.Expr:
+    """A where the slope of <r^2> is multiplied by 1 - A n ln(1/n)."""
+    first, _ = return_symbols()
+    rate = first.subs({s.harm: 1, s.p: 0})
+    relative = sp.diff(s.lamm / rate, s.ret).subs(s.ret, 0).subs(s.lamm, 1 - s.cos_chi)
+    weight = sp.cancel(return_chance() * s.dist / (s.rho0 * s.d**2))
+    return sp.factor(-relative * weight)
+
+
+@derives("beyond:return-slope")
+def _return_slope() -> Derived:
+    p = sp.Symbol("small", positive=True)
+    first, _ = return_symbols()
+    cooling = first.subs({s.harm: 0, s.p: p}).subs(s.lamm, s.klog * p)
+    if sp.limit(cooling / p, p, 0) != s.klog:
+        raise ArithmeticError("returns change the mean log loss")
+    elastic = plane_average(2 * s.y**2 - 1)  # cos(chi) of an elastic bounce
+    return result(
+        sp.Tuple(
+            eq(s.coefA(s.e), slope_coefficient()),
+            eq(s.coefA(1), slope_coefficient().subs({s.e: 1, s.cos_chi: elastic})),
+        ),
+        Step("2 l^2/[kappa lambda_1(0)], and kappa does not change", sp.limit(cooling / p, p, 0)),
+        Step("mean cosine at e = 1", elastic),
+        note="At e = 1 the diffusion coefficient is that of the Boltzmann equation times "
+        "1 + (4/3) n ln n, as van Leeuwen and Weijland found in 1967.",
+    )
+
+
+@cache
+def shared_area() -> sp.Expr:
+    """The area that two circles of radius d share, their centres at the distance d."""
+    half = 2 * sp.sqrt(s.d**2 - s.x**2)  # of the chord at x, from one centre
+    return sp.simplify(2 * sp.integrate(half, (s.x, s.d / 2, s.d)))
+
+
+@derives("beyond:enskog-path")
+def _enskog_path() -> Derived:
+    small = sp.Symbol("small", positive=True)
+    path = s.l / (1 + small * s.rho0 * shared_area())
+    first = s.l + sp.diff(path, small).subs(small, 0)
+    return result(
+        eq(s.ln, sp.factor(first)),
+        Step("no scatterer is within d of the tracer or of one that it touches", sp.pi * s.d**2),
+        Step("of two in contact, these areas share", shared_area()),
+        Step("so that contacts are more frequent by", 1 + s.rho0 * shared_area()),
+        note="The tracer, at random in the free area, is one more hard disk.",
+    )
+
+
+@derives("beyond:two-disks")
+def _two_disks() -> Derived:
+    across, along = velocity_after(2).subs(s.et, 1)
+    in_y = (across / along).subs(s.theta, sp.asin(s.y))
+    slope = sp.simplify(sp.diff(in_y, s.y).subs(s.y, 0))
+    offset = sp.factor(slope * s.y * s.dist / s.d)
+    per_offset = sp.cancel(1 / sp.diff(offset, s.y))  # dy of the second disk
+    # it is met with the chance rho0 d dy dR, and meets the first disk again over |offset| < 1
+    chance = sp.factor(2 * per_offset * s.rho0 * s.d)
+    if sp.simplify(chance - return_chance()) != 0:
+        raise ArithmeticError("two routes to the chance of a return differ")
+    return result(
+        sp.Tuple(eq(s.offset, offset), eq(s.retR(s.dist), chance)),
+        Step("tan(pi - chi) per impact parameter, head-on", slope),
+        Step("dy/d(offset)", per_offset),
+        note="The integrand of the two-disk integral at large R: a uniform impact parameter on the "
+        "first disk at the second meeting, whatever it was at the first one.",
+    )
+
+
+@derives("beyond:corridor")
+def _corridor() -> Derived:
+    u = sp.Symbol("u", positive=True)  # distance from the second scatterer, over R
+    fresh = s.offset * u * s.d * s.rho0  # area per path outside the corridor of the way out
+    rate = 1 + sp.integrate(fresh * mean_free_path(2), (u, 0, 1))
+    single = sp.Integer(2)
+    # integral of [exp(-a R) - exp(-b R)]/R over R > 0 is ln(b/a) (Frullani)
+    power = sp.Symbol("power", positive=True)
+    a, b = sp.symbols("a b", positive=True)
+    each = sp.integrate(s.r ** (power - 1) * sp.exp(-a * s.r), (s.r, 0, sp.oo))
+    difference = sp.limit(each - each.subs(a, b), power, 0)
+    logarithm = -difference.subs({a: rate, b: single})
+    return result(
+        sp.Tuple(eq(s.damp, rate), eq(s.Lnest, sp.logcombine(sp.expand(logarithm), force=True))),
+        Step("the way back leaves the corridor, of width 2 d, by", s.offset * u * s.d),
+        Step("scatterers met out and back, over R/l", rate),
+        Step("without the corridor", single),
+        Step("integral of [exp(-a R) - exp(-b R)]/R", difference),
+    )
+
+
+@derives("beyond:free-flight")
+def _free_flight() -> Derived:
+    q, size = sp.symbols("q size")
+    # (1 + i K cos(phi)) G = 1, harmonic m: G_m + (i K/2)(G_(m-1) + G_(m+1)) = 1 at m = 0, else 0
+    roots = sp.solve(1 + sp.I * s.wave / 2 * (q + 1 / q), q)
+    (decaying,) = [root for root in roots if abs(sp.N(root.subs(s.wave, 1))) < 1]
+    (found,) = sp.solve(size + sp.I * s.wave / 2 * 2 * decaying * size - 1, size)
+    return result(
+        eq(s.free(s.harm), sp.simplify(found) * sp.simplify(decaying) ** s.harm),
+        Step("G_m is a power of the root that decays", decaying),
+        Step("and m = 0 has the source", found),
+    )
+
+
+@derives("beyond:loops")
+def _loops() -> Derived:
+    i_half = sp.I * s.wave / 2
+    now, before, above, below = sp.symbols("x_j x_before x_above x_below")
+    # the harmonics beyond j are x_(j+1) = -(i K/2) F_(j+1) x_j: no source there
+    row = s.lamj(s.k) * now + i_half * (before - i_half * s.tail(s.k + 1) * now)
+    (ratio,) = sp.solve(row, now)
+    tail = sp.cancel(ratio / (-i_half * before))
+    up, down = s.tail(s.harm + 1), s.tail(s.harm - 1)
+    source = s.lamm * now + i_half * (above + below) - 1
+    (whole,) = sp.solve(source.subs({above: -i_half * up * now, below: -i_half * down * now}), now)
+    return result(
+        sp.Tuple(eq(s.tail(s.k), tail), eq(s.prop, whole)),
+        Step("row j of (lambda + i K cos(phi)) x = 0", row),
+        Step("row m, with the source", source),
+        note="Downwards the same with j - 1 in place of j + 1.",
+    )

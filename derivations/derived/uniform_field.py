@@ -1,0 +1,286 @@
+"""A tracer in a uniform field, at low density: harmonics, moments and limits; beyond the paper.
+
+Lengths in l and accelerations in that of the field, which is along z. With x the cosine of the
+angle between v and the field, d/dv_z = x d/dv + (1 - x^2)/v d/dx on functions of v and x, in the
+plane and in space.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import Avg, eq
+from .any_law import impact_density, one_collision
+from .record import Derived, Step, derives, result
+
+_X = sp.Symbol("cosine", real=True)
+_COS = sp.cos(s.theta_z)
+_ROWS, _PARTS = (s.row0, s.row1, s.row2), (s.f0, s.f1, s.f2, s.f3)
+
+
+@cache
+def _basis(dimension: int, m: int) -> sp.Expr:
+    """cos(m theta) or P_m, as a polynomial in x."""
+    return sp.chebyshevt(m, _X) if dimension == 2 else sp.legendre(m, _X)
+
+
+def _over_directions(polynomial: sp.Expr, dimension: int) -> sp.Expr:
+    """The mean over all directions of a polynomial in x."""
+    if dimension == 2:
+        turned = sp.expand(polynomial).subs(_X, sp.cos(s.theta))
+        return sp.integrate(sp.expand(turned), (s.theta, 0, sp.pi)) / sp.pi
+    return sp.integrate(sp.expand(polynomial), (_X, -1, 1)) / 2
+
+
+@cache
+def _share(dimension: int, k: int, m: int) -> tuple[sp.Expr, sp.Expr]:
+    """Harmonic m of d/dv_z acting on harmonic k: the factors of f_k' and of f_k/v."""
+    of, row = _basis(dimension, k), _basis(dimension, m)
+    norm = _over_directions(row**2, dimension)
+    return tuple(
+        _over_directions(part * row, dimension) / norm
+        for part in (_X * of, (1 - _X**2) * sp.diff(of, _X))
+    )
+
+
+@cache
+def field_row(dimension: int, m: int) -> sp.Expr:
+    """Harmonic m of the derivative by v_z, in the harmonics next to it."""
+    found = sp.Integer(0)
+    for k, part in enumerate(_PARTS):
+        first, second = _share(dimension, k, m)
+        found += first * sp.diff(part(s.v), s.v) + second * part(s.v) / s.v
+    return sp.expand(found)
+
+
+def _rows(dimension: int) -> Derived:
+    rows = [field_row(dimension, m) for m in range(3)]
+    return result(
+        sp.Tuple(*(eq(row(s.v), found) for row, found in zip(_ROWS, rows, strict=True))),
+        Step("d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x"),
+        Step("projected on harmonics 0, 1, 2", sp.Tuple(*rows)),
+        note="The steady state has row_m = v (gain_m - f_m), the gain being "
+        "E[s^-(d+1) P_m(cos chi) f_m(v/s)].",
+    )
+
+
+@derives("beyond:field-plane")
+def _plane() -> Derived:
+    return _rows(2)
+
+
+@derives("beyond:field-space")
+def _space() -> Derived:
+    return _rows(3)
+
+
+def _mean(dimension: int, p: sp.Expr, m: int) -> sp.Expr:
+    """The average of v^p times harmonic m of the angle to the field."""
+    angle = sp.cos(m * s.theta_z) if dimension == 2 else sp.legendre(m, _COS)
+    return Avg(s.v**p * angle)
+
+
+@cache
+def moment_row(dimension: int, m: int) -> sp.Expr:
+    """What the field adds to the mean of v^p times harmonic m per time, by parts.
+
+    The derivative by v_z of v^p times the harmonic itself: the boundary vanishes.
+    """
+    weight = s.v**s.p * _basis(dimension, m)
+    change = _X * sp.diff(weight, s.v) + (1 - _X**2) / s.v * sp.diff(weight, _X)
+    over = sp.expand(sp.powsimp(sp.expand(change / s.v ** (s.p - 1))))
+    found = sp.Integer(0)
+    for k in range(m + 2):
+        basis = _basis(dimension, k)
+        share = _over_directions(over * basis, dimension)
+        share = sp.factor(share / _over_directions(basis**2, dimension))
+        found += share * _mean(dimension, s.p - 1, k)
+    return found
+
+
+@derives("beyond:field-moments")
+def _moments() -> Derived:
+    zeroth = moment_row(2, 0)
+    if zeroth != moment_row(3, 0):
+        raise ArithmeticError("the moments of the speed know the dimension")
+    first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
+    return result(
+        sp.Tuple(
+            eq(s.lam(s.p) * _mean(2, s.p + 1, 0), zeroth),
+            *(eq(s.lam1(s.p) * _mean(d, s.p + 1, 1), first[d]) for d in (2, 3)),
+        ),
+        Step("gain of the mean of v^p by the field, in any dimension", zeroth),
+        Step("gain of the mean of v^p cos, in the plane", first[2]),
+        Step("in space", first[3]),
+        Step("the loss by collisions is lambda_m(p) times the mean of v^(p+1), at the rate v/l"),
+    )
+
+
+@cache
+def _relations() -> dict[str, sp.Expr]:
+    """Right-hand sides of the exact relations, by what they give."""
+    speed, cos = moment_row(2, 0), _COS
+    one = {Avg(sp.Integer(1)): sp.Integer(1)}
+
+    def mean_of_power(p: int) -> sp.Expr:
+        return sp.powsimp(speed.subs(s.p, p)).subs(one) / s.lam(p)
+
+    # p -> 0: lambda(p)/p tends to kappa; p = -1: lambda(-1) = 1 - E[1/s]
+    limit = sp.limit((1 - s.s**s.p) / s.p, s.p, 0)
+    if limit != -sp.log(s.s):
+        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
+    first = moment_row(2, 1).subs(s.p, 1).subs(one) / s.lam1(1)
+    return {
+        "first": first,
+        "third": s.lam(2) * Avg(s.v**3) / sp.cancel(mean_of_power(2) * s.lam(2) / Avg(s.v * cos)),
+        "fourth": mean_of_power(3),
+        "cosine": s.lam(1) * Avg(s.v**2) / sp.cancel(mean_of_power(1) * s.lam(1) / Avg(cos)),
+        "inverse": s.klog * Avg(s.v),
+        "inverse square": (1 - Avg(1 / s.s))
+        / sp.cancel(sp.powsimp(speed.subs(s.p, -1)) / Avg(cos / s.v**2)),
+    }
+
+
+@derives("beyond:field-exact")
+def _exact() -> Derived:
+    found, cos = _relations(), _COS
+    if moment_row(3, 1).subs(s.p, 1).subs(Avg(sp.Integer(1)), 1) != 1:
+        raise ArithmeticError("<v v_z> depends on the dimension beyond lambda_1(1)")
+    return result(
+        sp.Tuple(
+            eq(Avg(s.v**2 * cos), found["first"]),
+            eq(Avg(s.v * cos), found["third"]),
+            eq(Avg(s.v**4), found["fourth"]),
+            eq(Avg(cos), found["cosine"]),
+            eq(Avg(cos / s.v), found["inverse"]),
+            eq(Avg(cos / s.v**2), found["inverse square"]),
+        ),
+        Step("row 1 with p = 1, where harmonic 2 drops out", found["first"]),
+        Step("row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1"),
+        note="In the plane and in space, for every law. The last needs E[1/s] to exist.",
+    )
+
+
+def _average(dimension: int, weight: sp.Expr) -> sp.Expr:
+    """The average over a collision of a polynomial in y."""
+    low = -1 if dimension == 2 else 0
+    return sp.integrate(sp.expand(weight) * impact_density(dimension), (s.y, low, 1))
+
+
+@cache
+def _smooth(dimension: int) -> tuple[sp.Expr, sp.Expr]:
+    """(s^2, s cos(chi)) of smooth scatterers."""
+    square, along = one_collision(dimension)
+    return square.subs(s.et, 1), along.subs(s.et, 1)
+
+
+def _inverse_ratio(dimension: int) -> sp.Expr:
+    """E[1/s] of smooth scatterers."""
+    width = 1 - s.e**2
+    if dimension == 3:  # s^2 is uniform from e^2 to 1
+        return sp.factor(sp.integrate(2 * s.s / width / s.s, (s.s, s.e, 1)))
+    # y = e sinh(u)/b makes s = e cosh(u), b^2 = 1 - e^2
+    b, u = sp.sqrt(width), sp.Symbol("u", positive=True)
+    y = s.e * sp.sinh(u) / b
+    square = sp.expand(_smooth(2)[0].subs(s.y, y)) - s.e**2 * sp.cosh(u) ** 2
+    if sp.simplify(square.rewrite(sp.exp)) != 0:
+        raise ArithmeticError("s is not e cosh(u)")
+    integrand = sp.cancel(sp.diff(y, u) / (s.e * sp.cosh(u)))
+    return sp.integrate(integrand, (u, 0, sp.asinh(b / s.e)))
+
+
+@derives("beyond:field-closed")
+def _closed() -> Derived:
+    rows = []
+    for dimension in (2, 3):
+        rate = 1 - _average(dimension, _smooth(dimension)[1])
+        rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
+        rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
+    return result(
+        sp.Tuple(*rows),
+        Step("1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1"),
+        Step("E[1/s] in the plane", _inverse_ratio(2)),
+        Step("E[1/s] in space", _inverse_ratio(3)),
+    )
+
+
+@cache
+def _near_elastic(dimension: int) -> tuple[sp.Expr, sp.Expr]:
+    """(kappa, lambda_1(0)) to leading order in 1 - e^2."""
+    square, along = _smooth(dimension)
+    lost = sp.factor(_average(dimension, 1 - square) / 2)  # -ln s = (1 - s^2)/2 + ...
+    kappa = lost.subs(s.e, sp.sqrt(1 - s.deficit))
+    return sp.simplify(kappa), 1 - _average(dimension, along.subs(s.e, 1))
+
+
+@cache
+def _slow_steady_state(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """(f_0 over f_0(0), drift, D_perp) as e -> 1.
+
+    Row 1 is f_0' = -lambda_1 v f_1. Row 0 says that what the field brings up, f_1 v^(d-1)/d, is
+    what the loss dv/dt = -kappa v^2 takes down.
+    """
+    kappa, rate = _near_elastic(dimension)
+    field_share = _share(dimension, 1, 0)[0]
+    first = kappa * s.v**2 / field_share  # f_1/f_0
+    exponent = sp.integrate(-rate * s.v * first, (s.v, 0, s.v))
+    shape = sp.exp(sp.expand(exponent))
+    volume = s.v ** (dimension - 1)
+
+    def mean(weight: sp.Expr) -> sp.Expr:
+        whole = sp.integrate(volume * shape, (s.v, 0, sp.oo))
+        return sp.integrate(sp.expand(weight * volume) * shape, (s.v, 0, sp.oo)) / whole
+
+    # <v_z> is the mean of v f_1/f_0 times the mean of cos^2; v_x f_0 = lambda_1 v h
+    drift = mean(s.v * first) * field_share
+    across = mean(s.v) / rate * field_share
+    return shape, sp.simplify(drift), sp.simplify(across)
+
+
+@derives("beyond:field-nearly-elastic")
+def _nearly_elastic() -> Derived:
+    rows = []
+    for dimension in (2, 3):
+        shape, drift, across = _slow_steady_state(dimension)
+        rows += [eq(s.f0(s.v), shape), eq(s.drift, drift), eq(s.Dperp, across)]
+    return result(
+        sp.Tuple(*rows),
+        Step("kappa and lambda_1(0) in the plane", sp.Tuple(*_near_elastic(2))),
+        Step("in space", sp.Tuple(*_near_elastic(3))),
+        Step("f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0"),
+        note="Slow collisions spread the directions before the speed changes.",
+    )
+
+
+@cache
+def _self_similar(dimension: int) -> sp.Expr:
+    """t^-a exp(-b v^3/t), which d_t f_0 + row_0 = 0 with f_1 = -f_0'/(lambda_1 v) fixes."""
+    _, rate = _near_elastic(dimension)
+    a, b = sp.symbols("a b", positive=True)
+    shape = s.t**-a * sp.exp(-b * s.v**3 / s.t)
+    first = -sp.diff(shape, s.v) / (rate * s.v)
+    row = field_row(dimension, 0).subs(s.f1(s.v), first).doit()
+    left = sp.Poly(sp.simplify((sp.diff(shape, s.t) + row) / shape * s.t**2), s.v)
+    (found,) = sp.solve(left.coeffs(), (a, b), dict=True)
+    return shape.subs(found)
+
+
+@derives("beyond:field-elastic")
+def _elastic() -> Derived:
+    rows = []
+    for dimension in (2, 3):
+        _, rate = _near_elastic(dimension)
+        # d<v_z>/dt = 1 - lambda_1 <v v_z>, and d<v^3>/dt = 3 <v^2 cos> since lambda(3) = 0
+        growth = moment_row(dimension, 0).subs(s.p, 3).coeff(Avg(s.v**2 * _COS))
+        cube = growth / rate * (s.t - Avg(s.v * _COS))
+        rows += [eq(s.f0(s.v), _self_similar(dimension)), eq(Avg(s.v**3), cube)]
+    return result(
+        sp.Tuple(*rows),
+        Step("late: f_1 = -f_0'/(lambda_1 v), and d_t f_0 = -row_0"),
+        Step("d<v_z>/dt = 1 - lambda_1 <v v_z>: <v v_z> is known over time from <v_z>"),
+        Step("d<v^3>/dt = 3 <v v_z>, from rest", rows[1].rhs),
+        note="No steady state: the energy is that of the fall, v^2 = 2 z.",
+    )

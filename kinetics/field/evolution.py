@@ -1,0 +1,210 @@
+"""Averages over time in a field, for one initial state.
+
+Steps of time grow as long as the averages stay smooth in time. From rest, where many tracers are
+on one ray on which harmonics converge slowly, the first collision is integrated over: after it the
+directions are spread.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kinetics.collision import CollisionLaw
+from kinetics.field.backward import ALL, SQUARES, BackwardField, backward_panels
+from kinetics.field.resolution import highest_speed
+from kinetics.field.starts import Start, free_fall, moved
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import panels_between
+
+_LONGEST_FALL = 9.0  # sqrt(2 x 40): one in e^40 falls longer freely, from rest
+_POINTS = 16  # Gauss points of an interval of the first collision
+_SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
+_STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+_EARLIEST = 1e-12  # stands for the time 0
+_SHORTEST = 1e-9  # of the first step: below it a step is not halved
+
+
+@dataclass(frozen=True)
+class TimeResolution:
+    """How finely the averages are resolved.
+
+    Parameters
+    ----------
+    nodes : of a panel of speeds
+    harmonics : M, odd
+    lowest : the first panel is about so long
+    rtol : what a step of time may miss
+    """
+
+    nodes: int
+    harmonics: int
+    lowest: float
+    rtol: float
+
+    @classmethod
+    def of(cls, rtol: float) -> TimeResolution:
+        """A first one, whose error its finer one shows, for a relative accuracy."""
+        digits = -math.log10(max(rtol, 1e-12))
+        harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
+        nodes = math.ceil(1.5 * digits + 1.0)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), rtol)
+
+    def finer(self) -> TimeResolution:
+        """With half as many harmonics again, some more nodes and shorter steps."""
+        harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
+        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
+
+
+@dataclass
+class Evolution:
+    """The averages of one start at given times, in units of sqrt(g l) and sqrt(l/g).
+
+    Parameters
+    ----------
+    law : the collision law
+    start : the initial state
+    times : rising, shape (n_times,)
+    resolution : panels, harmonics and steps
+
+    Attributes
+    ----------
+    values : averages of all observables of `backward.ALL`, shape (n_times, n_observables)
+    steps : the number of steps of time
+    """
+
+    law: CollisionLaw
+    start: Start
+    times: FloatArray
+    resolution: TimeResolution
+    values: FloatArray = field(init=False)
+    steps: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        last = max(float(self.times[-1]), _EARLIEST)
+        reach = reached_speed(self.law, last, self.resolution.rtol)
+        highest = math.hypot(self.start.highest, reach)
+        # below 1/t, no tracer has collided by the time t
+        lowest = min(self.resolution.lowest * max(1.0, 1.0 / last), 0.1 * highest)
+        panels = backward_panels(highest, lowest, self.resolution.nodes)
+        self.equation = BackwardField(self.law, panels, self.resolution.harmonics)
+        self._weights = self.start.functional(panels, self.resolution.harmonics)
+        v = panels.speeds
+        self._falls = panels.weights * v * np.exp(-0.5 * v**2)
+        self._gains: list[tuple[float, float, FloatArray]] = []
+        self.values = np.empty((self.times.size, len(ALL)))
+        self._run(last)
+
+    @property
+    def from_rest(self) -> bool:
+        """Whether all tracers start at rest."""
+        return not self.start.measures
+
+    def _run(self, last: float) -> None:
+        """Step after step, up to the last time."""
+        y = self.equation.start
+        now, h = 0.0, self._first_step(last)
+        least, allowed = _SHORTEST * h, _STEPS_MISS * self.resolution.rtol
+        while True:
+            stages = self.equation.step(y, h)
+            averages = self._averages(stages)
+            rough = self._roughness(averages)
+            if rough > allowed and h > least:
+                h *= 0.5
+                continue
+            self.steps += 1
+            self._keep(now, h, stages, averages)
+            now, y = now + h, stages[-1]
+            if now >= last:
+                break
+            if rough * _SMOOTH < allowed:
+                h *= 2.0
+                self.equation.forget(h)
+        if self.from_rest:
+            self._integrate_first_collision()
+
+    def _first_step(self, last: float) -> float:
+        """Short against the free flights of all tracers; a power of 2 times the last time."""
+        wanted = 0.5 / (1.0 + self.start.highest)
+        return last if last <= wanted else last * 2.0 ** math.floor(math.log2(wanted / last))
+
+    def _averages(self, stages: FloatArray) -> FloatArray:
+        """Averages over the start at the points of a step, (stages + 1, n_observables)."""
+        if self.from_rest:  # the first collision alone, which the steps must resolve
+            return np.asarray(np.tensordot(self.equation.gained(stages), self._falls, (1, 0)))
+        return np.asarray(np.einsum("smik,mik->sk", stages, self._weights))
+
+    def _roughness(self, averages: FloatArray) -> float:
+        """What the polynomial in time of a step leaves out, relative to the scale of each."""
+        left = self.equation.rule.roughness(averages)
+        scale = scales(averages[-1:])[0]
+        used = scale > 0.0
+        return float(np.max(left[used] / scale[used], initial=0.0))
+
+    def _keep(self, now: float, h: float, stages: FloatArray, averages: FloatArray) -> None:
+        """Interpolate the averages to the times within a step."""
+        inside = (self.times >= now) & (self.times <= now + h)
+        rows = self.equation.rule.rows((self.times[inside] - now) / h)
+        self.values[inside] = rows @ averages
+        if self.from_rest:
+            self._gains.append((now, h, self.equation.gained(stages)))
+
+    def _integrate_first_collision(self) -> None:
+        """From rest: free fall for a time tau with the chance exp(-tau^2/2), then a collision."""
+        panels, rule = self.equation.panels, self.equation.rule
+        edges = np.array([now for now, _, _ in self._gains])
+        for i, t in enumerate(self.times):
+            longest = min(float(t), _LONGEST_FALL)
+            free = free_fall(np.array([t]))[0] * math.exp(-0.5 * t * t)
+            inside = np.concatenate([t - edges, np.array(panels.edges)])
+            inside = np.unique(inside[(inside > 0.0) & (inside < longest)])
+            if longest == 0.0:
+                self.values[i] = free
+                continue
+            tau, w = panels_between(np.concatenate([[0.0], inside, [longest]]), _POINTS)
+            rows = panels.interpolation(np.minimum(tau, panels.highest))
+            left = t - tau
+            step = np.clip(np.searchsorted(edges, left, side="right") - 1, 0, edges.size - 1)
+            after = np.empty((tau.size, len(ALL)))
+            for s in np.unique(step):
+                now, h, gains = self._gains[s]
+                at = step == s
+                in_time = rule.rows((left[at] - now) / h)
+                after[at] = np.einsum("ns,ni,sik->nk", in_time, rows[at], gains, optimize=True)
+            chance = w * tau * np.exp(-0.5 * tau**2)
+            self.values[i] = free + chance @ moved(tau, after)
+
+
+def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
+    """A speed that tracers from rest do not reach in this time, in sqrt(g l).
+
+    A free fall may be sqrt(2 x 30) long. Nearly elastic tracers reach more: f falls as
+    exp(-a v^3/t), a = 8/27 for disks (and 1/3 for spheres), up to the speeds of the steady state.
+    """
+    fall = math.log(1.0 / accuracy) + 6.0
+    free = math.sqrt(2.0 * fall)
+    growing = (27.0 / 8.0 * fall * time) ** (1.0 / 3.0)
+    if not law.is_elastic:
+        growing = min(growing, highest_speed(law, accuracy))
+    return max(free, growing)
+
+
+def scales(values: FloatArray) -> FloatArray:
+    """What errors of the averages are relative to, shape of values (n_times, n_observables).
+
+    The root mean square for velocities and displacements, <v^2> and <r^2> for the tensors.
+    """
+    speed = values[:, ALL.index("v^2")]
+    square = sum(values[:, ALL.index(name)] for name in SQUARES)
+    out = np.empty_like(values)
+    for name, scale in (
+        *((name, np.sqrt(speed)) for name in ("v_x", "v_y")),
+        *((name, speed) for name in ("v^2", "v^2 cos 2", "v_x v_y")),
+        *((name, np.sqrt(np.maximum(square, 0.0))) for name in ("x", "y")),
+        *((name, np.maximum(square, 0.0)) for name in (*SQUARES, "x y")),
+        *((name, np.abs(values[:, ALL.index(name)])) for name in ("v^3", "v^4", "collisions")),
+    ):
+        out[:, ALL.index(name)] = scale
+    return out

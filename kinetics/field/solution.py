@@ -1,0 +1,331 @@
+"""solve_field and its answer: the steady state of a tracer in a uniform field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetics.collision import CollisionLaw, law_of
+from kinetics.errors import warn_missed
+from kinetics.field.averages import SteadyAverages
+from kinetics.field.ladder import continuation
+from kinetics.field.resolution import Resolution
+from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
+from kinetics.numerics import FloatArray
+from kinetics.status import PlanStep, SolverStatus, explain, status_of
+from kinetics.validation import (
+    check_positive,
+    check_rtol,
+    finite_line,
+    real_number,
+    refuse,
+    speeds,
+    whole_number,
+)
+from kinetics.values import Value
+
+_BEST_DIFFUSION = 1e-8
+_HIGHEST_POWER = 20.0
+_CONTINUED = 16  # harmonics up to 16 M, by their continuation, are in the density
+
+
+@dataclass(frozen=True)
+class FieldState(Value):
+    """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
+
+    Lengths in the mean free path l, accelerations in that of the field, g: so speeds are in
+    sqrt(g l), times in sqrt(l/g), and diffusion coefficients in sqrt(g l^3). The field is along x.
+    :meth:`in_units` gives the figures in one's own units.
+
+    Attributes
+    ----------
+    restitution, tangential_restitution, dimension, rtol : what was asked for
+    error_estimate : relative error of drift, mean_square_speed, mean_square_along and mean_speed
+    status : SolverStatus
+    message : the status in words: what misses its tolerance, by how much, and what to change
+    plan : harmonics and panels that were used, and why
+    stats : numbers about the work
+    """
+
+    restitution: Any
+    tangential_restitution: float | None
+    dimension: int
+    rtol: float
+    error_estimate: float
+    status: SolverStatus
+    message: str
+    plan: tuple[PlanStep, ...]
+    stats: Mapping[str, Any]
+    _averages: SteadyAverages = field(repr=False)
+    _resolution: tuple[float, int] = field(repr=False)
+
+    @property
+    def law(self) -> CollisionLaw:
+        """The collision law."""
+        return self._averages.law
+
+    # -- averages ---------------------------------------------------------------------------------
+
+    @property
+    def drift(self) -> float:
+        """<v_x>, the percolation velocity, in sqrt(g l)."""
+        return self.moment(1.0, 1)
+
+    @property
+    def mean_square_speed(self) -> float:
+        """<v^2> in g l."""
+        return self.moment(2.0, 0)
+
+    @property
+    def mean_square_along(self) -> float:
+        """<v_x^2> in g l."""
+        d = self.dimension
+        return (self.moment(2.0, 0) + (d - 1.0) * self.moment(2.0, 2)) / d
+
+    @property
+    def mean_speed(self) -> float:
+        """<v> in sqrt(g l): the number of collisions in a time sqrt(l/g)."""
+        return self.moment(1.0, 0)
+
+    def moment(self, p: float, m: int = 0) -> float:
+        """<v^p cos(m phi)> in (g l)^(p/2), phi the angle to the field; in space <v^p P_m(cos phi)>.
+
+        p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
+        The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
+        """
+        m = whole_number("m", m, 0, self._averages.harmonics.shape[0] - 1)
+        lowest = -float(self.dimension)
+        if m > 0 and math.isinf(self.law.lowest_power):
+            lowest -= 1.0
+        allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
+        p = real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed)
+        return self._averages.moment(p, m)
+
+    def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
+        """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
+
+        v : speeds in sqrt(g l), above 0; angle : to the field, in radians. InputError for others.
+
+        The sum of the harmonics and of their continuation. Along the field (angle 0) it converges
+        slowly, most of all at low speeds: tracers there have come by rest.
+        """
+        v_ = speeds(v, zero_allowed=False)
+        cosine = np.cos(finite_line("angle", angle))
+        panels, f = self._averages.panels, self._averages.harmonics
+        inside = v_ <= panels.highest
+        values = (panels.interpolation(np.where(inside, v_, panels.highest)) @ f.T) * inside[
+            :, None
+        ]
+        highest = f.shape[0] - 1
+        powers = Resolution(*self._resolution).powers(self.law)[0]
+        m = np.arange(highest + 1, _CONTINUED * highest)
+        beyond = values[:, :-3:-1] @ continuation(m, highest, powers)
+        both = np.hstack([values, beyond])
+        return np.asarray(both @ _angular(cosine, both.shape[1], self.dimension))
+
+    # -- dispersion -------------------------------------------------------------------------------
+
+    @property
+    def diffusion_parallel(self) -> float:
+        """Half the growth rate of the variance along the field, in sqrt(g l^3); solved when asked.
+
+        Its error is at most max(rtol, 1e-8), else a ToleranceWarning says so.
+        """
+        self._warn()
+        return self._dispersion.parallel
+
+    @property
+    def diffusion_perpendicular(self) -> float:
+        """The same for one direction across the field."""
+        self._warn()
+        return self._dispersion.perpendicular
+
+    @cached_property
+    def _dispersion(self) -> Dispersion:
+        return find_dispersion(self._steady, max(self.rtol, _BEST_DIFFUSION))
+
+    def _warn(self) -> None:
+        allowed = max(self.rtol, _BEST_DIFFUSION)
+        if self._dispersion.error > allowed:
+            warn_missed("diffusion coefficients", self._dispersion.error, allowed)
+
+    @cached_property
+    def _steady(self) -> SteadyState:
+        return SteadyState(self.law, Resolution(*self._resolution))
+
+    # -- one's own units --------------------------------------------------------------------------
+
+    def in_units(self, acceleration: float, diameter: float, number_density: float) -> FieldUnits:
+        """The figures for a field g, grains and scatterers of diameter d, and their density.
+
+        In any consistent units: with m/s^2, m and 1/m^3 (1/m^2 for disks) the results are in m and
+        s. Raises InputError unless all are finite numbers above 0.
+        """
+        g = check_positive("acceleration", acceleration)
+        d = check_positive("diameter", diameter)
+        rho = check_positive("number_density", number_density)
+        path = self.law.mean_free_path(rho, d)
+        speed, time = math.sqrt(g * path), math.sqrt(path / g)
+        if not 0.0 < speed * path < math.inf:
+            refuse("number_density", rho, "with this diameter it is out of range")
+        return FieldUnits(
+            mean_free_path=path,
+            time=time,
+            drift=self.drift * speed,
+            root_mean_square_speed=math.sqrt(self.mean_square_speed) * speed,
+            collision_rate=self.mean_speed / time,
+            diffusion_parallel=self.diffusion_parallel * speed * path,
+            diffusion_perpendicular=self.diffusion_perpendicular * speed * path,
+        )
+
+    # -- how it shows itself ----------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        return (
+            f"FieldState({self.law.described}, rtol={self.rtol:g}), speeds in sqrt(g l)\n"
+            f"  drift = {self.drift:.12g}, <v^2> = {self.mean_square_speed:.12g}, "
+            f"<v_x^2> = {self.mean_square_along:.12g}, <v> = {self.mean_speed:.12g}\n"
+            f"  error estimate {self.error_estimate:.1e}, {self.status.name.lower()}: "
+            f"{self.message}"
+        )
+
+    def _repr_html_(self) -> str:
+        figures = {
+            "law": self.law.described,
+            "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
+            "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
+            "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
+            "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
+            "status": f"{self.status.name.lower()}: {self.message}",
+            "error estimate": f"{self.error_estimate:.1e}",
+        }
+        rows = "".join(f"<tr><td>{name}</td><td>{v}</td></tr>" for name, v in figures.items())
+        return f"<table>{rows}</table>"
+
+
+@dataclass(frozen=True)
+class FieldUnits(Value):
+    """The steady state in one's own units of length and time; made by `FieldState.in_units`.
+
+    Attributes
+    ----------
+    mean_free_path : l
+    time : sqrt(l/g), in which the drift is reached
+    drift : the percolation velocity, along the field
+    root_mean_square_speed : sqrt(<v^2>)
+    collision_rate : collisions in the unit of time
+    diffusion_parallel, diffusion_perpendicular : about the drift, length^2/time
+    """
+
+    mean_free_path: float
+    time: float
+    drift: float
+    root_mean_square_speed: float
+    collision_rate: float
+    diffusion_parallel: float
+    diffusion_perpendicular: float
+
+
+def solve_field(
+    restitution: float | CollisionLaw,
+    dimension: int = 2,
+    tangential_restitution: float = 1.0,
+    rtol: float = 1e-10,
+) -> FieldState:
+    """The steady state of a tracer among fixed scatterers in a uniform field, at low density.
+
+    Parameters
+    ----------
+    restitution : e, 0 <= e < 1; or a :class:`kinetics.CollisionLaw`
+    dimension : 2 (disks) or 3 (spheres)
+    tangential_restitution : et in [0, 1]; 1 for smooth scatterers
+    rtol : relative accuracy asked of drift, <v^2>, <v_x^2> and <v>, 1e-14 to 0.1
+
+    Returns
+    -------
+    FieldState : drift, moments, density and dispersion, in units of g and the mean free path l
+
+    Raises
+    ------
+    InputError (a ValueError) : an argument out of range, an elastic law, one that gains energy
+
+    >>> state = solve_field(restitution=0.7)
+    >>> round(state.drift, 9), state.status.name
+    (0.50192612, 'CONVERGED')
+    """
+    rtol = check_rtol(rtol)
+    law = law_of(restitution, tangential_restitution, dimension)
+    if law.is_elastic:
+        allowed = (
+            "it must be below 1: elastic tracers keep the energy that the field gives them, and "
+            "reach no steady state"
+        )
+        refuse("restitution", restitution, allowed)
+    found = find_steady_state(law, rtol)
+    errors = {"speeds": found.speed_error, "angular harmonics": found.harmonic_error}
+    allowed_errors = dict.fromkeys(errors, rtol)
+    resolution = found.resolution
+    state = FieldState(
+        **law.arguments,
+        rtol=rtol,
+        error_estimate=found.error,
+        status=status_of(errors, allowed_errors),
+        message=explain(errors, allowed_errors),
+        plan=_plan(found),
+        stats=_stats(found),
+        _averages=found.averages,
+        _resolution=(resolution.speed, resolution.harmonics),
+    )
+    state.__dict__["_steady"] = found  # as if it had been asked for
+    return state
+
+
+def _plan(found: SteadyState) -> tuple[PlanStep, ...]:
+    """Which harmonics and panels were used, and why."""
+    panels, powers = found.panels, found.powers
+    why = "a bounce may nearly stop a tracer" if powers[0] == 1.0 else "rays through rest"
+    return (
+        PlanStep(
+            "angular harmonics",
+            True,
+            f"0 to {found.highest}, continued by m^-{powers[0]:g} and m^-{powers[1]:g} ({why}); "
+            f"another continuation changes the averages by {found.harmonic_error:.1e}",
+        ),
+        PlanStep(
+            "speeds",
+            True,
+            f"{len(panels.counts)} panels from rest to {panels.highest:.3g} sqrt(g l), the first "
+            f"to {panels.edges[1]:.2g} (what it holds is negligible), {panels.size} nodes; "
+            f"exact relations between averages are missed by {found.speed_error:.1e}",
+        ),
+        PlanStep("dispersion", False, "solved when it is asked for"),
+    )
+
+
+def _stats(found: SteadyState) -> dict[str, Any]:
+    return {
+        "harmonics": found.highest,
+        "panels": len(found.panels.counts),
+        "nodes": found.panels.size,
+        "highest_speed": found.panels.highest,
+        "speed_error": found.speed_error,
+        "harmonic_error": found.harmonic_error,
+    }
+
+
+def _angular(cosine: FloatArray, count: int, dimension: int) -> FloatArray:
+    """cos(m phi), or P_m(cos phi), for m = 0 ... count - 1, shape (count, n)."""
+    out = np.empty((count, cosine.size))
+    if dimension == 2:
+        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+        return np.asarray(np.cos(np.arange(count)[:, None] * angle))
+    out[0], out[1] = 1.0, cosine
+    for m in range(2, count):
+        out[m] = ((2 * m - 1) * cosine * out[m - 1] - (m - 1) * out[m - 2]) / m
+    return out

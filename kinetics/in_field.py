@@ -1,0 +1,147 @@
+"""Scenes with a field: averages over time, and the outputs that are made of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from kinetics.errors import InputError, short
+from kinetics.field.backward import ALL
+from kinetics.field.evolution import Evolution, TimeResolution, scales
+from kinetics.field.starts import Start
+from kinetics.numerics import FloatArray
+from kinetics.outputs import FIELD_OUTPUTS
+from kinetics.scene import Scene
+from kinetics.solution import Solution
+from kinetics.states.isotropic import Rest
+from kinetics.status import PlanStep, explain, status_of
+
+_ATTEMPTS = 3
+# Of two solutions the finer one has about this share of the error of the other
+_GAIN = 0.1
+
+
+def solve_in_field(scene: Scene, rtol: float) -> Solution:
+    """What :func:`kinetics.solve` does for a scene with a field.
+
+    Errors are relative to the root mean square for velocities and displacements, to <v^2> and
+    <r^2> for the tensors. They are estimated from a second solution with fewer speeds and
+    harmonics.
+    """
+    path, g = scene.mean_free_path, scene.field
+    speed, time = math.sqrt(g) * math.sqrt(path), math.sqrt(path) / math.sqrt(g)
+    with np.errstate(over="ignore"):
+        times = np.asarray(scene.times) / time
+    if not (1e-100 < speed < 1e100 and times[-1] < 1e15):
+        raise InputError(
+            f"field: got {short(g)}; sqrt(field x mean free path) and the times in "
+            "sqrt(mean free path/field) are out of range"
+        )
+    fine, error = _solved(scene, rtol, speed, times)
+    errors, allowed = {"averages": error}, {"averages": rtol}
+    resolution, values = fine.resolution, _outputs(fine.values, scene, speed, path)
+    panels = fine.equation.panels
+    return Solution(
+        scene=scene,
+        rtol=rtol,
+        values=values,
+        status=status_of(errors, allowed),
+        message=explain(errors, allowed),
+        error_estimate=errors["averages"],
+        plan=(
+            PlanStep(
+                "averages in a field",
+                True,
+                f"backward equation for {', '.join(scene.outputs)}: harmonics 0 to "
+                f"{resolution.harmonics}, {panels.size} speeds up to {panels.highest:.3g} "
+                f"sqrt(g l), {fine.steps} steps of time",
+            ),
+        ),
+        stats={
+            "harmonics": resolution.harmonics,
+            "panels": len(panels.counts),
+            "nodes": panels.size,
+            "steps": fine.steps,
+        },
+        _profiles={},
+        _displacement=None,
+        _typical_speed=speed * np.sqrt(fine.values[:, ALL.index("v^2")]),
+    )
+
+
+def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple[Evolution, float]:
+    """The averages, ever more finely resolved until two solutions agree; and their error."""
+    resolution = TimeResolution.of(rtol)
+    coarse = _evolution(scene, rtol, resolution, speed, times)
+    for _ in range(_ATTEMPTS):
+        resolution = resolution.finer()
+        fine = _evolution(scene, rtol, resolution, speed, times)
+        error = _GAIN * _difference(fine.values, coarse.values)
+        if error <= rtol:
+            break
+        coarse = fine
+    return fine, error
+
+
+def _evolution(
+    scene: Scene, rtol: float, resolution: TimeResolution, speed: float, times: FloatArray
+) -> Evolution:
+    unit = 1.0 / speed  # U in sqrt(g l)
+    if isinstance(scene.state, Rest):
+        start = Start((), unit)
+    else:
+        start = Start.of(scene.state, resolution.harmonics, 0.1 * rtol, unit)
+    return Evolution(scene.law, start, times, resolution)
+
+
+def _difference(fine: FloatArray, coarse: FloatArray) -> float:
+    """The largest difference of two solutions, each average relative to its scale."""
+    scale = scales(fine)
+    used = scale > 0.0
+    return float(np.max(np.abs(fine - coarse)[used] / scale[used], initial=0.0))
+
+
+def _outputs(values: FloatArray, scene: Scene, speed: float, path: float) -> dict[str, Any]:
+    """The arrays of the outputs, in U and d."""
+    d = scene.dimension
+    of = {name: values[:, i] for i, name in enumerate(ALL)}
+    velocity, displacement = _vector(of["v_x"], of["v_y"], d), _vector(of["x"], of["y"], d)
+    second = of["v^2"]
+    along = (second + (d - 1.0) * of["v^2 cos 2"]) / d
+    squares = _tensor(of["x^2"], of["x y"], of["y^2"], d)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = d / (d + 2.0) * of["v^4"] / second**2 - 1.0
+    found = {
+        "thermal_speed": speed * np.sqrt(second),
+        "temperature": speed**2 * second / d,
+        "a2": excess,
+        "collisions": of["collisions"],
+        "msd": path**2 * (of["x^2"] + (d - 1.0) * of["y^2"]),
+        "mean_displacement": path * displacement,
+        "mean_velocity": speed * velocity,
+        "velocity_tensor": speed**2
+        * _tensor(along, of["v_x v_y"], (second - along) / (d - 1.0), d),
+        "displacement_tensor": path**2
+        * (squares - displacement[:, :, None] * displacement[:, None, :]),
+    }
+    return {name: found[name] for name in FIELD_OUTPUTS if name in scene.outputs}
+
+
+def _vector(x: FloatArray, y: FloatArray, dimension: int) -> FloatArray:
+    """Shape (n_times, d); in space the state is symmetric about x."""
+    if dimension == 2:
+        return np.stack([x, y], axis=-1)
+    return np.stack([x, 0.0 * x, 0.0 * x], axis=-1)
+
+
+def _tensor(xx: FloatArray, xy: FloatArray, yy: FloatArray, dimension: int) -> FloatArray:
+    """Shape (n_times, d, d); in space the state is symmetric about x."""
+    out = np.zeros((xx.size, dimension, dimension))
+    out[:, 0, 0] = xx
+    for i in range(1, dimension):
+        out[:, i, i] = yy
+    if dimension == 2:
+        out[:, 0, 1] = out[:, 1, 0] = xy
+    return out

@@ -1,0 +1,169 @@
+"""Averages over time in a field: from rest, towards the steady state, and as the field vanishes."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import Beam, CollisionLaw, InputError, Scene, load, solve, solve_field
+from kinetics.field.backward import ALL
+from kinetics.field.evolution import Evolution, TimeResolution
+from kinetics.field.radau import RadauRule
+from kinetics.field.starts import Start
+
+PATH = 12.5  # l at number_density 0.04
+OUTPUTS = ("mean_velocity", "mean_displacement", "thermal_speed", "displacement_tensor", "msd")
+
+
+def scene(times: Any, field: float = 0.01, **arguments: Any) -> Scene:
+    """Times in sqrt(l/g)."""
+    given = {"restitution": 0.7, "initial": "rest", "outputs": OUTPUTS, **arguments}
+    return Scene(times=np.asarray(times) * math.sqrt(PATH / field), field=field, **given)
+
+
+def test_from_rest() -> None:
+    """Against a program of its own; t = 0 is rest."""
+    solution = solve(scene([0.0, 0.1, 0.5, 2.0, 5.0]), rtol=1e-6)
+    speed = math.sqrt(0.01 * PATH)
+    velocity = np.array([0.09962311, 0.45545144, 0.62108221, 0.50135393])
+    way = np.array([0.004990570, 0.119322259, 1.11237376, 2.66810824])
+    assert solution.mean_velocity[1:, 0] == pytest.approx(velocity * speed, rel=1e-6)
+    assert solution.mean_displacement[1:, 0] == pytest.approx(way * PATH, rel=1e-6)
+    assert np.all(solution.mean_velocity[:, 1] == 0.0)
+    for name in OUTPUTS:
+        assert np.all(getattr(solution, name)[0] == 0.0)
+    tensor, mean = solution.displacement_tensor, solution.mean_displacement[:, 0]
+    total = tensor[:, 0, 0] + tensor[:, 1, 1] + mean**2
+    assert solution.msd == pytest.approx(total, rel=1e-12)
+
+
+@pytest.mark.parametrize(("dimension", "factor"), [(2, 9.0 / 4.0), (3, 3.0)])
+def test_elastic_relation_from_rest(dimension: int, factor: float) -> None:
+    """<v^3> = (9/4)(t - <v_x>), 3 (t - <v_x>) in space; and <v^2> = 2 <x>, the energy."""
+    times = np.array([0.2, 1.0, 4.0, 20.0])
+    resolution = TimeResolution.of(1e-6).finer()
+    law = CollisionLaw(1.0, dimension=dimension)
+    values = Evolution(law, Start((), 1.0), times, resolution).values
+    cube, velocity = values[:, ALL.index("v^3")], values[:, ALL.index("v_x")]
+    assert cube == pytest.approx(factor * (times - velocity), rel=2e-6)
+    assert values[:, ALL.index("v^2")] == pytest.approx(2.0 * values[:, ALL.index("x")], rel=1e-6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_late_times_reach_the_steady_state(dimension: int) -> None:
+    state = solve_field(0.7, dimension, rtol=1e-7)
+    arguments = {"dimension": dimension, "initial": "gaussian"}
+    path = PATH if dimension == 2 else 1.0 / (math.pi * 0.04)
+    times = np.array([60.0, 80.0]) * math.sqrt(path / PATH)
+    found = solve(scene(times, 0.08, **arguments), rtol=1e-5)
+    speed = math.sqrt(0.08 * path)
+    assert found.mean_velocity[:, 0] == pytest.approx(np.full(2, state.drift * speed), rel=1e-5)
+    assert found.thermal_speed[1] == pytest.approx(
+        math.sqrt(state.mean_square_speed) * speed, rel=1e-5
+    )
+    growth = np.diff(found.displacement_tensor, axis=0)[0] / np.diff(found.times)[0] / 2.0
+    unit = speed * path
+    assert growth[0, 0] == pytest.approx(state.diffusion_parallel * unit, rel=1e-3)
+    assert growth[1, 1] == pytest.approx(state.diffusion_perpendicular * unit, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("initial", "dimension"), [(Beam(0.8, "monoenergetic"), 2), (Beam(0.0, "monoenergetic"), 3)]
+)
+def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
+    outputs = (
+        "thermal_speed",
+        "collisions",
+        "msd",
+        "mean_velocity",
+        "velocity_tensor",
+        "mean_displacement",
+        "a2",
+    )
+    arguments: dict[str, Any] = {
+        "restitution": 0.7,
+        "initial": initial,
+        "times": [1.0, 10.0, 100.0],
+        "dimension": dimension,
+    }
+    without = solve(Scene(outputs=outputs, **arguments), rtol=1e-8)
+    found = solve(Scene(field=1e-13, outputs=outputs, **arguments), rtol=1e-5)
+    for name in outputs:
+        expected, value = getattr(without, name), getattr(found, name)
+        scale = np.abs(expected).max(axis=tuple(range(1, expected.ndim)), keepdims=True)
+        if name == "mean_velocity":  # its errors are relative to the thermal speed
+            scale = without.thermal_speed[:, None]
+        assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
+
+
+@pytest.mark.parametrize("initial", ["rest", "gaussian"])
+def test_rtol_is_met(initial: str) -> None:
+    times = [0.3, 1.0, 3.0, 10.0]
+    fine = solve(scene(times, 0.08, initial=initial), rtol=1e-6)
+    coarse = solve(scene(times, 0.08, initial=initial), rtol=1e-4)
+    assert coarse.status.name == fine.status.name == "CONVERGED"
+    speed, root = fine.thermal_speed[:, None], np.sqrt(fine.msd)[:, None]
+    moved = np.abs(coarse.mean_displacement - fine.mean_displacement)
+    assert np.all(np.abs(coarse.mean_velocity - fine.mean_velocity) <= 1e-4 * speed)
+    assert np.all(moved <= 1e-4 * root)
+    assert coarse.msd == pytest.approx(fine.msd, rel=1e-4)
+
+
+def test_gaussian_start_begins_as_free_fall() -> None:
+    """To first order in t: <v_x> = g t (1 - ...), and the variance of x is t^2."""
+    found = solve(scene([1e-3], 0.08, initial="gaussian"), rtol=1e-5)
+    t = found.times[0]
+    assert found.mean_velocity[0, 0] == pytest.approx(0.08 * t, rel=2e-3)
+    assert found.displacement_tensor[0, 1, 1] == pytest.approx(t * t, rel=2e-3)
+
+
+def test_a_scene_with_a_field_is_a_value(tmp_path: Path) -> None:
+    solution = solve(scene([0.5]), rtol=1e-3)
+    assert solution.status.name == "CONVERGED"
+    solution.save(tmp_path / "field.h5")
+    again = load(tmp_path / "field.h5")
+    assert again == solution
+    assert again.scene.field == 0.01
+    assert "field=0.01" in repr(solution)
+    assert "displacement_tensor" in solution._repr_html_()
+    assert "displacement_tensor" in solution.scene._repr_html_()
+    assert solution.plan[0].part == "averages in a field"
+    for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
+        with pytest.raises(InputError, match="field"):
+            question()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"field": -1.0}, "field"),
+        ({"field": math.nan}, "field"),
+        ({"field": 0.0, "initial": "rest"}, "give a field"),
+        ({"field": 1.0, "outputs": ("kurtosis",)}, "not available with a field"),
+        ({"field": 1.0, "outputs": ("speed_density",)}, "not available with a field"),
+        ({"outputs": ("displacement_tensor",)}, "not available without a field"),
+        ({"field": 1.0, "initial": "fast"}, "initial"),
+    ],
+)
+def test_refusals(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        Scene(0.7, times=[1.0], **arguments)
+    assert "\n" not in str(caught.value)
+
+
+def test_extreme_fields_are_refused_in_one_line() -> None:
+    with pytest.raises(InputError, match="out of range"):
+        solve(Scene(0.7, times=[1.0], field=1e300, outputs=("mean_velocity",)))
+
+
+def test_radau_rule() -> None:
+    """Exact for polynomials; the rational function that it makes of exp(z) has the order 9."""
+    rule = RadauRule(5)
+    z = -0.7
+    end = sum((stages[-1] * share / (1.0 - value * z)).real for value, share, stages in rule.modes)
+    assert end == pytest.approx(math.exp(z), rel=1e-10)
+    local = np.linspace(0.0, 1.0, 7)
+    assert rule.rows(local) @ rule.points**5 == pytest.approx(local**5, abs=1e-13)
+    assert rule.roughness(rule.points**4) == pytest.approx(0.0, abs=1e-13)

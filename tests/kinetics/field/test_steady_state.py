@@ -1,0 +1,259 @@
+"""solve_field: the steady state against exact relations, limits and tables."""
+
+import math
+import pickle
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import CollisionLaw, FieldState, InputError, load, solve_field
+from kinetics.field.averages import SteadyAverages
+
+FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
+COEFFICIENTS = ("diffusion_parallel", "diffusion_perpendicular")
+# From a program of its own, with other panels and 64 harmonics.
+TABLE: dict[tuple[int, float], tuple[float, ...]] = {
+    (2, 0.5): (.617488570787, 1.461042878482, 1.009250121622, 1.050469278790,
+               .160476753702, .268043058233),
+    (2, 0.7): (.501926119920, 1.702146383757, 1.061388235142, 1.160252548014,
+               .190614669672, .329659424454),
+    (2, 0.9): (.360142486812, 2.749139290890, 1.498433309180, 1.509687290815,
+               .260928234751, .502760054023),
+    (3, 0.5): (.739513156314, 2.117863778575, 1.190681425380, 1.320254784299,
+               .207270834292, .332689794549),
+    (3, 0.9): (.433647012969, 3.934205475335, 1.514376723964, 1.864407123796,
+               .305814928981, .568114933278),
+}  # fmt: skip
+LAWS: list[dict[str, Any]] = [
+    {"restitution": 0.0},
+    {"restitution": 0.01},
+    {"restitution": 0.1},
+    {"restitution": 0.3, "dimension": 3},
+    {"restitution": 0.5},
+    {"restitution": 0.9, "dimension": 3},
+    {"restitution": 0.99},
+    {"restitution": 0.999},
+    {"restitution": 0.5, "tangential_restitution": 0.8},
+    {"restitution": 0.9, "tangential_restitution": 0.2, "dimension": 3},
+    {"restitution": 0.7, "tangential_restitution": 0.7},
+]
+
+
+@pytest.mark.parametrize(("dimension", "e"), TABLE)
+def test_table(dimension: int, e: float) -> None:
+    state = solve_field(e, dimension)
+    expected = TABLE[dimension, e]
+    for name, value in zip(FIGURES, expected, strict=False):
+        assert getattr(state, name) == pytest.approx(value, rel=1e-10), name
+    for name, value in zip(COEFFICIENTS, expected[4:], strict=True):
+        assert getattr(state, name) == pytest.approx(value, rel=1e-9), name
+    assert state.status.name == "CONVERGED"
+    assert state.error_estimate <= 1e-10
+
+
+def test_table_at_e_0() -> None:
+    """That program had eight digits there."""
+    state = solve_field(0.0)
+    expected = (0.985849365, 1.66747853, 1.39179697, 1.12644819, 0.168078916, 0.253544834)
+    for name, value in zip((*FIGURES, *COEFFICIENTS), expected, strict=True):
+        assert getattr(state, name) == pytest.approx(value, rel=5e-9), name
+
+
+@pytest.mark.parametrize("arguments", LAWS, ids=str)
+def test_exact_relations(arguments: dict[str, Any]) -> None:
+    """Moments of the first two rows of the equation, with averages of the collision law."""
+    state = solve_field(**arguments)
+    law, moment = state.law, state.moment
+    assert state.status.name == "CONVERGED"
+    tight = 1e-11 if arguments["restitution"] >= 0.5 else 1e-10
+    assert moment(2, 1) * law.harmonic_decay_rate(1.0, 1) == pytest.approx(1.0, rel=tight)
+    assert 2 * state.drift == pytest.approx(law.decay_rate(2.0) * moment(3), rel=tight)
+    assert moment(4) == pytest.approx(3 * moment(2, 1) / law.decay_rate(3.0), rel=tight)
+    assert moment(0, 1) == pytest.approx(law.decay_rate(1.0) * moment(2), rel=tight)
+    assert moment(-1, 1) == pytest.approx(law.mean_log_loss * moment(1), rel=tight)
+    if math.isinf(law.lowest_power) and law.largest_loss < 3.0:
+        assert moment(-2, 1) == pytest.approx(-law.decay_rate(-1.0), rel=tight)
+
+
+def test_relations_in_closed_form() -> None:
+    """<v v_x> and <cos/v^2>, with averages worked out by hand."""
+    e = 0.7
+    b = math.sqrt(1 - e**2)
+    disks, spheres = solve_field(e), solve_field(e, 3)
+    assert disks.moment(2, 1) == pytest.approx(1.5 / (1 + e), rel=1e-11)
+    assert spheres.moment(2, 1) == pytest.approx(2 / (1 + e), rel=1e-11)
+    assert disks.moment(-2, 1) == pytest.approx(math.asinh(b / e) / b - 1, rel=1e-10)
+    assert spheres.moment(-2, 1) == pytest.approx((1 - e) / (1 + e), rel=1e-10)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.8])
+def test_moment_hierarchy_of_higher_harmonics(dimension: int, e: float) -> None:
+    """Row m of the equation, times v^p: it meets the harmonics m - 1, m and m + 1."""
+    state = solve_field(e, dimension)
+    for m in (1, 2, 3, 4):
+        for p in (1.0, 2.0, 3.5):
+            below, above = state.moment(p - 1, m - 1), state.moment(p - 1, m + 1)
+            if dimension == 2:
+                left = 0.5 * (p + m) * below + 0.5 * (p - m) * above
+            else:
+                left = (m * (p + m + 1) * below + (m + 1) * (p - m) * above) / (2 * m + 1)
+            right = float(state.law.harmonic_decay_rate(p, m)) * state.moment(p + 1, m)
+            assert left == pytest.approx(right, rel=1e-7, abs=1e-8), (m, p)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "drift", "across", "along"),
+    [(2, 0.52666478, 0.37760980, 0.176205), (3, 0.63452714, 0.41337540, 0.202982)],
+)
+def test_nearly_elastic(dimension: int, drift: float, across: float, along: float) -> None:
+    """The constants of the limit e -> 1 and eps = 1 - e^2."""
+    e = 1.0 - 1e-8
+    state = solve_field(e, dimension)
+    quarter = ((1.0 - e) * (1.0 + e)) ** 0.25
+    assert state.status.name == "CONVERGED"
+    assert state.drift / quarter == pytest.approx(drift, rel=3e-8)
+    assert state.diffusion_perpendicular * quarter == pytest.approx(across, rel=1e-6)
+    assert state.diffusion_parallel * quarter == pytest.approx(along, rel=1e-5)
+    a = (2.0 / 9.0 if dimension == 2 else 3.0 / 16.0) * (1.0 - e) * (1.0 + e)
+    v = np.array([0.5, 1.0]) * a**-0.25
+    f = state.vdf(v, [math.pi / 2])[:, 0]
+    assert f[1] / f[0] == pytest.approx(math.exp(-a * v[1] ** 4 + a * v[0] ** 4), rel=1e-3)
+
+
+def test_tiny_restitution_is_like_none() -> None:
+    for e, rtol in ((1e-9, 1e-8), (1e-10, 1e-8), (1e-300, 1e-6)):
+        assert solve_field(e, rtol=rtol).drift == pytest.approx(nearly_exact(0.0).drift, rel=rtol)
+
+
+@cache
+def nearly_exact(e: float) -> FieldState:
+    return solve_field(e, rtol=1e-9)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("e", [0.0, 0.2, 0.6, 0.95])
+def test_rtol_is_met(e: float, rtol: float) -> None:
+    exact, state = nearly_exact(e), solve_field(e, rtol=rtol)
+    assert state.status.name == "CONVERGED"
+    for name in FIGURES:
+        assert getattr(state, name) == pytest.approx(getattr(exact, name), rel=rtol), name
+    for name in COEFFICIENTS:
+        assert getattr(state, name) == pytest.approx(getattr(exact, name), rel=max(rtol, 1e-8))
+
+
+def test_what_is_not_reached_is_said() -> None:
+    state = solve_field(0.95, rtol=1e-14)
+    assert state.status.name == "TOLERANCE_NOT_REACHED"
+    assert 1e-14 < state.error_estimate < 1e-11
+    assert "speeds" in state.message
+    assert "raise rtol" in state.message
+
+
+def test_two_kinds_of_bounces() -> None:
+    """Samples with two deflections: rays through rest are scattered into other rays."""
+    law = CollisionLaw.from_samples([0.5, 0.5], [0.9, 0.4], [0.6, -0.7])
+    coarse, fine = solve_field(law, rtol=1e-4), solve_field(law, rtol=1e-8)
+    assert coarse.drift == pytest.approx(fine.drift, rel=1e-4)
+    assert fine.status.name == "CONVERGED"
+    left = law.harmonic_decay_rate(1.0, 1) * fine.moment(2, 1)
+    assert left == pytest.approx(1.0, rel=1e-8)
+
+
+def test_samples_of_a_law_are_that_law() -> None:
+    q = CollisionLaw(0.7).quadrature_for(70.0, 31)
+    law = CollisionLaw.from_samples(q.weight, q.ratio, q.cosine)
+    assert solve_field(law, rtol=1e-8).drift == pytest.approx(solve_field(0.7).drift, rel=1e-8)
+
+
+def test_density() -> None:
+    """Integral 1, the drift, and no negative values; in the plane and in space."""
+    v, w = np.polynomial.legendre.leggauss(300)
+    v, w = 4.2 * (v + 1.0), 4.2 * w
+    disks, spheres = solve_field(0.7), solve_field(0.7, 3)
+    phi = (np.arange(400) + 0.5) * math.pi / 200
+    f = disks.vdf(v, phi)
+    assert f.shape == (300, 400)
+    assert f.min() > -1e-9
+    around = f @ np.stack([np.ones(400), np.cos(phi)], axis=1) * math.pi / 200
+    assert (v * around[:, 0]) @ w == pytest.approx(1.0, abs=1e-6)
+    assert (v * v * around[:, 1]) @ w == pytest.approx(disks.drift, abs=1e-6)
+    cosine, share = np.polynomial.legendre.leggauss(200)
+    f = spheres.vdf(v, np.arccos(cosine))
+    assert (2 * math.pi * v**2 * (f @ share)) @ w == pytest.approx(1.0, abs=1e-5)
+    assert (2 * math.pi * v**3 * (f @ (share * cosine))) @ w == pytest.approx(
+        spheres.drift, abs=1e-5
+    )
+    assert np.all(disks.vdf([100.0], [0.0]) == 0.0)
+
+
+def test_tail_is_gaussian() -> None:
+    """f_0 ~ v^(L - 1) exp(-v^2/2) with L = .377 at e = .7: from f_0 at high speeds."""
+    averages = solve_field(0.7)._averages
+    v = np.array([5.0, 5.5, 6.0])
+    f = averages.panels.interpolation(v) @ averages.harmonics[0]
+    power = np.diff(np.log(f * np.exp(v * v / 2))) / np.diff(np.log(v))
+    assert power == pytest.approx(np.full(2, 0.377 - 1.0), abs=0.15)
+
+
+def test_in_units() -> None:
+    state = solve_field(0.7, 3)
+    found = state.in_units(9.81, 1e-3, 1e8)
+    path = 1.0 / (math.pi * 1e-6 * 1e8)
+    assert found.mean_free_path == pytest.approx(path, rel=1e-14)
+    assert found.drift == pytest.approx(state.drift * math.sqrt(9.81 * path), rel=1e-14)
+    assert found.time == pytest.approx(math.sqrt(path / 9.81), rel=1e-14)
+    coefficient = state.diffusion_parallel * math.sqrt(9.81 * path**3)
+    assert found.diffusion_parallel == pytest.approx(coefficient, rel=1e-14)
+    rate = state.mean_speed * math.sqrt(9.81 / path)
+    assert found.collision_rate == pytest.approx(rate, rel=1e-14)
+    for bad in ((0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, math.nan), (1e300, 1e-300, 1.0)):
+        with pytest.raises(InputError):
+            state.in_units(*bad)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"restitution": 1.0}, "no steady state"),
+        ({"restitution": -0.1}, "restitution"),
+        ({"restitution": 0.5, "dimension": 4}, "dimension"),
+        ({"restitution": 0.5, "rtol": 0.0}, "rtol"),
+        ({"restitution": 0.5, "tangential_restitution": 2.0}, "tangential_restitution"),
+    ],
+)
+def test_bad_arguments(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        solve_field(**arguments)
+    assert "\n" not in str(caught.value)
+
+
+def test_moments_that_do_not_exist() -> None:
+    state = solve_field(0.5, rtol=1e-6)
+    for p, m in ((-2.0, 0), (-3.0, 1), (21.0, 0), (math.nan, 0), (1.0, -1), (1.0, 1000)):
+        with pytest.raises(InputError):
+            state.moment(p, m)
+    with pytest.raises(InputError):
+        solve_field(0.0, rtol=1e-6).moment(-2.0, 1)
+    assert state.moment(0.0) == pytest.approx(1.0, rel=1e-12)
+    assert state.moment(-1.5) > 0.0
+
+
+def test_a_state_is_a_value(tmp_path: Path) -> None:
+    state = solve_field(0.7, rtol=1e-6)
+    coefficient = state.diffusion_parallel
+    state.save(tmp_path / "state.h5")
+    again = load(tmp_path / "state.h5")
+    assert again == state == pickle.loads(pickle.dumps(state))
+    assert hash(again) == hash(state)
+    assert again.diffusion_parallel == coefficient
+    assert isinstance(again._averages, SteadyAverages)
+    assert not again._averages.harmonics.flags.writeable
+    assert len(repr(state).splitlines()) <= 10
+    assert "drift" in state._repr_html_()
+    parts = [step.part for step in state.plan]
+    assert parts == ["angular harmonics", "speeds", "dispersion"]
+    assert state.stats["nodes"] > 0

@@ -1,0 +1,53 @@
+"""Measures again the theory of a finite density against simulations: kinetics/collision/medium.py.
+
+For each medium, restitution and density the deviation of <r^2> and v0 (simulation over theory less
+1, in per cent) at times in l/U, for the dilute equation and the orders of the theory, and the
+standard errors of the simulation. The second order is fitted so that its rows vanish at late times.
+
+    python -m tests.kinetics.measurements.density [tracers]     half an hour with 400,000
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+
+import numpy as np
+
+from kinetics import Scene, solve
+from kinetics.collision.medium import ORDERS
+from kinetics.numerics import FloatArray
+from particles import HardDisks, Poisson, simulate
+
+MEDIA = 1000  # a tracer or two of each: those of one medium start near each other
+TIMES = np.array([5.0, 30.0, 100.0, 300.0, 1000.0])  # in l/U, l = 1/(2 n)
+ELASTIC_TIMES = np.array([10.0, 30.0, 60.0, 100.0])
+
+
+def deviations(name: str, e: float, n: float, tracers: int) -> dict[str, tuple[FloatArray, ...]]:
+    """Row -> deviations of <r^2> and of v0 in per cent, (n_times,) each; the errors as a row."""
+    medium = HardDisks(n, count=5000) if name == "hard disks" else Poisson(n)
+    times = (TIMES if e < 1.0 else ELASTIC_TIMES) / (2.0 * n)
+    run = simulate(
+        medium, restitution=e, initial="gaussian", times=times, media=MEDIA,
+        tracers=max(2, tracers // MEDIA), max_collisions=None, seed=7, workers=1,
+    )  # fmt: skip
+    found = {}
+    for order in ("dilute", *ORDERS):
+        more = {} if order == "dilute" else {"scatterers": name, "density_order": order}
+        exact = solve(Scene(e, n, times=times, outputs=("msd", "thermal_speed"), **more))
+        ratios = run.msd.value / exact.msd, run.thermal_speed.value / exact.thermal_speed
+        found[order] = tuple(100.0 * (ratio - 1.0) for ratio in ratios)
+    both = run.msd, run.thermal_speed
+    found["error"] = tuple(100.0 * estimate.error / estimate.value for estimate in both)
+    return found
+
+
+if __name__ == "__main__":
+    tracers = int(sys.argv[1]) if len(sys.argv) > 1 else 400_000
+    for name, n, e in itertools.product(
+        ("hard disks", "overlapping"), (0.02, 0.04, 0.1), (0.3, 0.5, 0.7, 0.9, 1.0)
+    ):
+        print(f"{name}, n = {n:g}, e = {e:g}: <r^2> and v0")
+        for row, (msd, speed) in deviations(name, e, n, tracers).items():
+            print(f"{row:>8}", *(f"{x:6.2f}" for x in msd), "  ", *(f"{x:6.2f}" for x in speed))
