@@ -271,6 +271,7 @@ def test_the_report_in_a_browser(
         "boxes": boxes,
         "wide": "document.documentElement.scrollWidth",
         "background": "getComputedStyle(document.body).backgroundColor",
+        "cut": "(b => b.scrollWidth - b.clientWidth)(document.querySelector('.wide'))",
     }
     seen = browser.visit(path, width, questions, dark)
     assert seen.complaints == []
@@ -283,3 +284,5 @@ def test_the_report_in_a_browser(
         assert down > 200
     assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
     assert (seen.answers["background"] == "rgb(20, 23, 27)") is dark
+    if width >= 1400:  # the notes of every comparison are seen whole
+        assert seen.answers["cut"] <= 0
