@@ -7,6 +7,7 @@ Between the questions (`kinetics.scene`, `kinetics.outputs`) and the backward eq
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
     lowest = max(scene.state.lowest_moment, scene.law.lowest_power)
     if p <= lowest:
         raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
-    averages = averages_of(scene, rtol, p, p)
+    averages = replace(averages_of(scene, rtol, p, p), harmonic=max(m, 2))
     if averages.measure(m) is not None:
         asked = [parts((1.0, speed_power(p, m)))]
         averages = with_enough_nodes(averages, asked)

@@ -29,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import oscillations
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
@@ -37,10 +36,12 @@ START = -2.0  # X where the panels begin; below it the power series in T is summ
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
 _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
-# Beyond ln(1/kappa) + 38 corrections to the asymptote, which fall as 1/T, are e^-38 = 3e-17. Under
-# laws that lose by steps some fall more slowly, or never; of wave numbers above 24 in X there is
-# e^(-24 pi/2) = 4e-17.
-_SATURATION, _FASTEST_WAVE = 38.0, 24.0
+# Corrections to the asymptote fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)] with
+# Re z < 0. Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks
+# with e = 0.03): beyond ln(1/kappa) + 38 corrections are e^-38 = 3e-17, and 6e-13 at worst. Under
+# other laws, and for higher m, z may be as close to 0 as one likes: there panels go on to the last
+# time, or as far as e^X is a number.
+_SATURATION, _SMOOTH_HARMONICS, _HIGHEST_X = 38.0, 2, 700.0
 # Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
 _STEEPEST = 4.0
 # Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
@@ -205,6 +206,7 @@ class BackwardEquation:
     nodes : Chebyshev nodes of a panel
     width : of a panel in X, see `panel_width`
     known : power series of observables; what is added to it is kept for other equations
+    harmonic : the largest m of all observables that will be asked for
     """
 
     law: CollisionLaw
@@ -212,14 +214,16 @@ class BackwardEquation:
     nodes: int
     width: float = 1.0
     known: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
+    harmonic: int = 2
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
     _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        slowest = min([1.0, *(-z.real for z in oscillations(self.law, _FASTEST_WAVE))])
-        limit = _SATURATION / max(slowest, 1e-9) - math.log(self.law.mean_log_loss)
+        limit = _HIGHEST_X
+        if self.law.tangential_restitution == 1.0 and self.harmonic <= _SMOOTH_HARMONICS:
+            limit = min(limit, _SATURATION - math.log(self.law.mean_log_loss))
         self.count = max(1, math.ceil((min(self.highest, limit) - START) / self.width))
 
     # -- discretisation -----------------------------------------------------------------------

@@ -51,6 +51,7 @@ class Averages:
     rtol : relative accuracy
     degree, lowest : largest and smallest power of the speed that will be asked for
     nodes : of a panel of the backward equation; chosen from rtol and degree by default
+    harmonic : the largest angular harmonic that will be asked for
     """
 
     law: CollisionLaw
@@ -61,6 +62,7 @@ class Averages:
     degree: float = 4.0
     lowest: float = 0.0
     nodes: int | None = None
+    harmonic: int = 2
     _measures: dict[int, LogMeasure | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -135,7 +137,10 @@ class Averages:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
         nodes = self.nodes or self.nodes_for(speed_power(self.degree), self.rtol)
-        return BackwardEquation(self.law, max(highest, START), nodes, self.width, self._series)
+        reach = max(highest, START)
+        return BackwardEquation(
+            self.law, reach, nodes, self.width, self._series, harmonic=self.harmonic
+        )
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""

@@ -376,7 +376,8 @@ class SpeedAxis:
 
         With the next factor, exp(-q e^x), where it is known in closed form: s^q uniform.
         """
-        base, q = self._bottom, -self.law.lowest_power
+        base = self._bottom if self._low is None else self._low.lowest_node
+        q = -self.law.lowest_power
         out = self._log_at_bottom() + q * (x - base)
         if self.law.uniform_power:
             out = out - q * (np.exp(x) - math.exp(base))

@@ -111,6 +111,11 @@ class LowSpeeds:
         return self.top - (len(self._panels) - self._above)
 
     @property
+    def lowest_node(self) -> float:
+        """The lowest node, a little above the bottom."""
+        return self.bottom + float(self._rule.local[0])
+
+    @property
     def log_at_bottom(self) -> float:
         """ln g at the lowest node."""
         return float(self._panels[-1][0])

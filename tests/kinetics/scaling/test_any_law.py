@@ -123,3 +123,14 @@ def test_what_has_no_scaling_state_is_one_line() -> None:
         ScalingSolution(CollisionLaw(0.5), dimension=3)
     with pytest.raises(InputError, match="no power times an exponential"):
         _ = ScalingSolution(1.0, 0.5).log_tail_amplitude
+
+
+@pytest.mark.parametrize(("e", "et", "dimension"), [(0.0, 0.8, 2), (0.0, 0.5, 3), (0.5, 0.0, 2)])
+def test_speeds_next_to_rest(e: float, et: float, dimension: int) -> None:
+    """F is a power of c there: moments close to the lowest one, and F far below the solved axis."""
+    law = CollisionLaw(e, et, dimension)
+    exact, vdf = ScalingSolution(law), solve_scaled(law, rtol=1e-12)
+    for p in law.lowest_power + np.array([0.02, 0.1, 0.5]):
+        assert vdf.moment(p) == pytest.approx(exact.moment(p), rel=1e-12)
+    low = vdf.vdf(np.array([1e-12, 1e-22]))
+    assert low[1] / low[0] == pytest.approx(1e-10 ** (-law.lowest_power - dimension), rel=1e-10)
