@@ -6,6 +6,7 @@ the loss -ln s may take any value from 0 on, as at smooth scatterers, all of the
 1/t. If every loss is a multiple of one number L (et = e: L = -ln e; or samples of one ratio), then
 lambda vanishes at z = 2 pi i n/L: v t/l keeps oscillating in ln t, and the scaling state is never
 reached. Where the losses are nearly so (et close to e, a few samples), the oscillations die slowly.
+Directions are forgotten by the zeros of 1 - E[s^z cos(m chi)] in the same way; these may be real.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from kinetics.collision.law import CollisionLaw
-from kinetics.collision.quadrature import ImpactQuadrature
+from kinetics.numerics import FloatArray
 
 SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
@@ -30,18 +31,20 @@ _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a 
 _MOST_STEPS = 40
 
 
-@lru_cache(maxsize=16)
-def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
+@lru_cache(maxsize=48)
+def oscillations(law: CollisionLaw, highest: float, m: int = 0) -> tuple[complex, ...]:
     """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
 
-    None at smooth scatterers: only laws that have a least loss, or that take single values of s,
+    For m > 0 those of 1 - E[s^z cos(m chi)] (in space P_m), the real ones among them. For m = 0
+    none at smooth scatterers: only laws that have a least loss, or that take single values of s,
     are looked at (tests/kinetics/collision/test_memory.py counts the zeros of both kinds).
     """
-    if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
+    if law.is_elastic or (m == 0 and law.least_loss == 0.0 and not law.has_atoms):
         return ()
     if not law.has_atoms:
         highest = min(highest, _CONTINUOUS)
-    q = law.quadrature_for(highest)
+    q = law.quadrature_for(highest, m)
+    turned = q.weight * q.harmonic(m) if m else q.weight
     order = np.argsort(q.log_loss)
     loss, beyond = q.log_loss[order], np.cumsum(q.weight[order][::-1])[::-1]
     # at Re z = -1 a bounce counts s^-1 times its weight; where s is continuous, its density is less
@@ -51,25 +54,28 @@ def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
     found: dict[tuple[float, float], complex] = {}
     for real in _LINES:
-        weight = q.weight * np.exp(np.minimum(-real * q.log_loss, _LARGEST_LOSS))
+        weight = turned * np.exp(np.minimum(-real * q.log_loss, _LARGEST_LOSS))
         size = np.concatenate(
             [abs(1.0 - np.exp(1j * np.multiply.outer(x, q.log_loss)) @ weight) for x in pieces]
         )
         least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
-        for start in k[least]:
-            z = _zero_near(q, complex(real, -start))
-            slow = z is not None and -SLOW < z.real < _SAME and 0.0 < -z.imag < highest
-            if z is not None and slow and abs(z) > _SAME:
-                found[round(z.real, 5), round(z.imag, 5)] = complex(min(z.real, 0.0), z.imag)
+        for start in [*k[least], *([0.0] if m else [])]:
+            z = _zero_near(turned, q.log_loss, complex(real, -start))
+            if z is None or not -SLOW < z.real < _SAME or abs(z) < _SAME:
+                continue
+            decays = m > 0 and abs(z.imag) < _SAME
+            if decays or 0.0 < -z.imag < highest:
+                z = complex(min(z.real, 0.0), 0.0 if decays else z.imag)
+                found[round(z.real, 5), round(z.imag, 5)] = z
     return tuple(sorted(found.values(), key=lambda z: -z.imag))
 
 
-def _zero_near(q: ImpactQuadrature, z: complex) -> complex | None:
-    """A zero of lambda by Newton's method from z on; None where it finds none."""
+def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex | None:
+    """A zero of 1 - sum weight s^z by Newton's method from z on; None where it finds none."""
     for _ in range(_MOST_STEPS):
         with np.errstate(over="ignore", invalid="ignore"):
-            power = q.weight * np.exp(-z * q.log_loss)
-            step = complex((1.0 - power.sum()) / (power @ q.log_loss))
+            power = weight * np.exp(-z * log_loss)
+            step = complex((1.0 - power.sum()) / (power @ log_loss))
         if not cmath.isfinite(step) or z.real < -2.0 * SLOW:
             return None
         z -= step / max(1.0, 2.0 * abs(step))
