@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
-from particles.media import BoltzmannGrad, Medium, dilute_mean_path
+from particles.media import BoltzmannGrad, ForgetfulPoisson, Medium, dilute_mean_path
 from particles.values import Value
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, records
+    from particles.kernel import follow, free_paths, lane, records, remembering
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     times = plan.times / plan.medium.diameter
@@ -211,7 +211,12 @@ def _follow_block(
     caught = np.empty((n, trap_columns(plan.medium)))
     n_caught = 0
     lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if cells is None:
+    if isinstance(plan.medium, ForgetfulPoisson):
+        known = np.empty((plan.medium.memory, 4))
+        n_caught = remembering.follow_remembering(
+            start, mean_path, known, caught, lanes[:1], record
+        )
+    elif cells is None:
         free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)

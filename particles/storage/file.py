@@ -40,14 +40,14 @@ from particles.arguments import make_plan
 from particles.checks import check_path
 from particles.configuration import RAW, Plan, trap_columns
 from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS
-from particles.media import MEDIA, HardSpheres, Medium, PoissonSpheres, Positions
+from particles.media import MEDIA, ForgetfulPoisson, HardSpheres, Medium, PoissonSpheres, Positions
 from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 # Numbers of a plan that version 1 of the layout did not have, and what they were then.
 LATER = {"tangential_restitution": 1.0, "dimension": 2}
 # Media that version 2 did not have.
-_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres)]
+_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres, ForgetfulPoisson)]
 
 _MEDIA: dict[str, type] = {medium.__name__: medium for medium in MEDIA}
 _UNITS = {
