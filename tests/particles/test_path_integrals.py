@@ -48,30 +48,30 @@ def in_the_limit(rates: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(("e", "et"), [(0.2, 1.0), (0.5, 1.0), (0.9, 1.0), (0.6, 0.8), (0.0, 0.9)])
 def test_boltzmann_grad_has_the_closed_form(e: float, et: float) -> None:
     run = path_integrals(
-        BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=50, tracers=200,
+        BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=50, tracers=60,
         seed=5, tangential_restitution=et,
     )  # fmt: skip
     exact = in_the_limit(collision_rates(e, et, 2))
     found = run.integrals
     assert np.all(abs(found.value - exact) < 3.5 * found.error)
-    assert np.all(found.error[-1] < 0.012)
+    assert np.all(found.error[-1] < 0.02)
     assert abs(run.mean_free_path.value - 1.0) < 3.0 * run.mean_free_path.error
     part = exact[-1] - exact[-2]
     assert np.all(abs(run.last_part.value - part) < 3.5 * run.last_part.error)
-    assert run.windows == 50 * 200 * 20
+    assert run.windows == 50 * 60 * 20
     assert run.trapped == 0
 
 
 def test_thin_spheres_have_the_closed_form_with_legendre_polynomials() -> None:
-    # The density changes the integrals by about rho d^3 = 1e-4.
+    # The density changes the integrals by about rho d^3 = 1e-3.
     run = path_integrals(
-        PoissonSpheres(1e-4, count=None), 0.5, POWERS, PATHS, windows=10, media=200, tracers=40,
+        PoissonSpheres(1e-3, count=None), 0.5, POWERS, PATHS, windows=5, media=60, tracers=20,
         seed=3,
     )  # fmt: skip
     found = run.integrals
     exact = in_the_limit(collision_rates(0.5, 1.0, 3))
     assert np.all(abs(found.value - exact) < 3.5 * found.error)
-    assert np.all(found.error[-1] < 0.025)
+    assert np.all(found.error[-1] < 0.08)
 
 
 @pytest.mark.parametrize(
