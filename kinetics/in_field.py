@@ -12,6 +12,7 @@ from kinetics.field.backward import ALL
 from kinetics.field.evolution import Evolution, TimeResolution, scales
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
+from kinetics.numerics.threads import one_blas_thread
 from kinetics.outputs import FIELD_OUTPUTS
 from kinetics.scene import Scene
 from kinetics.solution import Solution
@@ -19,11 +20,11 @@ from kinetics.states.isotropic import Rest
 from kinetics.status import PlanStep, explain, status_of
 
 _ATTEMPTS = 3
-# Of two solutions the finer one has less than this share of the error of the other (measured:
-# tests/kinetics/field/test_evolution.py)
+# Of two solutions the finer one has about this share of the error of the other
 _GAIN = 0.1
 
 
+@one_blas_thread
 def solve_in_field(scene: Scene, rtol: float) -> Solution:
     """What :func:`kinetics.solve` does for a scene with a field.
 

@@ -141,11 +141,6 @@ class Solution(Value):
         self._require_no_field()
         return power_of_speed(self.scene, self.rtol, p, m)
 
-    def _require_no_field(self) -> None:
-        """Raise InputError for a scene with a field, of which only the outputs are solved."""
-        if self.scene.field:
-            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
-
     @property
     def by_collision(self) -> ByCollision:
         """The averages after N collisions, N the ``collision_numbers`` of the scene: closed forms.
@@ -157,6 +152,11 @@ class Solution(Value):
         if numbers.size == 0:
             raise InputError("collision_numbers: the scene has none; give Scene some")
         return ByCollision(scene.law, scene.mean_free_path, scene.state, numbers, self.rtol)
+
+    def _require_no_field(self) -> None:
+        """Raise InputError for a scene with a field, of which only the outputs are solved."""
+        if self.scene.field:
+            raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
 
     # -- velocity -----------------------------------------------------------------------------
 

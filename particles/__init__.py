@@ -4,8 +4,9 @@ Imports nothing else of the project. Begin reading with `simulate`. Folders and 
 imports only those before it: `events` (one collision; the collision law stands there alone),
 `streams` (random numbers), `values`, `checks`, `media` (what may be asked for), `compiled`, `grid`
 (where the scatterers stand), `kernel` (the event loops), `configuration` (one configuration and its
-tracers), `arguments` and `memory` (what is refused), `estimators`, `ensemble` (the result),
-`totals`, `storage`, `simulate`; `along_path`, which needs none of the last four.
+tracers), `arguments` and `memory` (what is refused), `estimators`, `field_estimates`,
+`ensemble` (the result), `totals`, `storage`, `simulate`; and `along_path`, which needs none of the
+last five.
 """
 
 from importlib import import_module

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from particles.checks import refuse
 from particles.configuration import Plan
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, TOTALS
+from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
 from particles.media import BoltzmannGrad, ForgetfulPoisson, HardSpheres, PoissonSpheres, Positions
 
 _NUMBER = 8  # bytes
@@ -41,11 +41,12 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
     )
     dimension = plan.medium.dimension
     each = times * dimension * len(plan.observables & {"positions", "velocities"})
-    each += FINALS[dimension] * ("finals" in plan.observables)
+    each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
+    columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
     threads = min(workers, plan.media)
     return {
         "count": threads * _scatterers(plan),
-        "media": _NUMBER * plan.media * (times * MOMENTS + TOTALS),
+        "media": _NUMBER * plan.media * (times * columns + TOTALS),
         "times": _NUMBER * counts * (threads + 2 * _COPIES),
         "observables": _NUMBER * plan.media * plan.tracers * each * _COPIES,
     }

@@ -36,12 +36,14 @@ ROOMS: dict[str, set[str]] = {
     "moments": BASE | {"states"},
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},
+    "field": BASE | {"states", "status"},
     "outputs": {"moments"},
     "scene": BASE | {"states", "outputs"},
     "averaging": BASE | {"moments", "outputs", "scene"},
-    "plan": {"moments", "densities", "position", "outputs"},
+    "plan": {"moments", "densities", "position", "outputs", "status"},
     "solution": BASE | VELOCITY | QUESTION | {"position"},
-    "solver": BASE | VELOCITY | QUESTION | {"position", "solution"},
+    "in_field": BASE | {"states", "field", "status", "outputs", "scene", "solution"},
+    "solver": BASE | VELOCITY | QUESTION | {"position", "solution", "in_field"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")

@@ -236,14 +236,6 @@ class CollisionLaw:
         """
         return self._bounce.tail_exponent
 
-    @property
-    def smooth_disks(self) -> float:
-        """e of smooth disks; InputError for any other law: densities are solved for these only."""
-        smooth = self.tangential_restitution == 1.0 and self.dimension == 2
-        if self.restitution is None or not smooth:
-            refuse("restitution", self, "densities are solved for smooth disks only")
-        return self.restitution
-
     # -- averages ---------------------------------------------------------------------------------
 
     @cached_property

@@ -46,6 +46,12 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 )
 @density_option
 @click.option(
+    "--initial",
+    type=click.Choice(["gaussian", "monoenergetic", "rest"]),
+    default="gaussian",
+    help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
+)
+@click.option(
     "--scatterers",
     type=click.Choice(["dilute", "overlapping", "hard disks"]),
     default="dilute",
@@ -56,12 +62,6 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     type=click.Choice(["leading", "first", "second"]),
     default="second",
     help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
-)
-@click.option(
-    "--initial",
-    type=click.Choice(["gaussian", "monoenergetic", "rest"]),
-    default="gaussian",
-    help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
 )
 @times_option
 @click.option(

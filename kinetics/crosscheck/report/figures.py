@@ -45,7 +45,7 @@ _BARS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
 _DOT = {"marker": "o", "markersize": 3.6, **_BARS}
 STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("kinetic equation", "exact"), _SOLID),
-    **dict.fromkeys(("Sonine", "paper, tail"), _DASHED),
+    **dict.fromkeys(("Sonine", "paper, tail", "best explanation"), _DASHED),
     **dict.fromkeys(("Sonine, unstable root", "paper's integral"), _DOTTED),
     **dict.fromkeys(("exact tail", "exact slope", "exponential"), _DOTTED),
     **dict.fromkeys(("paper's fit", "paper, peak", "Gaussian"), _DASH_DOTTED),

@@ -98,6 +98,19 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
         assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
 
 
+@pytest.mark.parametrize("initial", ["rest", "gaussian"])
+def test_rtol_is_met(initial: str) -> None:
+    times = [0.3, 1.0, 3.0, 10.0]
+    fine = solve(scene(times, 0.08, initial=initial), rtol=1e-6)
+    coarse = solve(scene(times, 0.08, initial=initial), rtol=1e-4)
+    assert coarse.status.name == fine.status.name == "CONVERGED"
+    speed, root = fine.thermal_speed[:, None], np.sqrt(fine.msd)[:, None]
+    moved = np.abs(coarse.mean_displacement - fine.mean_displacement)
+    assert np.all(np.abs(coarse.mean_velocity - fine.mean_velocity) <= 1e-4 * speed)
+    assert np.all(moved <= 1e-4 * root)
+    assert coarse.msd == pytest.approx(fine.msd, rel=1e-4)
+
+
 def test_gaussian_start_begins_as_free_fall() -> None:
     """To first order in t: <v_x> = g t (1 - ...), and the variance of x is t^2."""
     found = solve(scene([1e-3], 0.08, initial="gaussian"), rtol=1e-5)
