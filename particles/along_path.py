@@ -121,7 +121,7 @@ def path_integrals(
     windows: of each tracer, one after the other. Errors are the spread over configurations, so they
         hold although the windows of a tracer are not independent.
     settling: path in l before the first window. A start at a random place is stationary in elastic
-        systems only: a tracer that cools has some collisions behind it in corners and corridors.
+        systems only: where the tracer cools, its later places are not distributed uniformly.
 
     Raises ValueError for bad input, and where `simulate` does.
     """
