@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from kinetics.errors import InputError, short
-from kinetics.field.backward import ALL
+from kinetics.field.backward import ALL, needed_for
 from kinetics.field.evolution import Evolution, TimeResolution, scales
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
@@ -18,7 +18,18 @@ from kinetics.solution import Solution
 from kinetics.states.isotropic import Rest
 from kinetics.status import PlanStep, explain, status_of
 
-_ATTEMPTS = 3
+_ATTEMPTS = 6
+_MADE_OF = {
+    "thermal_speed": ("v^2",),
+    "temperature": ("v^2",),
+    "a2": ("v^2", "v^4"),
+    "collisions": ("collisions",),
+    "msd": ("x^2", "y^2"),
+    "mean_displacement": ("x", "y"),
+    "mean_velocity": ("v_x", "v_y"),
+    "velocity_tensor": ("v^2", "v^2 cos 2", "v_x v_y"),
+    "displacement_tensor": ("x", "y", "x^2", "y^2", "x y"),
+}
 # Of two solutions the finer one has about this share of the error of the other
 _GAIN = 0.1
 
@@ -93,7 +104,8 @@ def _evolution(
         start = Start((), unit)
     else:
         start = Start.of(scene.state, resolution.harmonics, 0.1 * rtol, unit)
-    return Evolution(scene.law, start, times, resolution)
+    asked = [name for output in scene.outputs for name in _MADE_OF[output]]
+    return Evolution(scene.law, start, times, resolution, needed_for(asked, start.is_symmetric))
 
 
 def _difference(fine: FloatArray, coarse: FloatArray) -> float:
