@@ -208,14 +208,14 @@ def scales(values: FloatArray) -> FloatArray:
 
     The root mean square for velocities and displacements, <v^2> and <r^2> for the tensors.
     """
-    speed = values[:, ALL.index("v^2")]
-    square = sum(values[:, ALL.index(name)] for name in SQUARES)
+    speed = np.abs(values[:, ALL.index("v^2")])  # what is resolved too coarsely may be negative
+    square = np.abs(sum(values[:, ALL.index(name)] for name in SQUARES))
     out = np.empty_like(values)
     for name, scale in (
         *((name, np.sqrt(speed)) for name in ("v_x", "v_y")),
         *((name, speed) for name in ("v^2", "v^2 cos 2", "v_x v_y")),
-        *((name, np.sqrt(np.maximum(square, 0.0))) for name in ("x", "y")),
-        *((name, np.maximum(square, 0.0)) for name in (*SQUARES, "x y")),
+        *((name, np.sqrt(square)) for name in ("x", "y")),
+        *((name, square) for name in (*SQUARES, "x y")),
         *((name, np.abs(values[:, ALL.index(name)])) for name in ("v^3", "v^4", "collisions")),
     ):
         out[:, ALL.index(name)] = scale
