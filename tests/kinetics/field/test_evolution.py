@@ -131,6 +131,21 @@ def test_what_is_asked_is_reached(initial: Any, field: float, times: Any) -> Non
     assert np.all(moved <= 1e-4 * fine.thermal_speed[:, None])
 
 
+def test_early_times_from_rest_are_free_fall() -> None:
+    """<r^2> = t^4/4 and <v^4> = <v^2>^2, up to the few that have collided."""
+    times = [0.003, 1.0, 90.0]
+    found = solve(scene(times, initial="rest", outputs=("msd", "a2")), rtol=1e-4)
+    assert found.status.name == "CONVERGED"
+    assert found.msd[0] == pytest.approx(PATH**2 * 0.003**4 / 4.0, rel=1e-4)
+    assert found.a2[0] == pytest.approx(-0.5, abs=1e-4)
+
+
+def test_a_start_close_to_rest_is_rest() -> None:
+    cold = solve(scene([0.5, 3.0], 1e12, initial="gaussian", outputs=("mean_velocity",)), 1e-4)
+    rest = solve(scene([0.5, 3.0], 1e12, initial="rest", outputs=("mean_velocity",)), 1e-4)
+    assert np.all(cold.mean_velocity == rest.mean_velocity)
+
+
 @pytest.mark.parametrize("initial", ["gaussian", Beam(2.0, "monoenergetic"), "rest"])
 def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
     """Averages that nobody asks for are not solved."""
