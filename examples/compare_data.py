@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck import compare_data
+from kinetics import compare
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.geomspace(1, 300, 6)  # d/U
@@ -31,9 +31,9 @@ columns = {
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "data.npz"
     np.savez(path, **columns)
-    RIGHT = compare_data(path, restitution=0.75, number_density=0.04)
-    WRONG = compare_data(path, restitution=0.70, number_density=0.04)
-    FOUND = compare_data(path)  # restitution and density from the data themselves
+    RIGHT = compare(path, restitution=0.75, number_density=0.04)
+    WRONG = compare(path, restitution=0.70, number_density=0.04)
+    FOUND = compare(path)  # restitution and density from the data themselves
 
 if __name__ == "__main__":
     for told, result in (("e = 0.75", RIGHT), ("e = 0.70", WRONG), ("nothing told", FOUND)):

@@ -79,6 +79,7 @@ __all__ = [
     "ToleranceWarning",
     "VelocitySamples",
     "__version__",
+    "compare",
     "load",
     "solve",
     "solve_field",
@@ -93,6 +94,8 @@ def __getattr__(name: str) -> Any:
         value = _version()
     elif name == "sonine":
         value = import_module("kinetics.sonine")
+    elif name == "compare":
+        value = import_module("kinetics.crosscheck").compare_data
     elif name in _HOME_OF:
         value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
     else:

@@ -12,6 +12,7 @@ from kinetics.field.backward import ALL, needed_for
 from kinetics.field.evolution import Evolution, TimeResolution, scales
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
+from kinetics.numerics.threads import one_blas_thread
 from kinetics.outputs import FIELD_OUTPUTS
 from kinetics.scene import Scene
 from kinetics.solution import Solution
@@ -37,6 +38,7 @@ _MADE_OF = {
 _GAIN = 0.1
 
 
+@one_blas_thread
 def solve_in_field(scene: Scene, rtol: float) -> Solution:
     """What :func:`kinetics.solve` does for a scene with a field.
 

@@ -18,6 +18,7 @@ from kinetics.field.ladder import continuation
 from kinetics.field.resolution import Resolution
 from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
 from kinetics.numerics import FloatArray
+from kinetics.numerics.threads import one_blas_thread
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
 from kinetics.validation import (
     check_positive,
@@ -232,6 +233,7 @@ class FieldUnits(Value):
     diffusion_perpendicular: float
 
 
+@one_blas_thread
 def solve_field(
     restitution: float | CollisionLaw,
     dimension: int = 2,

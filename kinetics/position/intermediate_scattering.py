@@ -17,6 +17,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
+from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.scattering import most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
@@ -222,6 +223,7 @@ class Scattering:
         return out, error
 
 
+@one_blas_thread
 def scattering_function(
     averages: Averages, wave_numbers: FloatArray, direction: float | None
 ) -> NDArray[Any]:

@@ -13,6 +13,7 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
+from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
 from kinetics.position.front_tail import FrontTail, fit_fronts
@@ -47,6 +48,7 @@ _BEYOND = 2.0  # what they miss beyond the panels, over what they miss in the la
 _FALL = 0.25  # it falls as K^-4 at least
 
 
+@one_blas_thread
 def solve_displacement(
     law: CollisionLaw,
     mean_free_path: float,

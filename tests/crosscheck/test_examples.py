@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_every_example_is_tested() -> None:
     assert {p.name for p in (ROOT / "examples").glob("*.py")} == {
         "compare_data.py",
+        "compare_formats.py",
         "cooling_gas.py",
         "cooling_rate.py",
         "localisation.py",
@@ -48,6 +49,16 @@ def test_compare_data_example() -> None:
     found = result["FOUND"].parameters
     assert found["restitution"].value == pytest.approx(0.75, abs=0.01)
     assert found["number_density"].value == pytest.approx(0.04, rel=0.03)
+
+
+def test_compare_formats_example() -> None:
+    results = runpy.run_path(str(ROOT / "examples" / "compare_formats.py"))["RESULTS"]
+    assert len(results) == 5
+    plain = results.pop("run.csv")
+    assert plain.verdict == "agrees"
+    for result in results.values():
+        assert result.verdict == plain.verdict
+        assert [test.p_value for test in result.tests] == [test.p_value for test in plain.tests]
 
 
 def test_sonine_convergence_example(tmp_path: Path) -> None:

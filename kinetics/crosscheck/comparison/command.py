@@ -7,11 +7,14 @@ from pathlib import Path
 import click
 
 COLUMNS = (
-    "DATA is .npz, .csv or .h5 with columns time, x, y, vx, vy and, where known, tracer and medium "
-    "(the configuration of scatterers), one row for each tracer at each time; or a file of an "
-    "Ensemble. Lengths are in d, speeds in U (standard deviation of one component of the initial "
-    "velocity), times in d/U, unless --diameter and --speed-unit say otherwise. Several files "
-    "are several runs of the same system. Data are only read."
+    "DATA is .csv, .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where known, tracer "
+    "and medium (the configuration of scatterers), one row for each tracer at each time; or a file "
+    "of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj) or "
+    "extended XYZ (.xyz, .extxyz). Usual other names (t, id, v_x, replica ...) are known; "
+    "--columns says others. "
+    "Lengths are in d, speeds in U (standard deviation of one component of the initial "
+    "velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. "
+    "Several files are several runs of the same system. Data are only read."
 )
 FORMATS = ("pdf", "png", "svg")
 
@@ -23,6 +26,10 @@ FORMATS = ("pdf", "png", "svg")
 @click.option(
     "-e", "--restitution", type=float, default=None,
     help="Coefficient of restitution, 0 to 1. [default: an Ensemble's own, or fitted]",
+)  # fmt: skip
+@click.option(
+    "--tangential-restitution", type=float, default=None,
+    help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]",
 )  # fmt: skip
 @click.option(
     "--number-density", type=float, default=None,
@@ -44,8 +51,21 @@ FORMATS = ("pdf", "png", "svg")
     help="U in the data's unit of speed; data: from the speeds at time 0.",
 )  # fmt: skip
 @click.option(
-    "--diameter", type=float, default=1.0, help="Diameter d in the data's unit of length."
-)
+    "--diameter", "--length-unit", "diameter", type=float, default=1.0,
+    help="Diameter d in the data's unit of length.",
+)  # fmt: skip
+@click.option(
+    "--time-unit", type=float, default=None,
+    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
+)  # fmt: skip
+@click.option(
+    "--timestep", type=float, default=None,
+    help="Time of one step, where a file gives steps and no times (dumps).",
+)  # fmt: skip
+@click.option(
+    "--columns", default="", metavar="NAME=THEIRS,...",
+    help="Names of columns in the files, as in time=t_sim,tracer=id.",
+)  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), default=None, metavar="PAGE.html",
     help="Write the page here, and beside it a .json file with every number in it.",
@@ -54,19 +74,29 @@ FORMATS = ("pdf", "png", "svg")
     "--figures", multiple=True, type=click.Choice(FORMATS),
     help="Write each figure as a file beside the page; may be repeated. Needs --output.",
 )  # fmt: skip
+@click.option(
+    "--fail-on", type=click.Choice(["differs", "unclear"]), default=None,
+    help="End with exit status 1 where data and equation differ (unclear: also where a difference "
+    "is possible).",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 def compare(
     data: tuple[Path, ...],
     restitution: float | None,
+    tangential_restitution: float | None,
     number_density: float | None,
     initial: str,
     positions: str,
     speed_unit: str,
     diameter: float,
+    time_unit: float | None,
+    columns: str,
+    timestep: float | None,
     output: Path | None,
     figures: tuple[str, ...],
+    fail_on: str | None,
     as_json: bool,
-) -> None:
+) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
     Restitution, density and start are found in the data where they are not given. Prints, for each
@@ -83,13 +113,19 @@ def compare(
         from kinetics.crosscheck.files import write_together
 
         prepare(output, data)
+    from kinetics.crosscheck.comparison.data.columns import parsed_columns
     from kinetics.crosscheck.comparison.data.read import read_sample
-    from kinetics.crosscheck.comparison.question import compare_sample, in_diameters
+    from kinetics.crosscheck.comparison.question import (
+        compare_sample,
+        in_diameters,
+        with_tangential,
+    )
     from kinetics.validation import check_positive
 
     unit = _speed_unit(speed_unit)
-    sample = read_sample(data, positions, unit, diameter, show_progress=True)
-
+    sample = read_sample(data, positions, unit, diameter, True, time_unit, parsed_columns(columns))
+    if tangential_restitution is not None:
+        sample = with_tangential(sample, tangential_restitution)
     if number_density is not None:
         number_density = in_diameters(check_positive("number_density", number_density), diameter)
     result = compare_sample(sample, restitution, number_density, initial)
@@ -104,6 +140,7 @@ def compare(
         click.echo(tables(result))
         if written:
             click.echo(f"wrote {', '.join(str(path) for path in written)}")
+    return int(fail_on is not None and result.verdict in {"differs", fail_on})
 
 
 def _speed_unit(text: str) -> float | str:

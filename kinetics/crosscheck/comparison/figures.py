@@ -6,7 +6,7 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.result import OBSERVABLES
-from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved
+from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved, system_of
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.templates import paragraphs
 
@@ -17,19 +17,19 @@ _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
 
 
-def figures_of(both: DataAndTheory) -> dict[str, Data]:
-    """The data of every figure, by figure name."""
+def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
+    """The data of every figure, by figure name.
+
+    explained (n_names, n_times): the averages that the likeliest explanation expects, or None.
+    """
     figures = {}
     later = both.sample.times[both.sample.times > 0]
     if later.size and both.names:
-        scene = both.solution.scene
         times = np.geomspace(later[0], later[-1], _POINTS) if later.size > 1 else later
-        theory = solved(
-            scene.restitution, scene.mean_free_path, scene.initial, times, both.names, RTOL
-        )
+        theory = solved(system_of(both.solution), times, both.names, RTOL)
         for i, name in enumerate(both.names):
             line = np.asarray(getattr(theory, name))
-            figures[name.replace("_", "-")] = _over_time(both, i, times, line)
+            figures[name.replace("_", "-")] = _over_time(both, i, (times, line), explained)
     if np.any(both.usable & (both.sample.times > 0)):
         figures["sigmas"] = _sigmas(both)
     for name in (SPEED, DISPLACEMENT):
@@ -47,7 +47,8 @@ def _figure(block: str, x: Data, y: Data, lines: list[Data], **values: Any) -> D
 _TIME = axis("time $t$", "d/U", "log")
 
 
-def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
+def _over_time(both: DataAndTheory, i: int, theory: tuple[Any, Any], explained: Any) -> Data:
+    fine, line = theory
     observable = OBSERVABLES[both.names[i]]
     times = both.sample.times
     shown = (times > 0) & np.isfinite(both.expectation.values[i])
@@ -60,6 +61,8 @@ def _over_time(both: DataAndTheory, i: int, fine: Any, line: Any) -> Data:
         series("kinetic equation", fine, line),
         series("data", times[shown], values, error, group="data"),
     ]
+    if explained is not None:
+        lines.append(series("best explanation", times[shown], explained[i, shown]))
     y = axis(observable.symbol, observable.unit, scale)
     return _figure("over_time", _TIME, y, lines, title=observable.name)
 

@@ -2,10 +2,18 @@
 
 The same function finds what was not given and tests what may explain a difference: a hypothesis
 is a theory with one parameter, and what it explains is by how much it lowers the chi-square.
+
+Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone. A covariance that
+is estimated from the same tracers depends on their averages: where a few fast tracers raise an
+average they raise its variance too, so that weights from this covariance favour low values. The
+fitted parameters are then biased (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)), the more
+the longer the tails: with fourth moments by half a standard error. The standard deviation of <v^2>
+is proportional to <v^2>, so that its logarithm has nearly the same variance whatever its value.
+Fourth moments would hardly make the errors smaller; all averages enter the chi-square that is left.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +31,8 @@ Array = NDArray[np.float64]
 
 Model = Callable[[Array], tuple[Array, Array]]
 """Parameters (k,) to theory, and its replicates: of that shape or (G, ...)."""
+SECOND_MOMENTS = ("thermal_speed", "msd")
+"""The averages that parameters are fitted to, in the order of all averages."""
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's relative error of 1e-7 is 1e-3 of a slope of
 order 1, the step's own error far less."""
@@ -37,6 +47,19 @@ class Unknown:
     name: str
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class Components:
+    """Which averages, as flat indices, parameters are fitted to, and which enter the chi-square.
+
+    fitted: of second moments, whose logarithms are fitted where `logarithms` says so.
+    tested: of all averages.
+    """
+
+    fitted: NDArray[np.int64]
+    tested: NDArray[np.int64]
+    logarithms: bool
 
 
 @dataclass(frozen=True)
@@ -62,7 +85,7 @@ class Fit:
 
 
 def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -> NDArray[np.int64]:
-    """Which components (n_names, n_times) can be fitted together: flat indices.
+    """Which components (n_names, n_times) can be tested together: flat indices.
 
     No more than the groups allow, evenly over time for each average, but not fewer than twice the
     parameters if the groups allow that.
@@ -76,32 +99,54 @@ def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -
     return np.concatenate(at)[:most]
 
 
+def components_of(
+    names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
+) -> Components:
+    """What is fitted and tested of the averages `names`, of which `usable` (n_names, n_times) are.
+
+    Without two second moments for each parameter all averages are fitted, as they are.
+    """
+    tested = choose_components(usable, groups, parameters)
+    second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
+    fitted = choose_components(second, groups, parameters)
+    if fitted.size < 2 * parameters:
+        return Components(tested, tested, False)
+    return Components(fitted, tested, True)
+
+
 def fit(
     unknowns: Sequence[Unknown],
     model: Model,
     data: tuple[Array, Array],
-    components: NDArray[np.int64],
+    components: Components,
     starts: Sequence[Sequence[float]],
 ) -> Fit | None:
     """Least squares from the best starts; None where nothing converges.
 
     data: values of any shape, p_all in all, and replicates (G, ...), of which `components` are
-    fitted; model gives the same shape.
+    fitted and tested; model gives the same shape.
     """
     values, replicates = data
+    groups, chosen = len(replicates), components.fitted
     low, high = np.array([(one.low, one.high) for one in unknowns]).T
+    scale = np.log if components.logarithms else np.asarray
 
     def left(at: Array) -> tuple[Array, Array]:
         theory, moved = model(at)
-        rest = (replicates - moved).reshape(len(replicates), -1)
-        return (values - theory).ravel()[components], rest[:, components]
+        moved = np.broadcast_to(moved, replicates.shape).reshape(groups, -1)[:, chosen]
+        return (
+            scale(values.ravel()[chosen]) - scale(theory.ravel()[chosen]),
+            scale(replicates.reshape(groups, -1)[:, chosen]) - scale(moved),
+        )
 
     tried = []
     for start in starts:
         at = np.clip(np.asarray(start, float), low, high)
-        difference, moved = left(at)
-        white = whitening(covariance(moved))
-        tried.append((float(np.sum((white @ difference) ** 2)), at, white))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            difference, moved = left(at)
+        if np.all(np.isfinite(difference)) and np.all(np.isfinite(moved)):
+            white = whitening(covariance(moved))
+            tried.append((float(np.sum((white @ difference) ** 2)), at, white))
     found = []
     for _, at, white in sorted(tried, key=lambda one: one[0])[:_TRIED]:
 
@@ -113,17 +158,41 @@ def fit(
     if best is None:
         return None
     at = best[1]
-    difference, moved = left(at)
-    white = whitening(covariance(moved))
-    every = _slopes(lambda p: model(p)[0].ravel(), at, low, high)
-    slope = every[components]
-    influence = np.linalg.pinv(white @ slope) @ white
-    spread = np.linalg.pinv((white @ slope).T @ (white @ slope))
-    shift = (moved - moved.mean(axis=0)) @ influence.T
-    # What the fit leaves has as many degrees of freedom less as there are parameters.
-    chi_square = hotelling(difference, moved - shift @ slope.T)
+    white = whitening(covariance(left(at)[1]))
+    slope = _slopes(lambda p: model(p)[0].ravel(), at, low, high)
+    size = model(at)[0].ravel()[chosen] if components.logarithms else np.ones(chosen.size)
+    steep = white @ (slope[chosen] / size[:, None])
+    influence = np.linalg.pinv(steep) @ white / size
+    spread = np.linalg.pinv(steep.T @ steep) * _inflation(groups, len(white) - at.size)
     names, errors = tuple(one.name for one in unknowns), np.sqrt(np.diagonal(spread))
-    return Fit(names, at, errors, chi_square, influence, every, components)
+    found_fit = Fit(names, at, errors, None, influence, slope, chosen)
+    return replace(found_fit, chi_square=_left_over(found_fit, model, data, components.tested))
+
+
+def _left_over(
+    found: Fit, model: Model, data: tuple[Array, Array], tested: NDArray[np.int64]
+) -> ChiSquare | None:
+    """The least chi-square near a fit: as many degrees of freedom less as there are parameters."""
+    theory, moved = model(found.values)
+    values, replicates = data
+    difference = (values - theory).ravel()[tested]
+    rest = (replicates - moved).reshape(len(replicates), -1)[:, tested]
+    # What the parameters could take up, by the best weights for these components, is taken away.
+    white, slope = whitening(covariance(rest)), found.slope[tested]
+    taken = slope @ np.linalg.pinv(white @ slope) @ white
+    return hotelling(difference - taken @ difference, rest - (rest - rest.mean(axis=0)) @ taken.T)
+
+
+def _inflation(groups: int, freedom: int) -> float:
+    """Factor on the variance of a parameter, for weights from a covariance that is estimated.
+
+    Gaussian groups: the covariance's inverse is too large by the first factor (Hartlap, Simon and
+    Schneider, A&A 464, 399 (2007)), weights that are not the best ones cost the second (Percival et
+    al., MNRAS 439, 2531 (2014)). freedom: components less parameters.
+    """
+    first = (groups - 1) / max(groups - 1 - freedom, 1)
+    second = (groups - 2) / max(groups - 2 - freedom, 1)
+    return first * second
 
 
 def _descended(

@@ -1,6 +1,7 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,11 +28,17 @@ from kinetics.crosscheck.comparison.statistics import (
     gaussian_sigmas,
     hotelling,
     most_freedom,
-    spread_out,
 )
-from kinetics.crosscheck.comparison.theory import SampledStart
-from kinetics.crosscheck.verdicts import Verdict, corrected_sigmas, judge_sigmas
-from kinetics.errors import short
+from kinetics.crosscheck.comparison.theory import SampledStart, system_of
+from kinetics.crosscheck.comparison.units import wrong_speeds, wrong_unit
+from kinetics.crosscheck.verdicts import (
+    DIFFERS_ABOVE,
+    Verdict,
+    chance,
+    corrected_sigmas,
+    judge_sigmas,
+)
+from kinetics.errors import InputError, short
 
 if TYPE_CHECKING:
     from kinetics import Scene, Solution
@@ -75,17 +82,27 @@ def compare(
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         sample = from_ensemble(ensemble)
+    law = system_of(solution).law
+    if law.dimension != sample.law.dimension:
+        raise InputError(
+            f"solution: is of dimension {law.dimension}, the data of {sample.law.dimension}"
+        )
+    sample = replace(sample, law=law)
     both = side_by_side(solution, sample, found, densities)
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
-    explanations, figures = _explained(both, verdict) if explain else ((), {})
+    unit = wrong_unit(sample) or wrong_speeds(sample, solution.scene.initial)
+    explanations: tuple[Explanation, ...] = ()
+    figures: dict[str, Any] = {}
+    if explain:
+        explanations, figures = _explained(both, verdict, unit)
     return Comparison(
         verdict=verdict,
-        summary=_summary(both, tests, verdict),
+        summary=_summary(both, rows, tests, verdict, unit or _headlined(explanations)),
         rows=tuple(rows),
         tests=tuple(tests),
         explanations=explanations,
-        parameters=_parameters(solution.scene, found),
+        parameters=_parameters(solution.scene, found, unit),
         initial=start_in_words(solution.scene.initial),
         samples=int(sample.samples.max()),
         groups=sample.groups,
@@ -96,36 +113,66 @@ def compare(
     )
 
 
-def _parameters(scene: "Scene", found: Fit | None) -> dict[str, Parameter]:
-    """The numbers of the scene; those that were fitted have standard errors."""
+def _parameters(
+    scene: "Scene", found: Fit | None, unit: Explanation | None
+) -> dict[str, Parameter]:
+    """The numbers of the scene; those that were fitted have standard errors.
+
+    A fit that leaves a difference, or that used a wrong unit, has found no value.
+    """
     e, density, path = scene.restitution, scene.number_density, scene.mean_free_path
     errors = {} if found is None else dict(zip(found.names, found.errors.tolist(), strict=True))
-    fitted = "fitted to the averages over time"
-    of_density = Parameter(density, None, "told"), Parameter(path, None, "1/(2dρ₀)")
+    left = None if found is None else found.chi_square
+    rejected = left is not None and left.p_value < chance(DIFFERS_ABOVE)
+
+    def fitted(value: float, error: float, words: str) -> Parameter:
+        if unit is not None or rejected:
+            why = said("no_value", unit=unit is not None, left=left, used=value)
+            return Parameter(None, None, why)
+        return Parameter(value, error, words)
+
+    words = "fitted to v₀ and ⟨r²⟩ over time"
+    inverse = "1/(2dρ₀)" if scene.dimension == 2 else "1/(πd²ρ₀)"
+    of_density = Parameter(density, None, "told"), Parameter(path, None, inverse)
     if (error := errors.get("log_path")) is not None:
         of_density = (
-            Parameter(density, error * density, f"1/(2dl), l {fitted}"),
-            Parameter(path, error * path, fitted),
+            fitted(density, error * density, f"{inverse.replace('ρ₀', 'l')}, l {words}"),
+            fitted(path, error * path, words),
         )
     error = errors.get("restitution")
     return {
-        "restitution": Parameter(e, error, "told" if error is None else fitted),
+        "restitution": Parameter(e, None, "told") if error is None else fitted(e, error, words),
         "number_density": of_density[0],
         "mean_free_path": of_density[1],
     }
 
 
 def _explained(
-    both: DataAndTheory, verdict: Verdict
+    both: DataAndTheory, verdict: Verdict, unit: Explanation | None
 ) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
-    """What explains a difference, what helps most first; and the data of the figures."""
+    """What explains a difference, the likeliest first; and the data of the figures.
+
+    Where a unit is wrong, nothing else is claimed.
+    """
     from kinetics.crosscheck.comparison.figures import figures_of
-    from kinetics.crosscheck.comparison.hypotheses import explanations_of
+    from kinetics.crosscheck.comparison.hypotheses import tested_hypotheses
+    from kinetics.crosscheck.comparison.notes import notes_of
 
-    def place(item: Explanation) -> tuple[int, float]:
-        return list(OUTCOMES).index(item.outcome), item.chi_square_after or 0.0
+    if unit is not None:
+        return (unit,), figures_of(both)
+    differs = verdict in (Verdict.DIFFERS, Verdict.UNCLEAR)
+    tested = tested_hypotheses(both) if differs else []
+    explanations = [one.explanation for one in tested] + list(notes_of(both))
+    best = next((one for one in tested if one.explanation.outcome == "explains"), None)
+    # Python's sort keeps the order of those of one outcome: the likeliest stays first.
+    ordered = sorted(explanations, key=lambda item: list(OUTCOMES).index(item.outcome))
+    return tuple(ordered), figures_of(both, None if best is None else best.theory)
 
-    return tuple(sorted(explanations_of(both, verdict), key=place)), figures_of(both)
+
+def _headlined(explanations: Sequence[Explanation]) -> Explanation | None:
+    """The explanation that the summary names: the likeliest, if it explains the difference."""
+    best = explanations[0] if explanations else None
+    return best if best is not None and best.outcome == "explains" and best.headline else None
 
 
 def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
@@ -174,23 +221,71 @@ def _bin_rows(found: Histogram, looks: int) -> Iterator[ComparisonRow]:
 
 
 def tests_of(both: DataAndTheory) -> list[ComparisonTest]:
-    """One chi-square per average, over its times, and per density and time."""
+    """One chi-square per average, over all its times, and per density and time."""
     found: list[tuple[str, float | None, ChiSquare | None]] = []
     for i, name in enumerate(both.names):
-        times = np.flatnonzero(both.usable[i])
-        times = times[spread_out(times.size, most_freedom(both.sample.groups))]
-        found.append(
-            (name, None, hotelling(both.difference[i, times], both.replicates[:, i, times]))
-        )
+        found.append((name, None, _over_times(both, i)))
     found += [(h.name, h.time, h.chi_square) for h in both.histograms]
     known = [(name, time, c) for name, time, c in found if c is not None]
-    return [
-        ComparisonTest(
-            name, time, c.value, c.freedom, c.p_value, c.groups,
-            *judge_p_value(c.p_value, len(known)),
+    tests = []
+    for name, time, c in known:
+        sigmas, verdict = judge_p_value(c.p_value, len(known))
+        within = None
+        if time is None:
+            i = both.names.index(name)
+            within, verdict = _within(both, i), _worst([verdict, _verdict_of_times(both, i)])
+        tests.append(
+            ComparisonTest(
+                name, time, c.value, c.freedom, c.p_value, c.groups, sigmas, verdict, within
+            )
         )
-        for name, time, c in known
-    ]  # fmt: skip
+    return tests
+
+
+def _over_times(both: DataAndTheory, i: int) -> ChiSquare | None:
+    """The chi-square of one average.
+
+    Where there are more times than the groups allow degrees of freedom, the differences in standard
+    errors of neighbouring times are added up.
+    """
+    times = np.flatnonzero(both.usable[i])
+    if not times.size:
+        return None
+    most = most_freedom(both.sample.groups)
+    difference = both.difference[i, times] / both.error[i, times]
+    replicates = both.replicates[:, i, times] / both.error[i, times]
+    if times.size > most:
+        starts = np.arange(most) * times.size // most
+        difference = np.add.reduceat(difference, starts)
+        replicates = np.add.reduceat(replicates, starts, axis=1)
+    return hotelling(difference, replicates)
+
+
+def _verdict_of_times(both: DataAndTheory, i: int) -> Verdict:
+    """The verdict on the time of an average that differs most, out of all times of all averages.
+
+    Twice as many looks are allowed for: the chi-squares have looked at the same times.
+    """
+    looks = 2 * int(both.usable.sum())
+    effective = effective_groups(both.replicates[:, i])
+    return _worst(
+        judge_sigmas(
+            corrected_sigmas(
+                float(both.difference[i, k] / both.error[i, k]), float(effective[k]), looks
+            )
+        )
+        for k in np.flatnonzero(both.usable[i]).tolist()
+    )
+
+
+def _within(both: DataAndTheory, i: int) -> float:
+    """The relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
+
+    Of 1 + a2 for a2, which may be zero.
+    """
+    usable = both.usable[i]
+    size = np.abs(both.theory[i] + (1.0 if both.names[i] == "a2" else 0.0))[usable]
+    return float(np.max((np.abs(both.difference[i]) + 2 * both.error[i])[usable] / size))
 
 
 def judge_p_value(p_value: float, trials: int) -> tuple[float, Verdict]:
@@ -199,22 +294,36 @@ def judge_p_value(p_value: float, trials: int) -> tuple[float, Verdict]:
     return sigmas, judge_sigmas(sigmas)
 
 
-def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> Verdict:
-    """The worst verdict of the tests, and of rows without spread, which no test can hold."""
-    words = [test.verdict for test in tests]
-    words += [row.verdict for row in rows if row.sigmas is None]
+def _worst(verdicts: Iterable[Verdict]) -> Verdict:
+    words = set(verdicts)
     order = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES)
     return next((verdict for verdict in order if verdict in words), Verdict.UNDEFINED)
 
 
-def _summary(both: DataAndTheory, tests: Sequence[ComparisonTest], verdict: Verdict) -> str:
+def overall(rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest]) -> Verdict:
+    """The worst verdict of the tests, and of rows without spread, which no test can hold."""
+    words = [test.verdict for test in tests]
+    return _worst(words + [row.verdict for row in rows if row.sigmas is None])
+
+
+def _summary(
+    both: DataAndTheory, rows: Sequence[ComparisonRow], tests: Sequence[ComparisonTest],
+    verdict: Verdict, best: Explanation | None,
+) -> str:  # fmt: skip
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
+    odd_rows = [row for row in rows if row.sigmas is not None and row.verdict is not Verdict.AGREES]
     return said(
         "summary", samples=int(both.sample.samples.max()), times=both.sample.times,
         scene=both.solution.scene, start=start_in_words(both.solution.scene.initial),
-        verdict=verdict, tests=len(tests), odd=odd,
+        verdict=verdict, tests=len(tests), odd=odd, best=best, shorts=SHORT,
         least=min(odd, key=lambda test: test.p_value, default=None),
+        row=max(odd_rows, key=lambda row: abs(row.sigmas or 0.0), default=None),
+        within=[(test.observable, test.within) for test in tests if test.within is not None],
     )  # fmt: skip
+
+
+SHORT = {"thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²"}
+"""The averages as the summary names them."""
 
 
 def start_in_words(initial: Any) -> str:

@@ -2,6 +2,7 @@
 tables for the terminal.
 """
 
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,9 @@ from kinetics.crosscheck.verdicts import MEANING, Verdict
 from kinetics.errors import InputError
 
 Plain = Mapping[str, Any]
+
+WIDTH = 100
+"""Columns of a terminal that the tables fit."""
 
 PARAMETERS = {
     "restitution": "restitution e",
@@ -98,6 +102,7 @@ def render(result: Comparison, json_name: str) -> str:
 
 def cells_of_test(test: Plain) -> dict[str, str]:
     """The cells of one chi-square, from the document of a comparison."""
+    shown = test["within"] is not None and test["verdict"] == "agrees"
     return {
         "observable": test["observable"],
         "time": "all" if test["time"] is None else f"{test['time']:.4g}",
@@ -105,6 +110,7 @@ def cells_of_test(test: Plain) -> dict[str, str]:
         "dof": str(test["dof"]),
         "p_value": f"{test['p_value']:.2g}",
         "sigmas": f"{test['sigmas']:.1f}",
+        "within": f"{test['within']:.2%}" if shown else "",
         "verdict": test["verdict"],
     }
 
@@ -133,15 +139,22 @@ def parameter_text(parameter: Plain) -> str:
 
 
 def tables(result: Comparison) -> str:
-    """Parameters, tests, averages over time, densities that do not agree, and explanations."""
+    """The answer, parameters, tests, averages over time, odd bins, and explanations.
+
+    Lines of WIDTH columns at most.
+    """
     document = result.document()
-    parts = [result.summary, *(f"note: {warning}" for warning in result.warnings)]
-    told = [f"{name}: {parameter_text(p)}" for name, p in document["parameters"].items()]
+    parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
+    told = [_wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
     told.append(f"start: {result.initial}")
     told.append(f"errors: from {result.groups} groups, by {result.grouping}")
     parts.append("\n".join(told))
-    names: tuple[str, ...] = ("observable", "time", "chi_square", "dof", "p_value", "verdict")
-    heads: tuple[str, ...] = ("chi-square", "t [d/U]", "value", "dof", "p", "verdict")
+    names: tuple[str, ...] = (
+        "observable", "time", "chi_square", "dof", "p_value", "within", "verdict",
+    )  # fmt: skip
+    heads: tuple[str, ...] = (
+        "chi-square", "t [d/U]", "value", "dof", "p", "better than", "verdict",
+    )  # fmt: skip
     parts.append(_table(names, heads, map(cells_of_test, document["tests"])))
     shown = [r for r in document["rows"] if r["low"] is None or r["verdict"] != "agrees"]
     names = ("observable", "time", "bin", "value", "theory", "sigmas", "verdict")
@@ -151,9 +164,14 @@ def tables(result: Comparison) -> str:
         text += f"\n({hidden} bins of densities that agree are left out; --json has them)"
     parts.append(text)
     parts += [
-        f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}" for item in result.explanations
+        _wrapped(f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}")
+        for item in result.explanations
     ]
     return "\n\n".join(parts)
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _table(names: Sequence[str], heads: Sequence[str], lines: Iterable[Mapping[str, str]]) -> str:

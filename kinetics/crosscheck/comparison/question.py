@@ -4,7 +4,8 @@
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
-from kinetics.crosscheck.comparison.fit import Fit, Unknown, choose_components, fit
+from kinetics.crosscheck.comparison.fit import (
+    SECOND_MOMENTS,
+    Fit,
+    Model,
+    Unknown,
+    components_of,
+    fit,
+)
 from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
 from kinetics.crosscheck.comparison.sample import R2, N, Sample
@@ -27,10 +35,11 @@ from kinetics.crosscheck.comparison.theory import (
     SPEED,
     Expectation,
     SampledStart,
+    System,
     solved,
 )
 from kinetics.errors import InputError
-from kinetics.validation import check_positive, check_restitution, one_of, refuse
+from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -52,7 +61,7 @@ _LONGEST_PATH = 1e9
 
 
 def compare_data(
-    data: "str | PathLike[str] | Sequence[str | PathLike[str]] | Ensemble | Sample",
+    data: "str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Ensemble | Sample | Any",
     restitution: float | None = None,
     number_density: float | None = None,
     initial: str = "auto",
@@ -60,17 +69,28 @@ def compare_data(
     speed_unit: float | str = 1.0,
     diameter: float = 1.0,
     explain: bool = True,
+    time_unit: float | None = None,
+    columns: Mapping[str, str] | None = None,
+    timestep: float | None = None,
+    tangential_restitution: float | None = None,
 ) -> Comparison:
     """Compare particle data with the kinetic equation, as `lorentz compare` does.
 
+    It is also `kinetics.compare`.
+
     Parameters
     ----------
-    data : a file, several files (see data.columns.FORMATS), a run of `simulate`, or a Sample
+    data : a file, several files (see data.columns.FORMATS), a DataFrame or a dictionary of arrays
+        with columns time, x, y, vx, vy and, where known, tracer and medium, (n,) each, a run of
+        `simulate`, or a Sample
     restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
     number_density : in the data's unit of length to the power -2; None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
         these that the speeds at time 0 allow; a Gaussian, where there are none
-    positions, speed_unit, diameter : of files, see data.read.read_sample
+    positions, speed_unit, diameter, time_unit, columns, timestep : of files and of columns in
+        memory, see data.read.read_sample
+    tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
+        runs in space, averages are compared and densities are not
     explain : test what may explain a difference, and prepare figures; False is quicker
 
     Raises
@@ -80,24 +100,51 @@ def compare_data(
     """
     if number_density is not None:
         number_density = check_positive("number_density", number_density)
-    if isinstance(data, (str, PathLike)):
-        data = [data]
-    if isinstance(data, list | tuple) and all(isinstance(x, (str, PathLike)) for x in data):
+    sources = _sources(data)
+    if sources is not None:
         from kinetics.crosscheck.comparison.data.read import read_sample
 
         diameter = check_positive("diameter", diameter)
-        data = read_sample([Path(path) for path in data], positions, speed_unit, diameter)
+        data = read_sample(
+            sources, positions, speed_unit, diameter, False, time_unit, columns, timestep
+        )
         if number_density is not None:
             number_density = in_diameters(number_density, diameter)
     elif not isinstance(data, Sample):
         from particles import Ensemble
 
         if not isinstance(data, Ensemble):
-            refuse("data", data, "it must be a file, several files, a run of simulate or a Sample")
+            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
         from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 
         data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
+    if tangential_restitution is not None:
+        data = with_tangential(data, tangential_restitution)
     return compare_sample(data, restitution, number_density, initial, explain)
+
+
+def with_tangential(sample: Sample, tangential_restitution: float) -> Sample:
+    """The sample, compared with the law of this tangential restitution."""
+    allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
+    name = "tangential_restitution"
+    checked = real_number(name, tangential_restitution, 0.0, 1.0, allowed)
+    return replace(sample, law=replace(sample.law, tangential_restitution=checked))
+
+
+def _sources(data: Any) -> list[Any] | None:
+    """Files as paths and columns as tables; None for what is neither."""
+    from kinetics.crosscheck.comparison.data.columns import Table
+
+    if isinstance(data, list | tuple):
+        every = [_sources(one) for one in data]
+        return None if None in every else [one for found in every if found for one in found]
+    if isinstance(data, str | PathLike):
+        return [Path(data)]
+    if isinstance(data, Mapping):
+        return [Table(data)]
+    if hasattr(data, "columns") and hasattr(data, "iloc"):  # a DataFrame
+        return [Table({name: data[name].to_numpy() for name in data.columns})]
+    return None
 
 
 def in_diameters(number_density: float, diameter: float) -> float:
@@ -126,33 +173,32 @@ def compare_sample(
     if restitution is not None:
         restitution = check_restitution(restitution)
     if number_density is not None:
-        path = 1 / (2 * check_positive("number_density", number_density))
+        path = sample.law.free_path(check_positive("number_density", number_density))
     start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
     found = None
     if restitution is None or path is None:
-        found = _fitted(sample, restitution, path, start)
+        found = fitted_to(sample, restitution, path, start)
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
-    solution = solved(restitution, path, start, sample.times, AVERAGES, RTOL)
-    densities = _densities(restitution, path, start, sample)
+    system = System(restitution, path, start, sample.law)
+    solution = solved(system, sample.times, AVERAGES, RTOL)
+    densities = _densities(system, sample) if sample.law.smooth_disks else {}
     return compare(solution, sample, explain, densities, found)
 
 
-def _densities(
-    restitution: float, path: float, start: Any, sample: Sample
-) -> "dict[str, Solution]":
+def _densities(system: System, sample: Sample) -> "dict[str, Solution]":
     """The densities by name, that of the displacement at late times and from a named start."""
     from kinetics import SolverStatus
 
     times = sample.times[histogram_times(sample)]
     found = {}
     if times.size:
-        found[SPEED] = solved(restitution, path, start, times, (SPEED,), DENSITY_RTOL)
-    late = times[times > COLLISIONS_BEFORE * path][-DISPLACEMENT_TIMES:]
+        found[SPEED] = solved(system, times, (SPEED,), DENSITY_RTOL)
+    late = times[times > COLLISIONS_BEFORE * system.free_path][-DISPLACEMENT_TIMES:]
     # From hundreds of single speeds it would take long.
-    if late.size and not isinstance(start, SampledStart):
-        known = solved(restitution, path, start, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+    if late.size and not isinstance(system.start, SampledStart):
+        known = solved(system, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
             found[DISPLACEMENT] = known
     return found
@@ -177,14 +223,17 @@ def _start(sample: Sample, initial: str) -> Any:
 
 
 def gaussian_p_value(sample: Sample) -> float:
-    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4."""
+    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4.
+
+    In space 3 U^2 and 15 U^4.
+    """
     expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
-    data = expectation.values[:, 0] - [np.sqrt(2), 0.0]
+    data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])
     return 0.0 if result is None else result.p_value
 
 
-def _fitted(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
+def fitted_to(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
     """Restitution and ln l, whichever is None, by a fit. InputError where the data cannot tell."""
     unknowns = []
     if restitution is None:
@@ -199,17 +248,20 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
-    components = choose_components(usable, groups, len(unknowns))
-    if components.size < len(unknowns) or groups < len(unknowns) + 3:
+    components = components_of(AVERAGES, usable, groups, len(unknowns))
+    if components.tested.size < len(unknowns) or groups < len(unknowns) + 3:
         raise InputError(
             f"data: {wanted} cannot be found in so few times and groups "
             f"({groups} groups); give --restitution and --number-density"
         )
 
-    def model(at: Array) -> tuple[Array, Array]:
-        e = float(at[0]) if restitution is None else restitution
-        length = float(np.exp(at[-1])) if path is None else path
-        return expectation.theory(e, length, start)
+    def model_of(expectation: Expectation) -> Model:
+        def model(at: Array) -> tuple[Array, Array]:
+            e = float(at[0]) if restitution is None else restitution
+            length = float(np.exp(at[-1])) if path is None else path
+            return expectation.theory(e, length, start)
+
+        return model
 
     guess = _early_log_path(sample)
     starts: list[list[float]] = [[e] for e in _SCAN]
@@ -217,7 +269,14 @@ def _fitted(sample: Sample, restitution: float | None, path: float | None, start
         starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
         if restitution is None:
             starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-    found = fit(unknowns, model, (expectation.values, expectation.replicates), components, starts)
+    if components.logarithms:  # without the others, which cost more, until the place is known
+        second = Expectation(sample, SECOND_MOMENTS)
+        mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
+        only = components_of(SECOND_MOMENTS, mine, groups, len(unknowns))
+        near = fit(unknowns, model_of(second), (second.values, second.replicates), only, starts)
+        starts = starts if near is None else [near.values.tolist()]
+    data = expectation.values, expectation.replicates
+    found = fit(unknowns, model_of(expectation), data, components, starts)
     if found is None or not np.all(np.isfinite(found.errors)):
         raise InputError(f"data: {wanted} could not be fitted; give it as an option")
     return found

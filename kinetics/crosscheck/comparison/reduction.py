@@ -6,7 +6,8 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.crosscheck.comparison.data.labels import Repeats
-from kinetics.crosscheck.comparison.sample import Binned, Sample, StartBins
+from kinetics.crosscheck.comparison.sample import Binned, Flights, Sample, StartBins
+from kinetics.crosscheck.comparison.units import straight_flights
 from kinetics.errors import InputError
 
 MOST_GROUPS = 251
@@ -54,6 +55,7 @@ class Reduction:
         self._start_counts = np.zeros((MOST_GROUPS, _START_BINS + 2), np.int64)
         self._start_powers = np.zeros((2, _START_BINS + 2))
         self._repeats = Repeats()
+        self._flights: Flights | None = None
 
     def add(self, rows: Rows, file: int = 0) -> None:
         """Add a piece; labels of different files are different tracers and configurations.
@@ -128,10 +130,20 @@ class Reduction:
             first = np.flatnonzero(np.abs(rows.time - t) <= SAME_TIME * t)[:10_000]
             self._speed_scale[k] = _root_mean_square(rows.vx[first], rows.vy[first])
             self._length_scale[k] = _root_mean_square(rows.x[first], rows.y[first])
+            self._look_for_flights(float(t), rows, first)
         self._times = np.concatenate([self._times, new])
         room = np.zeros((new.size, HISTOGRAM_GROUPS, BINS + 2), np.int32)
         self._speeds = np.concatenate([self._speeds, room])
         self._displacements = np.concatenate([self._displacements, room])
+
+    def _look_for_flights(self, time: float, rows: Rows, first: Any) -> None:
+        """Keep the time at which most tracers still fly straight."""
+        distance, speed = (
+            np.hypot(a[first], b[first]) for a, b in ((rows.x, rows.y), (rows.vx, rows.vy))
+        )
+        found = straight_flights(time, distance, speed)
+        if found and (self._flights is None or found.share > self._flights.share):
+            self._flights = found
 
     def _groups(self, rows: Rows, at: Any, file: int) -> Any:
         label = rows.medium if self.grouping == "medium" else rows.tracer
@@ -175,6 +187,7 @@ class Reduction:
             start=start,
             at_rest=self._at_rest[:count],
             grouping=self.grouping,
+            flights=self._flights,
         ).at(np.argsort(self._times))
 
 

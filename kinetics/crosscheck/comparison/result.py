@@ -3,13 +3,14 @@
 import json
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from html import escape
 from typing import Any, NamedTuple, Self
 
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
+from kinetics.errors import InputError
 from kinetics.frozen import FrozenDict
 from kinetics.values import Value
 
@@ -101,8 +102,10 @@ class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
     The p-value holds although the same tracers stand behind several rows. `groups` independent
-    groups gave the covariance, None where it is known. `rows` of the observable entered. `verdict`
-    looks at the p-value times the number of tests, as `sigmas` of a Gaussian.
+    groups gave the covariance, None where it is known. Every time of the observable entered.
+    `verdict` looks at the p-value times the number of tests, as `sigmas` of a Gaussian, and, for
+    an average, also at the time that differs most. `within` is the relative difference that the
+    data exclude at every time, at 95 % (of 1 + a2 for a2); None for a density.
     """
 
     observable: str
@@ -113,13 +116,17 @@ class ComparisonTest:
     groups: int | None
     sigmas: float
     verdict: Verdict
+    within: float | None = None
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the theory needed: given (error None) or found in the data."""
+    """A number that the theory needed: given (error None) or found in the data.
 
-    value: float
+    value is None where it was fitted and the model does not fit; the source then says so.
+    """
+
+    value: float | None
     error: float | None
     source: str
 
@@ -128,9 +135,10 @@ class Parameter:
 class Explanation:
     """Something that may explain a difference, compared with the data.
 
-    outcome: "explains" (the rest agrees), "in part" (the chi-square falls by 16 and by a tenth at
-    least), "does not", "noted" (a fact about data or theory; `tested` is then False) or "found" (an
-    effect that the data show by itself). `chi_square_before` and `_after` are of all averages.
+    outcome: "explains" (the rest agrees, and no other hypothesis is much likelier), "in part" (the
+    chi-square falls by 16 and by a tenth at least), "does not", "noted" (a fact about data or
+    theory; `tested` is then False) or "found" (an effect that the data show by itself).
+    `chi_square_before` and `_after` are of all averages. `headline` is what the summary says of it.
     """
 
     name: str
@@ -143,6 +151,7 @@ class Explanation:
     chi_square_after: float | None = None
     dof: int | None = None
     p_value: float | None = None
+    headline: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -203,6 +212,23 @@ class Comparison(Value):
         data = {name: parts.pop(name) for name in _OF_THE_DATA}
         title = f"{', '.join(self.names)}: compared with the kinetic equation"
         return {"schema": SCHEMA, "title": title, "data": data} | parts
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
+        return self.document()
+
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas DataFrame, a column for each field of ComparisonRow.
+
+        InputError without pandas, which is no dependency of this package.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise InputError("to_dataframe: needs pandas, which is not installed") from None
+        names = [one.name for one in fields(ComparisonRow)]
+        table = [[getattr(row, name) for name in names] for row in self.rows]
+        return pandas.DataFrame(table, columns=names).astype({"verdict": str})
 
     def to_json(self) -> str:
         """The document as strict JSON."""

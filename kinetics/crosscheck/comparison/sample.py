@@ -5,6 +5,7 @@ configuration (or several), or, where configurations are unknown, a number of tr
 every standard error and every covariance is the spread over groups.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -58,6 +59,40 @@ class StartBins:
         return np.asarray(self.by_group.sum(axis=0))
 
 
+@dataclass(frozen=True)
+class Law:
+    """What the collision law has beside the restitution: smooth disks in the plane, if not told."""
+
+    tangential_restitution: float = 1.0
+    dimension: int = 2
+
+    @property
+    def smooth_disks(self) -> bool:
+        """Whether densities can be solved, which the solver does for this law alone."""
+        return self == Law()
+
+    @property
+    def gaussian(self) -> float:
+        """<v^4>/<v^2>^2 of a Gaussian: 2 in the plane, 5/3 in space."""
+        return (self.dimension + 2) / self.dimension
+
+    def free_path(self, density: float) -> float:
+        """Mean free path in d at a number density in d^-2 (d^-3 in space); and the other way."""
+        return 1 / ((2.0 if self.dimension == 2 else math.pi) * density)
+
+
+@dataclass(frozen=True)
+class Flights:
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+
+    share: of all tracers at that time. The ratio is 1 where units belong together.
+    """
+
+    time: float
+    ratio: float
+    share: float
+
+
 @dataclass(frozen=True, eq=False)
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
@@ -72,6 +107,8 @@ class Sample:
     start : the speeds at time 0, None without one
     at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer" or "row"
+    law : tangential restitution and dimension
+    flights : tracers that have flown straight, None if there are too few or it is unknown
     capped : collisions after which tracers were stopped, None if unknown or never
     free : known to be without recollisions (Boltzmann-Grad particles)
     warnings : what the reader should know, a sentence each
@@ -88,6 +125,8 @@ class Sample:
     start: StartBins | None
     at_rest: Counts
     grouping: str
+    law: Law = Law()
+    flights: Flights | None = None
     capped: int | None = None
     free: bool = False
     warnings: tuple[str, ...] = field(default=())
@@ -103,21 +142,29 @@ class Sample:
         """Tracers at each time, (n_times,)."""
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
-    def rescaled(self, speed: float, length: float) -> "Sample":
-        """The sample with U = `speed` and d = `length` in the units that it had."""
+    def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
+        """The sample with U = `speed`, d = `length` and d/U = `time` in the units that it had.
+
+        time: None is length/speed.
+        """
+        factor = speed / length if time is None else 1 / time
 
         def binned(found: Binned | None, unit: float) -> Binned | None:
             return None if found is None else replace(found, edges=found.edges / unit)
 
-        start, told = self.start, dict(self.told)
+        start, told, flights = self.start, dict(self.told), self.flights
+        if flights is not None:
+            ratio = flights.ratio * speed / length / factor
+            flights = replace(flights, time=flights.time * factor, ratio=ratio)
         if start is not None:
             start = replace(start, squares=start.squares / speed**2)
         if "number_density" in told:
-            told["number_density"] *= length**2
+            told["number_density"] *= length**self.law.dimension
         return replace(
             self,
             told=told,
-            times=self.times * speed / length,
+            flights=flights,
+            times=self.times * factor,
             speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
             speeds=binned(self.speeds, speed),

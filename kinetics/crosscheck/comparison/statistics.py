@@ -2,11 +2,12 @@
 
 `d` is a vector of differences between data and theory, `replicates` the same vector with each of
 G independent groups left out in turn. Its covariance C is their jackknife spread. With p
-components T^2 = d C^-1 d is the chi-square; because C is an estimate it is spread more widely than
-chi-square's law, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
+components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate T^2 is
+spread more widely, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
 degrees of freedom (Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same
 tracers followed over many times are thus counted once, and not once per time. Hotelling's law is
-that of Gaussian groups; for others G is replaced by `effective_groups`.
+that of Gaussian groups; for others G is replaced by `effective_groups`. What is reported is the
+chi-square that has the p-value of T^2, so that value, degrees of freedom and p belong together.
 """
 
 from dataclasses import dataclass
@@ -24,12 +25,17 @@ _SMALLEST_EIGENVALUE = 1e-9
 
 @dataclass(frozen=True)
 class ChiSquare:
-    """A chi-square, its degrees of freedom and p-value; groups behind it, None if exact."""
+    """A chi-square, its degrees of freedom, and the p-value that the chi-square law gives them.
+
+    groups: independent groups that the covariance was estimated from, None if it is exact;
+    statistic: then T^2 as it is (see above), by which hypotheses are compared with one another.
+    """
 
     value: float
     freedom: int
     p_value: float
     groups: int | None
+    statistic: float
 
 
 def errors(replicates: Array) -> Array:
@@ -82,9 +88,10 @@ def whitening(matrix: Array) -> Array:
 
 
 def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
-    """Chi-square of a difference (p,) with its replicates (G, p); None without freedom."""
-    from scipy.special import betainc
+    """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
+    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value.
+    """
     groups = len(replicates)
     if difference.size == 0:
         return None
@@ -93,12 +100,46 @@ def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
     freedom = white.size
     if freedom == 0 or groups <= freedom:
         return None
-    value = float(white @ white)
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
     # The F-distribution's upper tail by the incomplete beta function.
-    tail = 1 / (1 + value / (effective - 1))
-    p = float(betainc((effective - freedom) / 2, freedom / 2, tail))
-    return ChiSquare(value, freedom, p, groups)
+    statistic = float(white @ white)
+    tail = 1 / (1 + statistic / (effective - 1))
+    log_p = _log_betainc((effective - freedom) / 2, freedom / 2, tail)
+    value = 2 * _inverse_log_gammaincc(freedom / 2, log_p)
+    return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
+
+
+_SMALLEST_LOG = -600.0
+"""Logarithm of a p-value down to which SciPy's functions and their inverses are used."""
+
+
+def _log_betainc(a: float, b: float, x: float) -> float:
+    """Logarithm of the regularised incomplete beta function, also where it is below 1e-308."""
+    from scipy.special import betainc, betaln
+
+    found = float(betainc(a, b, x))
+    if found > np.exp(_SMALLEST_LOG):
+        return float(np.log(found))
+    # The series in x begins with 1 + x (a + b)/(a + 1), and x is tiny here unless a is large.
+    term, total, k = 1.0, 1.0, 0
+    while term > 1e-12 * total and k < 10_000:
+        term *= x * (a + b + k) / (a + 1 + k)
+        total += term
+        k += 1
+    return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(total))
+
+
+def _inverse_log_gammaincc(s: float, log_q: float) -> float:
+    """The z at which log Q(s, z) is log_q, Q the regularised upper incomplete gamma function."""
+    from scipy.special import gammainccinv, gammaln
+
+    if log_q > _SMALLEST_LOG:
+        return float(gammainccinv(s, np.exp(log_q)))
+    z = -log_q
+    for _ in range(60):  # Q = z^(s-1) e^-z / Gamma(s) (1 + (s-1)/z + (s-1)(s-2)/z^2 + ...)
+        more = (s - 1) / z * (1 + (s - 2) / z)
+        z = -log_q - float(gammaln(s)) + (s - 1) * np.log(z) + np.log1p(more)
+    return float(z)
 
 
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
@@ -113,7 +154,7 @@ def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSq
         return None
     value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
     freedom = counts.size - 1
-    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None)
+    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)
 
 
 def gaussian_sigmas(p_value: float) -> float:

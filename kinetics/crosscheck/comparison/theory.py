@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, N, Sample, StartBins
+from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, Law, N, Sample, StartBins
+from kinetics.errors import InputError
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
@@ -43,28 +44,44 @@ class SampledStart(State):
         return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
 
 
-def solved(
-    restitution: float,
-    free_path: float,
-    initial: Any,
-    times: Array,
-    outputs: Sequence[str],
-    rtol: float,
-) -> "Solution":
-    """The solution of a scene with a mean free path l (in d) instead of a density."""
+class System(NamedTuple):
+    """What is solved: restitution, mean free path in d, initial state, and the rest of the law."""
+
+    restitution: float
+    free_path: float
+    start: Any
+    law: Law = Law()
+
+
+def solved(system: System, times: Array, outputs: Sequence[str], rtol: float) -> "Solution":
+    """The solution of a scene with a mean free path instead of a density."""
     from kinetics import Scene, solve
 
+    law = system.law
     scene = Scene(
-        restitution=restitution,
-        number_density=1 / (2 * free_path),
-        initial=initial,
+        restitution=system.restitution,
+        number_density=law.free_path(system.free_path),
+        initial=system.start,
         times=times,
         outputs=tuple(outputs),
+        tangential_restitution=law.tangential_restitution,
+        dimension=law.dimension,
     )
     return solve(scene, rtol=rtol)
 
 
-def observed(sums: Array, speed_scale: Any, length_scale: Any, names: Sequence[str]) -> Array:
+def system_of(solution: "Solution") -> System:
+    """What a solution is of; InputError for a law without coefficients of restitution."""
+    scene = solution.scene
+    if scene.tangential_restitution is None:
+        raise InputError("solution: its law has no coefficients of restitution to compare with")
+    law = Law(scene.tangential_restitution, scene.dimension)
+    return System(scene.restitution, scene.mean_free_path, scene.initial, law)
+
+
+def observed(
+    sums: Array, speed_scale: Any, length_scale: Any, names: Sequence[str], law: Law
+) -> Array:
     """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
 
     In units of U and d; the scales (n_times,) are those of the sums.
@@ -75,7 +92,7 @@ def observed(sums: Array, speed_scale: Any, length_scale: Any, names: Sequence[s
         n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
         values = {
             "thermal_speed": lambda: speed_scale * np.sqrt(v2 / n),
-            "a2": lambda: v4 * n / (2 * v2**2) - 1,
+            "a2": lambda: v4 * n / (law.gaussian * v2**2) - 1,
             "msd": lambda: length_scale**2 * r2 / n,
             "kurtosis": lambda: r4 * n / r2**2,
         }
@@ -92,9 +109,10 @@ class Expectation:
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
         self.sample, self.names = sample, tuple(names)
         total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
-        self.values = observed(total, *scales, names)
+        law = sample.law
+        self.values = observed(total, *scales, names, law)
         with np.errstate(invalid="ignore"):
-            self.replicates = observed(total - sample.sums, *scales, names)
+            self.replicates = observed(total - sample.sums, *scales, names, law)
         self._last: tuple[tuple[float, float, Any], tuple[Array, Array]] | None = None
 
     def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
@@ -104,7 +122,8 @@ class Expectation:
             if isinstance(initial, SampledStart):
                 found = self._from_start(restitution, free_path)
             else:
-                solution = solved(*asked, self.sample.times, self.names, RTOL)
+                system = System(*asked, self.sample.law)
+                solution = solved(system, self.sample.times, self.names, RTOL)
                 values = np.stack([getattr(solution, name) for name in self.names])
                 found = values, values
             self._last = (asked, found)
@@ -114,9 +133,8 @@ class Expectation:
         """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
         assert self.sample.start is not None
         start, times = self.sample.start, self.sample.times
-        moments = _one_speed(
-            restitution, free_path, self.names, np.sqrt(start.squares)[:, None] * times
-        )
+        system = System(restitution, free_path, "monoenergetic", self.sample.law)
+        moments = _one_speed(system, self.names, np.sqrt(start.squares)[:, None] * times)
         # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
         v2, flatness = start.squares[:, None], start.flatness[:, None]
         powers: dict[int, Any] = {V2: v2, V4: flatness * v2**2, R2: 1.0, R4: flatness}
@@ -127,20 +145,18 @@ class Expectation:
             sums = np.empty((*weights.shape[:-1], times.size, 5))
             sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
             sums[..., N] = weights.sum(axis=-1)[..., None]
-            return observed(sums, 1.0, 1.0, self.names)
+            return observed(sums, 1.0, 1.0, self.names, self.sample.law)
 
         return averaged(total.astype(float)), averaged((total - start.by_group).astype(float))
 
 
-def _one_speed(
-    restitution: float, free_path: float, names: Sequence[str], times: Array
-) -> dict[int, Array]:
+def _one_speed(system: System, names: Sequence[str], times: Array) -> dict[int, Array]:
     """<v^2>, <v^4>, <r^2>, <r^4> from speed 1 at any times: arrays of the shape of `times`."""
     flat, back = np.unique(times, return_inverse=True)
     wanted = ["thermal_speed", "a2", "msd", *(("kurtosis",) if "kurtosis" in names else ())]
-    found = solved(restitution, free_path, "monoenergetic", flat, wanted, RTOL)
+    found = solved(system, flat, wanted, RTOL)
     v2, r2 = found.thermal_speed**2, found.msd
-    v4 = 2 * (1 + found.a2) * v2**2
+    v4 = system.law.gaussian * (1 + found.a2) * v2**2
     r4 = np.zeros(flat.size)
     if "kurtosis" in names:
         r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2

@@ -79,7 +79,7 @@ def test_every_double_comes_back_to_its_last_bit(tmp_path: Path) -> None:
         ("", "is empty"),
         ("# nothing\n\n", "is empty"),
         ("time,x,y,vx\n", "column 'vy' is missing"),
-        ("time,x,y,vx,v_y\n", "is 'v_y' meant?"),
+        ("time,x,y,vx,v-y\n", "is 'v-y' meant? Say so by --columns"),
         ("time,x,y,vx,vy,x\n", "column 'x' stands 2 times"),
         ("time,x,y,vx,vy\n", "has no rows"),
         (GOOD + "1,2,3,4\n", "line 3 has 4 columns; 5 are named"),

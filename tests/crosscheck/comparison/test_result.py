@@ -69,7 +69,7 @@ def test_it_survives_a_pickle_and_a_file(result: Comparison, tmp_path: Path) -> 
 def test_it_is_shown_with_the_answer_first(result: Comparison) -> None:
     lines = repr(result).splitlines()
     assert 3 < len(lines) <= 10
-    assert lines[0].startswith("Comparison: differs. 2000 tracers at 4 times")
+    assert lines[0].startswith("Comparison: differs. They differ; l = 12.5")
     assert max(map(len, lines)) <= 100
     assert any(line.startswith("  thermal_speed: chi-square ") for line in lines)
     many = replace(result, tests=result.tests * 9, summary="a long summary " * 90)

@@ -1,4 +1,7 @@
-"""Columns that are arrays: one one-dimensional array per column, all of one length."""
+"""Columns that are arrays: one one-dimensional array per column, all of one length.
+
+Or arrays of frames: times (n_times,), positions and velocities (n_times, n_tracers, 2).
+"""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -9,17 +12,66 @@ import numpy as np
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
+    Asked,
     Rows,
+    Table,
+    find_columns,
     first_not_finite,
     shown,
 )
+from kinetics.crosscheck.comparison.data.frames import rows_of
 from kinetics.errors import InputError
 
+FRAMES = ("times", "positions", "velocities")
+"""The names of arrays of frames."""
 PIECE = 500_000
 """Rows that are in memory at once: 28 MB of seven columns."""
 
 
-def read_pieces(path: Path, columns: Mapping[str, Any]) -> Iterator[Rows]:
+def read_table(table: Table, asked: Asked) -> Iterator[Rows]:
+    """The rows of columns in memory: of a dictionary of arrays, or a DataFrame's."""
+    names = list(table.columns)
+    if set(FRAMES) <= set(names):
+        parts = {name: np.asarray(table.columns[name]) for name in FRAMES}
+        yield from read_frames(table.name, parts)
+        return
+    found = find_columns(table.name, [str(name) for name in names], asked)
+    columns = {name: np.asarray(table.columns[names[k]]) for name, k in found.items()}
+    for name in LABELS:
+        if name in columns and columns[name].dtype.kind not in "iuf":  # texts
+            columns[name] = np.unique(columns[name].astype(str), return_inverse=True)[1]
+    yield from read_pieces(table.name, columns)
+
+
+def read_frames(path: Path | str, parts: Mapping[str, Any]) -> Iterator[Rows]:
+    """The rows of arrays of frames; the k-th of each frame is the same tracer.
+
+    Each array has a dtype, a shape, and parts array[k, start:stop], which are asked for one after
+    another.
+    """
+    where = shown(path)
+    for name, array in parts.items():
+        if array.dtype.kind not in "iuf" or array.dtype.itemsize > 8:
+            raise InputError(
+                f"{where}: array {name!r} is of type {array.dtype}; needed are numbers"
+            )
+    times, positions, velocities = (parts[name] for name in FRAMES)
+    shape = positions.shape
+    if len(shape) != 3 or shape[2] != 2 or velocities.shape != shape or times.shape != shape[:1]:
+        raise InputError(
+            f"{where}: times, positions, velocities have shapes {times.shape}, {shape}, "
+            f"{velocities.shape}; they must be (n_times,) and twice (n_times, n_tracers, 2)"
+        )
+    for k, time in enumerate(np.asarray(times[:], float).tolist()):
+        if not np.isfinite(time):
+            raise InputError(f"{where}: times holds {time}; every value must be a finite number")
+        for start in range(0, shape[1], PIECE):
+            part = slice(start, min(start + PIECE, shape[1]))
+            place, velocity = (np.asarray(a[k, part], float) for a in (positions, velocities))
+            yield rows_of(where, time, place, velocity, np.arange(part.start, part.stop))
+
+
+def read_pieces(path: Path | str, columns: Mapping[str, Any]) -> Iterator[Rows]:
     """The rows of columns in pieces; InputError for arrays that are no columns of numbers.
 
     Each column has a dtype, a shape, and parts column[start:stop], which are asked for one after

@@ -17,6 +17,7 @@ from pyarrow import csv as arrow_csv
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     NUMBERS,
+    Asked,
     Rows,
     find_columns,
     first_not_finite,
@@ -31,11 +32,12 @@ _SEPARATORS = ",;\t"
 _REMARK = re.compile(rb"^[ \t\r]*(#.*)?$", re.MULTILINE)
 _WHOLE = re.compile(r"[+-]?[0-9]{1,19}")
 _WHOLE_AS_FLOAT = re.compile(r"[+-]?[0-9]+\.[0-9]*([eE][+-]?0?[0-9])?")  # numpy.savetxt's 1.0e+01
+_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+([eE][+-]?[0-9]+)?")
 _FIRST_TEXT = 2**62
 """Texts are numbered from here on; whole numbers below are labels as they stand."""
 
 
-def read(path: Path) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows]:
     """The rows of a file whose first line names its columns.
 
     Separated by commas, semicolons or tabs, whichever the first line has; blank lines and lines
@@ -49,7 +51,7 @@ def read(path: Path) -> Iterator[Rows]:
                 raise InputError(f"{shown(path)}: is empty; its first line must name the columns")
             header = _header(path, raw)
             line += 1
-        table = _Table(path, header)
+        table = _Table(path, header, asked)
         while text := file.read(BLOCK):
             end = file.readline(_LONGEST_LINE)  # only whole lines are parsed
             if len(end) == _LONGEST_LINE:
@@ -65,17 +67,28 @@ def _header(path: Path, raw: bytes) -> str:
         raise InputError(f"{shown(path)}: is not text in UTF-8") from None
     # numpy.savetxt writes the names behind a #.
     bare = text.lstrip("#").strip()
-    return "" if text.startswith("#") and "time" not in bare.lower() else bare
+    return "" if text.startswith("#") and not _names_columns(bare) else bare
+
+
+def _names_columns(text: str) -> bool:
+    """Whether a line behind a # names the columns: it has a name of the time, and several words."""
+    words = re.split(r"[\s,;\"']+", text.lower())
+    return "time" in words or ("t" in words and len(words) > 4)
 
 
 class _Table:
     """Turns the lines of one file into rows; remembers the labels that are texts."""
 
-    def __init__(self, path: Path, header: str) -> None:
+    def __init__(self, path: Path, header: str, asked: Asked) -> None:
         self._path = path
         self._separator = max(_SEPARATORS, key=header.count)
         names = header.split(self._separator)
-        self._found = find_columns(path, names)
+        if all(_number_fault(name.strip()) == "" for name in names):
+            raise InputError(
+                f"{shown(path)}: has no header; its first line must name the columns, like "
+                "time,tracer,x,y,vx,vy"
+            )
+        self._found = find_columns(path, names, asked)
         known = {place: name for name, place in self._found.items()}
         self._columns = [known.get(k, str(k)) for k in range(len(names))]
         self._numbered = True  # every label so far is a whole number
@@ -164,5 +177,6 @@ def _number_fault(cell: str) -> str:
     try:
         value = float("" if "_" in cell else cell)
     except ValueError:
-        return f": {short(cell)} is not a number"
+        comma = "; numbers must have a decimal point, not a comma" if _COMMA.fullmatch(cell) else ""
+        return f": {short(cell)} is not a number{comma}"
     return "" if np.isfinite(value) else f": {short(cell)} is not a finite number"

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data.columns import Rows, shown
 from kinetics.crosscheck.comparison.reduction import Reduction
-from kinetics.crosscheck.comparison.sample import R4, Binned, Sample
+from kinetics.crosscheck.comparison.sample import R4, Binned, Law, Sample
 from kinetics.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,15 +47,16 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     """
     from particles import BoltzmannGrad
 
-    if ensemble.medium.dimension != 2 or ensemble.tangential_restitution != 1.0:
-        raise InputError(f"{name}: only runs of smooth disks in the plane can be compared")
+    if ensemble.field:
+        raise InputError(f"{name}: a run in a field cannot be compared")
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
         raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
     free = isinstance(ensemble.medium, BoltzmannGrad)
     stored = ensemble.arrays
-    if "raw/velocities" in stored and "raw/positions" in stored:
+    law = Law(ensemble.tangential_restitution, ensemble.medium.dimension)
+    if "raw/velocities" in stored and "raw/positions" in stored and law.dimension == 2:
         found = _from_tracers(ensemble, name, "tracer" if free else "medium")
     else:
         found = _from_sums(ensemble, name, times, free)
@@ -68,7 +69,7 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     }
     if plan.velocities is None:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
-    return replace(found, capped=plan.max_collisions, free=free, told=told)
+    return replace(found, capped=plan.max_collisions, free=free, told=told, law=law)
 
 
 def _from_tracers(ensemble: "Ensemble", name: str, grouping: str) -> Sample:

@@ -1,4 +1,4 @@
-"""HDF5: datasets `time`, `x`, ... of shape (n,) in the root of the file."""
+"""HDF5: datasets `time`, `x`, ... of shape (n,) in the root of the file, or H5MD."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,15 +6,22 @@ from typing import Any
 
 import h5py
 
-from kinetics.crosscheck.comparison.data.arrays import read_pieces
-from kinetics.crosscheck.comparison.data.columns import Rows, find_columns
+from kinetics.crosscheck.comparison.data.arrays import FRAMES, read_frames, read_pieces
+from kinetics.crosscheck.comparison.data.columns import Asked, Rows, find_columns
+from kinetics.crosscheck.comparison.data.h5md_files import is_h5md, read_file
 
 
-def read(path: Path) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows]:
     """The rows of an HDF5 file; data that lie in other files are not followed."""
     with h5py.File(path, "r") as file:
+        if is_h5md(file):
+            yield from read_file(path, file, asked)
+            return
         names = [name for name in file if _is_own_dataset(file, name)]
-        found = find_columns(path, names)
+        if set(FRAMES) <= set(names):
+            yield from read_frames(path, {name: file[name] for name in FRAMES})
+            return
+        found = find_columns(path, names, asked)
         yield from read_pieces(path, {name: file[names[place]] for name, place in found.items()})
 
 

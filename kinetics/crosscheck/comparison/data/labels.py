@@ -94,8 +94,13 @@ def _combined(columns: list[Any]) -> Any:
     return keys
 
 
+_WIDELY = 20.0
+"""Tracers that must have left the region of time 0, were positions not wrapped: then that none
+has is no chance."""
+
+
 class Origins:
-    """Where each tracer was at time 0."""
+    """Where each tracer was at time 0, and whether all of them stay in that region."""
 
     def __init__(self, pieces: list[tuple[Rows, int]]) -> None:
         """From the rows at time 0 and the number of their file, piece by piece."""
@@ -104,6 +109,9 @@ class Origins:
         self._x, self._y = (
             np.concatenate([getattr(rows, name) for rows, _ in pieces]) for name in "xy"
         )
+        places = np.stack([self._x, self._y])
+        self._low, self._high = places.min(axis=1), places.max(axis=1)
+        self._left, self._largest = False, 0.0
 
     def of(self, rows: Rows, file: int) -> tuple[Any, Any]:
         """x and y at time 0 of the tracer of each row, (n,) each; InputError if there is none."""
@@ -118,4 +126,28 @@ class Origins:
             raise InputError(
                 f"tracer {rows.tracer[lost[0]]} has no row at time 0; absolute positions need one"
             )
+        self._watch(np.stack([rows.x, rows.y]), np.stack([self._x[k], self._y[k]]))
         return self._x[k], self._y[k]
+
+    def _watch(self, places: Any, origins: Any) -> None:
+        """Whether any place is out of the region of time 0; mean squares of displacements."""
+        if not places.size:
+            return
+        # The farthest tracer is not quite at the edge of the region that they come from.
+        margin = 5 * (self._high - self._low) / self._x.size
+        away = np.abs(places.T - (self._low + self._high) / 2)
+        self._left = self._left or bool(np.any(away > (self._high - self._low) / 2 + margin))
+        mean_square = np.mean(np.sum((places - origins) ** 2, axis=0))
+        self._largest = max(self._largest, float(np.sqrt(mean_square)))
+
+    def check_not_wrapped(self) -> None:
+        """InputError where tracers move far, and yet none leaves the region of time 0."""
+        size = float((self._high - self._low).min())
+        if self._left or size <= 0 or self._x.size * self._largest < _WIDELY * size:
+            return
+        (x0, y0), (x1, y1) = self._low, self._high
+        raise InputError(
+            "positions look wrapped at the edges of a box: they stay within "
+            f"x = {x0:.4g} to {x1:.4g} and y = {y0:.4g} to {y1:.4g} at all times, though tracers "
+            f"move by {self._largest:.4g}; write unwrapped positions or displacements"
+        )

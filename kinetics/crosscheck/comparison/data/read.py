@@ -1,12 +1,20 @@
 """Files of particle data as one sample: how positions are meant, and what makes a group."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import LABELS, Rows, read_rows, shown
+from kinetics.crosscheck.comparison.data.columns import (
+    LABELS,
+    Asked,
+    Rows,
+    Table,
+    checked_columns,
+    read_rows,
+    shown,
+)
 from kinetics.crosscheck.comparison.data.ensemble_files import is_ensemble, read_ensemble
 from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
 from kinetics.crosscheck.comparison.reduction import Reduction
@@ -22,11 +30,14 @@ within the range of doubles."""
 
 
 def read_sample(
-    paths: Sequence[Path],
+    paths: Sequence[Path | Table],
     positions: str = "auto",
     speed_unit: float | str = 1.0,
     diameter: float = 1.0,
     show_progress: bool = False,
+    time_unit: float | None = None,
+    columns: Mapping[str, str] | None = None,
+    timestep: float | None = None,
 ) -> Sample:
     """One sample from files of columns (see `columns.FORMATS`), or from one file of an Ensemble.
 
@@ -34,7 +45,10 @@ def read_sample(
         they are places, from which the tracer's own place at time 0 is subtracted; needs a column
         `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin.
     speed_unit : U in the data's unit of speed; "data": from <v^2> = 2 U^2 at time 0
-    diameter : d in the data's unit of length; times are then divided by d/U
+    diameter : d in the data's unit of length
+    time_unit : d/U in the data's unit of time; None: diameter/speed_unit
+    columns : names of columns in the files by ours, {"time": "t_sim"}; see columns.ALIASES
+    timestep : the time of one step, for formats whose frames give steps
     show_progress : count the rows that have been read, on a terminal
 
     Lengths, speeds and times of an Ensemble file are known, and these three are not looked at.
@@ -48,19 +62,24 @@ def read_sample(
     diameter = check_positive("diameter", diameter)
     if not (isinstance(speed_unit, str) and speed_unit == "data"):
         speed_unit = check_positive("speed_unit", speed_unit)
-    if ensembles := [path for path in paths if is_ensemble(path)]:
+    if time_unit is not None:
+        time_unit = check_positive("time_unit", time_unit)
+    if timestep is not None:
+        timestep = check_positive("timestep", timestep)
+    asked = Asked(checked_columns(columns or {}), timestep)
+    if ensembles := [path for path in paths if isinstance(path, Path) and is_ensemble(path)]:
         if len(paths) > 1:
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
-        return read_ensemble(paths[0])
-    sample = _Files(paths, show_progress).sample(positions)
-    return _in_range(_scaled(sample, speed_unit, diameter))
+        return read_ensemble(ensembles[0])
+    sample = _Files(paths, asked, show_progress).sample(positions)
+    return _in_range(_scaled(sample, speed_unit, diameter, time_unit))
 
 
 class _Files:
     """Files of columns, read as often as it takes to know what their positions and groups are."""
 
-    def __init__(self, paths: Sequence[Path], show_progress: bool) -> None:
-        self._paths, self._show_progress = paths, show_progress
+    def __init__(self, paths: Sequence[Path | Table], asked: Asked, show_progress: bool) -> None:
+        self._paths, self._asked, self._show_progress = paths, asked, show_progress
         self._names = tuple(shown(path.name) for path in paths)
         self._labels: frozenset[str] = frozenset()
 
@@ -72,18 +91,20 @@ class _Files:
         bar = tqdm(disable=hidden, leave=False, unit=" rows", unit_scale=True)
         for number, path in enumerate(self._paths):
             count = 0
-            for rows in read_rows(path):
+            for rows in read_rows(path, self._asked):
                 found = frozenset(name for name in LABELS if getattr(rows, name) is not None)
                 if number == count == 0:
                     self._labels = found
                 elif found != self._labels:
                     odd = ", ".join(sorted(found ^ self._labels))
-                    raise InputError(f"{shown(path)}: column {odd} must be in all files or in none")
+                    raise InputError(
+                        f"{_where(path)}: column {odd} must be in all files or in none"
+                    )
                 count += rows.time.size
                 bar.update(rows.time.size)
                 yield number, rows
             if not count:
-                raise InputError(f"{shown(path)}: has no rows; at least two tracers are needed")
+                raise InputError(f"{_where(path)}: has no rows; at least two tracers are needed")
         bar.close()
 
     def sample(self, positions: str) -> Sample:
@@ -110,6 +131,10 @@ class _Files:
             warnings.append(said("one_configuration" if known else "unknown_configurations"))
         if grouping == "row":
             warnings.append(said("unknown_tracers"))
+        most, last = int(sample.samples.max()), int(np.argmin(sample.samples))
+        if sample.samples[last] < most:
+            count = most - int(sample.samples[last])
+            warnings.append(said("survivors", count=count, most=most, time=sample.times[last]))
         return replace(sample, warnings=tuple(warnings))
 
     def _reduced(self, grouping: str, origins: Origins | None) -> Reduction:
@@ -121,7 +146,12 @@ class _Files:
                     rows = replace(rows, x=rows.x - x, y=rows.y - y)
                 reduction.add(rows, number)
             except InputError as error:
-                raise InputError(f"{shown(self._paths[number])}: {error}") from None
+                raise InputError(f"{_where(self._paths[number])}: {error}") from None
+        if origins is not None:
+            try:
+                origins.check_not_wrapped()
+            except InputError as error:
+                raise InputError(f"{', '.join(self._names)}: {error}") from None
         return reduction
 
     def _origins(self) -> Origins:
@@ -148,6 +178,10 @@ class _Files:
         return Origins(pieces)
 
 
+def _where(path: Path | Table) -> str:
+    return path.name if isinstance(path, Table) else shown(path)
+
+
 def _in_range(sample: Sample) -> Sample:
     """The sample; InputError where fourth powers would overflow, or a start vanish."""
     start = 1.0 if sample.start is None else float(sample.speed_scale[0])
@@ -160,7 +194,9 @@ def _in_range(sample: Sample) -> Sample:
     return sample
 
 
-def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:
+def _scaled(
+    sample: Sample, speed_unit: float | str, diameter: float, time_unit: float | None
+) -> Sample:
     warnings, start = sample.warnings, sample.start
     if speed_unit == "data":
         if start is None:
@@ -171,4 +207,4 @@ def _scaled(sample: Sample, speed_unit: float | str, diameter: float) -> Sample:
             )
         speed_unit = float(np.sqrt(start.squares @ start.counts / start.counts.sum() / 2))
         warnings += (f"U is {speed_unit:.6g} of the data's unit, from <v²> at time 0.",)
-    return replace(sample.rescaled(float(speed_unit), diameter), warnings=warnings)
+    return replace(sample.rescaled(float(speed_unit), diameter, time_unit), warnings=warnings)

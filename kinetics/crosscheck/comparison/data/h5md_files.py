@@ -1,0 +1,137 @@
+"""H5MD: positions and velocities (n_times, n_tracers, 2 or 3) with their times, in HDF5.
+
+de Buyl, Colberg and Hoefling, Comput. Phys. Commun. 185, 1546 (2014); the layout is at nongnu.org.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.comparison.data.columns import Asked, Rows, shown
+from kinetics.crosscheck.comparison.data.frames import PIECE, rows_of
+from kinetics.errors import InputError
+
+
+def is_h5md(file: Any) -> bool:
+    """Whether an open HDF5 file says that it is H5MD."""
+    import h5py
+
+    return all(_is_own(file, name, h5py.Group) for name in ("h5md", "particles"))
+
+
+def read_file(path: Path, file: Any, asked: Asked) -> Iterator[Rows]:
+    """The rows of the only group of particles with positions and velocities.
+
+    Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
+    unwrapped by the element `image` where it stands.
+    """
+    import h5py
+
+    where, particles = shown(path), file["particles"]
+    names = [name for name in particles if _is_own(particles, name, h5py.Group)]
+    groups = [
+        name for name in names
+        if all(_is_own(particles[name], part, h5py.Group) for part in ("position", "velocity"))
+    ]  # fmt: skip
+    if len(groups) != 1:
+        found = ", ".join(groups) or "none"
+        raise InputError(
+            f"{where}: needs one group of particles with position and velocity; found are {found}"
+        )
+    group = particles[groups[0]]
+    position, velocity = (_value(where, group, name) for name in ("position", "velocity"))
+    if position.shape[:2] != velocity.shape[:2]:
+        raise InputError(f"{where}: position and velocity differ in shape")
+    times = _times(where, group["position"], position.shape[0], asked)
+    if not np.array_equal(times, _times(where, group["velocity"], position.shape[0], asked)):
+        raise InputError(f"{where}: position and velocity are given at different times")
+    image = _value(where, group, "image") if _is_own(group, "image", h5py.Group) else None
+    edges = _edges(where, group) if image is not None else None
+    for k, time in enumerate(times.tolist()):
+        for start in range(0, position.shape[1], PIECE):
+            part = slice(start, min(start + PIECE, position.shape[1]))
+            x = np.asarray(position[k, part], float)
+            if image is not None:
+                x = x + np.asarray(image[k, part], float) * edges
+            label = (
+                np.arange(part.start, part.stop)
+                if "id" not in group
+                else _ids(where, group, k, part)
+            )
+            yield rows_of(where, time, x, np.asarray(velocity[k, part], float), label)
+
+
+def _is_own(parent: Any, name: str, kind: type) -> bool:
+    """Whether a group has this member in its own file; links into other files are not followed."""
+    import h5py
+
+    return isinstance(parent.get(name, getlink=True), h5py.HardLink) and isinstance(
+        parent[name], kind
+    )
+
+
+def _dataset(where: str, parent: Any, name: str) -> Any:
+    """A dataset of numbers in this file; InputError for anything else."""
+    import h5py
+
+    if _is_own(parent, name, h5py.Dataset):
+        found = parent[name]
+        plain = found.dtype.kind in "iuf" and found.shape is not None
+        if plain and not found.is_virtual and not found.external:
+            return found
+    raise InputError(f"{where}: {parent.name}/{name} must be numbers in this file")
+
+
+def _value(where: str, group: Any, name: str) -> Any:
+    found = _dataset(where, group[name], "value")
+    if found.ndim != 3 or found.shape[2] not in (2, 3):
+        raise InputError(f"{where}: {found.name} has shape {found.shape}; it must be (T, n, 2)")
+    return found
+
+
+def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
+    """The times of an element, (count,): as they stand, or steps times --timestep."""
+    if "time" in element:
+        return _sequence(where, element, "time", count)
+    if asked.timestep is None:
+        raise InputError(f"{where}: {element.name} has no time; say --timestep")
+    return _sequence(where, element, "step", count) * asked.timestep
+
+
+def _sequence(where: str, element: Any, name: str, count: int) -> Any:
+    found = _dataset(where, element, name)
+    if found.ndim == 0:  # a fixed step, from an offset on
+        offset = float(np.asarray(found.attrs.get("offset", 0.0), float))
+        values = offset + np.arange(count) * float(found[()])
+    else:
+        values = np.asarray(found[()], float)
+    if values.shape != (count,) or not np.all(np.isfinite(values)):
+        raise InputError(f"{where}: {found.name} must be {count} finite numbers")
+    return values
+
+
+def _edges(where: str, group: Any) -> Any:
+    """The lengths of the box, (2,) or (3,)."""
+    import h5py
+
+    if not _is_own(group, "box", h5py.Group):
+        raise InputError(f"{where}: {group.name} has image flags and no box")
+    box = group["box"]
+    inner = _is_own(box, "edges", h5py.Group)
+    edges = _dataset(where, *((box["edges"], "value") if inner else (box, "edges")))[()]
+    if edges.ndim > 1 and np.all(edges == edges[0]):
+        edges = edges[0]  # at each time the same
+    if edges.ndim != 1:
+        raise InputError(f"{where}: the box must be rectangular and always the same")
+    return edges.astype(float)
+
+
+def _ids(where: str, group: Any, frame: int, part: slice) -> Any:
+    """Labels (n,) of a part of a frame: an element in time, or fixed."""
+    import h5py
+
+    if _is_own(group, "id", h5py.Group):
+        return _dataset(where, group["id"], "value")[frame, part]
+    return _dataset(where, group, "id")[part]

@@ -1,0 +1,68 @@
+"""Runs of other laws (rough disks, spheres in space): their averages are compared."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kinetics import Scene, compare, solve
+from kinetics.crosscheck import compare as compare_solution
+from kinetics.errors import InputError
+from particles import BoltzmannGrad, simulate
+
+TIMES = np.geomspace(1.0, 300.0, 6)
+LAWS = {
+    "rough disks": ({}, {"tangential_restitution": 0.8}),
+    "spheres": ({"dimension": 3}, {}),
+    "rough spheres": ({"dimension": 3}, {"tangential_restitution": 0.7}),
+}
+
+
+def run_of(medium: dict[str, Any], law: dict[str, Any], **more: Any) -> Any:
+    return simulate(
+        BoltzmannGrad(0.04, **medium), **law, restitution=0.7, times=TIMES, media=40, tracers=100,
+        seed=6, workers=1, **more,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", list(LAWS))
+def test_averages_of_every_law_are_compared(name: str) -> None:
+    medium, law = LAWS[name]
+    run = run_of(medium, law)
+    result = compare(run, explain=False)
+    assert result.verdict == "agrees"
+    assert [test.observable for test in result.tests] == ["thermal_speed", "a2", "msd", "kurtosis"]
+    wrong = compare(run, restitution=0.75)
+    assert wrong.verdict == "differs"
+    (item,) = (item for item in wrong.explanations if item.name == "restitution")
+    assert item.outcome == "explains"
+    assert item.value is not None
+    assert item.error is not None
+    assert abs(item.value - 0.7) < 3.5 * item.error
+
+
+def test_a_law_may_be_told_for_files() -> None:
+    """Rows say nothing of the law: without it, the theory of smooth disks differs."""
+    run = run_of({}, {"tangential_restitution": 0.5}, observables=("positions", "velocities"))
+    n = run.media * run.tracers
+    (x, y), (vx, vy) = (
+        np.moveaxis(part, -1, 0).reshape(2, -1) for part in (run.positions, run.velocities)
+    )
+    columns = {
+        "t": np.repeat(TIMES, n), "x": x, "y": y, "vx": vx, "vy": vy,
+        "id": np.tile(np.arange(n), TIMES.size),
+    }  # fmt: skip
+    told: dict[str, Any] = {"restitution": 0.7, "number_density": 0.04, "explain": False}
+    assert compare(columns, **told).verdict == "differs"
+    found = compare(columns, **told, tangential_restitution=0.5)
+    assert found.verdict == "agrees"
+    assert "e_t = 0.5" in found.summary
+    with pytest.raises(InputError, match="tangential_restitution: got 2"):
+        compare(columns, **told, tangential_restitution=2)
+
+
+def test_a_solution_of_another_dimension_is_refused() -> None:
+    run = run_of({"dimension": 3}, {})
+    solution = solve(Scene(0.7, 0.04, times=TIMES, outputs=("thermal_speed",)))
+    with pytest.raises(InputError, match="is of dimension 2, the data of 3"):
+        compare_solution(solution, run)
