@@ -64,8 +64,8 @@ def covariance(both: DataAndTheory, theory: Array) -> Array:
     scene, times, names = both.solution.scene, both.sample.times, both.names
     late = times >= SETTLED * scene.mean_free_path
     share = np.array([np.where(late, OWN_ERROR[name][1], OWN_ERROR[name][0]) for name in names])
-    size = np.abs(theory) + np.array([name == "a2" for name in names])[:, None]
-    error = (share * density_of(scene) * size * (times > 0)).ravel()
+    size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
+    error = np.where(times > 0, share * density_of(scene) * size, 0.0).ravel()
     logs = np.log(np.where(times > 0, times, 1.0))
     correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
     return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))
