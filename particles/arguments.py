@@ -8,16 +8,21 @@ import numpy as np
 
 from particles.checks import check_whole, real_array, refuse, short
 from particles.configuration import OBSERVABLES, Plan, speeds
-from particles.media import MEDIA, Medium, Positions
+from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, dilute_mean_path
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
+# With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
+# number; and of field times diameter, in U^2.
+FIELDS = (1e-100, 1e100)
+DEEPEST = 1e100  # in d
 SMALLEST_SPEED = 1e-150  # in U; the square of it, and of its inverse, is a number
 MOST_WORKERS = 10_000
 
 
 def make_plan(
     medium: Medium, restitution: float, initial: Any, times: Any,
-    observables: Iterable[str] | None, tangential_restitution: float = 1.0, **whole: int | None,
+    observables: Iterable[str] | None, tangential_restitution: float = 1.0, field: float = 0.0,
+    depth: float | None = None, **whole: int | None,
 ) -> Plan:  # fmt: skip
     """Check every argument of `simulate` and return what is to be run.
 
@@ -36,6 +41,7 @@ def make_plan(
     media, tracers = (check_whole(name, whole[name], 1, 2**31) for name in ("media", "tracers"))
     if isinstance(medium, Positions) and medium.sets not in (None, media):
         refuse("media", media, f"must be {medium.sets}, the sets of positions given")
+    field = _check_field(field, medium)
     seed = check_whole("seed", whole["seed"], 0, 2**64 - 1)
     most = whole["max_collisions"]
     if most is None and times is None:
@@ -45,13 +51,18 @@ def make_plan(
         restitution=float(restitution),
         tangential_restitution=float(tangential_restitution),
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
-        velocities=_check_initial(initial, media, tracers, medium.dimension),
+        velocities=_check_initial(
+            initial, (media, tracers, medium.dimension), may_rest=field != 0.0
+        ),
         times=_check_times(times),
         media=media,
         tracers=tracers,
         max_collisions=None if most is None else check_whole("max_collisions", most, 1, 2**62),
         seed=seed,
-        observables=_check_observables(observables),
+        observables=_check_observables(observables, field),
+        field=field,
+        rest=isinstance(initial, str) and initial == "rest",
+        depth=_check_depth(depth, field),
     )
 
 
@@ -76,13 +87,51 @@ def _check_times(times: Any) -> np.ndarray:
     return array
 
 
-def _check_initial(initial: Any, media: int, tracers: int, dimension: int) -> np.ndarray | None:
+def _check_field(field: Any, medium: Medium) -> float:
+    """Return the field as a float; it must give speeds whose powers are numbers."""
+    if not (isinstance(field, (int, float)) and not isinstance(field, bool)):
+        refuse("field", field, "must be a finite number")
+    try:
+        value = float(field)
+    except OverflowError:
+        value = np.inf
+    if value == 0.0:
+        return 0.0
+    if not np.isfinite(value):
+        refuse("field", field, "must be a finite number")
+    d = medium.diameter
+    squares = abs(value) * d, abs(value) * d * dilute_mean_path(medium)
+    if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
+        allowed = f"times the mean free path, and times d, must be 0 or {FIELDS[0]:g} to "
+        refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
+    if not isinstance(medium, BoltzmannGrad):
+        refuse("field", field, f"is not there for {type(medium).__name__}, only for BoltzmannGrad")
+    return value
+
+
+def _check_depth(depth: Any, field: float) -> float | None:
+    if depth is None:
+        return None
+    number = isinstance(depth, (int, float)) and not isinstance(depth, bool)
+    if not (number and abs(depth) <= DEEPEST and depth * field > 0.0):
+        allowed = f"must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
+        refuse("depth", depth, allowed)
+    return float(depth)
+
+
+def _check_initial(
+    initial: Any, shape: tuple[int, int, int], may_rest: bool
+) -> np.ndarray | None:  # fmt: skip
+    """Return velocities that are given, or None; shape: media, tracers, dimension."""
     if isinstance(initial, str):
-        if initial not in ("gaussian", "monoenergetic"):
-            refuse("initial", initial, "must be 'gaussian', 'monoenergetic' or velocities")
+        if initial == "rest" and not may_rest:
+            refuse("initial", initial, "needs a field; without one a tracer stays at rest")
+        if initial not in ("gaussian", "monoenergetic", "rest"):
+            names = "'gaussian', 'monoenergetic', 'rest' (in a field)"
+            refuse("initial", initial, f"must be {names} or velocities")
         return None
     velocities = real_array("initial", initial, "must be a name or an array of real velocities")
-    d = dimension
+    media, tracers, d = shape
     if velocities.shape not in ((tracers, d), (media, tracers, d)):
         raise ValueError(
             f"initial of shape {velocities.shape}: velocities must be of shape (tracers, {d}) = "
@@ -91,6 +140,8 @@ def _check_initial(initial: Any, media: int, tracers: int, dimension: int) -> np
     with np.errstate(over="ignore"):
         sizes = speeds(velocities)
     good = (sizes >= SMALLEST_SPEED) & (sizes <= 1.0 / SMALLEST_SPEED)
+    if may_rest:
+        good |= sizes == 0.0
     if not good.all():
         raise ValueError(
             f"initial holds the velocity {velocities[~good][0]}: its size must be from "
@@ -99,7 +150,7 @@ def _check_initial(initial: Any, media: int, tracers: int, dimension: int) -> np
     return velocities
 
 
-def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
+def _check_observables(observables: Iterable[str] | None, field: float) -> frozenset[str]:
     if observables is None:
         return frozenset()
     try:
@@ -108,4 +159,6 @@ def _check_observables(observables: Iterable[str] | None) -> frozenset[str]:
         refuse("observables", observables, f"must be names out of {', '.join(OBSERVABLES)}")
     for name in sorted(names - set(OBSERVABLES), key=short):
         refuse("observables", name, f"must be names out of {', '.join(OBSERVABLES)}")
+    if field and (name := "velocity_component_histogram") in names:
+        refuse("observables", name, "is of |v_x|, which in a field hides its sign; use velocities")
     return names

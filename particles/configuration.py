@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS, TRAPS
-from particles.media import BoltzmannGrad, Medium, dilute_mean_path
+from particles.kernel.columns import (
+    FIELD_SUMS,
+    FINALS,
+    HISTOGRAMS,
+    MOMENTS,
+    STATUSES,
+    TOTALS,
+    TRAPS,
+)
+from particles.media import BoltzmannGrad, ForgetfulPoisson, Medium, dilute_mean_path
 from particles.values import Value
 
 if TYPE_CHECKING:
     from particles.grid.cells import Cells
+    from particles.kernel.records import Records
 
 SCALARS = (
     "thermal_speed",
@@ -44,7 +53,9 @@ _last = threading.local()
 class Plan(Value):
     """What is to be run, checked.
 
-    velocities (media or none, tracers, dimension), or None to draw them.
+    velocities (media or none, tracers, dimension), or None to draw them. rest: all tracers begin at
+    rest. field: acceleration along x in U^2 over the user's unit of length. depth: x in that unit
+    whose first passage is recorded.
     """
 
     medium: Medium
@@ -58,17 +69,37 @@ class Plan(Value):
     max_collisions: int | None
     seed: int
     observables: frozenset[str]
+    field: float = 0.0
+    rest: bool = False
+    depth: float | None = None
+
+    @property
+    def raw(self) -> tuple[str, ...]:
+        """Names of what is kept of each tracer."""
+        names = tuple(name for name in RAW if name in self.observables)
+        return names if self.depth is None else (*names, "passages")
+
+    def scales(self) -> np.ndarray:
+        """Return the numbers that velocities are multiplied by in sums, (n_times,).
+
+        In a field a tracer does not slow down for ever, so there they are 1.
+        """
+        times = self.times / self.medium.diameter
+        return np.ones(times.size) if self.field else time_scales(times)
 
     def grids(self) -> np.ndarray:
         """Return log2 of the first edge, bins per octave and bins of each histogram, (4, 3).
 
         Speeds from 2**-20 of 1 / (last time) to 2**6 times the fastest start; distances and paths
-        from 2**-12 d up to what the fastest start can fly, 2**40 d at most.
+        from 2**-12 d up to what the fastest start can fly, 2**40 d at most. In a field the speed of
+        a free fall is added to that of the start, 2**40 U at most.
         """
         fastest = 4.0
         if self.velocities is not None:
             fastest = float(speeds(self.velocities).max())
         last = float(self.times[-1]) if self.times.size else 1.0
+        if self.field:
+            fastest += min(abs(self.field) * last, 2.0**40)
         top = ceil(log2(fastest)) + 2
         bottom = -ceil(log2(max(last, 1.0))) - 20
         far = min(max(ceil(log2(fastest) + log2(max(last, 1.0))) + 2, 4), 40)
@@ -82,7 +113,7 @@ class Tally:
 
     moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps
     (n, trap_columns) tracer, time, place; histograms name -> (n_times, bins + 2); raw name ->
-    arrays, time first.
+    arrays, time first. field_sums (n_times, FIELD_SUMS[dimension]) in a field, else empty.
     """
 
     configuration: int
@@ -92,6 +123,7 @@ class Tally:
     traps: np.ndarray
     histograms: dict[str, np.ndarray] = field(default_factory=dict)
     raw: dict[str, np.ndarray] = field(default_factory=dict)
+    field_sums: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
 
 
 def speeds(velocities: np.ndarray) -> np.ndarray:
@@ -126,7 +158,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
     tally = _empty_tally(plan, configuration)
     traps: list[np.ndarray] = [tally.traps]
-    raw: dict[str, list[np.ndarray]] = {name: [] for name in RAW if name in plan.observables}
+    raw: dict[str, list[np.ndarray]] = {name: [] for name in plan.raw}
     for first in range(0, plan.tracers, BLOCK):
         block = _follow_block(plan, tally, cells, first)
         traps.append(block.pop("traps"))
@@ -137,7 +169,7 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
         tally,
         traps=np.concatenate(traps),
         raw={
-            name: np.concatenate(pieces, axis=0 if name == "finals" else 1)
+            name: np.concatenate(pieces, axis=0 if name in ("finals", "passages") else 1)
             for name, pieces in raw.items()
         },
     )
@@ -157,6 +189,7 @@ def _empty_tally(plan: Plan, configuration: int) -> Tally:
             for k, name in enumerate(HISTOGRAMS)
             if name in plan.observables
         },
+        field_sums=np.zeros((n_times if plan.field else 0, FIELD_SUMS[plan.medium.dimension])),
     )
 
 
@@ -168,19 +201,54 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, records
+    from particles.kernel import follow, free_paths, free_paths_in_field, lane, remembering
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
-    times = plan.times / plan.medium.diameter
     n = min(BLOCK, plan.tracers - first)
     given = np.empty((0, dimension))
     if plan.velocities is not None:
         every = plan.velocities.ndim == 2
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
+    if plan.rest:
+        given = np.zeros((n, dimension))
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
     )  # fmt: skip
+    record = _make_records(plan, tally, n)
+    raw = {name: getattr(record, name) for name in RAW}
+    caught = np.empty((n, trap_columns(plan.medium)))
+    n_caught = 0
+    of_kind = lane.LANE_IN_FIELD_OF if plan.field else lane.LANE_OF
+    lanes = np.empty(lane.LANES, of_kind[dimension])
+    if plan.field:
+        passages = np.full(n if plan.depth is not None else 0, np.inf)
+        free_paths_in_field.follow_free_paths_in_field(
+            start,
+            mean_path,
+            plan.field * plan.medium.diameter,
+            lanes,
+            record,
+            (tally.field_sums, passages, (plan.depth or 0.0) / plan.medium.diameter),
+        )
+        raw["passages"] = passages
+    elif isinstance(plan.medium, ForgetfulPoisson):
+        known = np.empty((plan.medium.memory, 4))
+        n_caught = remembering.follow_remembering(
+            start, mean_path, known, caught, lanes[:1], record
+        )
+    elif cells is None:
+        free_paths.follow_free_paths(start, mean_path, lanes, record)
+    else:
+        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
+    return {"traps": caught[:n_caught], **raw}
+
+
+def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":
+    """Return the arrays of the tally, and new ones for what is kept of each of n tracers."""
+    from particles.kernel import records
+
+    dimension, times = plan.medium.dimension, plan.times / plan.medium.diameter
     raw = {
         name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
         for name, shape in {
@@ -193,9 +261,9 @@ def _follow_block(
     speeds, components, distances, paths = (
         tally.histograms.get(name, nothing) for name in HISTOGRAMS
     )
-    record = records.Records(
+    return records.Records(
         times=times,
-        scales=time_scales(times),
+        scales=plan.scales(),
         moments=tally.moments,
         totals=tally.totals,
         statuses=tally.statuses,
@@ -208,11 +276,3 @@ def _follow_block(
         queued=np.zeros(1, np.int64),
         **raw,
     )
-    caught = np.empty((n, trap_columns(plan.medium)))
-    n_caught = 0
-    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if cells is None:
-        free_paths.follow_free_paths(start, mean_path, lanes, record)
-    else:
-        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
-    return {"traps": caught[:n_caught], **raw}

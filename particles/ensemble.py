@@ -8,8 +8,9 @@ from os import PathLike
 
 import numpy as np
 
-from particles.configuration import RAW, SCALARS, Plan, time_scales
+from particles.configuration import RAW, SCALARS, Plan
 from particles.estimators import Estimate, Histogram, jackknife, share
+from particles.field_estimates import IN_FIELD, OF_A_DEPTH, FieldEstimates
 from particles.kernel.columns import (
     ALL_COLLISIONS,
     CAUGHT,
@@ -69,13 +70,14 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(Value):
+class Ensemble(FieldEstimates, Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
     entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
-    caught (`trapped` says how many, at each time).
+    caught (`trapped` says how many, at each time). What there is in a field only, such as `drift`,
+    is in `particles.field_estimates`.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that particles.storage.file gives them in a file.
@@ -100,7 +102,7 @@ class Ensemble(Value):
         if not self.times.size:
             return f"<p>{lines}</p>"
         rows = "<tr><th>at the last time<th>value<th>error"
-        for name in SCALARS:
+        for name in (*SCALARS, *(IN_FIELD if self.field else ())):
             estimate = getattr(self, name)
             if estimate.value.shape == self.times.shape:
                 value, error = estimate.value[-1], estimate.error[-1]
@@ -111,6 +113,8 @@ class Ensemble(Value):
         words = f"restitution {self.restitution:g}"
         if self.tangential_restitution != 1.0:
             words += f", tangential restitution {self.tangential_restitution:g}"
+        if self.field:
+            words += f", field {self.field:g} U^2/d"
         return words
 
     def _times_in_words(self) -> str:
@@ -120,12 +124,18 @@ class Ensemble(Value):
 
     def __dir__(self) -> list[str]:
         absent = {*HISTOGRAMS, *RAW} - self.plan.observables
+        if not self.field:
+            absent |= {*IN_FIELD}
+        if self.plan.depth is None:
+            absent |= {*OF_A_DEPTH}
         return sorted(set(super().__dir__()) - absent)
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the estimates, histograms and raw data that this ensemble has."""
-        return (*SCALARS, *(n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables))
+        others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
+        passages = OF_A_DEPTH if self.plan.depth is not None else ()
+        return (*SCALARS, *(IN_FIELD if self.field else ()), *passages, *others)
 
     @property
     def medium(self) -> Medium:
@@ -141,6 +151,11 @@ class Ensemble(Value):
     def tangential_restitution(self) -> float:
         """What a collision leaves of the tangential velocity, as a fraction."""
         return self.plan.tangential_restitution
+
+    @property
+    def field(self) -> float:
+        """The acceleration along +x in U^2/d."""
+        return self.plan.field
 
     @property
     def number_density(self) -> float:
@@ -320,7 +335,7 @@ class Ensemble(Value):
 
     @cached_property
     def _scales(self) -> np.ndarray:
-        return time_scales(self.times / self._unit)
+        return self.plan.scales()
 
     def _get(self, name: str, key: str) -> np.ndarray:
         if key not in self.arrays:

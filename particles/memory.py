@@ -6,8 +6,8 @@ from pathlib import Path
 
 from particles.checks import refuse
 from particles.configuration import Plan
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, TOTALS
-from particles.media import BoltzmannGrad, HardSpheres, PoissonSpheres, Positions
+from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
+from particles.media import BoltzmannGrad, ForgetfulPoisson, HardSpheres, PoissonSpheres, Positions
 
 _NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
@@ -41,11 +41,12 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
     )
     dimension = plan.medium.dimension
     each = times * dimension * len(plan.observables & {"positions", "velocities"})
-    each += FINALS[dimension] * ("finals" in plan.observables)
+    each += FINALS[dimension] * ("finals" in plan.observables) + (plan.depth is not None)
+    columns = MOMENTS + (FIELD_SUMS[dimension] if plan.field else 0)
     threads = min(workers, plan.media)
     return {
         "count": threads * _scatterers(plan),
-        "media": _NUMBER * plan.media * (times * MOMENTS + TOTALS),
+        "media": _NUMBER * plan.media * (times * columns + TOTALS),
         "times": _NUMBER * counts * (threads + 2 * _COPIES),
         "observables": _NUMBER * plan.media * plan.tracers * each * _COPIES,
     }
@@ -54,7 +55,7 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
 def _scatterers(plan: Plan) -> int:
     """Return the bytes of one configuration's scatterers in a periodic box."""
     medium = plan.medium
-    if isinstance(medium, BoltzmannGrad):
+    if isinstance(medium, (BoltzmannGrad, ForgetfulPoisson)):
         return 0
     if isinstance(medium, (HardSpheres, PoissonSpheres)):
         from particles.grid import space

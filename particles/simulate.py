@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def simulate(
     medium: Medium,
     restitution: float,
-    initial: Literal["gaussian", "monoenergetic"] | np.ndarray = "gaussian",
+    initial: Literal["gaussian", "monoenergetic", "rest"] | np.ndarray = "gaussian",
     times: Sequence[float] | np.ndarray | None = None,
     media: int = 100,
     tracers: int = 100,
@@ -39,17 +39,19 @@ def simulate(
     output: str | PathLike[str] | None = None,
     resume: bool = False,
     tangential_restitution: float = 1.0,
+    field: float = 0.0,
+    depth: float | None = None,
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson, Positions or BoltzmannGrad in the plane, HardSpheres, PoissonSpheres
-        or BoltzmannGrad(dimension=3) in space.
+    medium: HardDisks, Poisson, Positions, ForgetfulPoisson or BoltzmannGrad in the plane,
+        HardSpheres, PoissonSpheres or BoltzmannGrad(dimension=3) in space.
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in
         [0, 1], not both 0.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
-        U; the dimension is that of the medium.
+        U; the dimension is that of the medium. In a field also "rest".
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -59,6 +61,9 @@ def simulate(
         instead (a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad: a free path is then an
+        exponential length along the parabola. U is any unit of speed where tracers start at rest.
+    depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
 
     output: file that the run is saved to (layout: storage.file). Each configuration is saved
         when it is done, whole or not at all, in `<output>.journal` (storage.journal) until the
@@ -73,8 +78,9 @@ def simulate(
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
-        medium, restitution, initial, times, observables, tangential_restitution, **whole
-    )
+        medium, restitution, initial, times, observables, tangential_restitution, field, depth,
+        **whole,
+    )  # fmt: skip
     workers = check_workers(workers)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         refuse("executor", executor, "must be a concurrent.futures.Executor")

@@ -4,7 +4,10 @@ import numpy as np
 
 from particles.configuration import Plan, Tally, trap_columns
 from particles.ensemble import Ensemble
-from particles.kernel.columns import MOMENTS, STATUSES, TOTALS
+from particles.kernel.columns import FIELD_SUMS, MOMENTS, STATUSES, TOTALS
+
+# Whose first axis is that of the tracers; the others begin with the times.
+_FIRST = ("traps", "raw/finals", "raw/passages")
 
 
 class Totals:
@@ -19,6 +22,9 @@ class Totals:
             "moments": np.zeros((plan.media, plan.times.size, MOMENTS)),
             "path_sums": np.zeros((plan.media, TOTALS)),
         }
+        if plan.field:
+            columns = FIELD_SUMS[plan.medium.dimension]
+            self._rows["field_sums"] = np.zeros((plan.media, plan.times.size, columns))
         self._sums = {"statuses": np.zeros(STATUSES, np.int64)}
         self._pieces = {"traps": [np.empty((0, 1 + trap_columns(plan.medium)))]}
 
@@ -29,6 +35,8 @@ class Totals:
             raise RuntimeError(f"tally of configuration {tally.configuration} came before {c}")
         self._rows["moments"][c] = tally.moments
         self._rows["path_sums"][c] = tally.totals
+        if self.plan.field:
+            self._rows["field_sums"][c] = tally.field_sums
         sums = {"statuses": tally.statuses}
         for name, counts in tally.histograms.items():
             m = counts.sum(axis=1)
@@ -46,7 +54,7 @@ class Totals:
         """Return everything added so far, by its name in a file; rows and sums are not copied."""
         rows = {name: array[: self.configurations] for name, array in self._rows.items()}
         joined = {
-            name: np.concatenate(pieces, axis=0 if name in ("traps", "raw/finals") else 1)
+            name: np.concatenate(pieces, axis=0 if name in _FIRST else 1)
             for name, pieces in self._pieces.items()
         }
         return rows | self._sums | joined

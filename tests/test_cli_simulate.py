@@ -261,3 +261,29 @@ def test_media_of_spheres(capsys: pytest.CaptureFixture[str]) -> None:
     assert "box = 'none': hard-spheres need a periodic box" in refused(
         capsys, "--medium", "hard-spheres", "--box", "none"
     )
+
+
+def test_a_field(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = (
+        "--medium", "boltzmann-grad", "-e", "0.6", "--number-density", "0.5", "--initial", "rest",
+        "--field", "1.5", "--depth", "2", "--times", "0,1,40", "--media", "4", "--tracers", "50",
+    )  # fmt: skip
+    assert cli.main(["simulate", *arguments, "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    medium = BoltzmannGrad(0.5)
+    run = simulate(medium, 0.6, "rest", [0.0, 1.0, 40.0], media=4, tracers=50, field=1.5, depth=2.0)
+    assert printed["field"] == 1.5
+    assert printed["initial"] == "rest"
+    names = "drift", "velocity_tensor", "mean_displacement", "dispersion_parallel", "passed"
+    for name in (*names, "mean_passage_time"):
+        estimate = getattr(run, name)
+        assert np.array_equal(printed[name]["value"], estimate.value)
+        assert np.array_equal(printed[name]["error"], estimate.error)
+    assert cli.main(["simulate", *arguments]) == 0
+    out = capsys.readouterr().out
+    assert "<v_x> [U]" in out
+    assert "passed 2 d" in out
+    first = run.mean_passage_time
+    assert f"mean time of the first passage: {first.value:.6g} +- {first.error:.2g} d/U" in out
+    assert "field = 1.0: is not there for HardDisks" in refused(capsys, "-e", "0.5", "--field", "1")
+    assert "initial = 'rest': needs a field" in refused(capsys, "-e", "0.5", "--initial", "rest")

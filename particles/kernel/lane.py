@@ -21,6 +21,7 @@ from particles.streams import START, open_stream, uniform
 LANES = 16
 RUNNING = -1  # the status of a tracer that has not ended
 SHIFT = 2.0**64
+AT_REST = 1e-300  # a speed in place of 0, with which a tracer begins in a field only
 
 # Of type np.record, so that `lane.x` is read in the same way compiled and interpreted.
 _FIELDS = {
@@ -57,6 +58,12 @@ _FIELDS_IN_SPACE = {
     np.int64: ("k", "stored_k", "step_k"),
 }  # fmt: skip
 LANE_OF = {2: record_type(_FIELDS), 3: record_type(_FIELDS_IN_SPACE, _FIELDS)}
+# In a field the path depends on the speed: a lane holds the velocity where its flight began. The
+# direction and the slowness are not used there, and times are never shifted.
+LANE_IN_FIELD_OF = {
+    2: record_type({np.float64: ("vx", "vy")}, _FIELDS),
+    3: record_type({np.float64: ("vz", "vx", "vy")}, _FIELDS_IN_SPACE, _FIELDS),
+}
 
 
 class Start(NamedTuple):
@@ -81,7 +88,7 @@ class Start(NamedTuple):
 @inlined
 def _launch(lane: Any, start: Start, records: Records, tracer: int) -> None:
     vx, vy = _draw(start, tracer)
-    _begin(lane, records, tracer, vx, vy, sqrt(vx * vx + vy * vy))
+    _begin(lane, records, tracer, vx, vy, max(sqrt(vx * vx + vy * vy), AT_REST))
 
 
 @inlined
@@ -99,7 +106,7 @@ def _launch_in_space(lane: Any, start: Start, records: Records, tracer: int) -> 
         else:
             size = sqrt(-2.0 * log(uniform(state, gamma, 2)))
             vz = size * cos(2.0 * pi * uniform(state, gamma, 3))
-    speed = sqrt(vx * vx + vy * vy + vz * vz)
+    speed = max(sqrt(vx * vx + vy * vy + vz * vz), AT_REST)
     _begin(lane, records, tracer, vx, vy, speed)
     lane.uz, lane.start_vz = vz / speed, vz
     lane.z = lane.flight_z = 0.0

@@ -3,9 +3,9 @@
 Layout. Attributes of the root: `format`, `version`, `done` (configurations in the file, the first
 so many), `plan` (JSON: medium and arguments), `digest` (SHA-256 of all the rest). Version 2 is for
 plans with numbers that version 1 did not know; at their defaults these are left out, and the
-version is 1. Version 3 is for media that version 2 did not know. Each dataset has an attribute
-`unit`. Lengths are in d and times in d/U with d the diameter, whatever unit the user's arguments
-were in.
+version is 1. Version 3 is for media that version 2 did not know, version 4 for runs in a field.
+Each dataset has an attribute `unit`. Lengths are in d and times in d/U with d the diameter,
+whatever unit the user's arguments were in.
 
     plan/times (n_times,)           output times, in the user's unit of length over U
     plan/velocities                 given initial velocities, if any, in U
@@ -13,12 +13,16 @@ were in.
     moments (done, n_times, 8)      sums over tracers: 1, (s v)^2, (s v)^4, r^2, r^4, collisions,
                                     s v(t).v(0), trapped; s = 2^round(log2(max(t, 1)))
     path_sums (done, 2)             path and collisions
+    field_sums (done, n_times, 10)  in a field, whose s is 1, sums over tracers: v_x, v_y, v_x^2,
+                                    v_x v_y, v_y^2, and the same of the place; in space (.., 18)
     statuses (4,)                   finished, collision cap, trapped, escaped
     traps (n, 5)                    configuration, tracer, time, x, y of each trapped tracer;
                                     among spheres (n, 6), with z
     histograms/<name>/sums (3, n_times, bins + 2)   sums over configurations of the counts c,
                                     of c^2 and of c m; the first and last bins are what lies outside
     histograms/<name>/samples (2, n_times)          sums of m, the counts of a time, and of m^2
+    raw/passages (done * tracers,)  where a depth was given, when each tracer first was there;
+                                    inf if it never was
     raw/<name>                      as the attributes of Ensemble, in d and U
 
 A run that is under way has a journal beside its file: particles.storage.journal.
@@ -38,16 +42,29 @@ import numpy as np
 
 from particles.arguments import make_plan
 from particles.checks import check_path
-from particles.configuration import RAW, Plan, trap_columns
-from particles.kernel.columns import FINALS, HISTOGRAMS, MOMENTS, STATUSES, TOTALS
-from particles.media import MEDIA, HardSpheres, Medium, PoissonSpheres, Positions
+from particles.configuration import Plan, trap_columns
+from particles.kernel.columns import (
+    FIELD_SUMS,
+    FINALS,
+    HISTOGRAMS,
+    MOMENTS,
+    STATUSES,
+    TOTALS,
+)
+from particles.media import MEDIA, ForgetfulPoisson, HardSpheres, Medium, PoissonSpheres, Positions
 from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
 # Numbers of a plan that version 1 of the layout did not have, and what they were then.
-LATER = {"tangential_restitution": 1.0, "dimension": 2}
+LATER = {
+    "tangential_restitution": 1.0,
+    "dimension": 2,
+    "field": 0.0,
+    "rest": False,
+    "depth": None,
+}
 # Media that version 2 did not have.
-_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres)]
+_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres, ForgetfulPoisson)]
 
 _MEDIA: dict[str, type] = {medium.__name__: medium for medium in MEDIA}
 _UNITS = {
@@ -56,9 +73,11 @@ _UNITS = {
     "plan/positions": "length",
     "moments": "1, U^2, U^4, d^2, d^4, 1, U^2, 1",
     "path_sums": "d, 1",
+    "field_sums": "U, U^2, d, d^2",
     "traps": "1, 1, d/U, d, d",  # and d among spheres
     "raw/positions": "d",
     "raw/velocities": "U",
+    "raw/passages": "d/U",
     "raw/finals": "ln U, ln(d/U), d, d, 1",  # and d in three dimensions
 }
 
@@ -77,6 +96,9 @@ def _describe(plan: Plan) -> tuple[str, dict[str, np.ndarray]]:
         "restitution": plan.restitution,
         "tangential_restitution": plan.tangential_restitution,
         "monoenergetic": plan.monoenergetic,
+        "field": plan.field,
+        "rest": plan.rest,
+        "depth": plan.depth,
         "media": plan.media,
         "tracers": plan.tracers,
         "max_collisions": plan.max_collisions,
@@ -92,7 +114,9 @@ def _without_defaults(values: dict[str, Any]) -> dict[str, Any]:
 
 def _version(text: str) -> int:
     """Return the version of the layout that a plan, as JSON, needs."""
-    if json.loads(text)["medium"]["kind"] in _LATER_MEDIA:
+    if '"field"' in text:
+        return 4
+    if any(f'"{name}"' in text for name in _LATER_MEDIA):
         return 3
     return 2 if any(f'"{name}"' in text for name in LATER) else 1
 
@@ -108,6 +132,7 @@ def _understand(text: str, arrays: dict[str, np.ndarray]) -> Plan:
     medium: Medium = kind(**described)
     times = arrays["plan/times"]
     initial = "monoenergetic" if values.pop("monoenergetic") else "gaussian"
+    initial = "rest" if values.pop("rest", False) else initial
     plan = make_plan(
         medium=medium,
         initial=arrays.get("plan/velocities", initial),
@@ -180,8 +205,8 @@ def _read(path: str) -> tuple[Plan, dict[str, np.ndarray], int]:
     with h5py.File(path, "r") as file:
         if file.attrs.get("format") != FORMAT:
             raise _Refused("is not a saved simulation")
-        if file.attrs["version"] not in (1, 2, 3):
-            raise _Refused(f"version {file.attrs['version']}; this program reads 1, 2 and 3")
+        if file.attrs["version"] not in (1, 2, 3, 4):
+            raise _Refused(f"version {file.attrs['version']}; this program reads 1 to 4")
         done, text, digest = (file.attrs[name] for name in ("done", "plan", "digest"))
         arrays = _own_arrays(file, os.path.getsize(path))
     if _digest(text, done, arrays) != digest:
@@ -223,16 +248,18 @@ def _fit(plan: Plan, done: int, arrays: Mapping[str, np.ndarray]) -> bool:
         "statuses": (STATUSES,),
         "traps": (len(arrays["traps"]), 1 + trap_columns(plan.medium)),
     }
+    if plan.field:
+        shapes["field_sums"] = (done, times, FIELD_SUMS[plan.medium.dimension])
     if done:
         for name, bins in zip(HISTOGRAMS, plan.grids()[:, 2].astype(int) + 2, strict=True):
             if name in plan.observables:
                 rows = 1 if name == "free_path_histogram" else times
                 shapes[f"histograms/{name}/sums"] = (3, rows, bins)
                 shapes[f"histograms/{name}/samples"] = (2, rows)
-        for name in plan.observables.intersection(RAW):
-            dimension = plan.medium.dimension
-            row, place = (tracers, FINALS[dimension]), (times, tracers, dimension)
-            shapes[f"raw/{name}"] = row if name == "finals" else place
+        dimension = plan.medium.dimension
+        each = {"finals": (tracers, FINALS[dimension]), "passages": (tracers,)}
+        for name in plan.raw:
+            shapes[f"raw/{name}"] = each.get(name, (times, tracers, dimension))
     whole = {name for name in shapes if name == "statuses" or name.startswith("histograms")}
     return {name: array.shape for name, array in arrays.items()} == shapes and all(
         array.dtype == (np.int64 if name in whole else np.float64) for name, array in arrays.items()

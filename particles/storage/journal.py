@@ -202,6 +202,7 @@ def _pack(tally: Tally) -> bytes:
         "totals": tally.totals,
         "statuses": tally.statuses,
         "traps": tally.traps,
+        **({"field_sums": tally.field_sums} if tally.field_sums.size else {}),
         **{f"histograms/{name}": array for name, array in tally.histograms.items()},
         **{f"raw/{name}": array for name, array in tally.raw.items()},
     }

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kinetics import CollisionLaw
 from kinetics.crosscheck.report.case import (
     Case,
     DensityScan,
@@ -48,7 +49,7 @@ def made_up_solution(rate: float = 0.4) -> Any:
 
     return SimpleNamespace(
         times=TIMES,
-        scene=SimpleNamespace(mean_free_path=12.5),
+        scene=SimpleNamespace(mean_free_path=12.5, law=CollisionLaw(0.7)),
         thermal_speed=speed,
         a2=np.full(TIMES.size, 0.1),
         msd=800 * np.log1p(TIMES / 30),
@@ -83,7 +84,7 @@ def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> Pa
 
     rate = cooling_rate_between(TIMES, solution.thermal_speed, EARLY, 0.04)
     slope = msd_slope_between(TIMES, solution.msd, EARLY)
-    tail: Any = SimpleNamespace(position=made_up_position())
+    tail: Any = SimpleNamespace(position=made_up_position(), dimension=2)
     return ParticleRun(
         name=name,
         samples=10_000,
@@ -120,6 +121,7 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
     run = made_up_run("hard disks", solution, disks, 12.5)
     return Case(
         restitution=restitution,
+        law=CollisionLaw(restitution),
         times=TIMES,
         early=EARLY,
         speed_edges=EDGES,
@@ -131,7 +133,7 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
         late=solution,
         position=made_up_position(),
         free=made_up_run("Boltzmann-Grad", solution, free, 12.5),
-        disks=run,
+        hard=run,
         rescaled_errors={
             name: getattr(run, name).error
             for name in ("thermal_speed", "a2", "msd", "kurtosis", "cooling_rate", "msd_slope")

@@ -34,6 +34,7 @@ from kinetics import (
     load,
     solve,
 )
+from kinetics.collision.medium import SCATTERERS
 from kinetics.outputs import OUTPUTS
 
 # -- initial states
@@ -145,6 +146,7 @@ def scenes(outputs: Any) -> Any:
             "diameter": mostly(st.just(1.0), extremes() | broken()),
             "tangential_restitution": mostly(st.just(1.0) | restitutions()),
             "dimension": mostly(st.just(2) | st.sampled_from([2, 3])),
+            "scatterers": mostly(st.just("dilute") | st.sampled_from(SCATTERERS)),
             "initial": st.sampled_from(["gaussian", "monoenergetic"]) | mostly(states()),
             "times": mostly(st.lists(_time, min_size=1, max_size=3).map(sorted)),
             "outputs": mostly(outputs),
@@ -221,6 +223,7 @@ _SYSTEM = (
     "diameter",
     "tangential_restitution",
     "dimension",
+    "scatterers",
     "initial",
     "times",
     "outputs",

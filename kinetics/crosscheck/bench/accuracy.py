@@ -10,7 +10,7 @@ import numpy as np
 
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench.measuring import Effort
-from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
+from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, OTHER_LAWS, SPECTRAL
 from kinetics.crosscheck.bench.precision import QUANTITIES, SCALED_SPEEDS, relative
 from kinetics.crosscheck.bench.record import ACCURACY, Record, failed
 
@@ -34,24 +34,44 @@ Run = Callable[[float], tuple[Any, float]]
 """What a problem is: a function of rtol that gives the solution and the error that it reached."""
 
 
-def _scaled(e: float) -> dict[str, Run]:
+def _scaled(e: float, name: str = "", **law: Any) -> dict[str, Run]:
     from kinetics import ScalingSolution, solve_scaled
 
-    exact = ScalingSolution(e)
+    exact = ScalingSolution(e, **law)
     F = exact.vdf(SCALED_SPEEDS)
     there = F / F.max() > 1e-25  # where F is promised relative to itself
     powers = (-0.5, 1.0, 3.0, 4.0, 6.0, 8.0)
 
     def moments(rtol: float) -> tuple[Any, float]:
-        state = solve_scaled(e, rtol)
+        state = solve_scaled(e, rtol, **law)
         errors = [relative(state.cooling_rate, exact.cooling_rate)]
         return state, max(errors + [relative(state.moment(p), exact.moment(p)) for p in powers])
 
     def density(rtol: float) -> tuple[Any, float]:
-        state = solve_scaled(e, rtol)
+        state = solve_scaled(e, rtol, **law)
         return state, relative(state.vdf(SCALED_SPEEDS[there]), F[there])
 
-    return {f"scaled h and moments, e = {e:g}": moments, f"scaled F(c), e = {e:g}": density}
+    which = f"{name}, e = {e:g}" if name else f"e = {e:g}"
+    return {f"scaled h and moments, {which}": moments, f"scaled F(c), {which}": density}
+
+
+def _late(e: float, name: str, **law: Any) -> dict[str, Run]:
+    """v0, a2 and the slope of <r^2> so late that they are the limits of the closed forms."""
+    from kinetics import ScalingSolution, Scene, solve
+
+    exact, last = ScalingSolution(e, **law), 1e30
+    outputs = ("thermal_speed", "a2", "diffusion_coefficient")
+    scene = Scene(e, times=[1.0, last], outputs=outputs, **law)
+    path = scene.mean_free_path
+    speed, slope = 2.0 * path / (exact.cooling_rate * last), exact.diffusion_slope * path**2
+
+    def averages(rtol: float) -> tuple[Any, float]:
+        found = solve(scene, rtol)
+        pairs = [(found.thermal_speed[1], speed), (1.0 + found.a2[1], 1.0 + exact.a2)]
+        pairs.append((found.msd_slope[1], slope))
+        return found, max(relative(value, limit) for value, limit in pairs)
+
+    return {f"late v0, a2 and slope of <r^2>, {name}, e = {e:g}": averages}
 
 
 def _in_time(e: float) -> dict[str, Run]:
@@ -84,6 +104,9 @@ def accuracy(effort: Effort) -> list[Record]:
     """A row per problem and rtol; its note is the verdict."""
     restitutions = (0.0, 0.7, 0.99) if effort.quick else references.RESTITUTIONS
     problems = [item for e in restitutions for item in (_scaled(e) | _in_time(e)).items()]
+    for e in (0.0, 0.7) if effort.quick else (0.0, 0.2, 0.7, 0.95):
+        for name, law in OTHER_LAWS.items():
+            problems += (_scaled(e, name, **law) | _late(e, name, **law)).items()
     return [_row(name, run, rtol) for name, run in problems for rtol in TOLERANCES]
 
 

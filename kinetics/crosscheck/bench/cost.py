@@ -92,6 +92,9 @@ def solvers() -> list[Sweep]:
              E, references.MEAN_FREE_PATH, "gaussian", short, n, 1e-4)),
         ("v0(t), a2(t)", SPECTRAL, "times", (10, 100, 1000), (10_000,),
          lambda n: _solve(1e-10, "thermal_speed", "a2", times=np.geomspace(1.0, 1e6, n))),
+        ("v0(t), a2(t), spheres", SPECTRAL, "times", (10, 100, 1000), (10_000,),
+         lambda n: _solve(1e-10, "thermal_speed", "a2", times=np.geomspace(1.0, 1e6, n),
+                          dimension=3)),
         ("speed density", SPECTRAL, "times", (4, 16, 64), (256,),
          lambda n: _solve(1e-8, "speed_density", times=np.geomspace(1.0, 1e3, n))),
         # the odd harmonics are zero
@@ -107,8 +110,8 @@ def displacements() -> list[Sweep]:
     def moments(count: int) -> Any:
         return _solve(1e-10, "msd", "kurtosis", times=np.geomspace(1.0, 1e6, count))
 
-    def density(count: int) -> Any:
-        found = _solve(1e-3, "position_density", times=np.geomspace(100.0, 1e3, count))
+    def density(count: int, **law: Any) -> Any:
+        found = _solve(1e-3, "position_density", times=np.geomspace(100.0, 1e3, count), **law)
         return found.scaled_position_density(np.linspace(0.0, 6.0, 200))
 
     def scattering(count: int) -> Any:
@@ -119,8 +122,10 @@ def displacements() -> list[Sweep]:
     return [
         ("<r^2>(t), kurtosis(t)", SPECTRAL, "times", (10, 100, 1000), (10_000,), moments),
         ("G(R)", SPECTRAL, "times", (1, 3, 9), (27, 81), density),
+        ("G(R), spheres", SPECTRAL, "times", (1, 3, 9), (27, 81),
+         lambda n: density(n, dimension=3)),
         ("F(k)", SPECTRAL, "wave numbers", (4, 16, 64), (256,), scattering),
-    ]
+    ]  # fmt: skip
 
 
 def _particles() -> list[Sweep]:

@@ -25,6 +25,13 @@ TIGHTEST = 1e-13  # rtol of the runs whose nodes are given
 LATE = {CONSERVATIVE: 1e10, MONTE_CARLO: 1e7}  # d/U, where the scaling state is reached
 _MEDIA = 50  # blocks of a Monte Carlo run
 
+OTHER_LAWS: dict[str, dict[str, Any]] = {
+    "spheres": {"dimension": 3},
+    "et = 0.8": {"tangential_restitution": 0.8},
+    "spheres, et = 0.8": {"tangential_restitution": 0.8, "dimension": 3},
+}
+"""Laws beside smooth disks, as the names of problems and the arguments of `Scene` have them."""
+
 
 # -- the conservative scheme -----------------------------------------------------------------------
 
@@ -122,12 +129,17 @@ def particles(
     samples: float,
     seed: int,
     observables: tuple[str, ...] = (),
+    tangential_restitution: float = 1.0,
+    dimension: int = 2,
 ) -> Any:
-    """A Boltzmann-Grad run in blocks, of one thread."""
+    """A Boltzmann-Grad run in blocks, of one thread, with the free path MEAN_FREE_PATH."""
     from particles import BoltzmannGrad, simulate
 
+    medium = BoltzmannGrad(NUMBER_DENSITY)
+    if dimension == 3:
+        medium = BoltzmannGrad(1.0 / (math.pi * MEAN_FREE_PATH), dimension=3)
     return simulate(
-        BoltzmannGrad(NUMBER_DENSITY),
+        medium,
         restitution=e,
         initial=start,
         times=times,
@@ -136,11 +148,12 @@ def particles(
         seed=seed,
         observables=observables or None,
         workers=1,
+        tangential_restitution=tangential_restitution,
     )
 
 
-def monte_carlo_state(e: float, samples: float, seed: int) -> LateState:
-    """h and a2 from a Gaussian start."""
+def monte_carlo_state(e: float, samples: float, seed: int, **law: Any) -> LateState:
+    """h and a2 from a Gaussian start; law : tangential restitution and dimension."""
     late = LATE[MONTE_CARLO]
-    run = particles(e, "gaussian", np.array([late]), samples, seed)
+    run = particles(e, "gaussian", np.array([late]), samples, seed, **law)
     return LateState(float(run.thermal_speed.value[0]), float(run.a2.value[0]), late)

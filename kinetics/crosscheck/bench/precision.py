@@ -27,6 +27,7 @@ from kinetics.crosscheck.bench.methods import (
     LATE,
     MONTE_CARLO,
     NUMBER_DENSITY,
+    OTHER_LAWS,
     SONINE,
     SPECTRAL,
     STRAIGHTFORWARD,
@@ -74,9 +75,35 @@ def _grids(effort: Effort, largest: int) -> list[int]:
 
 
 def scaled(effort: Effort) -> list[Record]:
-    """F(c), and h and a2, of the scaling state; the reference is `kinetics.ScalingSolution`."""
+    """F(c), and h and a2, of the scaling state; the reference is `kinetics.ScalingSolution`.
+
+    Laws that are not smooth disks are at e = 0.7, and by the two methods that have them.
+    """
     works = [work for e in restitutions(effort) for work in scaled_works(e, effort)]
+    works += [work for name in OTHER_LAWS for work in scaled_works_of(name, effort)]
     return measure(works, effort)
+
+
+def scaled_works_of(name: str, effort: Effort, e: float = 0.7) -> list[Work]:
+    """h and a2 of one of the `OTHER_LAWS`."""
+    from kinetics import ScalingSolution, solve_scaled
+
+    law = OTHER_LAWS[name]
+    exact = ScalingSolution(e, **law)
+    target = np.array([exact.cooling_rate, 1.0 + exact.a2])
+
+    def moments(state: Any) -> tuple[float, float]:
+        return state.cooling_rate, 1.0 + state.a2
+
+    def sampled(samples: float, seed: int) -> tuple[float, float]:
+        return moments(methods.monte_carlo_state(e, samples, seed, **law))
+
+    of = partial(sweep, PRECISION, f"scaled h and a2, {name}, e = {e:g}",
+                 error=lambda found: relative(found, target))  # fmt: skip
+    return [
+        *of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: moments(solve_scaled(e, rtol, **law))),
+        *of(MONTE_CARLO, "samples", sample_numbers(effort), sampled, seeded=True),
+    ]
 
 
 def scaled_works(e: float, effort: Effort) -> list[Work]:

@@ -1,14 +1,19 @@
-"""What skipping saves: each output of a scene alone, with the rest, and the rest without it."""
+"""What skipping saves: each output of a scene alone, with the rest, and the rest without it.
+
+Beside them what a law costs that is not that of smooth disks: spheres must not cost more.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure
+from kinetics.crosscheck.bench.methods import OTHER_LAWS
 from kinetics.crosscheck.bench.record import FAILED, SKIPPING, Record
 
 ISOTROPIC = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
@@ -51,8 +56,37 @@ def skipping(effort: Effort) -> list[Record]:
             for last in (1e300, 1e20, 1e12, 1e4)
         },
         "Boltzmann-Grad run, 4000 tracers": _particles(times),
+        **laws(times),
     }
     return ratios(groups, effort)
+
+
+def laws(times: np.ndarray) -> dict[str, Parts]:
+    """The same isotropic scene among smooth disks and of the other laws."""
+    from kinetics import solve_scaled
+
+    every = {"smooth disks": {}, **OTHER_LAWS}
+    asked: dict[str, tuple[tuple[str, ...], np.ndarray, float]] = {
+        "averages": (("thermal_speed", "a2", "msd", "kurtosis"), times, 1e-8),
+        "speed density": (("speed_density",), times[::4], 1e-8),
+        "position density": (("position_density",), np.array([300.0]), 1e-4),
+    }
+    groups: dict[str, Parts] = {
+        f"isotropic scene, {name}, by law": {
+            law: _solve(outputs, rtol=rtol, times=at, **arguments)
+            for law, arguments in every.items()
+        }
+        for name, (outputs, at, rtol) in asked.items()
+    }
+    groups["scaled h and a2, by law"] = {
+        law: partial(_scaled, solve_scaled, arguments) for law, arguments in every.items()
+    }
+    return groups
+
+
+def _scaled(solver: Callable[..., Any], law: dict[str, Any]) -> Any:
+    state = solver(0.7, 1e-10, **law)
+    return state.cooling_rate, state.a2
 
 
 def ratios(groups: dict[str, Parts], effort: Effort) -> list[Record]:

@@ -11,7 +11,6 @@ import click
 from kinetics.crosscheck.commands.options import (
     UNITS,
     density_option,
-    initial_option,
     json_option,
     names_in,
     print_json,
@@ -31,6 +30,13 @@ _ESTIMATES = {
     "a2": "a2",
     "msd": "<r^2> [d^2]",
     "kurtosis": "kurtosis",
+    "collisions": "collisions",
+}
+_IN_FIELD = {
+    "drift": "<v_x> [U]",
+    "thermal_speed": "v0 [U]",
+    "dispersion_parallel": "var x [d^2]",
+    "dispersion_perpendicular": "var y [d^2]",
     "collisions": "collisions",
 }
 _ENDS = ("finished", "collision_cap", "trapped", "escaped")
@@ -69,7 +75,15 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 @click.option("--media", type=int, default=100, help="Configurations of scatterers.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
-@initial_option
+@click.option(
+    "--initial", type=click.Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
+    help="Initial velocities: Gaussian, all of speed U, or none (in a field).",
+)  # fmt: skip
+@click.option(
+    "--field", type=float, default=0.0,
+    help="Uniform acceleration along +x in U^2/d, of --medium boltzmann-grad.",
+)  # fmt: skip
+@click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @times_option
 @click.option(
     "--observables", default="", metavar="NAMES",
@@ -119,13 +133,19 @@ def simulate(
     ends = {name: getattr(run.statuses, name) for name in _ENDS}
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
-        estimates = ("mean_free_path", *_ESTIMATES)
+        estimates = ["mean_free_path", *_ESTIMATES]
+        if run.field:
+            estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
+            estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
+        if run.plan.depth is not None:
+            estimates += ["passed", "mean_passage_time"]
         print_json(
             {
                 "medium": kind,
                 "restitution": run.restitution,
                 "tangential_restitution": run.tangential_restitution,
                 "number_density": run.number_density,
+                "field": run.field,
                 "dimension": run.medium.dimension,
                 **{name: arguments[name] for name in _ARGUMENTS},
                 "statuses": ends,
@@ -189,7 +209,12 @@ def _table(run: Ensemble) -> str:
     if not run.times.size:
         return line
     heads, values = ["t [d/U]"], [run.times]
-    for name, head in _ESTIMATES.items():
+    shown = dict(_IN_FIELD if run.field else _ESTIMATES)
+    if run.plan.depth is not None:
+        shown["passed"] = f"passed {run.plan.depth:g} d"
+        first = run.mean_passage_time
+        line += f"\nmean time of the first passage: {first.value:.6g} +- {first.error:.2g} d/U"
+    for name, head in shown.items():
         heads += [head, "+-"]
         values += _value_and_error(getattr(run, name)).values()
     return f"{columns(heads, values)}\n{line}"

@@ -2,7 +2,7 @@
 
     python -m kinetics.crosscheck.report.algebra
 
-prints the rows of the report's labels as JSON.
+prints the rows of the report's labels as JSON; labels may follow.
 """
 
 import json
@@ -12,6 +12,16 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
+
+from kinetics.crosscheck.report.settings import ReportSettings
+
+ANY_LAW = ("rule", "one-collision", "any-moments", "any-slope")
+"""Labels of `derivations`, after "beyond:", that a report of another law than the paper's shows."""
+IN_DIMENSION = {
+    2: ("measure-plane", "plane-equal"),
+    3: ("measure-space", "space-power", "space-log", "space-cosine", "space-e-zero"),
+}
+"""Those of one dimension beside them."""
 
 
 def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
@@ -39,15 +49,18 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
 
 
 @contextmanager
-def algebra_process() -> Iterator["subprocess.Popen[str]"]:
+def algebra_process(settings: ReportSettings) -> Iterator["subprocess.Popen[str]"]:
     """A process that prints the rows of the report's labels, at no cost of time to this one.
 
     It ends with the context.
     """
+    labels: list[str] = []  # those of the paper
+    if not settings.is_papers_law:
+        labels = [f"beyond:{name}" for name in ANY_LAW + IN_DIMENSION[settings.dimension]]
     # The child must find the packages where this process did, installed or not.
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(p for p in sys.path if p))
     with subprocess.Popen(
-        [sys.executable, "-P", "-m", "kinetics.crosscheck.report.algebra"],
+        [sys.executable, "-P", "-m", "kinetics.crosscheck.report.algebra", *labels],
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=environment,
         start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends the child
@@ -71,4 +84,4 @@ def printed_rows(process: "subprocess.Popen[str]") -> list[dict[str, Any]]:
 if __name__ == "__main__":
     from derivations import report_subset
 
-    json.dump(algebra_rows(report_subset), sys.stdout)
+    json.dump(algebra_rows(sys.argv[1:] or report_subset), sys.stdout)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from kinetics import ScaledVDF, ScalingSolution, Solution
+    from kinetics import CollisionLaw, ScaledVDF, ScalingSolution, Solution
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,7 +38,7 @@ class ParticleRun:
     (n_bins,) and are those of the last time, scaled with the run's own v0 and <r^2>.
     """
 
-    name: str  # "Boltzmann-Grad" or "hard disks"
+    name: str  # "Boltzmann-Grad", "hard disks" or "hard spheres"
     samples: int  # tracers
     groups: int  # independent groups of tracers, behind the errors
     thermal_speed: Measured
@@ -48,9 +48,10 @@ class ParticleRun:
     cooling_rate: Measured  # h from 1/v0 at two of the times
     msd_slope: Measured  # d<r^2>/d ln t between the same two times, in d^2
     free_path: Measured  # path travelled over collisions
-    vdf: Measured  # F(c) averaged over the bins of c = v/v0, a density in the plane
+    vdf: Measured  # F(c) averaged over the bins of c = v/v0, a density in the plane or in space
     position: Measured  # G(R) averaged over the bins of R = r/sqrt(<r^2>), a density over R
-    tail_exponent: Measured  # local exponent of G(R)/(2 pi R), at `observables.band_middles`
+    # local exponent of p = G(R)/(2 pi R), or G(R)/(4 pi R^2), at `observables.band_middles`
+    tail_exponent: Measured
     mean_collisions: float  # per tracer, until the last time
     most_collisions: int
     above_cap: float  # fraction of tracers with more collisions than the paper's cap
@@ -62,36 +63,42 @@ class Case:
     """What every method gives for one restitution."""
 
     restitution: float
+    law: "CollisionLaw"
     times: Array  # of the output of particles and equation, in d/U
     early: int  # index of the time from which on slopes are measured, a tenth of the last
     speed_edges: Array  # bins of c
     position_edges: Array  # bins of R
-    exact: "ScalingSolution | None"  # the scaling state in closed form; None at e = 1
+    exact: "ScalingSolution | None"  # the scaling state in closed form; None if elastic
     scaled: "ScaledVDF | None"  # and as solved
-    kinetic: "Solution"  # with l = 1/(2 d rho0)
-    rescaled: "Solution"  # with the mean free path that the hard-disk run measured
+    kinetic: "Solution"  # with the l of the dilute limit, 1/(2 d rho0) or 1/(pi d^2 rho0)
+    rescaled: "Solution"  # with the mean free path that the run of hard scatterers measured
     late: "Solution"  # as `kinetic`, to times that no simulation reaches, without densities
     position: "Solution"  # the displacement at the last time, as accurate as a figure needs
     free: ParticleRun  # Boltzmann-Grad
-    disks: ParticleRun
-    # standard errors of hard disks minus `rescaled`, both of which change with the run
+    hard: ParticleRun  # hard disks, or hard spheres
+    # standard errors of these minus `rescaled`, both of which change with the run
     rescaled_errors: dict[str, Array]
 
     @property
     def runs(self) -> tuple[ParticleRun, ParticleRun]:
         """Both simulations, Boltzmann-Grad first."""
-        return self.free, self.disks
+        return self.free, self.hard
+
+    @property
+    def dimension(self) -> int:
+        """2 for disks, 3 for spheres."""
+        return self.law.dimension
 
     @property
     def scaling_state(self) -> "tuple[ScalingSolution, ScaledVDF]":
-        """The scaling state in closed form and as solved; e must be below 1."""
+        """The scaling state in closed form and as solved; the law must not be elastic."""
         assert self.exact is not None
         assert self.scaled is not None
         return self.exact, self.scaled
 
     @property
     def late_msd_slope(self) -> float:
-        """The exact limit of d<r^2>/d ln t, in d^2; e must be below 1."""
+        """The exact limit of d<r^2>/d ln t, in d^2; the law must not be elastic."""
         return self.scaling_state[0].diffusion_slope * self.late.scene.mean_free_path**2
 
 

@@ -1,6 +1,5 @@
 """Every comparison that a report makes for one restitution."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ import numpy as np
 from kinetics import sonine
 from kinetics.crosscheck.report.case import Array, Case, ParticleRun
 from kinetics.crosscheck.report.observables import (
+    ball,
     bands_of,
     bin_average,
     bin_density,
@@ -57,7 +57,7 @@ def rows_of_case(case: Case, settings: ReportSettings) -> list[Row]:
     rows += _msd(case, settings)
     if cooling:
         rows += _msd_slope(case, settings)
-    return rows + _kurtosis(case) + _position(case) + _tail_exponent(case)
+    return rows + _kurtosis(case, settings) + _position(case, settings) + _tail_exponent(case)
 
 
 def _particles(
@@ -66,7 +66,7 @@ def _particles(
     reduce: Callable[..., float] | None = None,
     note: str = "",
 ) -> list[Row]:
-    """Particles against the equation: Boltzmann-Grad; hard disks as they are; and with their l.
+    """Particles against the equation: Boltzmann-Grad; hard disks or spheres; these with their l.
 
     `reduce` makes a number of a solution; without it the solution's values over time are compared.
     """
@@ -77,27 +77,28 @@ def _particles(
     left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
     return [
         *statistical(case, observable, case.free, kinetic, note=note),
-        *statistical(case, observable, case.disks, kinetic, note="finite density"),
-        *statistical(case, observable, case.disks, rescaled, RESCALED, left),
+        *statistical(case, observable, case.hard, kinetic, note="finite density"),
+        *statistical(case, observable, case.hard, rescaled, RESCALED, left),
     ]
 
 
 def _free_path(case: Case, settings: ReportSettings) -> list[Row]:
-    dilute, name = 1 / (2 * settings.number_density), "free_path"
-    sooner = "disks that exclude each other are met sooner; not in the kinetic equation"
-    dense = dilute / contact_value(settings.number_density)
-    henderson = "g: Henderson's contact value of hard disks in equilibrium"
+    dilute, name, of = 1 / (2 * settings.half_rate), "free_path", settings.scatterers
+    sooner = f"{of} that exclude each other are met sooner; not in the kinetic equation"
+    dense = dilute / contact_value(settings.number_density, dimension=settings.dimension)
+    author = "Henderson's" if settings.dimension == 2 else "Carnahan and Starling's"
+    equilibrium = f"g: {author} contact value of hard {of} in equilibrium"
+    cross_section = "2d" if settings.dimension == 2 else "πd²"
     return [
-        *statistical(case, name, case.free, dilute, "1/(2dρ₀)"),
-        *statistical(case, name, case.disks, dilute, "1/(2dρ₀)", sooner),
-        *statistical(case, name, case.disks, dense, "1/(2dρ₀g)", henderson),
+        *statistical(case, name, case.free, dilute, f"1/({cross_section}ρ₀)"),
+        *statistical(case, name, case.hard, dilute, f"1/({cross_section}ρ₀)", sooner),
+        *statistical(case, name, case.hard, dense, f"1/({cross_section}ρ₀g)", equilibrium),
     ]
 
 
 def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
     e, name = case.restitution, "cooling_rate"
     exact, solver = (state.cooling_rate for state in case.scaling_state)
-    fitted = float(sonine.cooling_rate_fitted(e))
     note = (
         f"slope of 1/v0 from t = {case.times[case.early]:.4g} to {case.times[-1]:.4g} d/U; "
         f"the exact h is {exact:.5f}"
@@ -105,15 +106,19 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
 
     def rate(solution: "Solution") -> float:
         return cooling_rate_between(
-            case.times, solution.thermal_speed, case.early, settings.number_density
+            case.times, solution.thermal_speed, case.early, settings.half_rate
         )
 
+    solved = numerical(case, name, solver, exact, settings.rtol)
+    if not settings.is_papers_law:
+        return [solved, *_particles(case, name, rate, note)]
+    fitted = float(sonine.cooling_rate_fitted(e))
     return [
-        numerical(case, name, solver, exact, settings.rtol),
+        solved,
         approximation(case, name, "Sonine", float(sonine.cooling_rate(e)), exact),
         approximation(case, name, PAPER_FIT, fitted, exact),
         *_particles(case, name, rate, note),
-        *statistical(case, name, case.disks, fitted, PAPER_FIT, "the paper's own claim"),
+        *statistical(case, name, case.hard, fitted, PAPER_FIT, "the paper's own claim"),
     ]
 
 
@@ -122,12 +127,11 @@ def _a2(case: Case, settings: ReportSettings) -> list[Row]:
     if case.exact is None:
         return rows
     exact, solver = (state.a2 for state in case.scaling_state)
-    printed = float(sonine.a2(case.restitution))
-    return [
-        numerical(case, "a2", solver, exact, settings.rtol),
-        approximation(case, "a2", "Sonine", printed, exact),
-        *rows,
-    ]
+    rows = [numerical(case, "a2", solver, exact, settings.rtol), *rows]
+    if settings.is_papers_law:
+        printed = float(sonine.a2(case.restitution))
+        rows.insert(1, approximation(case, "a2", "Sonine", printed, exact))
+    return rows
 
 
 def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
@@ -143,16 +147,18 @@ def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
         c=float(centres[k]), looks=len(centres),
         note=f"worst bin centre, relative to the peak; {row.note}",
     )  # fmt: skip
-    kinetic, rescaled = (bin_average(last_vdf(s), edges) for s in (case.kinetic, case.rescaled))
+    kinetic, rescaled = (
+        bin_average(last_vdf(s), edges, case.dimension) for s in (case.kinetic, case.rescaled)
+    )
     note = (
         f"mean over a bin of c at the last time, {ENOUGH}; "
         f"still to change by {largest_change(case, kinetic):.1%} of the peak"
     )
-    area = math.pi * np.diff(edges**2)
+    area = ball(case.dimension) * np.diff(edges**case.dimension)
     return [
         row,
         *statistical(case, name, case.free, _filled(case.free, kinetic, area), note=note),
-        *statistical(case, name, case.disks, _filled(case.disks, rescaled, area), RESCALED, note),
+        *statistical(case, name, case.hard, _filled(case.hard, rescaled, area), RESCALED, note),
     ]
 
 
@@ -162,6 +168,8 @@ def _filled(run: ParticleRun, density: Array, measure: Array) -> Array:
 
 
 def _msd(case: Case, settings: ReportSettings) -> list[Row]:
+    if not settings.is_papers_law:
+        return _particles(case, "msd")
     e, density, times = case.restitution, settings.number_density, case.times
     last, theory = float(times[-1]), float(case.kinetic.msd[-1])
     walk = sonine.msd_random_walk(times, e, density)
@@ -173,30 +181,33 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
     return [
         approximation(case, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note),
         approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. ad8"),
-        *statistical(case, "msd", case.disks, late, PAPER_FIT, claim),
+        *statistical(case, "msd", case.hard, late, PAPER_FIT, claim),
         *_particles(case, "msd"),
     ]
 
 
 def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
     times, exact, name = case.times, case.late_msd_slope, "msd_slope"
-    walk, printed = printed_msd_slopes(case.restitution, settings.number_density)
     limit = "limit of late times"
     note = (
         f"from t = {times[case.early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
         f"{exact:.5g} d², reached to {case.late.msd_slope[-1] / exact - 1:.0e} at "
         f"t = {case.late.times[-1]:.0e} d/U"
     )
+    rows = _particles(case, name, lambda s: msd_slope_between(times, s.msd, case.early), note)
+    if not settings.is_papers_law:
+        return rows
+    walk, printed = printed_msd_slopes(case.restitution, settings.number_density)
     return [
         approximation(case, name, PAPER_FIT, walk, exact, note=limit),
         approximation(case, name, "Sonine", printed, exact, note=limit),
-        *_particles(case, name, lambda s: msd_slope_between(times, s.msd, case.early), note),
+        *rows,
     ]
 
 
-def _kurtosis(case: Case) -> list[Row]:
+def _kurtosis(case: Case, settings: ReportSettings) -> list[Row]:
     rows = _particles(case, "kurtosis")
-    if case.exact is None:
+    if case.exact is None or not settings.is_papers_law:
         return rows
     note = "eq. gdefi has 4 at every time; a Gaussian has 2, which is the limit of late times"
     printed = approximation(
@@ -216,9 +227,10 @@ POSITION_FORMS = (
 """Source, the printed G(R), and the R between which it is held against the equation."""
 
 
-def _position(case: Case) -> list[Row]:
+def _position(case: Case, settings: ReportSettings) -> list[Row]:
     rows: list[Row] = []
-    for source, form, low, high, note in POSITION_FORMS if case.exact is not None else ():
+    printed_forms = POSITION_FORMS if case.exact is not None and settings.is_papers_law else ()
+    for source, form, low, high, note in printed_forms:
         r, density = sure_density(case, np.linspace(low, high, 61))
         if r.size:
             printed = form(r)
@@ -230,7 +242,7 @@ def _position(case: Case) -> list[Row]:
             rows.append(row)
     theory, width = bin_density(case, case.position_edges), np.diff(case.position_edges)
     note = f"mean over a bin of R at the last time, {ENOUGH}"
-    for run, extra in ((case.free, ""), (case.disks, "; finite density")):
+    for run, extra in ((case.free, ""), (case.hard, "; finite density")):
         filled = _filled(run, theory, width)
         rows += statistical(case, "position", run, filled, note=note + extra)
     return rows
@@ -241,5 +253,5 @@ def _tail_exponent(case: Case) -> list[Row]:
     note = "between bands of R; 2 is a Gaussian, 1 an exponential"
     return [
         *statistical(case, "tail_exponent", case.free, theory, note=note),
-        *statistical(case, "tail_exponent", case.disks, theory, note=note + "; finite density"),
+        *statistical(case, "tail_exponent", case.hard, theory, note=note + "; finite density"),
     ]

@@ -15,6 +15,7 @@ from kinetics.crosscheck.commands.options import (
     json_option,
     print_json,
     seed_option,
+    tangential_option,
     workers_option,
 )  # fmt: skip
 
@@ -34,9 +35,13 @@ from kinetics.crosscheck.commands.options import (
     help="Last time in d/U: once for all, or once per restitution. "
     "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
 )  # fmt: skip
+@tangential_option
+@click.option(
+    "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
+)
 @density_option
-@click.option("--count", type=int, default=40_000, help="Hard disks in the periodic box.")
-@click.option("--media", type=int, default=100, help="Configurations of hard disks.")
+@click.option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
+@click.option("--media", type=int, default=100, help="Configurations of them.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
 @click.option(
     "--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run."
@@ -60,6 +65,9 @@ def report(
 ) -> None:
     """Compare the kinetic equation, the particles and the algebra on the paper's system.
 
+    Of spheres, or with a tangential restitution, without the paper's formulas, which are of smooth
+    disks; disks and spheres then stand side by side in a table.
+
     Writes report.html, which needs nothing beside it, and report.json with every number in it, and
     prints a verdict per comparison.
     """
@@ -76,7 +84,7 @@ def report(
     from tqdm import tqdm
 
     from kinetics.crosscheck.report import report as work
-    from kinetics.crosscheck.report.page import verdict_table
+    from kinetics.crosscheck.report.page import dimension_table, verdict_table
 
     stages = work.stages(settings)
     with tqdm(total=stages, file=sys.stderr, disable=None, leave=False) as bar:
@@ -91,4 +99,6 @@ def report(
         print_json(document)
     else:
         click.echo(verdict_table(document))
+        if document.get("dimensions"):
+            click.echo(f"\n{dimension_table(document)}")
         click.echo(f"wrote {' and '.join(str(path) for path in written)}")

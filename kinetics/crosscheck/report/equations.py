@@ -24,6 +24,17 @@ FORMULAS = {
     "diffusion": ["beyond:slope", "beyond:cosine"],
 }
 """The labels of `derivations` that stand under each sentence, in the order of the report."""
+OF_ANY_LAW = {
+    "rule": ["beyond:rule"],
+    "one_collision": ["beyond:one-collision"],
+    "measure_plane": ["beyond:measure-plane"],
+    "measure_space": ["beyond:measure-space"],
+    "averages_space": ["beyond:space-power", "beyond:space-log", "beyond:space-cosine"],
+    "moments": ["beyond:any-moments"],
+    "slope": ["beyond:any-slope"],
+}
+"""The same for other laws than the paper's."""
+_ONLY_IN = {"measure_plane": 2, "measure_space": 3, "averages_space": 3}
 _FILE = files("kinetics.crosscheck") / "templates" / "equations.json"
 
 
@@ -34,9 +45,11 @@ class Equation(NamedTuple):
     mathml: Markup
 
 
-def report_equations() -> list[Equation]:
-    """The equations of the report, in its order."""
-    return [_equation(name) for name in FORMULAS]
+def report_equations(dimension: int | None = None) -> list[Equation]:
+    """The equations of the report, in its order: the paper's, or of other laws in a dimension."""
+    if dimension is None:
+        return [_equation(name) for name in FORMULAS]
+    return [_equation(n) for n in OF_ANY_LAW if _ONLY_IN.get(n, dimension) == dimension]
 
 
 def comparison_equations() -> list[Equation]:
@@ -61,7 +74,8 @@ def printed() -> dict[str, list[str]]:
         element = mathml(printed_equation(label).formula, order="rev-lex")
         return element.replace("<math>", '<math display="block">')
 
-    return {name: [block(label) for label in labels] for name, labels in FORMULAS.items()}
+    every = FORMULAS | OF_ANY_LAW
+    return {name: [block(label) for label in labels] for name, labels in every.items()}
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
-"""Lines that several figures have."""
+"""What the figures draw, and lines that several of them have."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from kinetics import sonine
 from kinetics.crosscheck.report.case import Array, Case, Mask, Measured
-from kinetics.crosscheck.report.figures import Data, series
+from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 
 if TYPE_CHECKING:
@@ -17,6 +19,73 @@ if TYPE_CHECKING:
 
 LARGEST_RELATIVE_ERROR = 0.5
 """Standard error over value above which a point on a logarithmic axis is left out."""
+BEYOND_LAST = 10.0
+"""Lines of the equation go on to so many times the last time of the particles."""
+TIME = axis("time $t$", "d/U", "log")
+RESTITUTION = axis("restitution $e$", limits=(0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the figures of one report draw."""
+
+    cases: Sequence[Case]
+    settings: ReportSettings
+
+    @property
+    def number_density(self) -> float:
+        """In d^-2, or d^-3 in space."""
+        return self.settings.number_density
+
+    @property
+    def dimension(self) -> int:
+        """2 for disks, 3 for spheres."""
+        return self.settings.dimension
+
+    @property
+    def is_papers_law(self) -> bool:
+        """Whether scatterers are smooth disks, for which the paper's formulas are."""
+        return self.settings.is_papers_law
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether a bounce keeps the tangential velocity."""
+        return self.settings.tangential_restitution == 1.0
+
+    @property
+    def gaussian_kurtosis(self) -> float:
+        """<r^4>/<r^2>^2 of a Gaussian."""
+        return 1 + 2 / self.dimension
+
+    @property
+    def words(self) -> dict[str, Any]:
+        """What the sentences under a figure need to know of the law."""
+        return {
+            "papers_law": self.is_papers_law,
+            "smooth": self.is_smooth,
+            "spheres": self.dimension == 3,
+            "scatterers": self.settings.scatterers,
+        }
+
+    @property
+    def cooling(self) -> list[Case]:
+        """The cases that cool: the law is not elastic."""
+        return [case for case in self.cases if case.exact is not None]
+
+    @property
+    def printed(self) -> list[Case]:
+        """The cooling cases at which the printed a2 is real."""
+        return [case for case in self.cooling if np.isfinite(sonine.a2(case.restitution))]
+
+
+def ends_of(times: Sequence[Array]) -> Array:
+    """The first and the last of several ranges of times."""
+    return np.array([min(t[0] for t in times), max(t[-1] for t in times)])
+
+
+def solved(case: Case) -> Mask:
+    """The late times that a figure shows."""
+    return np.asarray(case.late.times <= BEYOND_LAST * case.times[-1])
 
 
 def figure(name: str, x: Data, y: Data, lines: Sequence[Data], **values: Any) -> Data:
@@ -31,11 +100,14 @@ def restitutions() -> Array:
 
 
 @cache
-def exact_states() -> "tuple[ScalingSolution, ...]":
+def exact_states(
+    tangential_restitution: float = 1.0, dimension: int = 2
+) -> "tuple[ScalingSolution, ...]":
     """The exact scaling state at each of the `restitutions`."""
     from kinetics import ScalingSolution
 
-    return tuple(ScalingSolution(float(e)) for e in restitutions())
+    law = tangential_restitution, dimension
+    return tuple(ScalingSolution(float(e), *law) for e in restitutions())
 
 
 def level(source: str, x: ArrayLike, y: float, restitution: float | None = None) -> Data:
@@ -65,7 +137,7 @@ def readable(measured: Measured) -> Mask:
 
 
 def over_restitution(
-    cases: Sequence[Case],
+    results: Results,
     of: Callable[[float, Any], Any],
     printed: Mapping[str, ArrayLike],
 ) -> list[Data]:
@@ -73,8 +145,10 @@ def over_restitution(
 
     `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`.
     """
+    cases, settings = results.cooling, results.settings
     at, e = [case.restitution for case in cases], restitutions()
-    exact = [of(float(x), state) for x, state in zip(e, exact_states(), strict=True)]
+    states = exact_states(settings.tangential_restitution, settings.dimension)
+    exact = [of(float(x), state) for x, state in zip(e, states, strict=True)]
     solver = [of(case.restitution, case.scaling_state[1]) for case in cases]
     lines = [series("exact", e, exact), series("solver", at, solver)]
     for k, run in enumerate(cases[0].runs):

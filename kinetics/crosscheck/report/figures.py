@@ -43,6 +43,7 @@ _THIN = {"linestyle": "--", "linewidth": 0.9}
 _CROSS = {"linestyle": "none", "marker": "x", "markersize": 5.5}
 _BARS = {"linestyle": "none", "elinewidth": 1.0, "capsize": 0.0}
 _DOT = {"marker": "o", "markersize": 3.6, **_BARS}
+_SQUARE = {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_BARS}
 STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("kinetic equation", "exact"), _SOLID),
     **dict.fromkeys(("Sonine", "paper, tail", "best explanation"), _DASHED),
@@ -52,7 +53,7 @@ STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("scaling state", "extrapolation"), _THIN),
     **dict.fromkeys(("solver", "same bands"), _CROSS),
     **dict.fromkeys(("Boltzmann-Grad", "data"), _DOT),
-    "hard disks": {"marker": "s", "markersize": 4.8, "markerfacecolor": "none", **_BARS},
+    **dict.fromkeys(("hard disks", "hard spheres"), _SQUARE),
     "limit": {"marker": "D", "markersize": 4.2, **_BARS},
     "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend

@@ -21,24 +21,26 @@ SURE = 20.0
 """Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
 
 
-def contact_value(number_density: float, diameter: float = 1.0) -> float:
-    """Henderson's pair correlation of hard disks at contact, g(d), by which l = 1/(2 d rho0 g).
+def contact_value(number_density: float, diameter: float = 1.0, dimension: int = 2) -> float:
+    """The pair correlation at contact, g(d), by which the mean free path is divided.
 
-    number_density in d^-2; D. Henderson, Mol. Phys. 30, 971 (1975).
+    Of hard disks that of D. Henderson, Mol. Phys. 30, 971 (1975), number_density in d^-2; of hard
+    spheres that of N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969), in d^-3.
     """
+    if dimension == 3:
+        fraction = math.pi * number_density * diameter**3 / 6
+        return (1 - fraction / 2) / (1 - fraction) ** 3
     fraction = math.pi * number_density * diameter**2 / 4
     return (1 - 7 * fraction / 16) / (1 - fraction) ** 2
 
 
-def cooling_rate_between(
-    times: Array, thermal_speed: Array, early: int, number_density: float
-) -> float:
+def cooling_rate_between(times: Array, thermal_speed: Array, early: int, half_rate: float) -> float:
     """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. veq over d rho0.
 
-    times and thermal_speed (n_times,) in d/U and U; number_density in d^-2.
+    times and thermal_speed (n_times,) in d/U and U; half_rate is 1/(2 l) in 1/d, for disks d rho0.
     """
     slope = (1 / thermal_speed[-1] - 1 / thermal_speed[early]) / (times[-1] - times[early])
-    return float(slope / number_density)
+    return float(slope / half_rate)
 
 
 def msd_slope_between(times: Array, msd: Array, early: int) -> float:
@@ -62,6 +64,18 @@ def printed_msd_slopes(restitution: float, number_density: float) -> tuple[float
     return walk, printed
 
 
+def ball(dimension: int) -> float:
+    """Area of the unit circle, or volume of the unit sphere."""
+    return math.pi if dimension == 2 else 4 * math.pi / 3
+
+
+def gaussian_vdf(c: ArrayLike, dimension: int) -> Array:
+    """The Gaussian F(c) with <c^2> = 1: a density in the plane, or in space."""
+    if dimension == 2:
+        return sonine.vdf(c, 0.0)
+    return np.asarray((1.5 / math.pi) ** 1.5 * np.exp(-1.5 * np.square(c)))
+
+
 def middles(edges: Array) -> Array:
     """The middle of each bin."""
     return np.asarray((edges[1:] + edges[:-1]) / 2)
@@ -69,29 +83,31 @@ def middles(edges: Array) -> Array:
 
 def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
     """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
-    v0 = float(solution.thermal_speed[-1])
+    v0, law = float(solution.thermal_speed[-1]), solution.scene.law
 
     def vdf(c: Array) -> Array:
-        return np.asarray(v0 * solution.speed_density(c * v0)[-1] / (2 * math.pi * c))
+        surface = law.unit_surface * c ** (law.dimension - 1)
+        return np.asarray(v0 * solution.speed_density(c * v0)[-1] / surface)
 
     return vdf
 
 
-def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array) -> Array:
-    """F(c) averaged over the area of each bin of c, by 8 Gauss points in each.
+def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array, dimension: int = 2) -> Array:
+    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each.
 
-    edges (n_bins + 1,); returns (n_bins,), a density in the plane.
+    edges (n_bins + 1,); returns (n_bins,), a density in the plane, or in space.
     """
+    d = dimension
     x, w = np.polynomial.legendre.leggauss(8)
     half = np.diff(edges)[:, None] / 2
     c = edges[:-1, None] + half * (x + 1)
     values = np.asarray(vdf(c.ravel())).reshape(c.shape)
-    return np.asarray(np.sum(2 * c * values * w * half, axis=1) / np.diff(edges**2))
+    return np.asarray(np.sum(d * c ** (d - 1) * values * w * half, axis=1) / np.diff(edges**d))
 
 
 def largest_change(case: Case, kinetic: Array) -> float:
     """Largest difference of the binned VDF `kinetic` from the scaling state, over its peak."""
-    final = bin_average(case.scaling_state[1].vdf, case.speed_edges)
+    final = bin_average(case.scaling_state[1].vdf, case.speed_edges, case.dimension)
     return float(np.max(np.abs(kinetic - final)) / np.max(final))
 
 
@@ -109,7 +125,7 @@ def bin_density(case: Case, edges: Array) -> Array:
 
 def bands_of(case: Case) -> Array:
     """The kinetic equation's `band_exponent`, from the shares that a histogram would have."""
-    return band_exponent(_share(case, BANDS))
+    return band_exponent(_share(case, BANDS), case.dimension)
 
 
 def _share(case: Case, edges: Array) -> Array:
@@ -154,33 +170,37 @@ def _shares(samples: Array, edges: Array) -> tuple[Array, Array]:
     return share(None), np.array([share(group) for group in range(groups)])
 
 
-def band_exponent(shares: Array) -> Array:
+def band_exponent(shares: Array, dimension: int = 2) -> Array:
     """Local exponent n of p(R) ~ exp(-(R/b)^n) from the shares of the `BANDS`.
 
     shares (..., n_bands); returns (..., n_bands - 2), at `band_middles`: between neighbours, the
-    slope of ln ln(p0/p) over ln R, p being the mean of G(R)/(2 pi R) over a band, R its root mean
-    square radius, and p0 the first band's. NaN where a band is empty or above the first.
+    slope of ln ln(p0/p) over ln R, p being the mean of G(R)/(2 pi R), in space G(R)/(4 pi R^2),
+    over a band, R its root mean square radius, and p0 the first band's. NaN where a band is empty
+    or above the first.
     """
-    area = np.pi * np.diff(BANDS**2)
+    area = ball(dimension) * np.diff(BANDS**dimension)
     with np.errstate(divide="ignore", invalid="ignore"):
         p = shares / area
         fall = np.log(np.log(p[..., :1] / p[..., 1:]))
-        exponent = np.diff(fall, axis=-1) / np.diff(np.log(_radii()[1:]))
+        exponent = np.diff(fall, axis=-1) / np.diff(np.log(_radii(dimension)[1:]))
     return np.where(np.isfinite(exponent), exponent, np.nan)
 
 
-def _radii() -> Array:
+def _radii(dimension: int) -> Array:
     """Root mean square radius of each band, as of a density that is flat in it."""
+    if dimension == 3:
+        return np.asarray(np.sqrt(0.6 * np.diff(BANDS**5) / np.diff(BANDS**3)))
     return np.asarray(np.sqrt((BANDS[1:] ** 2 + BANDS[:-1] ** 2) / 2))
 
 
-def band_middles() -> Array:
+def band_middles(dimension: int = 2) -> Array:
     """The R at which `band_exponent` stands: geometric means of neighbouring bands."""
-    radii = _radii()[1:]
+    radii = _radii(dimension)[1:]
     return np.asarray(np.sqrt(radii[1:] * radii[:-1]))
 
 
-def measured_exponent(samples: Array) -> Measured:
+def measured_exponent(samples: Array, dimension: int = 2) -> Measured:
     """`band_exponent` of absolute displacements (n_groups, n_in_group), with jackknife errors."""
     every, replicates = _shares(samples, BANDS)
-    return Measured(band_exponent(every), jackknife_error(band_exponent(replicates)))
+    found, without = (band_exponent(shares, dimension) for shares in (every, replicates))
+    return Measured(found, jackknife_error(without))

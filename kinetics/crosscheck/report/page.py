@@ -8,7 +8,7 @@ from markupsafe import Markup
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.equations import report_equations
 from kinetics.crosscheck.report.figures import svg
-from kinetics.crosscheck.report.row import OBSERVABLES, relative_error
+from kinetics.crosscheck.report.row import OBSERVABLES, Names, relative_error
 from kinetics.crosscheck.report.templates import environment, number
 from kinetics.crosscheck.text_tables import aligned
 
@@ -20,15 +20,36 @@ def render(document: Mapping[str, Any]) -> str:
     return page.render(
         doc=document,
         tables=[_number_table(item, restitutions) for item in document["answers"]],
-        paper_figures=PAPER_FIGURES,
+        figure_groups=_figure_groups(document),
         svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
-        equations=report_equations(),
+        equations=report_equations(document["settings"].get("dimension")),
         matrix=matrix(document),
-        observables=OBSERVABLES,
+        dimensions=dimension_pairs(document),
+        is_papers_law="dimension" not in document["settings"],
+        observables=_observables(document),
         deviation=deviation,
+        dimension_cells=_dimension_cells,
         # Written by sympy's printer from the package's own formulas, not from anybody's data.
         formula=Markup,
     )
+
+
+def _observables(document: Mapping[str, Any]) -> dict[str, Names]:
+    """The names of the observables; in space p is G(R)/(4 pi R^2)."""
+    if document["settings"].get("dimension") != 3:
+        return OBSERVABLES
+    title, short = OBSERVABLES["tail_exponent"]
+    return OBSERVABLES | {"tail_exponent": Names(title.replace("G(R)/R ", "G(R)/R² "), short)}
+
+
+def _figure_groups(document: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+    """Heading and names of the figures; those of another law than the paper's have no heading."""
+    names = list(document["figures"])
+    papers = [name for name in names if name in PAPER_FIGURES]
+    if "dimension" in document["settings"]:
+        return [("", names)]
+    others = [name for name in names if name not in papers]
+    return [("The paper's figures", papers), ("Figures that the paper lacks", others)]
 
 
 def _number_table(answer: Mapping[str, Any], restitutions: list[float]) -> list[dict[str, Any]]:
@@ -58,6 +79,37 @@ def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
         }
         for observable, source, against in sorted(lines, key=lambda key: order.index(key[0]))
     ]
+
+
+def dimension_pairs(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Disks beside spheres: one line per quantity and restitution, its two rows of the document."""
+    lines: dict[tuple[str, float], list[Mapping[str, Any]]] = {}
+    for row in document.get("dimensions", ()):
+        lines.setdefault((row["observable"], row["restitution"]), []).append(row)
+    order = list(OBSERVABLES)
+    return [
+        {"observable": observable, "restitution": e, "rows": lines[observable, e]}
+        for observable, e in sorted(lines, key=lambda key: (order.index(key[0]), key[1]))
+    ]
+
+
+def dimension_table(document: Mapping[str, Any]) -> str:
+    """The same as text for the terminal; empty where the report has no such table."""
+    pairs = dimension_pairs(document)
+    if not pairs:
+        return ""
+    heads = ("closed form", "solver", "equation", "particles")
+    lines = [["", "", *(f"{of}: {head}" for of in ("disks", "spheres") for head in heads)]]
+    for pair in pairs:
+        cells = [cell for row in pair["rows"] for cell in _dimension_cells(row)]
+        name = OBSERVABLES[pair["observable"]].short
+        lines.append([name, f"e = {pair['restitution']:g}", *cells])
+    return aligned(lines)
+
+
+def _dimension_cells(row: Mapping[str, Any]) -> list[str]:
+    limits = [number(row[name]) for name in ("exact", "solver", "equation")]
+    return [*limits, number(row["value"], row["error"])]
 
 
 def verdict_table(document: Mapping[str, Any]) -> str:

@@ -5,23 +5,26 @@ The sentences stand in `../templates/report.txt.j2`, one block for each question
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from kinetics import sonine
 from kinetics.crosscheck.report.case import Case, Measured
-from kinetics.crosscheck.report.figure_lines import exact_states, restitutions
+from kinetics.crosscheck.report.figure_lines import Results, exact_states, restitutions
 from kinetics.crosscheck.report.observables import (
     LARGEST_EXPONENT_ERROR,
     band_middles,
     bands_of,
     bin_average,
+    gaussian_vdf,
     msd_slope_between,
     printed_msd_slopes,
     sure_density,
 )
 from kinetics.crosscheck.report.row import OBSERVABLES, Row
+from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.verdicts import corrected_sigmas, worst
 
@@ -37,8 +40,12 @@ CLEARLY_ABOVE = 1.1
 SHOWN_DISTANCES = (1.0, 2.0, 3.0, 4.0)
 
 
-def all_answers(cases: Sequence[Case], rows: Sequence[Row]) -> list[Answer]:
+def all_answers(
+    cases: Sequence[Case], rows: Sequence[Row], settings: ReportSettings
+) -> list[Answer]:
     """Question, answer in words, and the numbers behind it; none if no restitution cools.
+
+    Of another law than the paper's the questions are the same, without its printed formulas.
 
     Each number has a name, a unit, a restitution (None for all), a value and a standard error (None
     for what has none).
@@ -46,8 +53,11 @@ def all_answers(cases: Sequence[Case], rows: Sequence[Row]) -> list[Answer]:
     cooling = [case for case in cases if case.exact is not None]
     if not cooling:
         return []
-    questions = (_proportional, _gaussian, _logarithmic, _exponential)
-    return [*(answer(cooling) for answer in questions), _approximations(rows)]
+    results = Results(cooling, settings)
+    first = _proportional if settings.is_papers_law else _cooling
+    questions = (first, _gaussian, _logarithmic, _exponential)
+    answers = [answer(results) for answer in questions]
+    return [*answers, _approximations(rows)] if settings.is_papers_law else answers
 
 
 def _answer(block: str, numbers: list[dict[str, Any]], **values: Any) -> Answer:
@@ -70,11 +80,11 @@ def _numbers(
     return numbers
 
 
-def _proportional(cases: Sequence[Case]) -> Answer:
+def _proportional(results: Results) -> Answer:
     e = restitutions()
     ratio = np.array([state.cooling_rate for state in exact_states()]) / (1 - e)
     numbers = []
-    for case in cases:
+    for case in results.cases:
         rates: dict[str, Any] = {"exact": case.scaling_state[0].cooling_rate}
         rates |= {run.name: run.cooling_rate for run in case.runs}
         scale = 1 - case.restitution
@@ -85,18 +95,36 @@ def _proportional(cases: Sequence[Case]) -> Answer:
     return _answer("proportional", numbers, at=e[high], fit=fit, **limits)
 
 
-def _gaussian(cases: Sequence[Case]) -> Answer:
+def _cooling(results: Results) -> Answer:
+    """In place of `_proportional`, for laws that the paper does not have."""
+    settings, e = results.settings, restitutions()
+    states = exact_states(settings.tangential_restitution, settings.dimension)
+    numbers = []
+    for case in results.cases:
+        exact, solver = case.scaling_state
+        rates: dict[str, Any] = {"exact": exact.cooling_rate, "solver": solver.cooling_rate}
+        rates |= {run.name: run.cooling_rate for run in case.runs}
+        numbers += _numbers(case.restitution, {f"h, {name}": h for name, h in rates.items()})
+    first, last = (states[k].cooling_rate for k in (0, -1))
+    ends = {"first": first, "last": last, "ratio": last / (1 - e[-1]), "last_e": e[-1]}
+    return _answer("cooling", numbers, **ends, **results.words)
+
+
+def _gaussian(results: Results) -> Answer:
     from scipy.optimize import brentq
 
     from kinetics import ScalingSolution
 
-    root = float(brentq(lambda e: ScalingSolution(e).a2, 0.1, 0.99))
-    numbers, away = _numbers(None, {"e at which the exact a2 is 0": root}), []
-    for case in cases:
+    numbers, away, root = [], [], math.nan
+    if results.is_papers_law:
+        root = float(brentq(lambda e: ScalingSolution(e).a2, 0.1, 0.99))
+        numbers = _numbers(None, {"e at which the exact a2 is 0": root})
+    for case in results.cases:
         e, run = case.restitution, case.free
         measured = {f"a2, {either.name}": either.a2[-1] for either in case.runs}
         numbers += _numbers(e, {"a2, exact": case.scaling_state[0].a2, **measured})
-        gaussian = bin_average(lambda c: sonine.vdf(c, 0.0), case.speed_edges)
+        vdf = partial(gaussian_vdf, dimension=case.dimension)
+        gaussian = bin_average(vdf, case.speed_edges, case.dimension)
         look = worst(run.vdf.value, run.vdf.error, gaussian)
         if look is None:
             continue
@@ -106,30 +134,34 @@ def _gaussian(cases: Sequence[Case]) -> Answer:
         numbers += _numbers(e, {f"F/Gaussian - 1 in its worst bin, {run.name}": off}, "%")
         numbers += _numbers(e, {"its sigmas, corrected for the bins looked at": sigmas})
         away.append(sigmas)
-    return _answer("gaussian", numbers, root=root, away=away)
+    return _answer("gaussian", numbers, root=root, away=away, **results.words)
 
 
-def _logarithmic(cases: Sequence[Case]) -> Answer:
+def _logarithmic(results: Results) -> Answer:
     numbers, errors, times = [], [], []
-    for case in cases:
+    for case in results.cases:
         e, late, limit = case.restitution, case.late, case.late_msd_slope
         decade = msd_slope_between(case.times, case.kinetic.msd, case.early)
         share = np.maximum.accumulate(late.msd_slope / limit)
         close = float(np.exp(np.interp(CLOSE_TO_LIMIT, share, np.log(late.times))))
-        walk, printed = printed_msd_slopes(e, 1 / (2 * late.scene.mean_free_path))
-        limits = {"exact": limit, "random walk as printed": walk, "Sonine as printed": printed}
+        limits = {"exact": limit}
+        if results.is_papers_law:
+            walk, printed = printed_msd_slopes(e, 1 / (2 * late.scene.mean_free_path))
+            limits |= {"random walk as printed": walk, "Sonine as printed": printed}
+            errors.append(100 * (walk / limit - 1))
         means = {"kinetic equation": decade} | {run.name: run.msd_slope for run in case.runs}
         reached = {f"time from which it has {CLOSE_TO_LIMIT:.0%} of the limit": close}
         numbers += _numbers(e, {f"late slope, {k}": v for k, v in limits.items()}, "d²")
         numbers += _numbers(e, reached, "d/U")
         over = {f"mean slope over the last decade, {k}": v for k, v in means.items()}
         numbers += _numbers(e, over, "d²")
-        errors.append(100 * (walk / limit - 1))
         times.append(close)
-    return _answer("logarithmic", numbers, share=CLOSE_TO_LIMIT, times=times, errors=errors)
+    found = {"share": CLOSE_TO_LIMIT, "times": times, "errors": errors}
+    return _answer("logarithmic", numbers, **found, **results.words)
 
 
-def _exponential(cases: Sequence[Case]) -> Answer:
+def _exponential(results: Results) -> Answer:
+    cases = results.cases
     numbers: list[dict[str, Any]] = []
     growth, near, fits, ends = [], [], [], []
     last = f"{cases[0].late.times[-1]:.0e}"
@@ -140,7 +172,7 @@ def _exponential(cases: Sequence[Case]) -> Answer:
         found |= {f"−d ln p/dR at R = {SHOWN_DISTANCES[k]:g}": rate[k] for k in (1, 3)}
         found = {f"{name}, kinetic equation": x for name, x in found.items()} | _bands(case)
         known, density = sure_density(case, np.linspace(*TAIL_REGION, 41))
-        if known.size >= LEAST_POINTS:
+        if results.is_papers_law and known.size >= LEAST_POINTS:
             fit = sonine.fit_position(known, density, "tail")
             fits.append(fit)
             found["η of eq. gammatailg fitted to the kinetic equation"] = fit.eta
@@ -156,6 +188,7 @@ def _exponential(cases: Sequence[Case]) -> Answer:
     return _answer(
         "exponential", numbers, nearly=lowest < CLEARLY_ABOVE, growth=growth, near=near, fits=fits,
         region=TAIL_REGION, eta=sonine.TAIL_ETA, gamma=sonine.TAIL_GAMMA, ends=ends, last=last,
+        limit=results.gaussian_kurtosis, **results.words,
     )  # fmt: skip
 
 
@@ -165,7 +198,7 @@ def _bands(case: Case) -> dict[str, float | Measured]:
     found: dict[str, float | Measured] = {}
     seen = (measured.error > 0) & (measured.error < LARGEST_EXPONENT_ERROR)
     for k in np.flatnonzero(seen):
-        name = f"n over bands around R = {band_middles()[k]:.2f}"
+        name = f"n over bands around R = {band_middles(case.dimension)[k]:.2f}"
         found[f"{name}, kinetic equation"] = float(theory[k])
         found[f"{name}, {case.free.name}"] = measured[k]
     return found

@@ -17,6 +17,7 @@ from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.dimensions import both_dimensions
 from kinetics.crosscheck.report.figures import figure_file
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
@@ -44,21 +45,27 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
     ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
     tell = progress or (lambda stage: None)
-    with algebra_process() as algebra:
+    with algebra_process(settings) as algebra:
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
-        scans = gather_scans(cases, settings, tell)
+        scans, dimensions = None, []
+        if settings.is_papers_law:
+            scans = gather_scans(cases, settings, tell)
+        else:
+            dimensions = both_dimensions(cases, settings, tell)
         tell("comparing")
         rows = [row for case in cases for row in rows_of_case(case, settings)]
         tell("derivations")
         checks = printed_rows(algebra)
-    return build_document(settings, cases, scans, rows, checks)
+    document = build_document(settings, cases, scans, rows, checks)
+    return document | plain({"dimensions": dimensions}) if dimensions else document
 
 
 def stages(settings: ReportSettings) -> int:
     """How often `make_report` and `write_report` together report progress."""
-    return 3 * len(settings.restitutions) + 5
+    each = 3 if settings.is_papers_law else 4
+    return each * len(settings.restitutions) + (5 if settings.is_papers_law else 3)
 
 
 def write_report(
@@ -96,10 +103,10 @@ def build_document(
             "schema": SCHEMA,
             "title": _sentences("title"),
             "summary": _summary(settings, rows, checks),
-            "answers": all_answers(cases, rows),
-            "units": _sentences("units"),
+            "answers": all_answers(cases, rows, settings),
+            "units": _sentences("units", spheres=settings.dimension == 3),
             "software": _versions(),
-            "settings": asdict(settings),
+            "settings": settings.described(),
             "verdicts": {word.value: text for word, text in MEANING.items()},
             "verdict_counts": counts(rows),
             "multiple_comparisons": _sentences(
@@ -167,7 +174,8 @@ def _findings(
     settings: ReportSettings, cases: Sequence[Case], scans: Scans | None, rows: Sequence[Row]
 ) -> list[str]:
     """What explains the differences, one paragraph each, with numbers and errors."""
-    dilute = 1 / (2 * settings.number_density)
+    dilute = 1 / (2 * settings.half_rate)
+    dense = dilute / contact_value(settings.number_density, dimension=settings.dimension)
     runs = [run for case in cases for run in case.runs]
     remaining: dict[float, list[dict[str, Any]]] = {case.restitution: [] for case in cases}
     for row in rows:
@@ -176,10 +184,10 @@ def _findings(
     return paragraphs(
         "report.txt.j2", "findings", cases=cases,
         cooling=[case for case in cases if case.exact is not None],
-        scans=scans, dilute=dilute, dense=dilute / contact_value(settings.number_density),
+        scans=scans, dilute=dilute, dense=dense, settings=settings,
         remaining=remaining, relative_error=relative_error, ratio_names=RATIO_NAMES, cap=PAPER_CAP,
         most=max(run.most_collisions for run in runs),
         capped=max(run.above_cap for run in runs),
-        trapped=any(case.disks.statuses["trapped"] for case in cases),
+        trapped=any(case.hard.statuses["trapped"] for case in cases),
         fit=sonine.FITTED_COOLING_FACTOR,
     )  # fmt: skip

@@ -135,7 +135,9 @@ def statistical(
     elif observable == "scaled_vdf":
         where["c"] = float(middles(case.speed_edges)[k])
     elif observable in ("position", "tail_exponent"):
-        bins = middles(case.position_edges) if observable == "position" else band_middles()
+        bins = middles(case.position_edges)
+        if observable == "tail_exponent":
+            bins = band_middles(case.dimension)
         where["distance"] = float(bins[k])
     corrected = corrected_sigmas(at.sigmas, run.groups, at.looks)
     row = Row(

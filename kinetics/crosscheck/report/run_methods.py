@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetics.collision import CollisionLaw
 from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
 from kinetics.crosscheck.report.observables import (
+    ball,
     cooling_rate_between,
     jackknife_error,
     measured_exponent,
@@ -15,7 +17,7 @@ from kinetics.crosscheck.report.observables import (
     scaled_density,
 )
 from kinetics.crosscheck.report.row import OVER_TIME
-from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.report.settings import ReportSettings, half_cross_section
 from kinetics.validation import refuse
 
 if TYPE_CHECKING:
@@ -51,15 +53,14 @@ def gather_case(
     Calls `tell` three times. ValueError, before anything is solved, for a system that cannot be
     simulated.
     """
-    from particles import BoltzmannGrad, HardDisks
     from particles.arguments import check_workers, make_plan
     from particles.memory import require_memory
 
-    e, density = restitution, settings.number_density
+    e, law = restitution, settings.law(restitution)
     times = output_times(last, settings.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed = settings.seed + 2 * settings.restitutions.index(e)
-    free_medium, disk_medium = BoltzmannGrad(density), HardDisks(density, settings.count)
+    free_medium, hard_medium = _media(settings)
 
     def particles(medium: "Medium", media: int, tracers: int, seed: int) -> "Ensemble":
         from particles import simulate
@@ -67,39 +68,53 @@ def gather_case(
         return simulate(
             medium, restitution=e, times=times, media=media, tracers=tracers, seed=seed,
             workers=settings.workers, observables=("finals",),
+            tangential_restitution=settings.tangential_restitution,
         )  # fmt: skip
 
     plan = make_plan(
-        disk_medium, e, "gaussian", times, ("finals",), media=settings.media,
-        tracers=settings.tracers, seed=seed + 1, max_collisions=None,
+        hard_medium, e, "gaussian", times, ("finals",), settings.tangential_restitution,
+        media=settings.media, tracers=settings.tracers, seed=seed + 1, max_collisions=None,
     )  # fmt: skip
     require_memory(plan, check_workers(settings.workers))
     tell(f"e = {e:g}: kinetic equation")
-    solved = _solutions(e, times, settings)
+    solved = _solutions(law, times, settings)
     tell(f"e = {e:g}: Boltzmann-Grad particles")
     groups = min(GROUPS, settings.free_tracers // 2)
     free = particles(free_medium, groups, settings.free_tracers // groups, seed)
-    tell(f"e = {e:g}: hard disks")
-    disks = particles(disk_medium, settings.media, settings.tracers, seed + 1)
-    path = float(disks.mean_free_path.value)
+    name = f"hard {settings.scatterers}"
+    tell(f"e = {e:g}: {name}")
+    hard = particles(hard_medium, settings.media, settings.tracers, seed + 1)
+    path = float(hard.mean_free_path.value)
     if not np.isfinite(path):
-        refuse("final_times", last, "no hard-disk tracer has collided by then, some must")
-    rescaled = _solution(e, 1 / (2 * path), times, OUTPUTS, settings.rtol)
+        refuse("final_times", last, f"no tracer among {name} has collided by then, some must")
+    thinner = 1 / (2 * path) / half_cross_section(settings.dimension)
+    rescaled = solution(law, thinner, times, OUTPUTS, settings.rtol)
     return Case(
         restitution=e,
+        law=law,
         times=times,
         early=early,
         speed_edges=SPEED_EDGES,
         position_edges=POSITION_EDGES,
         rescaled=rescaled,
-        free=_reduced("Boltzmann-Grad", free, early, density),
-        disks=_reduced("hard disks", disks, early, density),
-        rescaled_errors=_rescaled_errors(disks, rescaled, early, density),
+        free=reduced("Boltzmann-Grad", free, early, settings.half_rate),
+        hard=reduced(name, hard, early, settings.half_rate),
+        rescaled_errors=_rescaled_errors(hard, rescaled, early, settings.half_rate),
         **solved,
     )
 
 
-def _solutions(e: float, times: Array, settings: ReportSettings) -> dict[str, Any]:
+def _media(settings: ReportSettings) -> "tuple[Medium, Medium]":
+    """The Boltzmann-Grad limit, and hard disks or spheres."""
+    from particles import BoltzmannGrad, HardDisks, HardSpheres
+
+    density, count = settings.number_density, settings.count
+    if settings.dimension == 3:
+        return BoltzmannGrad(density, dimension=3), HardSpheres(density, count=count)
+    return BoltzmannGrad(density), HardDisks(density, count)
+
+
+def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dict[str, Any]:
     """The kinetic equation and its scaling state, as fields of `Case`."""
     from kinetics import ScalingSolution, solve_scaled
 
@@ -107,40 +122,45 @@ def _solutions(e: float, times: Array, settings: ReportSettings) -> dict[str, An
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), LATE_TIMES)
     place = ("msd", "position_density")
     return {
-        "kinetic": _solution(e, density, times, OUTPUTS, rtol),
-        "late": _solution(e, density, late, LATE_OUTPUTS, rtol),
-        "position": _solution(e, density, times[-1:], place, settings.position_rtol),
-        "exact": ScalingSolution(e) if e < 1 else None,
-        "scaled": solve_scaled(restitution=e, rtol=rtol) if e < 1 else None,
+        "kinetic": solution(law, density, times, OUTPUTS, rtol),
+        "late": solution(law, density, late, LATE_OUTPUTS, rtol),
+        "position": solution(law, density, times[-1:], place, settings.position_rtol),
+        "exact": None if law.is_elastic else ScalingSolution(**law.arguments),
+        "scaled": None if law.is_elastic else solve_scaled(**law.arguments, rtol=rtol),
     }
 
 
-def _solution(
-    e: float, density: float, times: Array, outputs: tuple[str, ...], rtol: float
+def solution(
+    law: CollisionLaw, density: float, times: Array, outputs: tuple[str, ...], rtol: float
 ) -> "Solution":
+    """The kinetic equation from a Gaussian start; times in d/U, density in d^-2 or d^-3."""
     from kinetics import Scene, solve
 
-    return solve(Scene(e, density, initial="gaussian", times=times, outputs=outputs), rtol=rtol)
+    scene = Scene(number_density=density, times=times, outputs=outputs, **law.arguments)
+    return solve(scene, rtol=rtol)
 
 
-def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> ParticleRun:
+def reduced(name: str, run: "Ensemble", early: int, half_rate: float) -> ParticleRun:
     """The run reduced to arrays; every error is a jackknife over its configurations."""
     by_group = run.finals.reshape(run.media, run.tracers, -1)
-    log_speed, _, x, y, collisions = np.moveaxis(by_group, -1, 0)
+    log_speed, _, x, y, collisions, *z = np.moveaxis(by_group, -1, 0)
     speeds = np.exp(log_speed)
     # A tracer that was trapped in a corner is at rest there.
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0
 
-    replicates = [_values(part, early, number_density) for part in _without_each(run)]
+    replicates = [_values(part, early, half_rate) for part in _without_each(run)]
     slopes = {
         name: Measured(
-            _values(run, early, number_density)[name],
+            _values(run, early, half_rate)[name],
             jackknife_error(np.array([values[name] for values in replicates])),
         )
         for name in ("cooling_rate", "msd_slope")
     }
     distances = np.hypot(x, y)
+    for third in z:
+        distances = np.hypot(distances, third)
+    d = run.medium.dimension
     return ParticleRun(
         name=name,
         samples=run.media * run.tracers,
@@ -148,9 +168,9 @@ def _reduced(name: str, run: "Ensemble", early: int, number_density: float) -> P
         **{name: _measured(getattr(run, name)) for name in OVER_TIME},
         **slopes,
         free_path=_measured(run.mean_free_path),
-        vdf=scaled_density(speeds, SPEED_EDGES, np.pi * np.diff(SPEED_EDGES**2)),
+        vdf=scaled_density(speeds, SPEED_EDGES, ball(d) * np.diff(SPEED_EDGES**d)),
         position=scaled_density(distances, POSITION_EDGES, np.diff(POSITION_EDGES)),
-        tail_exponent=measured_exponent(distances),
+        tail_exponent=measured_exponent(distances, d),
         mean_collisions=float(np.mean(collisions)),
         most_collisions=int(np.max(collisions)),
         above_cap=float(np.mean(collisions > PAPER_CAP)),
@@ -174,22 +194,22 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
         yield replace(run, arrays={**run.arrays, **rest})
 
 
-def _values(run: "Ensemble", early: int, number_density: float) -> dict[str, Array]:
+def _values(run: "Ensemble", early: int, half_rate: float) -> dict[str, Array]:
     averages = {name: np.asarray(getattr(run, name).value) for name in OVER_TIME}
-    return _with_slopes(run.times, averages, early, number_density)
+    return _with_slopes(run.times, averages, early, half_rate)
 
 
 def _with_slopes(
-    times: Array, averages: dict[str, Array], early: int, number_density: float
+    times: Array, averages: dict[str, Array], early: int, half_rate: float
 ) -> dict[str, Array]:
     """Averages over time, and the cooling rate and the slope of <r^2> that they give."""
-    rate = cooling_rate_between(times, averages["thermal_speed"], early, number_density)
+    rate = cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
     slope = msd_slope_between(times, averages["msd"], early)
     return averages | {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
 
 
 def _rescaled_errors(
-    run: "Ensemble", rescaled: "Solution", early: int, number_density: float
+    run: "Ensemble", rescaled: "Solution", early: int, half_rate: float
 ) -> dict[str, Array]:
     """Standard errors of data minus theory, the theory having the run's own mean free path l.
 
@@ -206,8 +226,8 @@ def _rescaled_errors(
     for part in _without_each(run):
         moved = np.log(float(part.mean_free_path.value)) - log_path
         expected = {name: values + moved * per_log_path[name] for name, values in theory.items()}
-        expected = _with_slopes(run.times, expected, early, number_density)
-        measured = _values(part, early, number_density)
+        expected = _with_slopes(run.times, expected, early, half_rate)
+        measured = _values(part, early, half_rate)
         replicates.append({name: measured[name] - expected[name] for name in measured})
     return {
         name: jackknife_error(np.array([values[name] for values in replicates]))

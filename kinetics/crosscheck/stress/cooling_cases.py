@@ -17,12 +17,15 @@ from kinetics.crosscheck.stress.limits import (
     ROUNDING,
     TIMES,
     FloatArray,
+    Law,
+    as_law,
     below,
     difference,
     finite,
     growth,
     label_of,
     limit_errors,
+    other_laws,
     scaling,
 )
 from kinetics.crosscheck.stress.starts import first_averages, quadrature, solve_start, starts
@@ -37,6 +40,9 @@ def scaled_cases(quick: bool) -> Iterator[Case]:
             continue
         for rtol in (1e-4, 1e-12) if quick else (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-13):
             yield Case("scaled equation", f"{label_of(e)}, rtol {rtol:.0e}", _scaled, (e, rtol))
+    for law in other_laws(quick):
+        for rtol in () if law.is_elastic else (1e-4, 1e-12):
+            yield Case("scaled equation", f"{label_of(law)}, rtol {rtol:.0e}", _scaled, (law, rtol))
     few = (0.0, 0.2, 0.7, 0.99)
     for e in few if quick else (0.0, 1e-10, 0.2, 0.7, 0.99, 1.0 - 1e-10):
         for nodes in (8, 16, 64, 256) if quick else (8, 12, 16, 32, 64, 256, 1024, 4096):
@@ -62,13 +68,19 @@ def cooling_cases(quick: bool) -> Iterator[Case]:
     for e in (0.0, 0.2, 1.0 - 1e-6) if quick else some:
         for label in starts():
             yield Case("starts", f"{label_of(e)}, {label}", _rough, (e, label, 1e-8))
+    for law in other_laws(quick):
+        for start in references.STARTS:
+            name = f"{label_of(law)}, {start}, t to 1e300"
+            yield Case("cooling", name, _cooling, (law, start, {"scale": 1.0}, 1e-9))
+        name = f"{label_of(law)}, two delta peaks"
+        yield Case("starts", name, _rough, (law, "two delta peaks", 1e-8))
 
 
-def _scaled(e: float, rtol: float, nodes: int | None = None) -> Outcome:
+def _scaled(e: Law, rtol: float, nodes: int | None = None) -> Outcome:
     """h and a2 against closed forms; norm, <c^2> = 1 and positivity of F."""
     from kinetics import solve_scaled
 
-    state = solve_scaled(e, rtol, nodes)
+    state = solve_scaled(as_law(e), rtol, nodes)
     h, one_a2, *_ = scaling(e)
     F = state.vdf(np.geomspace(1e-3, 30.0, 400))
     reached = max(abs(state.cooling_rate / h - 1.0), abs((1.0 + state.a2) / one_a2 - 1.0))
@@ -91,6 +103,7 @@ def _outcome(
     solution: Any, rtol: float, reached: float, grown: float, **more: tuple[float, float]
 ) -> Outcome:
     """What v0 and a2 keep at all times; grown: relative growth that is allowed."""
+    d = solution.scene.dimension
     return Outcome(
         asked=rtol + ROUNDING,
         reached=reached,
@@ -98,14 +111,14 @@ def _outcome(
         invariants={
             "v0 does not grow": (growth(solution.thermal_speed), grown),
             # there is no distribution below: <v^4> >= <v^2>^2
-            "a2 >= -1/2": (below(solution.a2, -0.5), rtol),
+            "a2 >= -2/(d + 2)": (below(solution.a2, -2.0 / (d + 2.0)), rtol),
             "<v^0> = 1": (float(np.max(np.abs(solution.moment(0.0) - 1.0))), rtol),
             **more,
         },
     )
 
 
-def _cooling(e: float, start: str, sizes: dict[str, float], rtol: float) -> Outcome:
+def _cooling(e: Law, start: str, sizes: dict[str, float], rtol: float) -> Outcome:
     """v0 and a2 against their limits at early and at late times."""
     from kinetics import Gaussian, Monoenergetic, Scene, solve
 
@@ -113,14 +126,16 @@ def _cooling(e: float, start: str, sizes: dict[str, float], rtol: float) -> Outc
     medium: dict[str, Any] = {name: size for name, size in sizes.items() if name != "scale"}
     state = Gaussian(scale, scale) if start == "gaussian" else Monoenergetic(scale)
     outputs: tuple[str, ...] = (*AVERAGES, "temperature", "collisions")
-    if e < 1.0 and sizes == {"scale": 1.0}:  # else <r^2> leaves the range of doubles
+    law = as_law(e)
+    if not law.is_elastic and sizes == {"scale": 1.0}:  # else <r^2> leaves the range of doubles
         outputs = (*outputs, "msd")
-    solution = solve(Scene(e, initial=state, times=TIMES, outputs=outputs, **medium), rtol)
-    first = (math.sqrt(2.0) * scale, 0.0) if start == "gaussian" else (scale, -0.5)
+    solution = solve(Scene(law, initial=state, times=TIMES, outputs=outputs, **medium), rtol)
+    d = law.dimension
+    first = (math.sqrt(d) * scale, 0.0) if start == "gaussian" else (scale, d / (d + 2.0) - 1.0)
     seen = solution.thermal_speed > 1e-150  # its square is no rounded number
     with np.errstate(under="ignore"):
         square = solution.thermal_speed[seen] ** 2
-        energy = np.abs(2.0 * solution.temperature[seen] / square - 1.0)
+        energy = np.abs(d * solution.temperature[seen] / square - 1.0)
     known = finite(*(getattr(solution, name) for name in outputs))
     collisions = solution.collisions[np.isfinite(solution.collisions)]
     fall = float(np.max(-np.diff(collisions), initial=0.0)) / max(collisions.max(), 1e-300)
@@ -131,7 +146,7 @@ def _cooling(e: float, start: str, sizes: dict[str, float], rtol: float) -> Outc
         GROWTH,
         **{
             "collisions do not fall": (fall, 10.0 * rtol),
-            "T = v0^2/2": (float(np.max(energy, initial=0.0)), 1e-13),
+            "T = v0^2/d": (float(np.max(energy, initial=0.0)), 1e-13),
         },
     )
 
@@ -151,23 +166,24 @@ def _kept(e: float, rtol: float) -> Outcome:
     return Outcome(worst.asked, worst.reached, converged, {"v0 does not grow": grown})
 
 
-def mixture(e: float, label: str, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+def mixture(e: Law, label: str, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """v0 and a2 of a start as the mean over its speeds, of a monoenergetic one at scaled times.
 
     The equation is linear, and speeds times s are times divided by s. Shape (n_times,) each.
     """
     v, w = quadrature(label)
+    gaussian = 1.0 + 2.0 / as_law(e).dimension
     paths = np.outer(times, v)
     known, where = np.unique(paths, return_inverse=True)
     one = solve_start(e, "monoenergetic", known, AVERAGES, 1e-13)
     with np.errstate(under="ignore"):
         square = (one.thermal_speed**2)[where].reshape(paths.shape)
-        fourth = 2.0 * square**2 * (1.0 + one.a2[where].reshape(paths.shape))
+        fourth = gaussian * square**2 * (1.0 + one.a2[where].reshape(paths.shape))
         second, fourth = square @ (w * v**2), fourth @ (w * v**4)
-    return np.sqrt(second), 0.5 * fourth / second**2 - 1.0
+    return np.sqrt(second), fourth / gaussian / second**2 - 1.0
 
 
-def _rough(e: float, label: str, rtol: float) -> Outcome:
+def _rough(e: Law, label: str, rtol: float) -> Outcome:
     """v0 and a2 of a rough start: first value, mixture at all times, and late limit."""
     solution = solve_start(e, label, TIMES, AVERAGES, rtol)
     speed, a2 = solution.thermal_speed, solution.a2
@@ -176,6 +192,7 @@ def _rough(e: float, label: str, rtol: float) -> Outcome:
     reached = difference(speed[middle], a2[middle], *mixture(e, label, TIMES[middle]))
     # the first time and the last: by then, speeds of 1e-150 have met 1e140 scatterers
     ends = slice(None, None, TIMES.size - 1)
-    reached = max(reached, limit_errors(solution, first_averages(label), rtol, ends))
+    first = first_averages(label, as_law(e).dimension)
+    reached = max(reached, limit_errors(solution, first, rtol, ends))
     known = reached if finite(speed, a2) else math.inf
     return _outcome(solution, rtol, known, max(GROWTH, 0.1 * rtol))

@@ -10,12 +10,16 @@ import numpy as np
 
 from kinetics.crosscheck.stress.case import Case, Outcome
 from kinetics.crosscheck.stress.limits import (
-    PATH,
     FloatArray,
+    Law,
+    as_law,
     below,
     finite,
+    forgets,
     label_of,
     late_thermal_speed,
+    other_laws,
+    takes_single_shares,
 )
 from kinetics.crosscheck.stress.starts import solve_start
 
@@ -35,6 +39,16 @@ def density_cases(quick: bool) -> Iterator[Case]:
             name = f"{label_of(e)}, gaussian, {count or 'its own'} nodes"
             yield Case(group, name, _spectral, (e, "gaussian", count))
         yield Case(group, f"{label_of(e)}, tail v^-6", _spectral, (e, "tail v^-6", None))
+    laws = [law for law in other_laws(quick) if law.mean_log_loss > 1e-4]
+    for law in laws:
+        yield Case(group, f"{label_of(law)}, gaussian", _spectral, (law, "gaussian", None))
+        sharp = not takes_single_shares(law)  # else such a start is refused
+        for start in ("gaussian", "monoenergetic") if sharp else ("gaussian",):
+            name = f"{label_of(law)}, {start}, t to 1e300"
+            yield Case("late density", name, _late, (law, start, 1.0))
+        for label in ("gaussian", "two delta peaks") if sharp else ("gaussian", "step"):
+            name = f"{label_of(law)}, {label}, 512 nodes"
+            yield Case("conservative density", name, _conservative, (law, label, 512))
     near = (1.0 - 1e-6, 1.0 - 1e-10, 1.0)
     for e in (*some[:2], *near[1:]) if quick else (*some, *near):
         for start in ("gaussian", "monoenergetic"):
@@ -53,14 +67,14 @@ def _largest(errors: FloatArray) -> float:
 
 
 @lru_cache(maxsize=2)
-def _tight(e: float, label: str) -> list[FloatArray]:
+def _tight(e: Law, label: str) -> list[FloatArray]:
     """The density at the scaled speeds, solved more tightly; one array for each time."""
     found = solve_start(e, label, _TIMES, _OUTPUTS, 0.01 * _RTOL)
     pairs = enumerate(found.thermal_speed)
     return [found.speed_density(v0 * _SCALED_SPEEDS)[i] for i, v0 in pairs]
 
 
-def _spectral(e: float, label: str, nodes: int | None) -> Outcome:
+def _spectral(e: Law, label: str, nodes: int | None) -> Outcome:
     """The density against a tighter one, relative to its maximum; its mass and its sign.
 
     Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy.
@@ -89,32 +103,36 @@ def _spectral(e: float, label: str, nodes: int | None) -> Outcome:
     )
 
 
-def _late(e: float, start: str, scale: float) -> Outcome:
+def _late(e: Law, start: str, scale: float) -> Outcome:
     """At t = 0 the start, at t = 1e300 the scaling state, without overflow anywhere."""
     from kinetics import Gaussian, Monoenergetic, ScalingSolution, Scene, solve
 
     gaussian = start == "gaussian"
     state = Gaussian(scale, scale) if gaussian else Monoenergetic(scale)
-    rtol = 1e-4
-    solution = solve(Scene(e, initial=state, times=_LATE, outputs=_OUTPUTS), rtol)
-    width = math.sqrt(0.2 * (1.0 - e) * (1.0 + e))  # of the late ring of nearly elastic tracers
-    c = np.geomspace(1e-3, 20.0, 300)
-    if 1.0 - e < 1e-4:
+    rtol, law = 1e-4, as_law(e)
+    d, elastic = law.dimension, law.is_elastic
+    solution = solve(Scene(law, initial=state, times=_LATE, outputs=_OUTPUTS), rtol)
+    c, width = np.geomspace(1e-3, 20.0, 300), 0.0
+    if law.mean_log_loss < 1e-4:  # smooth disks: the late ring of nearly elastic tracers
+        x = law.restitution or 0.0
+        width = math.sqrt(0.2 * (1.0 - x) * (1.0 + x))
         c = 1.0 + np.concatenate([[-0.5, 0.5], width * np.linspace(-5.0, 5.0, 99)])
-    first = 2.0 * c * np.exp(-c * c) if gaussian else np.zeros(c.size)
+    at_first = law.unit_surface * c ** (d - 1) * (0.5 * d / math.pi) ** (0.5 * d)
+    first = at_first * np.exp(-0.5 * d * c * c) if gaussian else np.zeros(c.size)
     last, slack = first, 0.0
-    if 1.0 - e > 1e-4:
-        last = 2.0 * math.pi * c * ScalingSolution(e).vdf(c)
-    elif e < 1.0:  # the closed form has 1/(1 - e) factors; a Gaussian to about its width
+    if law.mean_log_loss > 1e-4:
+        last = law.unit_surface * c ** (d - 1) * ScalingSolution(**law.arguments).vdf(c)
+    elif not elastic:  # the closed form has 1/(1 - e) factors; a Gaussian to about its width
         u = np.clip((c - 1.0) / width, -30.0, 30.0)
         last, slack = np.exp(-0.5 * u * u) / (width * math.sqrt(2.0 * math.pi)), 5.0 * width
-    peak = np.array([0.0 if gaussian else 1.0] * 2 + [float(not gaussian and e == 1.0)] * 2)
+    peak = np.array([0.0 if gaussian else 1.0] * 2 + [float(not gaussian and elastic)] * 2)
     reached = 0.0
-    for i, expected in enumerate((first, first, last, last)):
+    known = (first, first, last, last) if elastic or forgets(law) else (first, first)
+    for i, expected in enumerate(known):
         # exact: an error of rtol would move a ring out of its place
-        v0 = scale * math.sqrt(2.0 if gaussian else 1.0)
-        if i > 1 and e < 1.0:
-            v0 = late_thermal_speed(e, PATH, float(_LATE[i]))
+        v0 = scale * math.sqrt(d if gaussian else 1.0)
+        if i > 1 and not elastic:
+            v0 = late_thermal_speed(law, solution.scene.mean_free_path, float(_LATE[i]))
         f = v0 * solution.speed_density(v0 * c)[i]
         reached = max(reached, _largest(np.abs(f - expected) / max(1.0, expected.max())))
     everywhere = solution.speed_density(np.array([0.0, 1e-300, scale, 1e300]))
@@ -131,7 +149,7 @@ def _late(e: float, start: str, scale: float) -> Outcome:
     )
 
 
-def _conservative(e: float, label: str, nodes: int) -> Outcome:
+def _conservative(e: Law, label: str, nodes: int) -> Outcome:
     """The conservative scheme: density not negative, its mass, and <v^2> as averaged.
 
     At the tightest tolerance the scheme itself serves all of the times. The density is linear in

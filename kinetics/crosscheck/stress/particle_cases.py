@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics.collision import CollisionLaw
 from kinetics.crosscheck.stress.case import Case, Outcome
 from kinetics.crosscheck.stress.limits import label_of, scaling
 
@@ -24,11 +25,33 @@ def medium_cases(quick: bool) -> Iterator[Case]:
     for e in (0.0, 0.5, 1.0) if quick else (0.0, 0.2, 0.5, 0.9, 0.99, 1.0):
         for kind, rho in (*media, ("BoltzmannGrad", 0.04)):
             yield Case("density", f"e = {e:g}, {kind}, {rho:g} per d^2", _dense, (kind, rho, e))
+    # l = 10 d among spheres
+    spheres = [("HardSpheres", 0.1 / math.pi), ("PoissonSpheres", 0.1 / math.pi)]
+    spheres += [("HardSpheres", 0.3), ("BoltzmannGrad in space", 0.04)]
+    for e, et in ((0.0, 1.0), (0.5, 1.0), (0.5, 0.8), (1.0, 1.0)):
+        for kind, rho in spheres:
+            name = f"e = {e:g}, et = {et:g}, {kind}, {rho:.2g} per d^3"
+            yield Case("density", name, _dense, (kind, rho, e, et))
+    for e, et in ((0.5, 0.0), (0.5, 0.8), (1.0, 0.8)):
+        for kind, rho in (("HardDisks", 0.2), ("BoltzmannGrad", 0.04)):
+            name = f"e = {e:g}, et = {et:g}, {kind}, {rho:g} per d^2"
+            yield Case("density", name, _dense, (kind, rho, e, et))
     many = 100_000 if quick else 1_000_000
     for e in (0.9, 1.0 - 1e-10, 1.0):
         for kind in ("HardDisks", "BoltzmannGrad"):
             name = f"{label_of(e)}, {kind}, {many:.0e} collisions of each of 4 tracers"
-            yield Case("many collisions", name, _many, (kind, e, many))
+            yield Case("many collisions", name, _many, (kind, CollisionLaw(e), many))
+    for law in (
+        CollisionLaw(0.9, 0.8),
+        CollisionLaw(1.0, 0.8),
+        CollisionLaw(0.9, 1.0, 3),
+        CollisionLaw(0.9, 0.8, 3),
+        CollisionLaw(0.5, 0.0, 3),
+        CollisionLaw(1.0, 1.0, 3),
+    ):
+        name = f"{label_of(law)}, {many:.0e} collisions of each of 4 tracers"
+        kind = "BoltzmannGrad" + (" in space" if law.dimension == 3 else "")
+        yield Case("many collisions", name, _many, (kind, law, many))
     for rho in (1e-4, 1e-6, 1e-8):
         for t in (1e-3, 1.0, 10.0):
             yield Case("thin media", f"HardDisks, {rho:g} per d^2, t = {t:g}", _thin, (rho, t))
@@ -51,8 +74,8 @@ def flight_cases(quick: bool) -> Iterator[Case]:
 def _medium(kind: str, density: float) -> Any:
     import particles
 
-    if kind == "BoltzmannGrad":
-        return particles.BoltzmannGrad(density)
+    if kind.startswith("BoltzmannGrad"):
+        return particles.BoltzmannGrad(density, dimension=3 if "space" in kind else 2)
     return getattr(particles, kind)(density, count=2_000)
 
 
@@ -87,11 +110,11 @@ def _outcome(
     )
 
 
-def _dense(kind: str, density: float, e: float) -> Outcome:
+def _dense(kind: str, density: float, e: float, et: float = 1.0) -> Outcome:
     """One and two threads give the same bits."""
     one, two = (
         _run(_medium(kind, density), e, times=[1.0, 100.0, 1e4], media=3, tracers=30,
-             max_collisions=2_000, seed=5, workers=workers)
+             max_collisions=2_000, seed=5, workers=workers, tangential_restitution=et)
         for workers in (1, 2)
     )  # fmt: skip
     same = np.array_equal(one.finals, two.finals)
@@ -106,21 +129,26 @@ def _dense(kind: str, density: float, e: float) -> Outcome:
     )
 
 
-def _many(kind: str, e: float, collisions: int) -> Outcome:
+def _many(kind: str, law: CollisionLaw, collisions: int) -> Outcome:
     """As many collisions: speeds as the losses make them."""
-    run = _run(_medium(kind, 0.04), e, max_collisions=collisions, media=2, tracers=2, seed=9)
+    run = _run(
+        _medium(kind, 0.04), law.restitution or 0.0, max_collisions=collisions, media=2, tracers=2,
+        seed=9, tangential_restitution=law.tangential_restitution,
+    )  # fmt: skip
     logarithm, done = run.finals[:, 0], run.finals[:, 4]
     invariants = {
         # rounding of as many steps
         "no speed grows": (max(0.0, float(np.max(logarithm))), 1e-9),
         "collisions are counted": (float(abs(done.sum() - run.collision_total)), 0.0),
     }
-    if e == 1.0:
+    if law.is_elastic:
         invariants["speed is kept"] = (float(np.max(np.abs(logarithm))), 1e-9)
-    elif kind == "BoltzmannGrad":
-        # the mean of -ln s over as many independent collisions; 6 standard errors, ln s < |ln e|
-        allowed = 6.0 * abs(math.log(e)) / math.sqrt(float(done.min()))
-        apart = float(np.max(np.abs(-logarithm / done - scaling(e)[2])))
+    elif kind.startswith("BoltzmannGrad"):
+        # the mean of -ln s over as many independent collisions; 6 standard errors. Its
+        # standard deviation is below the largest loss, or of the order of kappa if that is infinite
+        spread = law.largest_loss if math.isfinite(law.largest_loss) else 2.0 * scaling(law)[2]
+        allowed = 6.0 * spread / math.sqrt(float(done.min()))
+        apart = float(np.max(np.abs(-logarithm / done - scaling(law)[2])))
         invariants["mean loss is kappa"] = (apart, allowed)
     return _outcome(run, bool(np.all(np.isfinite(run.finals))), invariants)
 

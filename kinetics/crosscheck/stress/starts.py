@@ -7,9 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from kinetics.crosscheck.stress.limits import FloatArray, Law, as_law
 
 NARROW = 1e-3  # deviation of v_y over that of v_x
 
@@ -36,12 +35,15 @@ def starts() -> dict[str, Any]:
 
 
 def solve_start(
-    e: float, label: str, times: Any, outputs: tuple[str, ...], rtol: float, **options: Any
+    e: Law, label: str, times: Any, outputs: tuple[str, ...], rtol: float, **options: Any
 ) -> Any:
     """The solution from the start of this name, at the default density; options: of `solve`."""
-    from kinetics import Scene, solve
+    from kinetics import Beam, Scene, solve
 
-    scene = Scene(e, initial=starts()[label], times=times, outputs=outputs)
+    law = as_law(e)
+    # in space a beam must be along the axis of symmetry
+    start = Beam(0.0) if label == "beam" and law.dimension == 3 else starts()[label]
+    scene = Scene(law, initial=start, times=times, outputs=outputs)
     return solve(scene, rtol, **options)
 
 
@@ -73,12 +75,13 @@ def quadrature(label: str) -> tuple[FloatArray, FloatArray]:
     return known[label]()
 
 
-def first_averages(label: str) -> tuple[float, float]:
+def first_averages(label: str, dimension: int = 2) -> tuple[float, float]:
     """v0 and a2 of a start, by its quadrature."""
     v, w = quadrature(label)
     with np.errstate(under="ignore"):
         second, fourth = float(w @ v**2), float(w @ v**4)
-    return math.sqrt(second), fourth / (2.0 * second**2) - 1.0
+    gaussian = (dimension + 2.0) / dimension
+    return math.sqrt(second), fourth / (gaussian * second**2) - 1.0
 
 
 def _two_temperatures(v: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ import pytest
 from kinetics import CollisionLaw, ScalingSolution, Scene, solve, sonine
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import (
+    accuracy,
     cost,
     methods,
     position,
@@ -209,6 +210,32 @@ def test_the_kept_kurtosis_and_the_solver_agree(e: float, start: str) -> None:
     )
 
 
+@pytest.mark.parametrize("name", methods.OTHER_LAWS)
+def test_other_laws_have_rows_with_their_own_references(name: str) -> None:
+    law = methods.OTHER_LAWS[name]
+    problems = accuracy._scaled(E, name, **law) | accuracy._late(E, name, **law)
+    assert all(problem.endswith(f", {name}, e = 0.7") for problem in problems)
+    for problem, run in problems.items():
+        row = accuracy._row(problem, run, 1e-6)
+        assert row.status == MEASURED
+        assert row.error <= 1e-6, problem
+    # smooth disks have another h and a2, by a sixth and more
+    works = precision.scaled_works_of(name, ONCE)
+    for method, bound in ((methods.SPECTRAL, 1e-2), (methods.MONTE_CARLO, 0.1)):
+        work = next(w for w in works if w.method == method)
+        assert work.error(work.call(1) if work.seeded else work.call()) < bound
+
+
+def test_the_cost_of_other_laws_is_compared_with_that_of_smooth_disks() -> None:
+    groups = skipping.laws(np.array([1.0, 100.0]))
+    names = ["smooth disks", *methods.OTHER_LAWS]
+    assert {tuple(parts) for parts in groups.values()} == {tuple(names)}
+    solutions = {name: call() for name, call in next(iter(groups.values())).items()}
+    found = {name: solution.scene.law for name, solution in solutions.items()}
+    for name in names:
+        assert found[name] == CollisionLaw(0.7, **methods.OTHER_LAWS.get(name, {}))
+
+
 # -- cost, skipping, particles ---------------------------------------------------------------------
 
 
@@ -235,6 +262,9 @@ def test_no_medium_is_measured_twice_and_the_cells_have_the_default_among_them(
 
     found = [name for name, _ in throughput.media(effort)]
     assert len(found) == len(set(found))
+    assert {medium.dimension for _, medium in throughput.media(effort)} == {2, 3}
+    # rough scatterers beside the same smooth ones
+    assert {name for name, _ in throughput.rough_media()} <= set(found)
     assert LISTED in {listed for _, listed, _ in throughput.cells(effort)}
     for _, listed, medium in throughput.cells(effort):
         assert medium.listed == listed

@@ -6,6 +6,8 @@ from xml.etree import ElementTree
 import pytest
 
 from kinetics.crosscheck.report.equations import (
+    FORMULAS,
+    OF_ANY_LAW,
     Equation,
     comparison_equations,
     printed,
@@ -15,11 +17,19 @@ from kinetics.crosscheck.report.equations import (
 
 def test_the_stored_equations_are_the_derivations_own() -> None:
     # after a change of the derivations: python -m kinetics.crosscheck.report.equations
-    stored = [equation.mathml for equation in report_equations()]
-    assert stored == ["".join(formulas) for formulas in printed().values()]
+    found = {name: "".join(formulas) for name, formulas in printed().items()}
+    assert [equation.mathml for equation in report_equations()] == [found[n] for n in FORMULAS]
+    stored = [{e.mathml for e in report_equations(dimension)} for dimension in (2, 3)]
+    assert stored[0] | stored[1] == {found[name] for name in OF_ANY_LAW}
+    # the measure of the other dimension, and in the plane the averages over spheres
+    assert stored[0] - stored[1] == {found["measure_plane"]}
+    assert stored[1] - stored[0] == {found["measure_space"], found["averages_space"]}
 
 
-@pytest.mark.parametrize("equation", [*report_equations(), *comparison_equations()])
+@pytest.mark.parametrize(
+    "equation",
+    [*report_equations(), *report_equations(2), *report_equations(3), *comparison_equations()],
+)
 def test_equations_are_well_formed_and_introduced(equation: Equation) -> None:
     root = ElementTree.fromstring(f"<p>{unescape(equation.mathml)}</p>".replace(" > ", " &gt; "))
     assert {element.tag for element in root} == {"math"}

@@ -198,9 +198,9 @@ def test_trapped_tracers_and_the_cap_are_among_the_findings(
 ) -> None:
     case = make_case()
     statuses = {"finished": 9_990, "trapped": 10, "escaped": 0}
-    disks = replace(case.disks, statuses=statuses, most_collisions=200, above_cap=0.01)
+    disks = replace(case.hard, statuses=statuses, most_collisions=200, above_cap=0.01)
     rows = rows_of_case(case, settings)
-    found = build_document(settings, [replace(case, disks=disks)], None, rows, CHECKS)["findings"]
+    found = build_document(settings, [replace(case, hard=disks)], None, rows, CHECKS)["findings"]
     assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
     assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
 
@@ -271,6 +271,7 @@ def test_the_report_in_a_browser(
         "boxes": boxes,
         "wide": "document.documentElement.scrollWidth",
         "background": "getComputedStyle(document.body).backgroundColor",
+        "cut": "(b => b.scrollWidth - b.clientWidth)(document.querySelector('.wide'))",
     }
     seen = browser.visit(path, width, questions, dark)
     assert seen.complaints == []
@@ -283,3 +284,5 @@ def test_the_report_in_a_browser(
         assert down > 200
     assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
     assert (seen.answers["background"] == "rgb(20, 23, 27)") is dark
+    if width >= 1400:  # the notes of every comparison are seen whole
+        assert seen.answers["cut"] <= 0

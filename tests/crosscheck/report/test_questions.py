@@ -23,7 +23,7 @@ def numbers_of(answer: dict[str, Any]) -> dict[tuple[str, float | None], tuple[f
 def answers(make_case: MakeCase, settings: ReportSettings) -> list[dict[str, Any]]:
     cases = [make_case(restitution=0.4), make_case(2.0, restitution=0.7)]
     rows = [row for case in cases for row in rows_of_case(case, settings)]
-    return all_answers(cases, rows)
+    return all_answers(cases, rows, settings)
 
 
 def test_the_questions_are_those_of_the_paper(answers: list[dict[str, Any]]) -> None:
@@ -78,7 +78,7 @@ def test_a_steeper_tail_is_not_called_exponential(
     case = make_case()
     position: Any = case.position
     position.position_tail = lambda r: (np.full((1, len(r)), 1.3), 2.0 * np.asarray(r)[None])
-    answer = all_answers([replace(case, position=position)], [])[3]
+    answer = all_answers([replace(case, position=position)], [], settings)[3]
     assert answer["answer"].startswith("Not where it can be seen")
     assert "grows by 100 %" in answer["answer"]
 
@@ -100,4 +100,4 @@ def test_nothing_is_answered_where_nothing_cools(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
     case = make_case(restitution=1.0)
-    assert all_answers([case], rows_of_case(case, settings)) == []
+    assert all_answers([case], rows_of_case(case, settings), settings) == []

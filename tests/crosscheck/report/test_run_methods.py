@@ -15,6 +15,7 @@ from kinetics.crosscheck.report.run_methods import (
     output_times,
     scaled_density,
 )
+from kinetics.crosscheck.report.settings import ReportSettings
 from particles import BoltzmannGrad, simulate
 
 
@@ -72,6 +73,6 @@ def test_errors_with_the_measured_free_path_put_in_are_the_true_ones() -> None:
 
 
 def test_leaving_by_an_exception_ends_the_derivations() -> None:
-    with pytest.raises(KeyError), algebra_process() as algebra:
+    with pytest.raises(KeyError), algebra_process(ReportSettings()) as algebra:
         raise KeyError
     assert algebra.returncode == -9

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from kinetics import InputError, ScalingSolution
+from kinetics import CollisionLaw, InputError, ScalingSolution
 from kinetics.crosscheck.stress import limits, run
 from kinetics.crosscheck.stress.case import (
     BROKEN,
@@ -108,6 +108,37 @@ def test_closed_forms_at_the_elastic_limit() -> None:
     assert found == pytest.approx((4 / 3, 0.5, 2 / 3, 1.5), rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        CollisionLaw(0.7), CollisionLaw(1e-10, dimension=3), CollisionLaw(0.7, 0.8, 3),
+        CollisionLaw(1.0, 0.8), CollisionLaw(0.5, 0.0), limits.other_laws(True)[-1],
+    ],
+    ids=limits.label_of,
+)  # fmt: skip
+def test_integrals_over_the_impact_parameter_give_the_closed_forms(law: CollisionLaw) -> None:
+    known = ScalingSolution(**law.arguments)
+    expected = (known.cooling_rate, 1 + known.a2, law.mean_log_loss, known.diffusion_slope)
+    assert limits._of_any_law(law) == pytest.approx(expected, rel=1e-12)
+    assert limits.scaling(law) == pytest.approx(expected, rel=1e-12)
+
+
+def test_no_late_limit_where_all_bounces_take_the_same_share() -> None:
+    assert limits.early_and_late(CollisionLaw(0.5, 0.5, 3), 1e15, 1e-8) == (False, False)
+    assert limits.early_and_late(CollisionLaw(0.5, 0.6, 3), 1e15, 1e-8) == (False, True)
+    assert not limits.takes_single_shares(CollisionLaw(1.0))
+    assert limits.takes_single_shares(CollisionLaw(0.5, 0.5))
+
+
+def test_laws_have_names_of_their_own() -> None:
+    for quick in (True, False):
+        names = [(case.group, case.name) for case in all_cases(quick)]
+        assert len(set(names)) == len(names)
+        laws = limits.other_laws(quick)
+        assert {law.dimension for law in laws} == {2, 3}
+        assert None in {law.restitution for law in laws}
+
+
 def test_limits_are_used_where_they_hold_only() -> None:
     assert limits.early_and_late(0.7, 1e-12, 1e-8) == (True, False)
     assert limits.early_and_late(0.7, 1.0, 1e-8) == (False, False)
@@ -182,6 +213,12 @@ def scaled_by(factor: float) -> Callable[..., Any]:
         ("moments of position", "e = 0.7, gaussian"),
         ("position density", "e = 0.7, gaussian, t = 1e-300"),
         ("scattering function", "e = 0.7, gaussian, t = 1"),
+        ("cooling", "spheres, e = 0.7, et = 0.8, gaussian"),
+        ("starts", "disks, e = 0.7, et = 0.8, two delta"),
+        ("late density", "spheres, e = 0.7, gaussian"),
+        ("conservative density", "spheres, e = 0.7, et = 0.8, gaussian"),
+        ("moments of position", "spheres, e = 0.7, gaussian"),
+        ("scattering function", "spheres, e = 0.7, gaussian, t = 1"),
     ],
 )
 def test_a_wrong_solver_is_found(monkeypatch: Any, group: str, name: str) -> None:

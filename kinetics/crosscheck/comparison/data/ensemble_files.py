@@ -47,6 +47,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     """
     from particles import BoltzmannGrad
 
+    if ensemble.field:
+        raise InputError(f"{name}: a run in a field cannot be compared")
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
         raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")

@@ -1,0 +1,354 @@
+"""A uniform field without recollisions: exact relations, parabolas, files, bad input.
+
+Units of the exact relations: l = g = 1, so the density is 1/2 in the plane and 1/pi in space.
+"""
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, simulate
+
+DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
+# All but what a field refuses.
+EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
+# The steady state by a spectral solution, to its digits: medium, e -> <v_x>, <v^2>, <v_x^2>, <v>.
+TABLE = [
+    (DISKS, 0.0, (0.985849365, 1.66747853, 1.39179697, 1.12644819)),
+    (DISKS, 0.5, (0.617488571, 1.461042878, 1.009250122, 1.050469279)),
+    (DISKS, 0.7, (0.501926120, 1.702146384, 1.061388235, 1.160252548)),
+    (DISKS, 0.9, (0.360142487, 2.749139291, 1.498433309, 1.509687291)),
+    (SPHERES, 0.5, (0.739513156, 2.117863779, 1.190681425, 1.320254784)),
+    (SPHERES, 0.9, (0.433647013, 3.934205475, 1.514376724, 1.864407124)),
+]
+
+
+def late_velocities(
+    medium: BoltzmannGrad, restitution: float, tangential: float = 1.0
+) -> np.ndarray:
+    """Velocities in the steady state, one axis for the tracers, which are independent."""
+    times = np.linspace(30.0, 60.0, 11)
+    run = simulate(
+        medium, restitution, "rest", times, media=20, tracers=1000, seed=7, field=1.0,
+        tangential_restitution=tangential, observables=["velocities"],
+    )  # fmt: skip
+    return run.velocities
+
+
+def check(per_tracer: np.ndarray, expected: float, sigmas: float = 4.0) -> None:
+    """The mean over times and tracers is the one expected, within so many standard errors.
+
+    The error is that of independent tracers, whose values at different times are not independent.
+    """
+    values = per_tracer.mean(axis=0)
+    error = values.std(ddof=1) / np.sqrt(values.size)
+    assert error < 0.02 * abs(expected)
+    assert abs(values.mean() - expected) < sigmas * error, (values.mean(), expected, error)
+
+
+@pytest.mark.parametrize(("medium", "restitution", "figures"), TABLE)
+def test_the_steady_state_is_that_of_the_table_and_of_the_exact_relations(
+    medium: BoltzmannGrad, restitution: float, figures: tuple[float, ...]
+) -> None:
+    v = late_velocities(medium, restitution)
+    vx, speed = v[:, :, 0], np.linalg.norm(v, axis=2)
+    for values, expected in zip((vx, speed**2, vx**2, speed), figures, strict=True):
+        check(values, expected)
+    # <v v_x> = 1/lambda_1(1), <cos> = (1 - E[s]) <v^2>, <v^3> = 2 <v_x>/lambda(2).
+    plane = medium.dimension == 2
+    check(speed * vx, (1.5 if plane else 2.0) / (1 + restitution))
+    y = np.polynomial.legendre.leggauss(200)[0] * 0.5 + 0.5
+    weight = np.polynomial.legendre.leggauss(200)[1] * (0.5 if plane else y)
+    mean_ratio = weight @ np.sqrt(restitution**2 + (1 - restitution**2) * y * y)
+    check(vx / speed - (1 - mean_ratio) * speed**2 + 1.0, 1.0)
+    loss = (1 - restitution**2) * (2 / 3 if plane else 1 / 2)
+    check(speed**3 * loss - 2 * vx + 1.0, 1.0)
+
+
+@pytest.mark.parametrize(("medium", "square"), [(DISKS, 1 / 3), (SPHERES, 1 / 2)])
+def test_rough_scatterers_take_the_momentum_that_their_law_says(
+    medium: BoltzmannGrad, square: float
+) -> None:
+    # lambda_1(1) = 1 - E[s cos(chi)] = 1 + e - (e + et) E[y^2].
+    v = late_velocities(medium, 0.4, 0.7)
+    rate = 1 + 0.4 - (0.4 + 0.7) * square
+    check(np.linalg.norm(v, axis=2) * v[:, :, 0], 1 / rate)
+
+
+@pytest.mark.parametrize(("medium", "factor"), [(DISKS, 9 / 4), (SPHERES, 3.0)])
+def test_elastic_tracers_from_rest_gain_speed_as_the_exact_relation_says(
+    medium: BoltzmannGrad, factor: float
+) -> None:
+    times = np.array([0.3, 1.0, 3.0, 10.0, 30.0, 100.0])
+    run = simulate(
+        medium, 1.0, "rest", times, media=20, tracers=1000, field=1.0, observables=["velocities"]
+    )
+    cubes = np.linalg.norm(run.velocities, axis=2) ** 3
+    for k, time in enumerate(times):
+        check((cubes[k] + factor * run.velocities[k, :, 0])[None] / time, factor)
+
+
+def test_drift_and_displacement_from_rest() -> None:
+    run = simulate(DISKS, 0.7, "rest", [0.1, 0.5, 2.0, 5.0], media=100, tracers=500, field=1.0)
+    for estimate, exact in (
+        (run.drift, [0.09962311, 0.45545144, 0.62108221, 0.50135393]),
+        (run.mean_displacement, [0.004990570, 0.119322259, 1.11237376, 2.66810824]),
+    ):
+        value, error = estimate.value, estimate.error
+        if value.ndim == 2:  # across the field it is 0
+            assert np.all(abs(value[:, 1]) < 4 * error[:, 1])
+            value, error = value[:, 0], error[:, 0]
+        assert np.all(error[2:] < 0.02)
+        assert np.all(abs(value - exact) < 4 * error)
+
+
+def test_dispersion_grows_as_the_diffusion_coefficients_say() -> None:
+    # Between late times, so that the start is forgotten: 2 D (t2 - t1), e = 0.7 in the plane.
+    times = np.array([20.0, 120.0])
+    run = simulate(DISKS, 0.7, "rest", times, media=400, tracers=50, field=1.0)
+    for estimate, exact in (
+        (run.dispersion_parallel, 0.190614669672),
+        (run.dispersion_perpendicular, 0.329659424454),
+    ):
+        error = np.hypot(*estimate.error) / 200
+        assert error < 0.03 * exact
+        assert abs(np.diff(estimate.value)[0] / 200 - exact) < 4 * error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("medium", "restitution", "parallel", "perpendicular"),
+    [
+        (DISKS, 0.0, 0.168078916, 0.253544834),
+        (DISKS, 0.9, 0.260928234751, 0.502760054023),
+        (SPHERES, 0.5, 0.207270834292, 0.332689794549),
+        (SPHERES, 0.9, 0.305814928981, 0.568114933278),
+    ],
+)
+def test_diffusion_coefficients_to_three_tenths_of_a_percent(
+    medium: BoltzmannGrad, restitution: float, parallel: float, perpendicular: float
+) -> None:
+    times = np.array([20.0, 220.0])
+    run = simulate(medium, restitution, "rest", times, media=500, tracers=600, field=1.0)
+    for estimate, exact in (
+        (run.dispersion_parallel, parallel),
+        (run.dispersion_perpendicular, perpendicular),
+    ):
+        found, error = np.diff(estimate.value)[0] / 400, np.hypot(*estimate.error) / 400
+        assert error < 0.0035 * exact
+        assert abs(found - exact) < 3 * error, (found, error)
+
+
+@pytest.mark.parametrize("field", [1.0, -3.0, 1e-12, 1e12])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_without_collisions_the_path_is_a_parabola(dimension: int, field: float) -> None:
+    given = np.random.default_rng(1).normal(size=(30, dimension))
+    given[0] = 0.0
+    times = np.array([0.0, 1e-3, 1.0, 2.0])
+    run = simulate(
+        BoltzmannGrad(1e-40, dimension=dimension), 0.5, given, times, media=1, tracers=30,
+        field=field, observables=["positions", "velocities", "finals"],
+    )  # fmt: skip
+    assert run.collision_total == 0
+    t = times[:, None, None]
+    along = np.eye(dimension)[0] * field
+    np.testing.assert_allclose(run.velocities, given + along * t, rtol=1e-15)
+    np.testing.assert_allclose(run.positions, given * t + along * t**2 / 2, rtol=1e-14)
+    np.testing.assert_allclose(run.finals[:, 1], np.log(2.0), rtol=1e-15)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_elastic_tracers_keep_their_energy(dimension: int) -> None:
+    run = simulate(
+        BoltzmannGrad(0.3, dimension=dimension), 1.0, times=np.geomspace(1, 3e4, 10), media=2,
+        tracers=10, field=0.2, observables=["positions", "velocities"],
+    )  # fmt: skip
+    assert run.collisions.value[-1] > 1e4
+    kinetic = (run.velocities**2).sum(axis=2) / 2
+    energy = kinetic - 0.2 * run.positions[:, :, 0]
+    # Rounding of up to 1e4 collisions; relative to the energy that the field has given.
+    assert np.all(abs(energy - energy[0]) < 1e-9 * (1 + kinetic))
+
+
+@pytest.mark.parametrize("medium", [BoltzmannGrad(0.1), BoltzmannGrad(0.1, dimension=3)])
+def test_a_weak_field_gives_the_run_without_field(medium: BoltzmannGrad) -> None:
+    arguments = dict(
+        restitution=0.8, times=[1.0, 10.0, 40.0], media=2, tracers=50,
+        observables=["positions", "velocities"],
+    )  # fmt: skip
+    without, weak = (simulate(medium, **arguments, field=g) for g in (0.0, 1e-13))
+    assert without.collisions.value[-1] > 2.0
+    assert np.array_equal(without.moments[:, :, 5], weak.moments[:, :, 5])
+    np.testing.assert_allclose(weak.positions, without.positions, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(weak.velocities, without.velocities, rtol=1e-8, atol=1e-8)
+
+
+def test_no_field_is_the_run_that_it_was() -> None:
+    arguments = dict(restitution=0.8, times=[1.0, 40.0], media=2, tracers=50)
+    assert simulate(DISKS, **arguments, field=0.0) == simulate(DISKS, **arguments)
+    with pytest.raises(AttributeError, match=r"drift is there in a field only: simulate\(field="):
+        _ = simulate(DISKS, **arguments).drift
+
+
+def test_a_field_the_other_way_turns_everything_round() -> None:
+    given = np.random.default_rng(5).normal(size=(40, 2))
+    one, other = (
+        simulate(
+            DISKS, 0.6, sign * given, [0.5, 9.0], media=1, tracers=40, field=sign * 0.7,
+            observables=["positions", "velocities"],
+        )
+        for sign in (1.0, -1.0)
+    )  # fmt: skip
+    assert np.array_equal(one.positions, -other.positions)
+    assert np.array_equal(one.velocities, -other.velocities)
+    assert np.array_equal(one.drift.value, -other.drift.value)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_estimates_are_those_of_the_raw_data(dimension: int) -> None:
+    medium = BoltzmannGrad(0.05, diameter=2.0, dimension=dimension)
+    run = simulate(
+        medium, 0.6, times=[0.0, 2.0, 60.0], media=3, tracers=50, field=0.3, observables=EVERYTHING
+    )
+    r, v = run.positions, run.velocities
+    close = dict(rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(run.mean_velocity.value, v.mean(axis=1), **close)
+    np.testing.assert_allclose(run.drift.value, v[:, :, 0].mean(axis=1), **close)
+    tensor = np.einsum("tni,tnj->tij", v, v) / 150
+    np.testing.assert_allclose(run.velocity_tensor.value, tensor, **close)
+    np.testing.assert_allclose(run.mean_displacement.value, r.mean(axis=1), **close)
+    about = r - r.mean(axis=1, keepdims=True)
+    variance = np.einsum("tni,tnj->tij", about, about) / 150
+    np.testing.assert_allclose(run.dispersion.value, variance, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(run.dispersion_parallel.value, variance[:, 0, 0], rtol=1e-9)
+    across = variance[:, 1:, 1:].trace(axis1=1, axis2=2) / (dimension - 1)
+    np.testing.assert_allclose(run.dispersion_perpendicular.value, across, rtol=1e-9)
+    np.testing.assert_allclose(run.msd.value, (r**2).sum(axis=2).mean(axis=1), **close)
+    np.testing.assert_allclose(run.thermal_speed.value**2, (v**2).sum(2).mean(1), **close)
+    ln_v, ln_t, x, y, *rest = run.finals.T
+    place = np.stack((x, y, *rest[1:]), axis=1)
+    np.testing.assert_allclose(place, r[-1], **close)
+    np.testing.assert_allclose(np.exp(2 * ln_v), (v[-1] ** 2).sum(axis=1), **close)
+    np.testing.assert_allclose(np.exp(ln_t), 60.0, rtol=1e-14)
+    for name in ("drift", "velocity_tensor", "dispersion"):
+        assert name in run.outputs
+        assert getattr(run, name).error.shape == getattr(run, name).value.shape
+
+
+def test_the_diameter_only_sets_the_unit_of_length() -> None:
+    names = ["positions", "free_path_histogram", "displacement_histogram"]
+    a, b = (
+        simulate(
+            BoltzmannGrad(0.2 / d**2, diameter=d), 0.5, times=[d, 20 * d], media=3, tracers=9,
+            field=0.4 / d, observables=names,
+        )
+        for d in (1.0, 2.0)
+    )  # fmt: skip
+    np.testing.assert_allclose(b.positions, 2 * a.positions, rtol=1e-12)
+    np.testing.assert_allclose(b.drift.value, a.drift.value, rtol=1e-12)
+    np.testing.assert_allclose(b.dispersion.value, 4 * a.dispersion.value, rtol=1e-10)
+    assert b.mean_free_path.value == pytest.approx(2 * a.mean_free_path.value, rel=1e-12)
+
+
+def test_free_paths_are_exponential_along_the_parabola() -> None:
+    run = simulate(
+        DISKS, 0.3, "rest", media=50, tracers=100, max_collisions=40, field=2.0,
+        observables=["free_path_histogram"],
+    )  # fmt: skip
+    assert run.statuses.collision_cap == 5000
+    assert abs(run.mean_free_path.value - 1.0) < 4 * run.mean_free_path.error
+    histogram = run.free_path_histogram
+    p, n = -np.diff(np.exp(-histogram.edges)), 200_000
+    busy = p * n > 100
+    sigma = np.sqrt(p * (1 - p) / n)
+    assert busy.sum() > 50
+    assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
+
+
+@pytest.mark.parametrize("medium", [DISKS, SPHERES])
+def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
+    medium: BoltzmannGrad, tmp_path: Path
+) -> None:
+    arguments = dict(
+        restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
+        observables=EVERYTHING, depth=3.0,
+    )  # fmt: skip
+    one = simulate(medium, **arguments, workers=1)
+    assert one == simulate(medium, **arguments, workers=3)
+    path = tmp_path / "run.h5"
+
+    class Stopped(Exception):
+        pass
+
+    def stop(done: int, total: int) -> None:
+        if done == 2:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        simulate(medium, **arguments, output=path, progress=stop)
+    for name, value in (("field", 0.25), ("initial", "gaussian")):
+        changed = arguments | {name: value}
+        with pytest.raises(ValueError, match=r"holds another run, with (field = 0.5|rest = True)"):
+            simulate(medium, **changed, output=path, resume=True)
+    assert simulate(medium, **arguments, output=path, resume=True) == one == Ensemble.load(path)
+    with h5py.File(path) as file:
+        assert file.attrs["version"] == 4
+    again = Ensemble.load(path)
+    assert again.field == 0.5
+    assert "restitution 0.4, field 0.5 U^2/d, 30 tracers" in repr(again)
+    assert "<td>drift<td>" in again._repr_html_()
+    np.testing.assert_array_equal(again.drift.error, one.drift.error)
+
+
+@pytest.mark.parametrize("field", [1e-100, 1e-12, 1e12, 1e100])
+@pytest.mark.parametrize("initial", ["gaussian", "rest"])
+def test_any_size_of_the_field_and_of_the_start(field: float, initial: str) -> None:
+    # With sqrt(g l) as the speed and sqrt(l/g) as the time, 1e6 of it at the start and less.
+    scale = np.sqrt(field)
+    starts = [initial] + [s * scale * np.ones((50, 2)) for s in (1e-6, 1e6)]
+    for start in starts:
+        run = simulate(DISKS, 0.6, start, media=2, tracers=50, field=field, max_collisions=200)
+        assert run.collision_total == 20_000
+        assert abs(run.mean_free_path.value - 1.0) < 0.05
+    run = simulate(DISKS, 0.6, starts[1], [30 / scale], media=20, tracers=50, field=field)
+    drift = simulate(DISKS, 0.6, "rest", [30.0], media=20, tracers=50, field=1.0).drift
+    error = np.hypot(drift.error, run.drift.error / scale)
+    assert np.all(abs(run.drift.value / scale - drift.value) < 4 * error)
+
+
+BAD = [
+    (dict(field=float("nan")), "field = nan: must be a finite number"),
+    (dict(field=float("inf")), "field = inf: must be a finite number"),
+    (dict(field="down"), "field = 'down': must be a finite number"),
+    (dict(field=True), "field = True: must be a finite number"),
+    (dict(field=10**400), "must be a finite number"),
+    (dict(field=1e200), "field = 1e+200: times the mean free path, and times d, must be 0 or"),
+    (dict(field=1e-200), "field = 1e-200: times the mean free path, and times d, must be 0 or"),
+    (dict(depth=-1.0), "depth = -1.0: must be a number with the sign of the field"),
+    (dict(depth=float("nan")), "depth = nan: must be a number with the sign of the field"),
+    (dict(field=0.0, depth=1.0), "depth = 1.0: must be a number with the sign of the field"),
+    (dict(depth="deep"), "depth = 'deep': must be a number with the sign of the field"),
+    (dict(field=0.0, initial="rest"), "initial = 'rest': needs a field; without one a tracer"),
+    (dict(initial="fall"), "initial = 'fall': must be 'gaussian', 'monoenergetic', 'rest'"),
+    (dict(initial=np.zeros((2, 2)), field=0.0), "initial holds the velocity [0. 0.]"),
+    (
+        dict(observables=["velocity_component_histogram"]),
+        "observables = 'velocity_component_histogram': is of |v_x|, which in a field hides its",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD, ids=[m[:40] for _, m in BAD])
+def test_bad_input_gets_one_line(changes: dict, message: str) -> None:
+    good = dict(medium=DISKS, restitution=0.5, times=[1.0], media=2, tracers=2, field=1.0)
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        simulate(**(good | changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_media_with_scatterers_refuse_a_field() -> None:
+    with pytest.raises(ValueError, match=r"^field = 1.0: is not there for HardDisks, only for"):
+        simulate(HardDisks(0.04), 0.5, times=[1.0], field=1.0)
