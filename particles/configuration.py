@@ -17,7 +17,7 @@ from particles.kernel.columns import (
     TOTALS,
     TRAPS,
 )
-from particles.media import BoltzmannGrad, Medium, dilute_mean_path
+from particles.media import BoltzmannGrad, ForgetfulPoisson, Medium, dilute_mean_path
 from particles.values import Value
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, free_paths_in_field, lane
+    from particles.kernel import follow, free_paths, free_paths_in_field, lane, remembering
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     n = min(BLOCK, plan.tracers - first)
@@ -232,6 +232,11 @@ def _follow_block(
             (tally.field_sums, passages, (plan.depth or 0.0) / plan.medium.diameter),
         )
         raw["passages"] = passages
+    elif isinstance(plan.medium, ForgetfulPoisson):
+        known = np.empty((plan.medium.memory, 4))
+        n_caught = remembering.follow_remembering(
+            start, mean_path, known, caught, lanes[:1], record
+        )
     elif cells is None:
         free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:

@@ -44,6 +44,8 @@ BAD_INPUT = [
     (["report", "-e", "nan"], ["restitution", "nan"]),
     (["report", "-e", "abc"], ["restitution", "abc"]),
     (["report", "-e", "0.5", "-e", "0.5"], ["restitution", "0.5"]),
+    (["report", "--dimension", "4"], ["dimension", "4"]),
+    (["report", "--tangential-restitution", "2"], ["tangential_restitution", "2.0"]),
     (["report", "--number-density", "-1"], ["number_density", "-1"]),
     (["report", "--number-density", "0"], ["number_density", "0"]),
     (["report", "--number-density", "nan"], ["number_density", "nan"]),

@@ -12,6 +12,7 @@ All observables of one family (even or odd across the field) are solved together
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -27,6 +28,7 @@ from kinetics.field.radau import RadauRule
 from kinetics.numerics import FloatArray
 
 _RATIO = 3.0  # of the ends of a panel
+_FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 _STEEPEST = 30.0  # averages change no faster than v^30
 _STABLE = (3.0, 0.0)  # how the last harmonics are continued, see `ladder.continuation`
 
@@ -38,6 +40,21 @@ SQUARES = ("x^2", "y^2")
 PRODUCT = ("x y",)
 ALL = (*EVEN, *SQUARES, *ODD, *PRODUCT)
 IS_EVEN = np.array([name in (*EVEN, *SQUARES) for name in ALL])
+_SOURCES = {"x^2": {"x"}, "y^2": {"y"}, "x y": {"x", "y", *SQUARES}}
+
+
+def needed_for(asked: Iterable[str], symmetric: bool) -> frozenset[str]:
+    """The observables to solve for those that are asked: with their sources, and their scales.
+
+    symmetric : whether the start is symmetric about the field: averages that are odd across it
+        vanish, and are not solved
+    """
+    wanted = {"v^2", *asked}
+    if symmetric:
+        wanted -= {*ODD, *PRODUCT}
+    if wanted & {"x", "y"}:  # relative to the root mean square
+        wanted |= {"x^2"} if symmetric else {*SQUARES}
+    return frozenset(wanted.union(*(_SOURCES.get(name, set()) for name in wanted)))
 
 
 def backward_panels(highest: float, lowest: float, nodes: int) -> SpeedPanels:
@@ -47,7 +64,7 @@ def backward_panels(highest: float, lowest: float, nodes: int) -> SpeedPanels:
     """
     count = max(1, math.ceil(math.log(highest / lowest) / math.log(_RATIO)))
     edges = [highest * _RATIO ** (j - count) for j in range(count + 1)]
-    fewest = max(4, nodes // 2)
+    fewest = max(_FEWEST, nodes // 2)
     rising = max(1, math.ceil(-math.log(lowest) / math.log(_RATIO)))
     share = np.minimum(1.0, np.arange(1, count + 1) / rising)
     counts = np.ceil(fewest + (nodes - fewest) * share).astype(int)
@@ -63,19 +80,21 @@ class BackwardField:
     law : the collision law
     panels : speeds at time 0
     highest : M, odd; harmonics 0 ... M
+    names : the observables that are solved, from `needed_for`; the others stay 0
     rule : the collocation in time
     """
 
     law: CollisionLaw
     panels: SpeedPanels
     highest: int
+    names: frozenset[str] = frozenset(ALL)
     rule: RadauRule = field(default_factory=RadauRule)
 
     def __post_init__(self) -> None:
         d = self.law.dimension
         self._chains = [Chain(self.panels, d, family, False) for family in (0, 1)]
         self._tops = [chain.highest(self.highest) for chain in self._chains]
-        self._factors: dict[float, list[list[Elimination]]] = {}
+        self._factors: dict[tuple[float, int], list[Elimination]] = {}
 
     @cached_property
     def collisions(self) -> FloatArray:
@@ -93,13 +112,12 @@ class BackwardField:
             y[0, :, ALL.index(f"v^{p}")] = v**p
         # sin(2 phi)/2 in the plane; of P_2^1 = 3 sin cos in space
         y[2, :, ALL.index("v_x v_y")] = v**2 / (2.0 if d == 2 else 3.0)
-        return y
+        return y * np.isin(ALL, list(self.names))
 
     def step(self, y: FloatArray, h: float) -> FloatArray:
         """The averages at all points of a step, shape (stages + 1, *y.shape)."""
         out = np.zeros((self.rule.stages + 1, *y.shape))
         out[0] = y
-        even, odd = slice(0, len(EVEN)), slice(len(EVEN) + 2, len(ALL) - 1)
         for mode, (value, share, stages) in enumerate(self.rule.modes):
             rate = 1.0 / (h * value)
             source = share * rate * y
@@ -107,23 +125,27 @@ class BackwardField:
             source[0, :, ALL.index("collisions")] += share * self.panels.speeds
             source[1, :, ALL.index("x")] += share * self.panels.speeds
             source[1, :, ALL.index("y")] += share * self.panels.speeds
-            found[:, :, even] = self._solve(0, h, mode, source[:, :, even])
-            found[:, :, odd] = self._solve(1, h, mode, source[:, :, odd])
-            self._add_products(source, found)
-            squares = slice(len(EVEN), len(EVEN) + 2)
-            found[:, :, squares] = self._solve(0, h, mode, source[:, :, squares])
-            found[:, :, -1:] = self._solve(1, h, mode, source[:, :, -1:])
+            for family, group in ((0, EVEN), (1, ODD), (0, SQUARES), (1, PRODUCT)):
+                columns = self._columns(group)
+                if columns and group is SQUARES:  # x and y, their sources, are there
+                    self._add_products(source, found)
+                if columns:
+                    found[:, :, columns] = self._solve(family, h, mode, source[:, :, columns])
             out[1:] += (stages[:, None, None, None] * found).real
         return out
 
     def _solve(self, family: int, h: float, mode: int, source: NDArray[Any]) -> NDArray[Any]:
         """One stage of one family; its harmonics that do not exist are 0."""
-        if h not in self._factors:
-            self._factors[h] = [self._eliminations(family, h) for family in (0, 1)]
+        if (h, family) not in self._factors:
+            self._factors[h, family] = self._eliminations(family, h)
         top, out = self._tops[family], np.zeros_like(source)
         part = source[family : top + 1] * self.panels.speeds[:, None]
-        out[family : top + 1] = self._factors[h][family][mode].solve(part)[0]
+        out[family : top + 1] = self._factors[h, family][mode].solve(part)[0]
         return out
+
+    def _columns(self, group: tuple[str, ...]) -> list[int]:
+        """Where the observables of a group are that are solved."""
+        return [ALL.index(name) for name in group if name in self.names]
 
     def _eliminations(self, family: int, h: float) -> list[Elimination]:
         shifts = [1.0 / (h * value) for value, _, _ in self.rule.modes]
@@ -131,7 +153,6 @@ class BackwardField:
             Elimination(
                 self._chains[family],
                 self.collisions,
-                self._tops[family],
                 _STABLE,
                 sign=-1.0,
                 shift=shift.real if shift.imag == 0.0 else shift,
@@ -169,7 +190,7 @@ class BackwardField:
 
     def forget(self, h: float) -> None:
         """Free the memory of steps of another length than h."""
-        self._factors = {key: value for key, value in self._factors.items() if key == h}
+        self._factors = {key: value for key, value in self._factors.items() if key[0] == h}
 
     def gained(self, y: FloatArray) -> FloatArray:
         """The mean after a collision with a velocity along the field, (..., size, n_observables).

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import count
 
 import numpy as np
 
@@ -23,7 +24,11 @@ _LONGEST_FALL = 9.0  # sqrt(2 x 40): one in e^40 falls longer freely, from rest
 _POINTS = 16  # Gauss points of an interval of the first collision
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
+_EARLY = 10.0  # see `Evolution._first_step`
 _EARLIEST = 1e-12  # stands for the time 0
+# A resolution that is too coarse may never be smooth: then steps double to the end, and the other
+# solution, which is compared, says that this one is wrong.
+_MOST_STEPS = 300
 _SHORTEST = 1e-9  # of the first step: below it a step is not halved
 
 
@@ -68,10 +73,12 @@ class Evolution:
     start : the initial state
     times : rising, shape (n_times,)
     resolution : panels, harmonics and steps
+    names : the observables that are solved, from `backward.needed_for`
 
     Attributes
     ----------
-    values : averages of all observables of `backward.ALL`, shape (n_times, n_observables)
+    values : averages of the observables of `backward.ALL`, shape (n_times, n_observables); those
+        that are not solved are 0
     steps : the number of steps of time
     """
 
@@ -79,6 +86,7 @@ class Evolution:
     start: Start
     times: FloatArray
     resolution: TimeResolution
+    names: frozenset[str] = frozenset(ALL)
     values: FloatArray = field(init=False)
     steps: int = field(init=False, default=0)
 
@@ -89,7 +97,7 @@ class Evolution:
         # below 1/t, no tracer has collided by the time t
         lowest = min(self.resolution.lowest * max(1.0, 1.0 / last), 0.1 * highest)
         panels = backward_panels(highest, lowest, self.resolution.nodes)
-        self.equation = BackwardField(self.law, panels, self.resolution.harmonics)
+        self.equation = BackwardField(self.law, panels, self.resolution.harmonics, self.names)
         self._weights = self.start.functional(panels, self.resolution.harmonics)
         v = panels.speeds
         self._falls = panels.weights * v * np.exp(-0.5 * v**2)
@@ -107,10 +115,10 @@ class Evolution:
         y = self.equation.start
         now, h = 0.0, self._first_step(last)
         least, allowed = _SHORTEST * h, _STEPS_MISS * self.resolution.rtol
-        while True:
+        for tried in count():
             stages = self.equation.step(y, h)
             averages = self._averages(stages)
-            rough = self._roughness(averages)
+            rough = self._roughness(averages) if tried < _MOST_STEPS else 0.0
             if rough > allowed and h > least:
                 h *= 0.5
                 continue
@@ -126,8 +134,15 @@ class Evolution:
             self._integrate_first_collision()
 
     def _first_step(self, last: float) -> float:
-        """Short against the free flights of all tracers; a power of 2 times the last time."""
+        """Short against the free flights of all tracers; a power of 2 times the last time.
+
+        At the first of the times, averages may be as small as t^4, of which the sixth order in the
+        step must be a small part: the chance of a collision before it is t^2/2 from rest.
+        """
         wanted = 0.5 / (1.0 + self.start.highest)
+        first = min(float(t) for t in (*self.times[self.times > 0.0], last))
+        early = _EARLY * (first / wanted) ** (1.0 / 3.0) * self.resolution.rtol ** (1.0 / 6.0)
+        wanted *= min(1.0, early)
         return last if last <= wanted else last * 2.0 ** math.floor(math.log2(wanted / last))
 
     def _averages(self, stages: FloatArray) -> FloatArray:
@@ -175,6 +190,7 @@ class Evolution:
                 after[at] = np.einsum("ns,ni,sik->nk", in_time, rows[at], gains, optimize=True)
             chance = w * tau * np.exp(-0.5 * tau**2)
             self.values[i] = free + chance @ moved(tau, after)
+        self.values *= np.isin(ALL, list(self.names))
 
 
 def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
@@ -196,14 +212,14 @@ def scales(values: FloatArray) -> FloatArray:
 
     The root mean square for velocities and displacements, <v^2> and <r^2> for the tensors.
     """
-    speed = values[:, ALL.index("v^2")]
-    square = sum(values[:, ALL.index(name)] for name in SQUARES)
+    speed = np.abs(values[:, ALL.index("v^2")])  # what is resolved too coarsely may be negative
+    square = np.abs(sum(values[:, ALL.index(name)] for name in SQUARES))
     out = np.empty_like(values)
     for name, scale in (
         *((name, np.sqrt(speed)) for name in ("v_x", "v_y")),
         *((name, speed) for name in ("v^2", "v^2 cos 2", "v_x v_y")),
-        *((name, np.sqrt(np.maximum(square, 0.0))) for name in ("x", "y")),
-        *((name, np.maximum(square, 0.0)) for name in (*SQUARES, "x y")),
+        *((name, np.sqrt(square)) for name in ("x", "y")),
+        *((name, square) for name in (*SQUARES, "x y")),
         *((name, np.abs(values[:, ALL.index(name)])) for name in ("v^3", "v^4", "collisions")),
     ):
         out[:, ALL.index(name)] = scale

@@ -99,8 +99,8 @@ class Elimination:
     Parameters
     ----------
     chain : the coupling by the field
-    collisions : v^2 (1 - K_m), from `collision_matrices`, for every m up to ``highest``
-    highest : M, with which harmonics come in pairs
+    collisions : v^2 (1 - K_m), from `collision_matrices`, for m = 0 ... M; the highest harmonic is
+        M, or M - 1 if only then harmonics come in pairs
     powers : of 1/m, by which harmonic M + 1 continues the last two
     sign : 1 forwards, for the density; -1 backwards
     shift : a rate that is added to the loss; it may be complex
@@ -114,13 +114,13 @@ class Elimination:
         self,
         chain: Chain,
         collisions: FloatArray,
-        highest: int,
         powers: tuple[float, float],
         sign: float = 1.0,
         shift: complex = 0.0,
         border: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
-        self.chain, self.highest, self.sign, self.powers = chain, highest, sign, powers
+        self.chain, self.sign, self.powers = chain, sign, powers
+        self.highest = highest = chain.highest(len(collisions) - 1)
         n = self._n = chain.panels.size
         self._border = border
         first = chain.family

@@ -37,6 +37,11 @@ class Start:
         return cls(found, speed)
 
     @property
+    def is_symmetric(self) -> bool:
+        """Whether the state is symmetric about the field."""
+        return not any(np.any(np.imag(m.weight)) for m in self.measures if m)
+
+    @property
     def highest(self) -> float:
         """The largest speed at the start."""
         return max((self.speed * float(np.exp(m.x.max())) for m in self.measures if m), default=0.0)

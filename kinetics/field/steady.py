@@ -107,7 +107,7 @@ class SteadyState:
         chain = Chain(self.panels, self.law.dimension)
         # a source anywhere, for the border: its factor comes out as 0, to the discretisation
         border = self._mass, v**2 * np.exp(-v)
-        return Elimination(chain, self._collisions, self.highest, self.powers, border=border)
+        return Elimination(chain, self._collisions, self.powers, border=border)
 
     @cached_property
     def averages(self) -> SteadyAverages:
@@ -165,7 +165,7 @@ class SteadyState:
         if family == 0:
             elimination = self._along
         else:
-            elimination = Elimination(chain, self._collisions, top, self.powers)
+            elimination = Elimination(chain, self._collisions, self.powers)
         h = elimination.solve(source * v)[0]
         value = self._first_harmonic(h, 1.0, family)
         changes = (elimination.other_continuation(h, other) for other in self.other_powers)

@@ -75,6 +75,7 @@ class DataAndTheory:
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the
     difference; compared: where there is something to compare; usable: and where it has spread.
     densities: the solution of each density. histograms: one for each density and time.
+    density_told: the number density of the scatterers is given, not fitted to these averages.
     """
 
     sample: Sample
@@ -88,6 +89,7 @@ class DataAndTheory:
     usable: NDArray[np.bool_]
     densities: "Mapping[str, Solution]"
     histograms: list[Histogram]
+    density_told: bool
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -153,7 +155,7 @@ def side_by_side(
     ]
     return DataAndTheory(
         sample, solution, expectation, theory, difference, replicates, error, compared, usable,
-        owners, histograms,
+        owners, histograms, found is None or "log_path" not in found.names,
     )  # fmt: skip
 
 

@@ -3,7 +3,9 @@
 A hypothesis that is right lowers the chi-square to what chance allows. Several may: they are ranked
 by the chi-square that they leave plus 2 for each fitted parameter (Akaike's criterion), and
 "explains" is said only of those within NEAR_BEST of the best. A new hypothesis is a function of the
-averages that yields `Tested`, and one entry of the table HYPOTHESES.
+averages that yields `Tested`, and one entry of the table HYPOTHESES. A theory that has an error of
+its own may say so (`finite_density`): that makes its chi-square smaller, and what the larger
+covariance takes from the likelihood is counted against it.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -13,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.comparison import finite_density
 from kinetics.crosscheck.comparison.data_and_theory import DataAndTheory
 from kinetics.crosscheck.comparison.fit import Components, Fit, Unknown, components_of, fit
 from kinetics.crosscheck.comparison.result import Explanation, said
-from kinetics.crosscheck.comparison.statistics import ChiSquare, hotelling
+from kinetics.crosscheck.comparison.statistics import ChiSquare, hotelling, log_widening
 from kinetics.crosscheck.comparison.theory import Expectation, SampledStart
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, chance
 
@@ -41,17 +44,20 @@ _OTHER_SCALE = 1.0
 class Tested:
     """A hypothesis with what it comes to; parameters that were fitted; the averages it expects.
 
-    theory (n_names, n_times), None where it is no theory of all averages.
+    theory (n_names, n_times), None where it is no theory of all averages. widening: ln of the ratio
+    of determinants of the covariance with and without the theory's own error.
     """
 
     explanation: Explanation
     parameters: int = 0
     theory: Array | None = None
+    widening: float = 0.0
 
     @property
     def criterion(self) -> float:
-        """The chi-square that is left plus 2 per parameter."""
-        return (self.explanation.chi_square_after or 0.0) + 2 * self.parameters
+        """-2 ln likelihood, to a constant, plus 2 per parameter."""
+        left = self.explanation.chi_square_after or 0.0
+        return left + 2 * self.parameters + self.widening
 
 
 def tested_hypotheses(both: DataAndTheory) -> list[Tested]:
@@ -112,22 +118,34 @@ class Averages:
     before: ChiSquare
 
     def theory(
-        self, restitution: float | None = None, free_path: float | None = None, start: Any = None
-    ) -> tuple[Array, Array]:
+        self, restitution: float | None = None, free_path: float | None = None, start: Any = None,
+        scatterers: str = "dilute",
+    ) -> tuple[Array, Array]:  # fmt: skip
         """The theory with some of its numbers changed; see Expectation.theory."""
         scene = self.both.solution.scene
         return self.both.expectation.theory(
             scene.restitution if restitution is None else restitution,
             scene.mean_free_path if free_path is None else free_path,
             scene.initial if start is None else start,
+            scatterers,
+            1.0 if scatterers == "dilute" else scene.diameter,
         )
 
-    def left_by(self, theory: Array, moved: Array) -> ChiSquare | None:
-        """The chi-square that a theory without a free parameter leaves; moved as in a Model."""
+    def left_by(
+        self, theory: Array, moved: Array, uncertain: Array | None = None
+    ) -> tuple[ChiSquare | None, float]:
+        """The chi-square that a theory without a free parameter leaves, and Tested.widening.
+
+        moved as in a Model; uncertain: covariance of the theory's own error, as flat averages.
+        """
         expectation, tested = self.both.expectation, self.components.tested
         difference = (expectation.values - theory).ravel()[tested]
         replicates = (expectation.replicates - moved).reshape(self.both.sample.groups, -1)
-        return hotelling(difference, replicates[:, tested])
+        replicates = replicates[:, tested]
+        if uncertain is None:
+            return hotelling(difference, replicates), 0.0
+        known = uncertain[np.ix_(tested, tested)]
+        return hotelling(difference, replicates, known), log_widening(replicates, known)
 
     def fitted(
         self, model: Callable[[float], tuple[Array, Array]], unknown: Unknown,
@@ -265,7 +283,7 @@ def _start(averages: Averages) -> Iterator[Tested]:
         starts = [("the data's own speeds at time 0", SampledStart(both.sample.start))]
     for words, start in starts:
         theory, moved = averages.theory(start=start)
-        after = averages.left_by(theory, moved)
+        after, _ = averages.left_by(theory, moved)
         if after is not None:
             text, headline = said("start", start=words), f"another start ({words})"
             yield Tested(averages.judged("initial speeds", text, headline, after), 0, theory)
@@ -331,7 +349,24 @@ def _thinned(values: Array, names: Sequence[str], share: float) -> Array:
     return np.asarray(values * np.array([factor[name] for name in names])[:, None] + shift[:, None])
 
 
+def _finite_density(averages: Averages) -> Iterator[Tested]:
+    """Scatterers at the density told, which tracers meet again: nothing is fitted."""
+    both = averages.both
+    if not finite_density.is_known(both):
+        return
+    for scatterers in finite_density.WORDS:
+        theory, moved = averages.theory(scatterers=scatterers)
+        uncertain = finite_density.covariance(both, theory)
+        after, widening = averages.left_by(theory, moved, uncertain)
+        if after is not None:
+            text = finite_density.described(both, scatterers, theory)
+            headline = said("finite_density_headline", scatterers=scatterers)
+            found = averages.judged("finite density", text, headline, after)
+            yield Tested(found, 0, theory, widening)
+
+
 HYPOTHESES: tuple[Callable[[Averages], Iterator[Tested]], ...] = (
+    _finite_density,
     _free_path,
     _restitution,
     _start,
@@ -341,5 +376,5 @@ HYPOTHESES: tuple[Callable[[Averages], Iterator[Tested]], ...] = (
     _at_rest,
     _recollisions,
 )
-"""Everything that may explain a difference. One more, say the first order in the density of the
-scatterers, which has no free parameter, is one function like `_start` and one entry here."""
+"""Everything that may explain a difference. The first, which has no free parameter, stands before
+others that are as likely."""

@@ -87,15 +87,17 @@ def whitening(matrix: Array) -> Array:
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
 
 
-def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
+def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
-    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value.
+    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value. known (p, p)
+    is the covariance of an error of the theory: it is added to that of the data. T^2 then varies
+    less than Hotelling's law allows for, so that p is rather too high than too low.
     """
     groups = len(replicates)
     if difference.size == 0:
         return None
-    axes = whitening(covariance(replicates))
+    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
     white = axes @ difference
     freedom = white.size
     if freedom == 0 or groups <= freedom:
@@ -107,6 +109,15 @@ def hotelling(difference: Array, replicates: Array) -> ChiSquare | None:
     log_p = _log_betainc((effective - freedom) / 2, freedom / 2, tail)
     value = 2 * _inverse_log_gammaincc(freedom / 2, log_p)
     return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
+
+
+def log_widening(replicates: Array, known: Array) -> float:
+    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p).
+
+    By so much -2 ln of a Gaussian likelihood rises, beside its chi-square, where M is added to C.
+    """
+    axes = whitening(covariance(replicates))
+    return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
 
 _SMALLEST_LOG = -600.0

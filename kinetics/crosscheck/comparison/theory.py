@@ -45,12 +45,18 @@ class SampledStart(State):
 
 
 class System(NamedTuple):
-    """What is solved: restitution, mean free path in d, initial state, and the rest of the law."""
+    """What is solved: restitution, mean free path in d, initial state, and the rest of the law.
+
+    scatterers : as in a Scene. Among others than "dilute" ones free_path is still 1/(2 d rho), from
+        which their density n = d/(2 free_path) follows with their diameter d.
+    """
 
     restitution: float
     free_path: float
     start: Any
     law: Law = Law()
+    scatterers: str = "dilute"
+    diameter: float = 1.0
 
 
 def solved(system: System, times: Array, outputs: Sequence[str], rtol: float) -> "Solution":
@@ -60,12 +66,14 @@ def solved(system: System, times: Array, outputs: Sequence[str], rtol: float) ->
     law = system.law
     scene = Scene(
         restitution=system.restitution,
-        number_density=law.free_path(system.free_path),
+        number_density=law.free_path(system.free_path) / system.diameter,
+        diameter=system.diameter,
         initial=system.start,
         times=times,
         outputs=tuple(outputs),
         tangential_restitution=law.tangential_restitution,
         dimension=law.dimension,
+        scatterers=system.scatterers,
     )
     return solve(scene, rtol=rtol)
 
@@ -113,27 +121,35 @@ class Expectation:
         self.values = observed(total, *scales, names, law)
         with np.errstate(invalid="ignore"):
             self.replicates = observed(total - sample.sums, *scales, names, law)
-        self._last: tuple[tuple[float, float, Any], tuple[Array, Array]] | None = None
+        self._last: tuple[System, tuple[Array, Array]] | None = None
 
-    def theory(self, restitution: float, free_path: float, initial: Any) -> tuple[Array, Array]:
-        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
-        asked = (restitution, free_path, initial)
-        if self._last is None or self._last[0] != asked:
+    def theory(
+        self, restitution: float, free_path: float, initial: Any, scatterers: str = "dilute",
+        diameter: float = 1.0,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...).
+
+        The arguments are those of `System`.
+        """
+        law = self.sample.law
+        system = System(restitution, free_path, initial, law, scatterers, diameter)
+        if self._last is None or self._last[0] != system:
             if isinstance(initial, SampledStart):
-                found = self._from_start(restitution, free_path)
+                found = self._from_start(system._replace(start="monoenergetic"))
             else:
-                system = System(*asked, self.sample.law)
                 solution = solved(system, self.sample.times, self.names, RTOL)
                 values = np.stack([getattr(solution, name) for name in self.names])
                 found = values, values
-            self._last = (asked, found)
+            self._last = (system, found)
         return self._last[1]
 
-    def _from_start(self, restitution: float, free_path: float) -> tuple[Array, Array]:
-        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
+    def _from_start(self, system: System) -> tuple[Array, Array]:
+        """A tracer of speed v does at time t what one of speed 1 does at v t, times v.
+
+        system: with the start "monoenergetic".
+        """
         assert self.sample.start is not None
         start, times = self.sample.start, self.sample.times
-        system = System(restitution, free_path, "monoenergetic", self.sample.law)
         moments = _one_speed(system, self.names, np.sqrt(start.squares)[:, None] * times)
         # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
         v2, flatness = start.squares[:, None], start.flatness[:, None]

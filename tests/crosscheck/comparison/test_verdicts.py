@@ -193,7 +193,10 @@ def test_a_collision_cap_is_named() -> None:
 
 
 def test_hard_disks_show_their_density() -> None:
-    """Their free path is 5 % shorter, and recollisions keep <r^2> below even that."""
+    """A free path that is 5 % shorter is not enough: recollisions keep <r^2> below even that.
+
+    Both follow from the density without a fitted number (test_finite_density.py).
+    """
     run = simulate(
         HardDisks(DENSITY, 10_000), restitution=0.75, times=TIMES, media=100, tracers=100,
         seed=5, workers=1,
@@ -207,7 +210,7 @@ def test_hard_disks_show_their_density() -> None:
     assert 11.4 < path.value < 12.3
     assert "finite density" in path.text
     again = explained(result, "recollisions")
-    assert again.outcome == "found"
+    assert again.outcome == "in part"  # the density, which is known, is the likelier cause
     assert again.value is not None
     assert -0.25 < again.value < -0.05
     assert result.groups == 100

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, InputError, Scene, load, solve, solve_field
-from kinetics.field.backward import ALL
+from kinetics.field.backward import ALL, needed_for
 from kinetics.field.evolution import Evolution, TimeResolution
 from kinetics.field.radau import RadauRule
 from kinetics.field.starts import Start
@@ -109,6 +109,59 @@ def test_rtol_is_met(initial: str) -> None:
     assert np.all(np.abs(coarse.mean_velocity - fine.mean_velocity) <= 1e-4 * speed)
     assert np.all(moved <= 1e-4 * root)
     assert coarse.msd == pytest.approx(fine.msd, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("initial", "field", "times"),
+    [
+        ("rest", 0.01, np.geomspace(0.003, 99.0, 12)),
+        ("gaussian", 1e12, [0.3, 1.0, 10.0]),  # nearly at rest
+        ("gaussian", 1e-12, [1e-6, 1e-3]),  # at 1e6 of the speeds that the field makes
+        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0]),
+    ],
+)
+def test_what_is_asked_is_reached(initial: Any, field: float, times: Any) -> None:
+    """At loose tolerances, from early times on, and for starts far from the steady state."""
+    outputs = ("mean_velocity", "thermal_speed", "mean_displacement")
+    asked = scene(times, field, initial=initial, outputs=outputs)
+    fine, coarse = solve(asked, rtol=1e-5), solve(asked, rtol=1e-4)
+    assert coarse.status.name == fine.status.name == "CONVERGED"
+    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=1e-4)
+    moved = np.abs(coarse.mean_velocity - fine.mean_velocity)
+    assert np.all(moved <= 1e-4 * fine.thermal_speed[:, None])
+
+
+def test_early_times_from_rest_are_free_fall() -> None:
+    """<r^2> = t^4/4 and <v^4> = <v^2>^2, up to the few that have collided."""
+    times = [0.003, 1.0, 90.0]
+    found = solve(scene(times, initial="rest", outputs=("msd", "a2")), rtol=1e-4)
+    assert found.status.name == "CONVERGED"
+    assert found.msd[0] == pytest.approx(PATH**2 * 0.003**4 / 4.0, rel=1e-4)
+    assert found.a2[0] == pytest.approx(-0.5, abs=1e-4)
+
+
+def test_a_start_close_to_rest_is_rest() -> None:
+    cold = solve(scene([0.5, 3.0], 1e12, initial="gaussian", outputs=("mean_velocity",)), 1e-4)
+    rest = solve(scene([0.5, 3.0], 1e12, initial="rest", outputs=("mean_velocity",)), 1e-4)
+    assert np.all(cold.mean_velocity == rest.mean_velocity)
+
+
+@pytest.mark.parametrize("initial", ["gaussian", Beam(2.0, "monoenergetic"), "rest"])
+def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
+    """Averages that nobody asks for are not solved."""
+    times = [0.1, 1.0, 3.0]
+    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-5)
+    for name in OUTPUTS:
+        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-5), name)
+        expected = getattr(everything, name)
+        scale = everything.thermal_speed if "velocity" in name else expected.max()
+        assert np.all(np.abs(alone - expected) <= 2e-5 * np.max(scale))
+
+
+def test_odd_averages_are_solved_where_they_are_needed() -> None:
+    assert needed_for(["v_x", "v_y"], symmetric=True) == {"v^2", "v_x"}
+    assert needed_for(["y"], symmetric=False) == {"v^2", "x", "y", "x^2", "y^2"}
+    assert needed_for(["y^2"], symmetric=True) == {"v^2", "y", "y^2"}
 
 
 def test_gaussian_start_begins_as_free_fall() -> None:
