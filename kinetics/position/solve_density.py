@@ -29,9 +29,9 @@ _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
 # tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
 _LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
-# Where every bounce takes more than _STOPPING e-folds of the speed, tracers all but rest after a few
-# flights: from K = 1 to the reciprocal of what they still fly F falls as 1/K, and no power of `tail`
-# fits it. The sweep then ends with the error that it has, after about a second of elimination.
+# Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
+# flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
+# power of `tail` fits. The sweep then ends with the error that it has, after about a second.
 _STOPPING, _MOST_WORK = 2.0, 1.5e8
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
