@@ -37,6 +37,8 @@ class GridDensity(Value):
     end : highest x where something is left
     resolved : share of its maximum down to which g is right
     filled : share of the thermal speed below which f is a polynomial (e = 0); 0 elsewhere
+    at_rest : f at v = 0 in 1/U, that of the start, where the density of the speed ratio vanishes at
+        s = 0: bounces then add nothing to it; None where it is not known
     """
 
     grid: LogGrid
@@ -45,6 +47,7 @@ class GridDensity(Value):
     end: float
     resolved: float
     filled: float = 0.0
+    at_rest: float | None = None
 
     def at(self, i: int, v: FloatArray) -> NDArray[Any]:
         """f in 1/U at the i-th time and speeds v in U, shape (n_v,)."""
@@ -115,13 +118,23 @@ class GridDensity(Value):
     def _width(self, i: int) -> float:
         """Maximum of g over that of g/v, in units of exp(x)."""
         size = np.abs(self.values[i])
-        return float(size.max() / (size * np.exp(-self.grid.x)).max())
+        per_speed = size * np.exp(-self.grid.x)
+        if self.at_rest is not None:
+            # farther down f vanishes, and g/v may be the rounding of g over v
+            per_speed = per_speed[self.grid.x >= self.lowest_promised[i]]
+        return float(size.max() / per_speed.max())
 
     def _from_above(self, i: int, edge: float, u: FloatArray) -> NDArray[Any]:
-        """g/v at exp(x - edge) = u < 1: the polynomial in v through five values at u >= 1."""
+        """g/v at exp(x - edge) = u < 1: the polynomial in v through five values at u >= 1.
+
+        Also through that at rest, where it is known.
+        """
         at = edge + np.log(_POLYNOMIAL)
         rows = interpolation_rows(u[:, None] - _POLYNOMIAL, barycentric_weights(_POLYNOMIAL))
-        return np.asarray(rows @ (self._interpolate(i, at) * np.exp(self.shift[i] - at)))
+        values = self._interpolate(i, at) * np.exp(self.shift[i] - at)
+        if self.at_rest is None:
+            return np.asarray(rows @ values)
+        return np.asarray(self.at_rest + u * (rows @ ((values - self.at_rest) / _POLYNOMIAL)))
 
     def _low_end(self, i: int) -> tuple[float, float]:
         """Lowest x at which g is resolved, and the slope of ln(g/v) there, not below 0."""

@@ -251,6 +251,7 @@ def _judged(
         end=right + found.grid.spacing,
         resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
         filled=_FILLED if m == 0 and math.isfinite(law.lowest_power) else 0.0,
+        at_rest=_at_rest(problem) if m == 0 else None,
     )
     ends = max(_ends(values, 0.0 if m == 0 else LEAST_MAXIMUM), found.cut_off)
     missed = float(np.max(found.highest * found.grid.spacing, initial=ends))
@@ -259,6 +260,19 @@ def _judged(
     else:
         missed = max(missed, density.error_at_low_speeds(found.rounding))
     return density, max(0.1 * rtol, _BEST, rough, missed)
+
+
+def _at_rest(problem: _Problem) -> float | None:
+    """f at v = 0, in 1/U, where bounces add nothing to it: that of the start, if it is finite.
+
+    Tracers come to v in proportion to the density of the speed ratio at s = 0, which vanishes where
+    E[s^p] exists down to p = -2 (spheres, and et = 0).
+    """
+    if not -math.inf < problem.asked.law.lowest_power < -1.0:
+        return None
+    with np.errstate(all="ignore"):
+        found = float(np.real(problem.start(np.zeros(1)))[0])
+    return found if math.isfinite(found) else None
 
 
 def _apart(found: GridDensity, other: GridDensity) -> float:

@@ -87,7 +87,7 @@ class PanelShifts:
         panels below it, farthest first, (n_m, nodes, reach * nodes).
         """
         n, count = self.rule.nodes, factor.shape[0]
-        reach = int(self.below.max())
+        reach = int(self.below.max(initial=0))
         gain = np.zeros((count, n, reach, n))
         for k in range(1, reach + 1):
             used, inside = self._ending(k, weight)

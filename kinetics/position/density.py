@@ -83,7 +83,9 @@ class Displacement(Value):
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
-        inside = element(r / self.mean_free_path, self.dimension) * self._transform(time, r, 1)
+        near = np.minimum(r, self.reach[time])  # the square of r may overflow
+        inside = element(near / self.mean_free_path, self.dimension)
+        inside = inside * self._transform(time, r, 1)
         inside = np.where(r <= self.reach[time], inside, self._at_zero(time))
         return inside if self.once is None else np.asarray(inside + self.once.within(time, r))
 

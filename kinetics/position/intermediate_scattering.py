@@ -106,6 +106,11 @@ class Scattering:
     times: FloatArray
     systems: Counter[int] = field(default_factory=Counter, repr=False, compare=False)
 
+    @property
+    def work(self) -> float:
+        """The work of the systems solved so far: cubes of their sizes, summed."""
+        return float(sum(count * size**3 for size, count in self.systems.items()))
+
     def log_stretch(self, which: Indices) -> FloatArray:
         """ln(t/l) of some of the times, -inf at t = 0, shape of their indices (n_which,)."""
         with np.errstate(divide="ignore"):

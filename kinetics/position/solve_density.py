@@ -29,6 +29,10 @@ _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
 # tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
 _LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
+# Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
+# flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
+# power of `tail` fits. The sweep then ends with the error that it has, after about a second.
+_STOPPING, _MOST_WORK = 2.0, 1.5e8
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -138,6 +142,8 @@ class _Sweep:
         high = 1.0 / float(self.width[self.active].max()) if self.active.size else 0.0
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
+        stopping = self.system.law.least_loss > _STOPPING
+        begin = done = self.system.work
         while self.active.size:
             if low >= largest:
                 self.active = self.active[low * self._flights[self.active] <= turns]
@@ -147,6 +153,10 @@ class _Sweep:
             self.panels += new
             size = max(float(np.abs(panel.values).max()) for panel in new)
             low, high = high, self._judge(high, error)
+            last, done = self.system.work - done, self.system.work
+            # the next interval is more work than the last one
+            if stopping and done - begin + 2.0 * last > _MOST_WORK:
+                break
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where the work was too much, else infinite, (n_times,)."""

@@ -55,8 +55,7 @@ def other_laws(quick: bool) -> tuple[CollisionLaw, ...]:
     rough = [(0.7, 0.8, 2), (0.7, 0.8, 3)]
     if not quick:
         spheres += [(e, 1.0, 3) for e in (1e-10, 1e-4, 0.2, 0.99, 1.0 - 1e-6, 1.0)]
-        # at e = et = 1e-4 the density of the position at t = 1e8 takes minutes, if it ends at all
-        one_loss += [(x, x, 2) for x in (0.01, 0.5, near)] + [(0.99, 0.99, 3)]
+        one_loss += [(x, x, 2) for x in (1e-7, 1e-4, 0.01, 0.5, near)] + [(0.99, 0.99, 3)]
         sticky += [(1.0, 0.0, 2), (0.5, 0.0, 3), (1.0, 0.0, 3), (1e-10, 0.5, 3), (0.5, 1e-10, 2)]
         rough += [(0.0, 0.8, 2), (1.0, 0.8, 2), (0.7, near, 2)]
         rough += [(0.0, 0.8, 3), (1.0, 0.8, 3), (near, 0.7, 3)]

@@ -332,3 +332,17 @@ def test_both_bumps_of_a_density_are_kept() -> None:
     x = np.linspace(-6.0, 2.0, 4000)
     mass = solution.speed_density(np.exp(x)) @ np.exp(x) * (x[1] - x[0])
     np.testing.assert_allclose(mass, 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "rtol"), [(CollisionLaw(1.0, 0.0), 1e-4), (CollisionLaw(0.0, 0.8, 3), 1e-6)], ids=repr
+)
+def test_the_density_at_rest_is_that_of_the_start(law: CollisionLaw, rtol: float) -> None:
+    """No bounce leads to v = 0: f, continued to low speeds, was once below 0 by 40 rtol there."""
+    found = solved(law, [0.0, 1e-300, 0.04, 2.4, 80.0], rtol)
+    for i, thermal in enumerate(found.thermal_speed):
+        v = thermal * np.append(0.0, np.geomspace(1e-300, 1.0, 3000))
+        f = found.speed_density(v)[i]
+        assert f.min() > -0.1 * rtol * f.max()
+        low = v < 1e-8 * thermal
+        assert np.abs(f[low]).max() < rtol * f.max()

@@ -265,3 +265,42 @@ def test_wave_numbers_that_are_too_large_are_one_line() -> None:
     found = solve(scene(LAWS[0], 10.0, outputs="intermediate_scattering"))
     with pytest.raises(InputError, match="wave_numbers: got up to"):
         found.intermediate_scattering([1e3])
+
+
+@pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
+def test_all_are_within_any_radius_however_large(law: CollisionLaw) -> None:
+    """The square of the radius was once taken beyond the reach of all tracers, and overflowed."""
+    found = solve(scene(law, 4.0), rtol=1e-3)
+    assert found.position_fraction([0.0, 1e300])[0, 0] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("e", [1e-7, 1e-4, 0.01])
+def test_bounces_that_all_but_stop_every_tracer(e: float) -> None:
+    """et = e: no shift of a bounce ended on the panels, and the transform at 0 had no values."""
+    law = CollisionLaw(e, e)
+    found = solve(scene(law, 8e-2), rtol=1e-3)
+    assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=1e-2)
+
+
+def test_tracers_that_a_bounce_stops_for_good() -> None:
+    """At e = et = 1e-7, T = v t/l: F = exp(-T) J_0(K T) + integral of exp(-x) J_0(K x) to x = T."""
+    t, k = 4.0, np.array([0.3, 1.0, 2.5])
+    node, w = bins(np.linspace(0.0, 1.0, 41))
+    expected = np.zeros(k.size)
+    for v, weight in zip(*bins(np.linspace(0.0, 8.0, 9)), strict=True):
+        x = v * t * np.append(node, 1.0)
+        f = np.append(v * t * w, 1.0) @ (np.exp(-x)[:, None] * mean_phase(np.outer(x, k), 2))
+        expected += weight * v * math.exp(-0.5 * v * v) * f
+    found = solve(scene(CollisionLaw(1e-7, 1e-7), t, outputs="intermediate_scattering"), 1e-6)
+    assert np.abs(found.intermediate_scattering(k / PATH)[0] - expected).max() < 2e-6
+
+
+@pytest.mark.parametrize("e", [1e-7, 1e-4])
+def test_a_density_that_does_not_end_says_so(e: float) -> None:
+    """Tracers that all but rest make F fall as 1/K: to follow it to its end took minutes."""
+    found = solve(scene(CollisionLaw(e, e), 8.0), rtol=1e-3)
+    assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
+    assert found._displacement is not None
+    work = sum(n * size**3 for size, n in found._displacement.systems.items())
+    assert work < 5e8
+    assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=0.1)
