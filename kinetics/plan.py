@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from kinetics.densities.harmonic import Profile
 from kinetics.moments.velocity import Averages
 from kinetics.outputs import (
@@ -67,7 +69,9 @@ def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
 
 def limits(averages: Averages) -> str:
     """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
-    return averages.law.density_theory(averages.times[0] / averages.mean_free_path)[1]
+    with np.errstate(over="ignore"):
+        first = averages.times[0] / averages.mean_free_path
+    return averages.law.density_theory(first)[1]
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

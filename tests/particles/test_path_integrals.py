@@ -45,7 +45,13 @@ def in_the_limit(rates: np.ndarray) -> np.ndarray:
     return (1.0 - np.exp(-rates * PATHS[:, None])) / rates
 
 
-@pytest.mark.parametrize(("e", "et"), [(0.2, 1.0), (0.5, 1.0), (0.9, 1.0), (0.6, 0.8), (0.0, 0.9)])
+@pytest.mark.parametrize(
+    ("e", "et"),
+    [
+        (0.5, 1.0), (0.6, 0.8),
+        *(pytest.param(*law, marks=pytest.mark.slow) for law in [(0.2, 1.0), (0.9, 1.0), (0.0, 0.9)]),
+    ],
+)  # fmt: skip
 def test_boltzmann_grad_has_the_closed_form(e: float, et: float) -> None:
     run = path_integrals(
         BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=50, tracers=60,
@@ -62,6 +68,7 @@ def test_boltzmann_grad_has_the_closed_form(e: float, et: float) -> None:
     assert run.trapped == 0
 
 
+@pytest.mark.slow
 def test_thin_spheres_have_the_closed_form_with_legendre_polynomials() -> None:
     # The density changes the integrals by about rho d^3 = 1e-3.
     run = path_integrals(

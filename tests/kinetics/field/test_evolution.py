@@ -112,23 +112,23 @@ def test_rtol_is_met(initial: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("initial", "field", "times"),
+    ("initial", "field", "times", "rtol"),
     [
-        ("rest", 0.01, np.geomspace(0.003, 99.0, 12)),
-        ("gaussian", 1e12, [0.3, 1.0, 10.0]),  # nearly at rest
-        ("gaussian", 1e-12, [1e-6, 1e-3]),  # at 1e6 of the speeds that the field makes
-        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0]),
+        ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
+        ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
+        ("gaussian", 1e-12, [1e-6, 1e-3], 1e-4),  # at 1e6 of the speeds that the field makes
+        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3),
     ],
 )
-def test_what_is_asked_is_reached(initial: Any, field: float, times: Any) -> None:
+def test_what_is_asked_is_reached(initial: Any, field: float, times: Any, rtol: float) -> None:
     """At loose tolerances, from early times on, and for starts far from the steady state."""
     outputs = ("mean_velocity", "thermal_speed", "mean_displacement")
     asked = scene(times, field, initial=initial, outputs=outputs)
-    fine, coarse = solve(asked, rtol=1e-5), solve(asked, rtol=1e-4)
+    fine, coarse = solve(asked, rtol=0.1 * rtol), solve(asked, rtol=rtol)
     assert coarse.status.name == fine.status.name == "CONVERGED"
-    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=1e-4)
+    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=rtol)
     moved = np.abs(coarse.mean_velocity - fine.mean_velocity)
-    assert np.all(moved <= 1e-4 * fine.thermal_speed[:, None])
+    assert np.all(moved <= rtol * fine.thermal_speed[:, None])
 
 
 def test_early_times_from_rest_are_free_fall() -> None:
@@ -150,12 +150,12 @@ def test_a_start_close_to_rest_is_rest() -> None:
 def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
     """Averages that nobody asks for are not solved."""
     times = [0.1, 1.0, 3.0]
-    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-5)
+    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-3)
     for name in OUTPUTS:
-        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-5), name)
+        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-3), name)
         expected = getattr(everything, name)
         scale = everything.thermal_speed if "velocity" in name else expected.max()
-        assert np.all(np.abs(alone - expected) <= 2e-5 * np.max(scale))
+        assert np.all(np.abs(alone - expected) <= 2e-3 * np.max(scale))
 
 
 def test_odd_averages_are_solved_where_they_are_needed() -> None:
