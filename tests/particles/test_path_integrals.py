@@ -48,10 +48,13 @@ def in_the_limit(rates: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("e", "et"),
     [
-        (0.5, 1.0), (0.6, 0.8),
-        *(pytest.param(*law, marks=pytest.mark.slow) for law in [(0.2, 1.0), (0.9, 1.0), (0.0, 0.9)]),
+        (0.5, 1.0),
+        (0.6, 0.8),
+        pytest.param(0.2, 1.0, marks=pytest.mark.slow),
+        pytest.param(0.9, 1.0, marks=pytest.mark.slow),
+        pytest.param(0.0, 0.9, marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_boltzmann_grad_has_the_closed_form(e: float, et: float) -> None:
     run = path_integrals(
         BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=50, tracers=60,
