@@ -123,7 +123,8 @@ def compare(
     from kinetics.validation import check_positive
 
     unit = _speed_unit(speed_unit)
-    sample = read_sample(data, positions, unit, diameter, True, time_unit, parsed_columns(columns))
+    named = parsed_columns(columns)
+    sample = read_sample(data, positions, unit, diameter, True, time_unit, named, timestep)
     if tangential_restitution is not None:
         sample = with_tangential(sample, tangential_restitution)
     if number_density is not None:
