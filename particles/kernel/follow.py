@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from particles.compiled.decorators import by_dimension, inlined, kernel
+from particles.compiled.decorators import inlined, kernel
 from particles.grid.cells import Cells
-from particles.kernel import columns, in_plane, in_space
+from particles.kernel import columns, steps
 from particles.kernel.in_plane import SHORT
 from particles.kernel.lane import RUNNING, Start, advance, fly, is_due, launch, shift_clock
 from particles.kernel.records import (
@@ -27,16 +27,6 @@ from particles.kernel.records import (
     queue_rest,
 )
 
-_begin = by_dimension(in_plane.begin, in_space.begin)
-_lacks_cell = by_dimension(in_plane.lacks_cell, in_space.lacks_cell)
-_make_cell = by_dimension(in_plane.make_cell, in_space.make_cell)
-_next_contact = by_dimension(in_plane.next_contact, in_space.next_contact)
-_next_wall = by_dimension(in_plane.next_wall, in_space.next_wall)
-_cross_cell = by_dimension(in_plane.cross_cell, in_space.cross_cell)
-_collide = by_dimension(in_plane.collide, in_space.collide)
-_end_bounces = by_dimension(in_plane.end_bounces, in_space.end_bounces)
-_note_place = by_dimension(in_plane.note_place, in_space.note_place)
-
 
 @inlined
 def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> None:
@@ -44,7 +34,7 @@ def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> N
     queue_rest(lane, records)
     trap[columns.TRAP_TRACER] = start.first + lane.tracer
     trap[columns.TRAP_TIME] = lane.time / lane.unit
-    _note_place(lane, trap)
+    steps.note_place(lane, trap)
 
 
 @kernel
@@ -68,19 +58,19 @@ def follow(
     caught = 0
     for a in range(active):
         launch(lanes[a], start, records, a)
-        _begin(lanes[a], cells)
+        steps.begin(lanes[a], cells)
     while active:
         for a in range(active):
             lane = lanes[a]
-            if _lacks_cell(lane, keys):
-                _make_cell(lane, keys, cells)
-            _next_contact(lane, slots, head, links, nodes)
+            if steps.lacks_cell(lane, keys):
+                steps.make_cell(lane, keys, cells)
+            steps.next_contact(lane, slots, head, links, nodes)
         a = 0
         while a < active:
             lane = lanes[a]
-            wall = _next_wall(lane)
+            wall = steps.next_wall(lane)
             if lane.contact > wall and wall <= limit:
-                _cross_cell(lane, keys, n)
+                steps.cross_cell(lane, keys, n)
                 a += 1
                 continue
             escaped = lane.contact > wall
@@ -99,10 +89,10 @@ def follow(
             else:
                 if paths.size:
                     count_path(paths, grids, path)
-                ratio, trapped = _collide(lane, path, side, (restitution, tangential))
+                ratio, trapped = steps.collide(lane, path, side, (restitution, tangential))
                 lane.slowness /= ratio
                 if path < SHORT and not trapped:
-                    ratio, trapped = _end_bounces(lane, path, cells, (restitution, tangential))
+                    ratio, trapped = steps.end_bounces(lane, path, cells, (restitution, tangential))
                     lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED
@@ -118,7 +108,7 @@ def follow(
             finish(lane, status, records)
             if launched < start.n:
                 launch(lane, start, records, launched)
-                _begin(lane, cells)
+                steps.begin(lane, cells)
                 launched += 1
                 a += 1
             else:

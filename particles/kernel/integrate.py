@@ -8,21 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from particles.compiled.decorators import by_dimension, inlined, kernel
+from particles.compiled.decorators import inlined, kernel
 from particles.grid.cells import Cells
-from particles.kernel import in_plane, in_space, last_collisions
+from particles.kernel import last_collisions, steps
 from particles.kernel.in_plane import SHORT
 from particles.kernel.lane import Start
 from particles.kernel.windows import CAUGHT, HITS, Windows, add_flight, begin_windows
-
-_begin = by_dimension(in_plane.begin, in_space.begin)
-_lacks_cell = by_dimension(in_plane.lacks_cell, in_space.lacks_cell)
-_make_cell = by_dimension(in_plane.make_cell, in_space.make_cell)
-_next_contact = by_dimension(in_plane.next_contact, in_space.next_contact)
-_next_wall = by_dimension(in_plane.next_wall, in_space.next_wall)
-_cross_cell = by_dimension(in_plane.cross_cell, in_space.cross_cell)
-_collide = by_dimension(in_plane.collide, in_space.collide)
-_end_bounces = by_dimension(in_plane.end_bounces, in_space.end_bounces)
 
 
 @inlined
@@ -48,28 +39,28 @@ def integrate_among(
     active = launched = min(lanes.size, start.n)
     for a in range(active):
         begin_windows(lanes[a], start, windows, a)
-        _begin(lanes[a], cells)
+        steps.begin(lanes[a], cells)
     while active:
         for a in range(active):
             lane = lanes[a]
-            if _lacks_cell(lane, keys):
-                _make_cell(lane, keys, cells)
-            _next_contact(lane, slots, head, links, nodes)
+            if steps.lacks_cell(lane, keys):
+                steps.make_cell(lane, keys, cells)
+            steps.next_contact(lane, slots, head, links, nodes)
         a = 0
         while a < active:
             lane = lanes[a]
-            wall = _next_wall(lane)
+            wall = steps.next_wall(lane)
             if lane.contact > wall and wall <= limit:
-                _cross_cell(lane, keys, n)
+                steps.cross_cell(lane, keys, n)
                 a += 1
                 continue
             path = limit if lane.contact > wall else max(lane.contact, 0.0)
             ended, trapped = add_flight(lane, path, windows), False
             if not ended:
-                ratio, trapped = _collide(lane, path, side, law)
+                ratio, trapped = steps.collide(lane, path, side, law)
                 lane.slowness /= ratio
                 if path < SHORT and not trapped:
-                    ratio, trapped = _end_bounces(lane, path, cells, law)
+                    ratio, trapped = steps.end_bounces(lane, path, cells, law)
                     lane.slowness /= ratio
             if not (ended or trapped):
                 a += 1
@@ -77,7 +68,7 @@ def integrate_among(
             _end(lane, trapped, windows)
             if launched < start.n:
                 begin_windows(lane, start, windows, launched)
-                _begin(lane, cells)
+                steps.begin(lane, cells)
                 launched += 1
                 a += 1
             else:
