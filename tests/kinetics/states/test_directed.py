@@ -1,4 +1,4 @@
-"""Directed states against the moment hierarchy in many digits, quadrature and a small Monte Carlo."""
+"""Directed states against the moment hierarchy in many digits, an integral, a small Monte Carlo."""
 
 import itertools
 from typing import Any
