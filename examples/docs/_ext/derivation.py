@@ -1,0 +1,57 @@
+"""The directive ``derivation``: a result and how it is derived, from `derivations` itself.
+
+```{derivation} beyond:cooling-rate beyond:a2
+```
+
+Nothing is typed again: title, formula, steps and verdict are those of ``lorentz derive``. A result
+whose verdict is not "verified" is an error.
+"""
+
+from functools import cache
+from html import escape
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+
+
+@cache
+def _html(label: str) -> str:
+    from derivations import Status, verify
+    from derivations.typesetting import mathml
+
+    (check,) = verify([label])
+    if check.status is not Status.VERIFIED:
+        raise ValueError(f"{label}: {check.status}, not verified")
+    steps = "".join(
+        f"<li>{escape(step.text)}{_shown(mathml(step.formula))}</li>" for step in check.steps
+    )
+    numbers = "".join(f"<li>{escape(n.name)} = {n.value:.7g}</li>" for n in check.numbers)
+    note = f"<p>{escape(check.note)}</p>" if check.note else ""
+    return (
+        f'<div class="derivation"><p class="title">{escape(check.title)}</p>'
+        f"{_shown(check.derived_mathml)}"
+        f"<details><summary>Derivation <code>{escape(label)}</code></summary>"
+        f"<ol>{steps}</ol>{f'<ul>{numbers}</ul>' if numbers else ''}{note}</details></div>"
+    )
+
+
+def _shown(formula: str) -> str:
+    return f'<div class="formula">{formula}</div>' if formula else ""
+
+
+class Derivation(Directive):
+    """One or more labels of `derivations`, each with its formula and its steps."""
+
+    required_arguments = 1
+    final_argument_whitespace = True
+
+    def run(self) -> list[nodes.Node]:
+        """Called by docutils."""
+        labels = self.arguments[0].split()
+        return [nodes.raw("", _html(label), format="html") for label in labels]
+
+
+def setup(app) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.add_directive("derivation", Derivation)
+    return {"parallel_read_safe": True}
