@@ -2,9 +2,9 @@
 
 python -m sphinx -W examples/docs build/docs
 
-Before the pages are read, every Python block of every page runs, and what it prints is held against
-the block of text that follows it (`_ext/cells.py`); the figures that the blocks save are the figures
-of the pages. Nothing is loaded from the network when the pages are read.
+Before the pages are read, every Python block of every page runs, and what it prints is compared
+with the block of text that follows it (`_ext/cells.py`); the figures that the blocks save are the
+figures of the pages. Nothing is loaded from the network when the pages are read.
 """
 
 import sys
@@ -37,4 +37,7 @@ html_copy_source = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 add_module_names = False
+autodoc_type_aliases = {"ArrayLike": "ArrayLike", "FloatArray": "FloatArray"}
 default_role = "code"
+smartquotes_action = "qe"  # not the dashes: --option is one
+toc_object_entries_show_parents = "hide"

@@ -1,9 +1,9 @@
 """Runs the Python blocks of a page, and holds what they print against what the page says.
 
-A block that opens with ```python runs; the blocks of one page run one after another, as one script.
-Where a block ```text follows at once, it must hold exactly what the Python block prints; a Python
-block without one must print nothing. Used when the pages are built, and by the tests, which also run
-the README this way.
+The blocks of one page that open with ```python run one after another, as one script. Where a block
+```text follows at once, it must hold exactly what the Python block prints; a Python block without
+one must print nothing. Used when the pages are built, and by the tests, which also run the README
+this way.
 """
 
 import contextlib

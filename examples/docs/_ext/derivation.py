@@ -9,34 +9,42 @@ whose verdict is not "verified" is an error.
 
 from functools import cache
 from html import escape
+from typing import Any
 
 from docutils import nodes
 from docutils.parsers.rst import Directive
+
+_BLOCK = '<math display="block"'
 
 
 @cache
 def _html(label: str) -> str:
     from derivations import Status, verify
-    from derivations.typesetting import mathml
 
     (check,) = verify([label])
     if check.status is not Status.VERIFIED:
         raise ValueError(f"{label}: {check.status}, not verified")
-    steps = "".join(
-        f"<li>{escape(step.text)}{_shown(mathml(step.formula))}</li>" for step in check.steps
-    )
+    steps = "".join(f"<li>{escape(step.text)}{_shown(step.formula)}</li>" for step in check.steps)
     numbers = "".join(f"<li>{escape(n.name)} = {n.value:.7g}</li>" for n in check.numbers)
     note = f"<p>{escape(check.note)}</p>" if check.note else ""
     return (
         f'<div class="derivation"><p class="title">{escape(check.title)}</p>'
-        f"{_shown(check.derived_mathml)}"
+        f"{_shown(check.printed)}"
         f"<details><summary>Derivation <code>{escape(label)}</code></summary>"
         f"<ol>{steps}</ol>{f'<ul>{numbers}</ul>' if numbers else ''}{note}</details></div>"
     )
 
 
-def _shown(formula: str) -> str:
-    return f'<div class="formula">{formula}</div>' if formula else ""
+def _shown(formula: Any) -> str:
+    """A formula; the members of a Tuple on lines of their own."""
+    from derivations.typesetting import mathml
+
+    parts = (
+        () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
+    )
+    return "".join(
+        f'<div class="formula">{mathml(part).replace("<math", _BLOCK, 1)}</div>' for part in parts
+    )
 
 
 class Derivation(Directive):

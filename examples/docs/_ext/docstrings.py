@@ -7,7 +7,7 @@ reStructuredText reads as markup, as in <v^2> or |v|, are escaped.
 import re
 
 _CODE = re.compile(r"(``.+?``|:\w+:`[^`]+`|`[^`]+`)")
-_ITEM = re.compile(r"^([\w*][\w*.]*(?:, [\w*]+)*) ?: (.*)$")
+_ITEM = re.compile(r"^([\w*][\w*.]*(?:, [\w*]+)*(?: \([^)]*\))?) ?: (.*)$")
 _LISTS = ("Parameters", "Attributes", "Returns", "Raises")
 
 
@@ -38,7 +38,7 @@ def _paragraph(lines: list[str]) -> list[str]:
         return lines
     if len(lines) > 1 and set(lines[1].strip()) == {"-"}:
         return [f"**{head}**", "", *(_items(lines[2:]) if head in _LISTS else lines[2:])]
-    if _ITEM.match(lines[0]) and (len(lines) > 1 or lines[0].split(":")[0].islower()):
+    if all(line.startswith(" ") or _ITEM.match(line) for line in lines) and len(lines) > 1:
         return _items(lines)
     return [_escaped(line.strip()) for line in lines]
 
