@@ -33,6 +33,7 @@ html_static_path = ["_static"]
 html_css_files = ["pages.css"]
 html_math_renderer = "mathml"
 html_show_sourcelink = False
+html_show_copyright = False
 html_copy_source = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

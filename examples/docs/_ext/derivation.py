@@ -42,9 +42,8 @@ def _shown(formula: Any) -> str:
     parts = (
         () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
     )
-    return "".join(
-        f'<div class="formula">{mathml(part).replace("<math", _BLOCK, 1)}</div>' for part in parts
-    )
+    elements = (mathml(part, "rev-lex").replace("<math", _BLOCK, 1) for part in parts)
+    return "".join(f'<div class="formula">{element}</div>' for element in elements)
 
 
 class Derivation(Directive):

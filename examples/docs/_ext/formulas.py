@@ -3,17 +3,25 @@
 The LaTeX of the pages is translated by docutils; a formula that it cannot translate is an error.
 """
 
+import re
+
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
+_FUNCTION = re.compile(r"\\(ln|cos|sin|exp)(?= |\\[a-z])")  # before a letter: ln n
+
+
+def _mathml(node, **options) -> str:
+    return tex2mathml(_FUNCTION.sub(r"\\\1\\,", node.astext()), **options)
+
 
 def _inline(translator, node) -> None:
-    translator.body.append(tex2mathml(node.astext()))
+    translator.body.append(_mathml(node))
     raise nodes.SkipNode
 
 
 def _block(translator, node) -> None:
-    translator.body.append(f'<div class="formula">{tex2mathml(node.astext(), as_block=True)}</div>')
+    translator.body.append(f'<div class="formula">{_mathml(node, as_block=True)}</div>')
     raise nodes.SkipNode
 
 
