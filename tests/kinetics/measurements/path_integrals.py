@@ -102,10 +102,15 @@ def _add(
 
 @njit(cache=True)
 def _paths(
-    seed: int, paths: int, e: float, n: float, kinds: Array, ends: Array, length: float
+    random: np.random.Generator,
+    paths: int,
+    e: float,
+    n: float,
+    kinds: Array,
+    ends: Array,
+    length: float,
 ) -> tuple[Array, float, int]:
     """Sums of the changes, length of all starts (both in l) and collisions of so many paths."""
-    np.random.seed(seed)
     free = 0.5 / n
     places, flights = np.empty((_MOST + 1, 2)), np.empty((_MOST + 1, 3))
     disks = np.empty((_MOST, 2))
@@ -129,10 +134,10 @@ def _paths(
                         flight, met = along - math.sqrt(room), j
             far = 0.0
             while True:
-                far -= free * math.log(1.0 - np.random.random())
+                far -= free * math.log(1.0 - random.random())
                 if far >= min(flight, free * (length - x)):
                     break
-                side = 2.0 * np.random.random() - 1.0
+                side = 2.0 * random.random() - 1.0
                 ahead = far + math.sqrt(1.0 - side * side)
                 cx, cy = px + ahead * ux - side * uy, py + ahead * uy + side * ux
                 if not _is_known(cx, cy, places, last):
@@ -169,7 +174,7 @@ def _paths(
     return sums, starts, collisions
 
 
-def measured(e: float, n: float, seconds: float, seed: int) -> tuple[Array, Array, int]:
+def measured(e: float, n: float, seconds: float, seed: int = 1) -> tuple[Array, Array, int]:
     """(J - 1/lambda)/n for every pair, with standard errors, and the number of collisions."""
     pairs = pairs_at(e)
     rates = np.array([1.0 - kept(e, m, p) for m, p in pairs])
@@ -177,16 +182,18 @@ def measured(e: float, n: float, seconds: float, seed: int) -> tuple[Array, Arra
     kinds = np.column_stack([np.array(pairs, dtype=float), windows])
     ends = np.array([SETTLING, SETTLING + STARTS])
     length = ends[1] + windows.max()
-    found, collisions, begun = [], 0, time.process_time()
+    random = np.random.default_rng([seed, round(1e6 * n)])
+    found: list[list[float]] = []
+    collisions, begun = 0, time.process_time()
     while len(found) < _BATCHES or time.process_time() - begun < seconds:
-        sums, starts, more = _paths(seed + len(found), 25, e, n, kinds, ends, length)
+        sums, starts, more = _paths(random, 25, e, n, kinds, ends, length)
         found.append([*(sums / rates / n), starts])
         collisions += more
     table = np.array(found)
-    sums, starts = table[:, :-1], table[:, -1]
-    value = sums.sum(axis=0) / starts.sum()
-    apart = sums - value * starts[:, None]
-    error = np.sqrt((apart**2).sum(axis=0)) / starts.sum()
+    weight = table[:, -1] / np.sum(table[:, -1])
+    parts = table[:, :-1] / table[:, -1:]
+    value = weight @ parts
+    error = np.sqrt((weight**2) @ (parts - value) ** 2)
     return value, error, collisions
 
 
@@ -222,13 +229,12 @@ def main(minutes: float) -> None:
     """Prints (J - 1/lambda)/n, and the fits against the theory."""
     each = 60.0 * minutes / len(RESTITUTIONS)
     for e in RESTITUTIONS:
-        runs = [
-            measured(e, n, share * each, 10**6 * k)
-            for k, (n, share) in enumerate(zip(DENSITIES, SHARES, strict=True))
-        ]
-        print(f"e = {e:g}: collisions", *(f"{run[2]:.2g}" for run in runs), flush=True)
+        pairs = zip(DENSITIES, SHARES, strict=True)
+        runs = [measured(e, n, share * each) for n, share in pairs]
+        values, sigmas, collisions = zip(*runs, strict=True)
+        print(f"e = {e:g}: collisions", *(f"{count:.2g}" for count in collisions), flush=True)
         for k, (m, p) in enumerate(pairs_at(e)):
-            value, error = (np.array([run[j][k] for run in runs]) for j in (0, 1))
+            value, error = (np.array([x[k] for x in of]) for of in (values, sigmas))
             a, b, b_error = predicted(e, m, p)
             print(
                 f"  ({m}, {p})", *(f"{v:8.3f}({s:.3f})" for v, s in zip(value, error, strict=True))
@@ -239,10 +245,10 @@ def main(minutes: float) -> None:
                 best, errors, chi_square = fitted(value, error, held)
                 at = 1 if what.endswith("free") else 0
                 own = b_error if at or what == "constant" else 0.0
-                sigmas = (best[at] - theory) / math.hypot(errors[at], own)
+                off = (best[at] - theory) / math.hypot(errors[at], own)
                 print(
                     f"    {what}: {best[at]:.3f}({errors[at]:.3f}), theory {theory:.3f}({own:.3f}),"
-                    f" {sigmas:+.1f} sigma; second order {best[-1]:.2f}({errors[-1]:.2f}),"
+                    f" {off:+.1f} sigma; second order {best[-1]:.2f}({errors[-1]:.2f}),"
                     f" chi-square {chi_square:.1f}",
                     flush=True,
                 )
