@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kinetics import Solution
 
 DILUTE, PATH = "dilute equation", "path of the medium"
-LEADING, FIRST, FITTED = "leading order", "first order", "with fitted second order"
+LEADING, FIRST, FITTED = "leading order", "first order", "fitted second order"
 LEVELS = (DILUTE, PATH, LEADING, FIRST, FITTED)
 """The levels, each with what the one before it has; the last has a number fitted to simulations."""
 ORDER_OF = {LEADING: "leading", FIRST: "first", FITTED: "second"}

@@ -61,9 +61,14 @@ def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> R
 
     own, count = settings.number_density, min(settings.count, LARGEST_BOX)
     sparse = [Poisson(n, count) for n in scan.densities.tolist()]
-    overlapping = [_ratio(medium, case, _SEED + k, settings) for k, medium in enumerate(sparse)]
+    overlapping = [
+        _ratio(medium, 3 * settings.tracers, case, _SEED + k, settings)
+        for k, medium in enumerate(sparse)
+    ]
+    # No scatterers are placed for these: more tracers cost little.
+    tracers = max(1, settings.free_tracers // (2 * settings.media))
     forgetful = [
-        _ratio(ForgetfulPoisson(own, k), case, _SEED + 100 + k, settings) for k in MEMORIES
+        _ratio(ForgetfulPoisson(own, k), tracers, case, _SEED + 100 + k, settings) for k in MEMORIES
     ]
     grid = np.linspace(0.0, float(scan.densities[-1]), CURVE_POINTS + 1)[1:]
     curves = {
@@ -90,14 +95,16 @@ def _joined(points: list[Measured]) -> Measured:
     return Measured(np.array([p.value for p in points]), np.array([p.error for p in points]))
 
 
-def _ratio(medium: "Medium", case: Case, seed: int, settings: ReportSettings) -> Measured:
-    """<r^2> of tracers in the medium over the dilute equation, at the last time of the case."""
+def _ratio(
+    medium: "Medium", tracers: int, case: Case, seed: int, settings: ReportSettings
+) -> Measured:
+    """<r^2> over the dilute equation, at the last time of the case; tracers in each medium."""
     from particles import simulate
 
     stretch = settings.number_density / medium.number_density
     run = simulate(
         medium, restitution=case.restitution, times=case.times[-1:] * stretch,
-        media=settings.media, tracers=settings.tracers, seed=settings.seed + seed,
+        media=settings.media, tracers=tracers, seed=settings.seed + seed,
         workers=settings.workers,
     )  # fmt: skip
     dilute = float(case.kinetic.msd[-1]) * stretch**2
@@ -121,11 +128,11 @@ def figures(scan: ReturnScan) -> dict[str, Data]:
     lines = []
     for medium, levels in scan.curves.items():
         for level, ratio in levels.items():
-            lines.append(series(level, scan.grid, ratio, group=SHORT[medium]))
+            x, y = np.append(0.0, scan.grid), np.append(1.0, ratio)
+            lines.append(series(level, x, y, group=SHORT[medium]))
         points = scan.points[medium]
         at, group = scan.densities, SHORT[medium]
         lines.append(series("particles", at, points.value, points.error, group=group))
-    y = axis(r"$\langle r^2\rangle$ / dilute equation")
     known = scan.remembered
     ends, everything = scan.memories[[0, -1]], float(scan.all_remembered.value)
     error = float(scan.all_remembered.error)
@@ -137,11 +144,12 @@ def figures(scan: ReturnScan) -> dict[str, Data]:
         series("all remembered", beyond, everything, error),
     ]
     return {
-        "finite-density": _figure("finite_density", axis(r"$\rho_0 d^2$"), y, lines, scan),
-        "memory": _figure("memory", axis("collisions remembered"), y, memory, scan),
+        "finite-density": _figure("finite_density", axis(r"$\rho_0 d^2$"), lines, scan),
+        "memory": _figure("memory", axis("collisions remembered"), memory, scan),
     }
 
 
-def _figure(block: str, x: Data, y: Data, lines: list[Data], scan: ReturnScan) -> Data:
+def _figure(block: str, x: Data, lines: list[Data], scan: ReturnScan) -> Data:
     title, description = paragraphs("density.txt.j2", block, scan=scan)
+    y = axis(r"$\langle r^2\rangle$ / dilute equation")
     return {"title": title, "description": description, "x": x, "y": y, "series": lines}

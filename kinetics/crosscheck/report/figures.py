@@ -57,7 +57,7 @@ STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("dilute equation", "path of the medium"), _THIN),
     "leading order": _DASHED,
     "first order": _DOTTED,
-    "with fitted second order": _SOLID,
+    "fitted second order": _SOLID,
     "particles": _DOT,
     "all remembered": _SQUARE,
     "limit": {"marker": "D", "markersize": 4.2, **_BARS},
