@@ -1,12 +1,13 @@
 """The part of a report on the finite density of the scatterers: its table, text and figures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from kinetics.collision.medium import HIGHEST_DENSITY, SETTLED
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.density_levels import (
+    DILUTE,
     FIRST,
     FITTED,
     LEADING,
@@ -19,7 +20,6 @@ from kinetics.crosscheck.report.density_scan import ReturnScan, figures, gather_
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import plain
-from kinetics.sonine import FITTED_COOLING_FACTOR
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def add_density_part(
 
 
 def _text(part: DensityPart, cases: Sequence[Case]) -> list[str]:
-    """What the numbers explain, a paragraph for each restitution and one for the paper's h."""
+    """What the numbers explain, a paragraph for each restitution, and what they do not."""
     by_case = {
         case.restitution: {
             row.observable: row for row in part.predictions if row.restitution == case.restitution
@@ -73,25 +73,8 @@ def _text(part: DensityPart, cases: Sequence[Case]) -> list[str]:
     ]  # fmt: skip
     return paragraphs(
         "density.txt.j2", "explanation", by_case=by_case, early=early, settled=SETTLED,
-        cooling=[_cooling(case, by_case[case.restitution]) for case in cases if case.exact],
-        path=PATH, leading=LEADING, first=FIRST, fitted=FITTED, paper=FITTED_COOLING_FACTOR,
-        percent=_percent,
+        dilute=DILUTE, path=PATH, leading=LEADING, first=FIRST, fitted=FITTED, percent=_percent,
     )  # fmt: skip
-
-
-def _cooling(case: Case, rows: Mapping[str, Prediction]) -> dict[str, Any]:
-    """h/(1 - e): the exact limit, at the times of the particles, at the density, and measured."""
-    row, inelasticity = rows["cooling_rate"], 1.0 - case.restitution
-    dilute = row.theory[LEVELS[0]]
-    exact = case.scaling_state[0].cooling_rate
-    return {
-        "restitution": case.restitution,
-        "exact": exact / inelasticity,
-        "start": dilute / exact - 1.0,
-        "density": row.theory[FITTED] / dilute - 1.0,
-        "predicted": row.theory[FITTED] / inelasticity,
-        "measured": row.disks / inelasticity,
-    }
 
 
 def _percent(value: Any, error: Any = None) -> str:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 MEMORIES = (0, 1, 2, 3, 5, 10)
 """Collisions that the tracers of the second figure remember."""
+EVERYTHING = 1000
+"""More collisions than a tracer makes."""
 CURVE_POINTS = 12
 SHORT = {"hard disks": "hard", "overlapping": "overlapping"}
 """The media as the legend says them, which has the points of hard disks under their full name."""
@@ -39,7 +41,8 @@ class ReturnScan:
 
     points: by medium, at `densities` (n_densities,) in d^-2. curves: by medium and level, at
     `grid`. remembered: tracers among overlapping disks of the report's density that remember
-    MEMORIES collisions; all_remembered: that remember all; expected: the theory of these.
+    MEMORIES collisions, (n_memories,); all_remembered: that remember all, shape (); expected: the
+    theory of these.
     """
 
     restitution: float
@@ -65,10 +68,12 @@ def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> R
         _ratio(medium, 3 * settings.tracers, case, _SEED + k, settings)
         for k, medium in enumerate(sparse)
     ]
-    # No scatterers are placed for these: more tracers cost little.
-    tracers = max(1, settings.free_tracers // (2 * settings.media))
+    # No scatterers are placed for these: more tracers cost little. With one seed for all, tracers
+    # of different memories go the same way until the memory matters.
+    tracers = max(1, settings.free_tracers // (4 * settings.media))
     forgetful = [
-        _ratio(ForgetfulPoisson(own, k), tracers, case, _SEED + 100 + k, settings) for k in MEMORIES
+        _ratio(ForgetfulPoisson(own, k), tracers, case, _SEED + 100, settings)
+        for k in (*MEMORIES, EVERYTHING)
     ]
     grid = np.linspace(0.0, float(scan.densities[-1]), CURVE_POINTS + 1)[1:]
     curves = {
@@ -85,8 +90,8 @@ def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> R
         grid=grid,
         curves=curves,
         memories=np.array(MEMORIES),
-        remembered=_joined(forgetful),
-        all_remembered=overlapping[int(np.argmin(abs(scan.densities - own)))],
+        remembered=_joined(forgetful[:-1]),
+        all_remembered=forgetful[-1],
         expected=float(at_own[0]),
     )
 
