@@ -16,10 +16,9 @@ follow, the tracer comes to rest. If -g is between the two normals, it is trappe
 v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide along, or falls.
 """
 
-from math import acos, asin, atan2, copysign, cos, pi, sin, sqrt
+from math import acos, asin, atan2, copysign, cos, pi, sqrt
 from typing import Any
 
-import numpy as np
 from numba import njit
 
 from particles.compiled.search import SLOTS
