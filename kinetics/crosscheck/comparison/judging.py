@@ -28,6 +28,7 @@ from kinetics.crosscheck.comparison.statistics import (
     gaussian_sigmas,
     hotelling,
     most_freedom,
+    of_the_worst,
 )
 from kinetics.crosscheck.comparison.theory import SampledStart, system_of
 from kinetics.crosscheck.comparison.units import wrong_speeds, wrong_unit
@@ -87,8 +88,13 @@ def compare(
         raise InputError(
             f"solution: is of dimension {law.dimension}, the data of {sample.law.dimension}"
         )
-    sample = replace(sample, law=law)
-    both = side_by_side(solution, sample, found, densities)
+    both = side_by_side(solution, replace(sample, law=law), found, densities)
+    return judged(both, explain, found)
+
+
+def judged(both: DataAndTheory, explain: bool, found: Fit | None) -> Comparison:
+    """The rows, tests, verdict and explanations of data and theory side by side."""
+    sample, solution = both.sample, both.solution
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
     unit = wrong_unit(sample) or wrong_speeds(sample, solution.scene.initial)
@@ -104,8 +110,8 @@ def compare(
         explanations=explanations,
         parameters=_parameters(solution.scene, found, unit),
         initial=start_in_words(solution.scene.initial),
-        samples=int(sample.samples.max()),
-        groups=sample.groups,
+        samples=0 if sample.tabulated else int(sample.samples.max()),
+        groups=0 if sample.tabulated else sample.groups,
         grouping=sample.grouping,
         warnings=sample.warnings,
         names=sample.names,
@@ -246,11 +252,14 @@ def _over_times(both: DataAndTheory, i: int) -> ChiSquare | None:
     """The chi-square of one average.
 
     Where there are more times than the groups allow degrees of freedom, the differences in standard
-    errors of neighbouring times are added up.
+    errors of neighbouring times are added up. Of a table of averages it is that of the time that
+    differs most: how its errors are correlated is not known.
     """
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
+    if both.sample.tabulated:
+        return of_the_worst(both.difference[i, times] / both.error[i, times])
     most = most_freedom(both.sample.groups)
     difference = both.difference[i, times] / both.error[i, times]
     replicates = both.replicates[:, i, times] / both.error[i, times]
@@ -313,7 +322,8 @@ def _summary(
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     odd_rows = [row for row in rows if row.sigmas is not None and row.verdict is not Verdict.AGREES]
     return said(
-        "summary", samples=int(both.sample.samples.max()), times=both.sample.times,
+        "summary", tabulated=both.sample.tabulated, samples=int(both.sample.samples.max()),
+        times=both.sample.times,
         scene=both.solution.scene, start=start_in_words(both.solution.scene.initial),
         verdict=verdict, tests=len(tests), odd=odd, best=best, shorts=SHORT,
         least=min(odd, key=lambda test: test.p_value, default=None),

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Rows, shown
+from kinetics.crosscheck.comparison.data.columns import shown
+from kinetics.crosscheck.comparison.data.frames import rows_of
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import R4, Binned, Law, Sample
 from kinetics.errors import InputError
@@ -56,7 +57,7 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     free = isinstance(ensemble.medium, BoltzmannGrad)
     stored = ensemble.arrays
     law = Law(ensemble.tangential_restitution, ensemble.medium.dimension)
-    if "raw/velocities" in stored and "raw/positions" in stored and law.dimension == 2:
+    if "raw/velocities" in stored and "raw/positions" in stored:
         found = _from_tracers(ensemble, name, "tracer" if free else "medium")
     else:
         found = _from_sums(ensemble, name, times, free)
@@ -78,9 +79,8 @@ def _from_tracers(ensemble: "Ensemble", name: str, grouping: str) -> Sample:
     positions, velocities = ensemble.positions, ensemble.velocities
     for k, time in enumerate(ensemble.times):
         there = np.isfinite(velocities[k, :, 0])
-        (x, y), (vx, vy) = positions[k, there].T, velocities[k, there].T
-        mine, at = label[there], np.full(int(there.sum()), float(time))
-        reduction.add(Rows(at, x, y, vx, vy, mine, mine // ensemble.tracers))
+        rows = rows_of(name, float(time), positions[k, there], velocities[k, there], label[there])
+        reduction.add(replace(rows, medium=label[there] // ensemble.tracers))
     return reduction.sample((name,))
 
 
