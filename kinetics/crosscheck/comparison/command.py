@@ -39,7 +39,7 @@ FORMATS = ("pdf", "png", "svg")
     "own, or fitted]",
 )  # fmt: skip
 @click.option(
-    "--dimension", type=click.Choice([2, 3]), default=None,
+    "--dimension", type=click.IntRange(2, 3), default=None,
     help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, or "
     "2]",
 )  # fmt: skip

@@ -1,5 +1,6 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -84,10 +85,10 @@ def compare(
 
         sample = from_ensemble(ensemble)
     law = system_of(solution).law
-    if law.dimension != sample.law.dimension:
-        raise InputError(
-            f"solution: is of dimension {law.dimension}, the data of {sample.law.dimension}"
-        )
+    for name in ("dimension", "field"):
+        ours, theirs = getattr(law, name), getattr(sample.law, name)
+        if not math.isclose(ours, theirs, rel_tol=1e-9):
+            raise InputError(f"solution: is of {name} {ours}, the data of {theirs}")
     both = side_by_side(solution, replace(sample, law=law), found, densities)
     return judged(both, explain, found)
 
@@ -166,6 +167,8 @@ def _explained(
 
     if unit is not None:
         return (unit,), figures_of(both)
+    if both.sample.law.field:
+        return (Explanation("field", "noted", said("in_field"), False),), figures_of(both)
     differs = verdict in (Verdict.DIFFERS, Verdict.UNCLEAR)
     tested = tested_hypotheses(both) if differs else []
     explanations = [one.explanation for one in tested] + list(notes_of(both))
@@ -290,10 +293,12 @@ def _verdict_of_times(both: DataAndTheory, i: int) -> Verdict:
 def _within(both: DataAndTheory, i: int) -> float:
     """The relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
 
-    Of 1 + a2 for a2, which may be zero.
+    Of 1 + a2 for a2, which may be zero, and in a field of the largest value of all times.
     """
     usable = both.usable[i]
     size = np.abs(both.theory[i] + (1.0 if both.names[i] == "a2" else 0.0))[usable]
+    if both.sample.law.field:
+        size = np.full(size.size, size.max())
     return float(np.max((np.abs(both.difference[i]) + 2 * both.error[i])[usable] / size))
 
 
@@ -332,7 +337,10 @@ def _summary(
     )  # fmt: skip
 
 
-SHORT = {"thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²"}
+SHORT = {"thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²"} | {
+    "drift": "⟨v_x⟩", "mean_displacement": "⟨x⟩", "dispersion_parallel": "var x",
+    "dispersion_perpendicular": "var y",
+}  # fmt: skip
 """The averages as the summary names them."""
 
 
@@ -340,7 +348,11 @@ def start_in_words(initial: Any) -> str:
     """The start of a scene as the middle of a sentence."""
     if isinstance(initial, SampledStart):
         return "the data's own speeds at time 0"
-    named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+    named = {
+        "rest": "rest",
+        "gaussian": "a Gaussian start",
+        "monoenergetic": "a start with all speeds U",
+    }
     if isinstance(initial, str) and initial in named:
         return named[initial]
     return f"the start {short(initial)}"

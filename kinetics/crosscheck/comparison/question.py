@@ -31,12 +31,13 @@ from kinetics.crosscheck.comparison.theory import (
     DENSITY_RTOL,
     DISPLACEMENT,
     DISPLACEMENT_RTOL,
-    RTOL,
     SPEED,
     Expectation,
     SampledStart,
     System,
+    names_for,
     solved,
+    solved_averages,
 )
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STARTS = ("auto", "gaussian", "monoenergetic", "data")
+STARTS = ("auto", "gaussian", "monoenergetic", "data", "rest")
 COLLISIONS_BEFORE = 3.0
 """Time in l/U from which on the density of the displacement is compared. Before, sharp fronts take
 the solver long, and the displacement says no more than the speeds: few tracers have collided."""
@@ -203,13 +204,15 @@ def compare_sample(
         path = sample.law.free_path(check_positive("number_density", number_density))
     start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
     found = None
+    if sample.law.field and (restitution is None or path is None or sample.tabulated):
+        raise InputError("field: restitution and number_density must be given, nothing is fitted")
     if restitution is None or path is None:
         found = fitted_to(sample, restitution, path, start)
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
     system = System(restitution, path, start, sample.law)
-    solution = solved(system, sample.times, AVERAGES, RTOL)
+    solution = solved_averages(system, sample.times, names_for(sample.law))
     rows = sample.law.smooth_disks and not sample.tabulated
     densities = _densities(system, sample) if rows else {}
     return compare(solution, sample, explain, densities, found)
@@ -233,13 +236,18 @@ def _densities(system: System, sample: Sample) -> "dict[str, Solution]":
 
 
 def _start(sample: Sample, initial: str) -> Any:
-    if one_of("initial", initial, STARTS) in ("gaussian", "monoenergetic"):
+    field = sample.law.field
+    if one_of("initial", initial, STARTS) == "rest" and not field:
+        refuse("initial", initial, "without a field nothing would move")
+    if initial in ("gaussian", "monoenergetic", "rest"):
         return initial
     if sample.start is None:
         if initial == "data":
             raise InputError("initial: 'data' needs velocities at time 0, and there are none")
         return "gaussian"
     squares = sample.start.squares
+    if squares.size == 0 and field:
+        return "rest"
     if squares.size == 0:
         raise InputError("data: every speed at time 0 is zero; nothing will move")
     if initial == "auto":
@@ -247,6 +255,11 @@ def _start(sample: Sample, initial: str) -> Any:
             return "monoenergetic"
         if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
             return "gaussian"
+    if field:
+        raise InputError(
+            "initial: in a field it must be rest, gaussian or monoenergetic; the speeds at time 0 "
+            "are none of these"
+        )
     return SampledStart(sample.start)
 
 

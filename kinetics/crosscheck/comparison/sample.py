@@ -172,6 +172,7 @@ class Sample:
         return replace(
             self,
             told=told,
+            law=replace(self.law, field=self.law.field * length / speed**2),
             flights=flights,
             times=self.times * factor,
             speed_scale=self.speed_scale / speed,

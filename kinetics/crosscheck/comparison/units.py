@@ -53,6 +53,8 @@ def straight_flights(time: Array | float, distance: Array, speed: Array) -> Flig
 
 def wrong_unit(sample: Sample) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known."""
+    if sample.law.field:
+        return None
     if sample.tabulated:
         return _wrong_unit_of_averages(sample)
     flights = sample.flights
@@ -105,7 +107,7 @@ def wrong_speeds(sample: Sample, start: Any) -> Explanation | None:
     Speeds never rise, so that larger ones than at the start cannot be. Smaller ones cannot be while
     most tracers have not collided. A factor of two is asked for: less may be another start.
     """
-    if not isinstance(start, str):
+    if not isinstance(start, str) or sample.law.field:
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)

@@ -225,6 +225,7 @@ FORMATS = {
     ".lammpstrj": "lammps_files",
     ".xyz": "xyz_files",
     ".extxyz": "xyz_files",
+    ".gsd": "gsd_files",
 }
 """The formats that can be read: the ending of a file's name, and the module beside this one.
 
