@@ -322,7 +322,14 @@ class Ensemble(FieldEstimates, Value):
         from particles.checks import check_path
         from particles.storage.h5md import write
 
-        write(check_path("path", path), self)
+        if missing := {"positions", "velocities"} - {*self.outputs}:
+            name = min(missing)
+            raise ValueError(
+                f"H5MD needs positions and velocities, and {name} were not asked for: "
+                f"simulate(observables=[{name!r}, ...])"
+            )
+        positions = self.positions / self._unit
+        write(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":

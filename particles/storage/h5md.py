@@ -8,41 +8,35 @@ what the specification knows, `medium` (n,) is the configuration of each tracer.
 
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
-from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
+from particles.configuration import Plan
 from particles.storage.whole_files import write_whole
 
-if TYPE_CHECKING:
-    from particles.ensemble import Ensemble
-
-NEEDED = ("positions", "velocities")
-"""The observables that a run must have for such a file."""
 AUTHOR = "unknown"
 
 
-def write(path: str, run: "Ensemble") -> None:
-    """Write a run, replacing the file if it exists. Raises ValueError where that cannot be done."""
-    for name in NEEDED:
-        if name not in run.outputs:
-            raise ValueError(
-                f"{path}: H5MD needs positions and velocities; this run has no {name}: "
-                f"simulate(observables=[{name!r}, ...])"
-            )
+def write(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndarray) -> None:
+    """Write a run, replacing the file if it exists. Raises ValueError where that cannot be done.
+
+    positions in d, velocities in U, (n_times, n, dimension); NaN where a tracer has ended.
+    """
     buffer = BytesIO()
     with h5py.File(buffer, "w") as file:
         _write_head(file)
         particles = file.create_group("particles/tracers")
-        _write_box(particles, run.medium.dimension)
-        _write_elements(particles, run)
+        box = particles.create_group("box")
+        box.attrs["dimension"] = plan.medium.dimension
+        box.attrs["boundary"] = np.array([b"none"] * plan.medium.dimension)
+        _write_elements(particles, plan, {"position": positions, "velocity": velocities})
         parameters = file.create_group("parameters")
-        unit = run.medium.diameter
+        unit = plan.medium.diameter
         for name in ("restitution", "tangential_restitution"):
-            parameters[name] = getattr(run, name)
-        parameters["number_density"] = run.number_density * unit**run.medium.dimension
-        parameters["field"] = run.field * unit
+            parameters[name] = getattr(plan, name)
+        parameters["number_density"] = plan.medium.number_density * unit**plan.medium.dimension
+        parameters["field"] = plan.field * unit
     write_whole(path, buffer.getbuffer())
 
 
@@ -60,28 +54,19 @@ def _write_head(file: h5py.File) -> None:
     units.attrs["version"] = np.array([1, 0], np.int32)
 
 
-def _write_box(particles: h5py.Group, dimension: int) -> None:
-    box = particles.create_group("box")
-    box.attrs["dimension"] = dimension
-    box.attrs["boundary"] = np.array([b"none"] * dimension)
-
-
-def _write_elements(particles: h5py.Group, run: "Ensemble") -> None:
-    """Positions and velocities (n_times, n, dimension), which share their steps and times."""
-    count = run.media * run.tracers
+def _write_elements(particles: h5py.Group, plan: Plan, elements: dict[str, np.ndarray]) -> None:
+    """Positions and velocities, which share their steps and times, and the labels of tracers."""
+    count = plan.media * plan.tracers
     step = time = None
-    length = run.medium.diameter
-    for name, values, unit in (
-        ("position", run.positions / length, "d"),
-        ("velocity", run.velocities, "U"),
-    ):
+    for name, values in elements.items():
         element = particles.create_group(name)
+        unit = "d" if name == "position" else "U"
         element.create_dataset("value", data=values).attrs["unit"] = unit
         if step is None:
-            step = element.create_dataset("step", data=np.arange(run.times.size))
-            time = element.create_dataset("time", data=run.times / length)
+            step = element.create_dataset("step", data=np.arange(plan.times.size))
+            time = element.create_dataset("time", data=plan.times / plan.medium.diameter)
             time.attrs["unit"] = "d U-1"
         else:
             element["step"], element["time"] = step, time  # hard links
     particles["id"] = np.arange(count)
-    particles["medium"] = np.arange(count) // run.tracers
+    particles["medium"] = np.arange(count) // plan.tracers

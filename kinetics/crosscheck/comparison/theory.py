@@ -117,7 +117,8 @@ def names_for(law: Law) -> tuple[str, ...]:
 def average_of(solution: "Solution", name: str) -> Array:
     """An average over time, (n_times,), by its name here."""
     output, component = IN_FIELD[name] if solution.scene.field else (name, ())
-    return np.asarray(np.asarray(getattr(solution, output))[(..., *component)])
+    place: Any = (..., *component)
+    return np.asarray(np.asarray(getattr(solution, output))[place])
 
 
 def system_of(solution: "Solution") -> System:

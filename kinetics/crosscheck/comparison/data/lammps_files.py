@@ -52,6 +52,7 @@ def _next_item(path: Path, lines: Iterator[str]) -> str | None:
 def _frame(path: Path, lines: Iterator[str], head: str | None, asked: Asked) -> Iterator[Rows]:
     """One frame, of which the first ITEM is `head`."""
     step = count = time = box = units = None
+    periodic: list[bool] = []
     while head is not None and not head.startswith("ATOMS"):
         if head == "TIMESTEP":
             step = whole(path, "a step", next(lines, ""))
@@ -60,6 +61,8 @@ def _frame(path: Path, lines: Iterator[str], head: str | None, asked: Asked) -> 
         elif head.startswith("NUMBER OF ATOMS"):
             count = whole(path, "the number of atoms", next(lines, ""))
         elif head.startswith("BOX BOUNDS"):
+            # Of another box than a periodic one nothing is known of what is behind its edges.
+            periodic = [one == "pp" for one in head.split()[2:]]
             box = _box(path, [next(lines, "") for _ in range(3)])
         elif head == "UNITS":
             units = UNITS.get(unit := next(lines, "").strip(), dict.fromkeys(_KINDS, unit))
@@ -73,7 +76,7 @@ def _frame(path: Path, lines: Iterator[str], head: str | None, asked: Asked) -> 
     names = head.split()[1:]
     places = _places(path, names, 3 if asked.dimension == 3 else 2)
     for piece in read_lines(path, lines, count, places, len(names)):
-        yield replace(_rows(path, time, piece, box), units=units)
+        yield _rows(path, time, piece, box, periodic, units)
 
 
 def _box(path: Path, bounds: list[str]) -> Box:
@@ -100,7 +103,10 @@ def _places(path: Path, names: list[str], dimension: int) -> dict[str, int]:
     return {name: places[name] for name in chosen if name in places}
 
 
-def _rows(path: Path, time: float, piece: dict[str, Any], box: Box | None) -> Rows:
+def _rows(
+    path: Path, time: float, piece: dict[str, Any], box: Box | None, periodic: list[bool],
+    units: dict[str, str] | None,
+) -> Rows:  # fmt: skip
     position, wrapped = [], False
     for k, axis in enumerate("xyz"):
         names = (f"{axis}u", f"{axis}su", axis, f"{axis}s")
@@ -119,4 +125,6 @@ def _rows(path: Path, time: float, piece: dict[str, Any], box: Box | None) -> Ro
     velocity = [piece[name] for name in ("vx", "vy", "vz") if name in piece]
     places = np.stack(position, 1)
     rows = rows_of(shown(path), time, places, np.stack(velocity, 1), piece["id"])
-    return replace(rows, box=box.length[: len(position)] if wrapped and box else None)
+    if box is None or not wrapped or not periodic or not all(periodic[: len(position)]):
+        return replace(rows, units=units)
+    return replace(rows, units=units, box=box.length[: len(position)])

@@ -20,7 +20,7 @@ from kinetics.crosscheck.comparison.data.columns import (
 )
 from kinetics.crosscheck.comparison.data.ensemble_files import is_ensemble, read_ensemble
 from kinetics.crosscheck.comparison.data.labels import MOST_ORIGINS, Origins
-from kinetics.crosscheck.comparison.data.stated_units import conversion
+from kinetics.crosscheck.comparison.data.stated_units import are_own, conversion
 from kinetics.crosscheck.comparison.data.unwrapping import TooLong, Unwrapping
 from kinetics.crosscheck.comparison.reduction import SAME_TIME, Reduction
 from kinetics.crosscheck.comparison.result import said
@@ -217,7 +217,8 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
     factor, time_unit = conversion(units), asked.time_unit
     if time_unit is None and factor not in (None, 1.0):
         time_unit = asked.diameter / speed_unit * factor
-    if units and not (factor == asked.diameter == speed_unit == 1.0):
+    plain = are_own(units) and asked.diameter == speed_unit == 1.0
+    if units and not plain:
         warnings += (
             said("stated_units", units=units, known=factor is not None, diameter=asked.diameter,
                  speed=speed_unit, time=time_unit or asked.diameter / speed_unit),

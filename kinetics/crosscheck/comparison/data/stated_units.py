@@ -36,12 +36,17 @@ def size_of(kind: str, unit: str) -> float | None:
     return None if length is None or time is None else length / time
 
 
+def are_own(units: Mapping[str, str]) -> bool:
+    """Whether all are stated, and are those of this package."""
+    return all(units.get(kind, "").strip().lower() in known for kind, known in REDUCED.items())
+
+
 def conversion(units: Mapping[str, str]) -> float | None:
     """The unit of length over that of speed, in units of time: 1 where they belong together.
 
     None where one of them is not stated or not known.
     """
-    if all(units.get(kind, "").strip().lower() in known for kind, known in REDUCED.items()):
+    if are_own(units):
         return 1.0
     sizes = [size_of(kind, units.get(kind, "")) for kind in ("length", "speed", "time")]
     length, speed, time = sizes
