@@ -24,12 +24,12 @@ def field_figures(
     steady: list[SteadyCase], lines: list[SteadyLine], approach: list[ApproachCase]
 ) -> dict[str, Data]:
     """The data of every figure, by name; the main one comes first."""
-    return {
-        "drift": drift(steady, lines),
-        "dispersion": dispersion(steady, lines),
-        "velocity-from-rest": from_rest(approach, "velocity_from_rest", "$⟨v_z⟩$ / √(gl)"),
-        "square-from-rest": from_rest(approach, "square_from_rest", "$⟨v^2⟩$ / gl"),
-    }
+    figures = {"drift": drift(steady, lines), "dispersion": dispersion(steady, lines)}
+    if approach:
+        velocity, square = "$⟨v_z⟩$ / √(gl)", "$⟨v^2⟩$ / gl"
+        figures["velocity-from-rest"] = from_rest(approach, "velocity_from_rest", velocity)
+        figures["square-from-rest"] = from_rest(approach, "square_from_rest", square)
+    return figures
 
 
 def _figure(name: str, panels: list[Data]) -> Data:
