@@ -108,6 +108,7 @@ def _draw_panel(axis: "Axes", data: FigureData, last: bool) -> None:
             text["x"], text["y"], text["text"], color=COLOUR.get(text["group"], INK),
             ha=text["align"], va="center",
         )  # fmt: skip
+    axis.yaxis.set_label_coords(-0.148, 0.5)  # within the figure, whatever the numbers beside it
     if not last:
         axis.set_xlabel("")
         axis.tick_params(labelbottom=False)

@@ -24,6 +24,7 @@ def render_field(document: Mapping[str, Any]) -> str:
             svgs={name: Markup(svg(name, data)) for name, data in figures.items()},
             matrices=[(SCATTERERS[d], matrix(document, d)) for d in _dimensions(document)],
             names=SCATTERERS,
+            restitutions=columns(document),
             observables=OBSERVABLES,
             deviation=deviation,
         )
@@ -32,6 +33,11 @@ def render_field(document: Mapping[str, Any]) -> str:
 
 def _dimensions(document: Mapping[str, Any]) -> list[int]:
     return [int(d) for d in document["settings"]["dimensions"]]
+
+
+def columns(document: Mapping[str, Any]) -> list[float]:
+    """The restitutions of all comparisons."""
+    return sorted({float(row["restitution"]) for row in document["rows"]})
 
 
 def matrix(document: Mapping[str, Any], dimension: int) -> list[dict[str, Any]]:
@@ -45,18 +51,23 @@ def matrix(document: Mapping[str, Any], dimension: int) -> list[dict[str, Any]]:
         {
             "observable": observable,
             "comparison": f"{source} / {against}",
-            "rows": [found.get(e) for e in document["settings"]["restitutions"]],
+            "rows": [found.get(e) for e in columns(document)],
         }
         for (observable, source, against), found in lines.items()
     ]
 
 
 def verdict_table(document: Mapping[str, Any]) -> str:
-    """Text for the terminal: one line per comparison, one column per restitution."""
-    lines = [["", "", "", *(f"e = {e:g}" for e in document["settings"]["restitutions"])]]
+    """Text for the terminal: one line per comparison, with its verdicts and its worst deviation."""
+    lines = [["", "", "", "verdicts", "the worst", ""]]
     for d in _dimensions(document):
         for line in matrix(document, d):
-            cells = [f"{row['verdict']} {deviation(row)}" if row else "-" for row in line["rows"]]
+            rows = [row for row in line["rows"] if row]
+            words = [row["verdict"] for row in rows]
+            counted = ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys(words))
+            worst = max(rows, key=lambda row: abs(row["sigmas"] or row["deviation"]))
+            at = f"e = {worst['restitution']:g}"
             name = OBSERVABLES[line["observable"]].short
-            lines.append([SCATTERERS[d], name, line["comparison"], *cells])
+            cells = (name, line["comparison"], counted, deviation(worst), at)
+            lines.append([SCATTERERS[d], *cells])
     return aligned(lines)

@@ -18,7 +18,12 @@ from kinetics.crosscheck.report.field_drawing import drawn
 from kinetics.crosscheck.report.field_figures import field_figures
 from kinetics.crosscheck.report.field_limits import drift_constant, drift_near_elastic
 from kinetics.crosscheck.report.field_page import render_field
-from kinetics.crosscheck.report.field_rows import OBSERVABLES, FieldRow, all_rows
+from kinetics.crosscheck.report.field_rows import (
+    NEARLY_ELASTIC,
+    OBSERVABLES,
+    FieldRow,
+    all_rows,
+)
 from kinetics.crosscheck.report.field_runs import (
     ApproachCase,
     SteadyCase,
@@ -52,7 +57,7 @@ def make_field_report(settings: FieldSettings, tell: Callable[[str], None]) -> D
         for e in settings.restitutions:
             tell(f"{SCATTERERS[d]}, e = {e:g}")
             steady.append(steady_case(e, d, settings))
-        for e in settings.approach:
+        for e in settings.followed:
             tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
             approach.append(approach_case(e, d, settings))
     return build_document(settings, lines, steady, approach)
@@ -60,7 +65,7 @@ def make_field_report(settings: FieldSettings, tell: Callable[[str], None]) -> D
 
 def stages(settings: FieldSettings) -> int:
     """How often `make_field_report` reports progress."""
-    return len(settings.dimensions) * (1 + len(settings.restitutions) + len(settings.approach))
+    return len(settings.dimensions) * (1 + len(settings.restitutions) + len(settings.followed))
 
 
 def write_field_report(document: Document, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
@@ -163,6 +168,7 @@ def findings(
         names=SCATTERERS,
         lines=[_in_words(line) for line in lines],
         compared=len(compared),
+        by_chance=len(compared) * chance(AGREES_BELOW),
         agreeing=sum(row.verdict == "agrees" for row in compared),
         others=[
             f"{OBSERVABLES[item.row.observable].short} among {SCATTERERS[item.dimension]} at "
@@ -174,21 +180,24 @@ def findings(
         met=sum(row.verdict == "agrees" for row in solved),
         drift_errors=[100 * float(row.error or 0) / row.theory for row in drifts],
         approach=[_overshoot(case) for case in approach],
+        close=100 * CLOSE,
     )
 
 
 def _in_words(line: SteadyLine) -> dict[str, Any]:
     """The numbers of one line that a sentence names."""
-    last, d = float(line.restitutions[-1]), line.dimension
+    d = line.dimension
     ratio = line.perpendicular / line.parallel
-    named = [float(line.restitutions[0]), 0.7, last]
+    named = [0.0, 0.7, 0.99]
+    drifts = [float(u) for u in np.interp(named, line.restitutions, line.drift)]
+    nearly = float(np.interp(NEARLY_ELASTIC, line.restitutions, line.drift))
     return {
         "scatterers": SCATTERERS[d],
         "at": named,
-        "drifts": [float(u) for u in np.interp(named, line.restitutions, line.drift)],
-        "last": last,
+        "drifts": drifts,
         "constant": drift_constant(d),
-        "law_misses": 100 * abs(float(drift_near_elastic(last, d) / line.drift[-1] - 1)),
+        "nearly_elastic": NEARLY_ELASTIC,
+        "law_misses": 100 * abs(float(drift_near_elastic(NEARLY_ELASTIC, d)) / nearly - 1),
         "ratios": (float(ratio.min()), float(ratio.max())),
     }
 
@@ -203,5 +212,4 @@ def _overshoot(case: ApproachCase) -> dict[str, Any]:
         "restitution": case.restitution,
         "largest": 100 * float(ratio[k] - 1),
         "reached": float(case.times[min(away[-1] + 1, len(ratio) - 1)]) if away.size else 0.0,
-        "close": 100 * CLOSE,
     }

@@ -39,7 +39,7 @@ from kinetics.crosscheck.verdicts import Verdict
 SETTINGS = FieldSettings(
     restitutions=(0.9,),
     approach=(0.5,),
-    line=(0.0, 0.5, 0.98),
+    line=(0.0, 0.5, 0.99),
     collisions=50_000,
     groups=20,
     rtol=1e-5,
@@ -145,7 +145,11 @@ def test_the_document_is_strict_json_with_every_number(
     assert "0.5267 · (1−e²)^(1/4) √(gl) among disks" in document["findings"][1]
     drawn = document["figures"]["drift"]["panels"]
     assert len(drawn) == 2  # and the ratio
-    assert {line["source"] for line in drawn[0]["series"]} == {"solver", "particles", "limit"}
+    limits = [line for line in drawn[0]["series"] if line["source"] == "limit"]
+    # of each dimension the law of e -> 1, which begins with its constant, and the value at e = 0
+    assert [line["y"][0] for line in limits] == pytest.approx(
+        [0.52666478, 0.985849365, 0.63452714, 1.14674025], abs=1e-5
+    )
     points = [line for line in drawn[0]["series"] if line["source"] == "particles"]
     assert [line["group"] for line in points] == ["disks", "spheres"]
     assert all(line["x"] == [0.9] and line["error"][0] > 0 for line in points)
@@ -164,7 +168,9 @@ def test_the_page_needs_nothing_beside_it_and_hides_no_figure(
 
 def test_the_printed_table_has_a_line_for_each_comparison(document: dict[str, Any]) -> None:
     table = verdict_table(document).splitlines()
-    assert any("limit e → 1 / solver" in line and "rough -3.5 %" in line for line in table)
+    law = [line for line in table if line.startswith("disks") and "limit e → 1 / solver" in line]
+    assert law[0].split("solver")[1].split() == ["1", "rough", "-3.5", "%", "e", "=", "0.9"]
+    assert max(len(line) for line in table) <= 120
 
 
 @pytest.mark.parametrize("width", [390, 1400])
