@@ -38,6 +38,11 @@ class Statuses(Value):
     the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
     e = 0. Between spheres (kernel.pockets) a tracer leaves a groove along it where the tangential
     restitution is 1, and is trapped in pockets between three spheres, or below 1 in grooves.
+    In a field (kernel.sliding) it is trapped at rest in a corner of two disks that opens against
+    the field, declared after infinitely many bounces there or where v^2/2 < 1e-12 |g| d; with a
+    tangential restitution below 1, where it would slide along a disk (v_n^2/(2 a_n) < 1e-12 d, v_n
+    the velocity away from the disk and a_n the acceleration towards it); and at rest on the very
+    top of a disk.
     escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
     it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
     at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
