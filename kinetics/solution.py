@@ -34,6 +34,7 @@ from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
+from kinetics.solution_table import SolutionTable
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
 from kinetics.validation import (
     finite_line,
@@ -49,7 +50,7 @@ _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overfl
 
 
 @dataclass(frozen=True)
-class Solution(Value):
+class Solution(SolutionTable, Value):
     """What :func:`kinetics.solve` found. Time is the first axis of every array.
 
     A value: its arrays and dictionaries are read-only, it can be compared, hashed and pickled, and
