@@ -82,8 +82,7 @@ class SolutionTable(Tabular):
         return attributes_of(
             f"Solution of the inelastic Lorentz equation: {scene._system()}",
             scene,
-            self.rtol,
-            self.error_estimate,
+            (self.rtol, self.error_estimate),
             status=self.status.name.lower(),
             message=self.message,
         )

@@ -92,6 +92,11 @@ class Table:
     quantities: tuple[Quantity, ...]
     attributes: Mapping[str, Any]
 
+    @property
+    def title(self) -> str:
+        """What it is the table of."""
+        return str(self.attributes["title"])
+
     def coordinate(self, name: str) -> Quantity:
         """The coordinate of this name."""
         return next(one for one in self.coordinates if one.name == name)
@@ -120,9 +125,12 @@ class Table:
             d: grid.ravel()
             for d, grid in zip(axes, np.meshgrid(*arrays, indexing="ij"), strict=True)
         }
+        n = len(found)
         for one in self.quantities if name is None else (chosen,):
             if [d for d in one.dims if d not in COMPONENTS] == axes:
                 found |= dict(_components(one, self))
+        if len(found) == n:  # nothing depends on the first coordinate alone: one row of numbers
+            return {one.name: one.values.reshape(1) for one in self.quantities if not one.dims}
         return found
 
 
@@ -286,16 +294,20 @@ def csv_text(columns: Mapping[str, NDArray[Any]], heads: Mapping[str, str]) -> s
     return file.getvalue()
 
 
-def attributes_of(title: str, question: Any, rtol: float, error: float, **more: str) -> Any:
+def attributes_of(
+    title: str, question: Any, accuracy: tuple[float, float] | None, **more: str
+) -> dict[str, Any]:
     """The attributes of a table: what was asked, how accurately, and what was reached.
 
     question : a dataclass, or a dictionary; it is written as JSON
+    accuracy : relative tolerance asked and error estimate, where there are any
     """
+    names = ("tolerance_asked", "tolerance_reached")
+    reached = dict(zip(names, map(float, accuracy), strict=True)) if accuracy else {}
     return {
         "title": title,
         **more,
-        "tolerance_asked": float(rtol),
-        "tolerance_reached": float(error),
+        **reached,
         "scene": json.dumps(plain(question), allow_nan=False),
         "version": package_version(),
     }
