@@ -54,6 +54,12 @@ STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("solver", "same bands"), _CROSS),
     **dict.fromkeys(("Boltzmann-Grad", "data"), _DOT),
     **dict.fromkeys(("hard disks", "hard spheres"), _SQUARE),
+    **dict.fromkeys(("dilute equation", "path of the medium"), _THIN),
+    "leading order": _DASHED,
+    "first order": _DOTTED,
+    "fitted second order": _SOLID,
+    "particles": _DOT,
+    "all remembered": _SQUARE,
     "limit": {"marker": "D", "markersize": 4.2, **_BARS},
     "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
