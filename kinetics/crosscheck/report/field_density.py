@@ -26,8 +26,8 @@ _DISKS = 10_000  # in the periodic box
 _TIMES = 14  # from the start on, at which the share of trapped tracers is given
 _SEED = 7000  # added to the seed of these runs
 # Of the picture: disks of diameter 1 at this density in a box of this side, in d.
-_PICTURE_DENSITY, _PICTURE_SIDE, _PICTURE_SEED = 0.04, 48.0, 3
-_PICTURE_TIME, _PICTURE_POINTS = 70.0, 700
+_PICTURE_DENSITY, _PICTURE_SIDE, _PICTURE_SEED = 0.06, 40.0, 5
+_PICTURE_TIME, _PICTURE_POINTS = 150.0, 1500
 
 
 @dataclass(frozen=True)

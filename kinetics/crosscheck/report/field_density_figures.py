@@ -75,7 +75,7 @@ def captures_over_density(cases: list[DensityCase]) -> Data:
             labels.append(label(name, 1.1 * case.densities[seen][-1], float(value[-1]), name))
     last = max(float(case.densities[-1]) for case in cases)
     x = axis(_DENSITY, scale="log", limits=(float(cases[0].densities[0]) / 1.2, 2.0 * last))
-    y = axis("captures on a way $l$", scale="log")
+    y = axis("captures per mean free path", scale="log")
     return _figure("density_captures", [panel(x, y, lines, labels)])
 
 

@@ -10,6 +10,7 @@ of radius 1; lengths on its two axes are then equal.
 """
 
 import io
+import math
 from typing import TYPE_CHECKING, Any
 
 from kinetics.crosscheck.report.figures import (
@@ -124,7 +125,7 @@ def _draw_panel(axis: "Axes", data: FigureData, order: list[str]) -> None:
         spec, side = data[name], getattr(axis, f"{name}axis")
         axis.set(**{f"{name}label": spec["label"], f"{name}scale": spec["scale"]})
         if spec["scale"] == "log":
-            side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            side.set_major_formatter(FuncFormatter(_power))
             side.set_minor_formatter(NullFormatter())
         if spec["limits"] is not None:
             axis.set(**{f"{name}lim": tuple(spec["limits"])})
@@ -136,11 +137,20 @@ def _draw_panel(axis: "Axes", data: FigureData, order: list[str]) -> None:
     axis.yaxis.set_label_coords(-0.122, 0.5)  # within the figure, whatever the numbers beside it
 
 
+def _power(value: float, position: int | None = None) -> str:
+    """The label of a power of ten on a logarithmic axis."""
+    if 0.05 < value < 2000.0:
+        return f"{value:g}"
+    exponent = round(math.log10(value))
+    return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
 def _legend(data: FigureData) -> list[Any]:
     """Every source that is drawn once, in ink."""
     from matplotlib.lines import Line2D
 
-    drawn = {line["source"] for each in data["panels"] for line in each["series"]} - {"zero"}
+    drawn = {line["source"] for each in data["panels"] for line in each["series"]}
+    drawn -= {"zero", "path"}
     entries = []
     for source, stroke in STROKES.items():
         if source in drawn and not source.endswith(ACROSS):

@@ -47,7 +47,7 @@ from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
 
 SCHEMA = "inelastic-lorentz/field-report/1"
-PICTURE_RESTITUTION = 0.7
+PICTURE_RESTITUTION = 0.5
 """Of the trajectories that are drawn."""
 CLOSE = 0.01
 """The drift is reached when the mean velocity stays as close to it as this, relative to it."""
