@@ -193,7 +193,7 @@ def svg(name: str, data: FigureData) -> str:
     Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
     is the title and description of the data, and the same data give the same text.
     """
-    return _embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
+    return embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
 
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
@@ -247,7 +247,7 @@ def _power_of_ten(value: float, position: int | None = None) -> str:
     return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _embeddable(text: str, name: str, title: str, description: str) -> str:
+def embeddable(text: str, name: str, title: str, description: str) -> str:
     """Matplotlib's file as an element: own ids, own colours, no metadata, a text alternative."""
     prefix = f"fig-{name}-"
     text = text[text.index("<svg") :]
