@@ -66,3 +66,6 @@ def test_a_solution_of_another_dimension_is_refused() -> None:
     solution = solve(Scene(0.7, 0.04, times=TIMES, outputs=("thermal_speed",)))
     with pytest.raises(InputError, match="is of dimension 2, the data of 3"):
         compare_solution(solution, run)
+    falling = simulate(BoltzmannGrad(0.04), 0.7, times=[1.0], media=3, tracers=5, field=0.1)
+    with pytest.raises(InputError, match=r"is of field 0\.0, the data of 0\.1"):
+        compare_solution(solution, falling)
