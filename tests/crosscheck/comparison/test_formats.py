@@ -1,6 +1,7 @@
 """Files as simulators write them: the same trajectories give the same answer in every format."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ def run() -> Run:
     return run_in(2)
 
 
+@cache
 def run_in(dimension: int) -> Run:
     found = simulate(
         BoltzmannGrad(0.04, dimension=dimension), restitution=0.7, times=TIMES, media=3,

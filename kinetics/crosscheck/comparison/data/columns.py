@@ -49,7 +49,7 @@ ALIASES = {
 KINDS = (
     {"time": "time"} | dict.fromkeys("xyz", "length") | dict.fromkeys(("vx", "vy", "vz"), "speed")
 )
-"""What each column of numbers is a number of."""
+"""What each column of numbers is a number of, and those that are squares."""
 AVERAGES = {
     "thermal_speed": ("v0", "v_0", "v0(t)"),
     "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
@@ -362,6 +362,8 @@ def stated_units(path: Path | str, units: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name, unit in units.items():
         kind = KINDS.get(name)
+        if name in SQUARES:
+            kind, unit = SQUARES[name], re.sub(r"(\^?2|²)$", "", unit).strip("()")
         if kind and unit and found.setdefault(kind, unit) != unit:
             raise InputError(f"{shown(path)}: has {kind}s in {found[kind]} and in {short(unit)}")
     return found
