@@ -24,7 +24,7 @@ from kinetics.crosscheck.comparison.fit import (
 )
 from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
-from kinetics.crosscheck.comparison.sample import R2, N, Sample
+from kinetics.crosscheck.comparison.sample import R2, X2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
     AVERAGES,
@@ -148,6 +148,8 @@ def _with_law(
     if field:
         allowed = "it must be a finite number, 0 or more: the field is along +x"
         law = replace(law, field=real_number("field", field, 0.0, allowed=allowed))
+        if sample.sums.shape[2] <= X2:
+            refuse("field", field, "the run is one without a field")
     return replace(sample, law=law)
 
 

@@ -334,6 +334,9 @@ BROKEN = {
         h5(lambda g: (g.pop("position"), g.__setitem__("position", h5py.ExternalLink("a", "/b")))),
         "needs one group of particles",
     ),
+    "h5md with few labels": (
+        h5(lambda g: g.__setitem__("id", np.arange(5))), "one label tracer for each of 300"
+    ),
     "h5md cut off": (cut("run.h5md", 50), "is damaged, or not"),
     "arrays of another shape": (
         ("run.npz", lambda p: np.savez(p, times=TIMES, positions=np.zeros((4, 5)),
