@@ -214,10 +214,16 @@ def _plane(folder: Path) -> Path:
     return folder / "plane.npz"
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "run.npz"])
+@pytest.mark.parametrize(
+    "name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "box.h5md", "run.gsd", "run.npz"]
+)
 def test_wrapped_positions_are_refused(tmp_path: Path, name: str, run: Run) -> None:
     inside = (wrapped(run)[0], run[1])
-    writers = WRITERS | {"run.csv": write_csv}
+    writers = WRITERS | {
+        "run.csv": write_csv,
+        "box.h5md": lambda path, run: write_h5md(path, run, box=True),
+        "run.gsd": lambda path, run: write_gsd(path, run, image=False),
+    }
     writers[name](tmp_path / name, inside)
     with pytest.raises(InputError, match="positions look wrapped at the edges of a box") as caught:
         read_sample([tmp_path / name], timestep=STEP)
