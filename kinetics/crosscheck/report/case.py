@@ -78,6 +78,8 @@ class Case:
     hard: ParticleRun  # hard disks, or hard spheres
     # standard errors of these minus `rescaled`, both of which change with the run
     rescaled_errors: dict[str, Array]
+    # the equation of hard disks at their own density; None where there is none
+    dense: "Solution | None" = None
 
     @property
     def runs(self) -> tuple[ParticleRun, ParticleRun]:
