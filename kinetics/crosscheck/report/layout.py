@@ -43,7 +43,6 @@ _LETTER = 0.077
 def arranged(data: FigureData) -> "Figure":
     """The figure, drawn."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     if data.get("panels"):
         figure = _small_multiples(data)
@@ -217,7 +216,8 @@ def _label_lines(
     tie = _TIE / (axis.get_position().width * WIDTH)
     for (up, across, label, colour), height in zip(labels, heights, strict=True):
         axis.annotate(
-            _SHORTER.get(label, label), xy=(across, up), xytext=(1 + tie, height), xycoords="axes fraction",
+            _SHORTER.get(label, label), xy=(across, up), xytext=(1 + tie, height),
+            xycoords="axes fraction",
             color=colour, fontsize=9.5, va="center", ha="left", annotation_clip=False,
             arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkA": 1,
                         "shrinkB": 0, "relpos": (0.0, 0.5)},

@@ -49,7 +49,7 @@ STROKES: dict[str, dict[str, Any]] = {
     "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
 }
-"""How the lines and points of each source are drawn; those with a bar have the marker of their e."""
+"""How the lines and points of each source are drawn; those with bars have the marker of their e."""
 AVERAGED = "averaged over"
 """The legend's name for a bar along the time axis, over which a rate is averaged."""
 

@@ -9,6 +9,11 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from kinetics.crosscheck.numerals import number, numeral
+from kinetics.crosscheck.report.citations import cited, number_of
+
+__all__ = ["environment", "number", "numeral", "paragraphs", "span"]
+
 if TYPE_CHECKING:
     from jinja2 import Environment
 
@@ -28,7 +33,8 @@ def environment() -> "Environment":
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {"form": format, "span": span, "number": number}
+    made.filters |= {"form": numeral, "span": span, "number": number}
+    made.filters |= {"cited": cited, "number_of": number_of}
     return made
 
 
@@ -39,20 +45,10 @@ def paragraphs(template: str, block: str, **values: Any) -> list[str]:
     return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
 
 
-def number(value: float | None, error: float | None = None, sign: str = "") -> str:
-    """A number to 6 digits, or to the second digit of its standard error; sign "+" shows it."""
-    if value is None:
-        return "–"
-    if not error:
-        return f"{value:.6g}"
-    digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
-
-
 def span(values: Iterable[float], form: str) -> str:
     """Smallest to largest of some numbers, as a sentence says it; NaN is left out."""
     known = [v for v in values if math.isfinite(v)]
     if not known:
         return "–"
-    low, high = (format(f(known), form) for f in (min, max))
+    low, high = (numeral(f(known), form) for f in (min, max))
     return low if low == high else f"{low} to {high}"

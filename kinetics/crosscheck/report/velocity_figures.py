@@ -55,7 +55,7 @@ def _slowing_of(case: Case, scale: Array | float) -> list[Measured]:
 
 
 def v0re(results: Results) -> Data:
-    """J = (1/v0(t) - 1/v0(0))/(1-e) over t (Fig. 2), its straight line, and both over the equation."""
+    """J = (1/v0(t) - 1/v0(0))/(1-e) over t (Fig. 2) and its line; both over the equation."""
     lines, below = [], []
     slope = float(sonine.beta(0.0, results.number_density))
     for case in results.cooling:
