@@ -21,6 +21,8 @@ def numeral(value: float, form: str) -> str:
             power = "10" + str(exponent).translate(_SUPERSCRIPTS)
             factor = "" if float(digits) == 1 else f"{digits}·"
             text = f"{sign}{factor}{power}{found[4]}"
+    if text.startswith(("-", "+")) and not text.strip("+-0."):
+        text = text[1:]  # no sign before a zero
     return text.replace("-", "−")
 
 

@@ -80,6 +80,7 @@ class Case:
     rescaled_errors: dict[str, Array]
     # the equation of hard disks at their own density; None where there is none
     dense: "Solution | None" = None
+    dense_slope: float | None = None  # its limit of d<r^2>/d ln t, in d^2
 
     @property
     def runs(self) -> tuple[ParticleRun, ParticleRun]:

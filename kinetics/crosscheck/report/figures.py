@@ -42,7 +42,8 @@ Data = dict[str, Any]
 FigureData = Mapping[str, Any]
 
 __all__ = [
-    "COLOURS", "FAINT", "INK", "Data", "FigureData", "axis", "draw", "figure_file",
+    "COLOURS", "FAINT", "INK", "STYLE", "Data", "FigureData", "axis", "draw", "embeddable",
+    "figure_file",
     "legend_entries", "series", "svg",
 ]  # fmt: skip
 
@@ -92,7 +93,7 @@ def svg(name: str, data: FigureData) -> str:
     Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
     is the title and description of the data, and the same data give the same text.
     """
-    return _embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
+    return embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
 
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
@@ -124,7 +125,7 @@ def _drawn(data: FigureData, kind: str) -> bytes:
     return buffer.getvalue()
 
 
-def _embeddable(text: str, name: str, title: str, description: str) -> str:
+def embeddable(text: str, name: str, title: str, description: str) -> str:
     """Matplotlib's file as an element: own ids, own colours, no metadata, a text alternative."""
     prefix = f"fig-{name}-"
     text = text[text.index("<svg") :]

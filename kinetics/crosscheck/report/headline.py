@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kinetics.crosscheck.report.causes import Causes
-from kinetics.crosscheck.report.claims import walk_slope
+from kinetics.crosscheck.report.claims import walk_of
 from kinetics.crosscheck.report.figure_lines import Results, exact_states, restitutions
 from kinetics.crosscheck.report.row import KINETIC, Row
 from kinetics.crosscheck.report.templates import paragraphs
@@ -36,7 +36,7 @@ def headline(
         "solver": solver,
         "within": {name: _widest(strict, name) for name in ("thermal_speed", "msd")},
         "steps": steps,
-        "walk": [walk_slope(case)["late"] for case in results.cooling] if steps else [],
+        "walks": [walk_of(case) for case in results.cooling] if steps else [],
         "highest": _highest() if steps else 0.0,
         "exact": [case.scaling_state[0].cooling_rate for case in results.cooling],
         "disks": _last(results),

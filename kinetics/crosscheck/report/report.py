@@ -118,7 +118,7 @@ def build_document(
             "title": _sentences("title"),
             "summary": _summary(settings, rows, checks),
             "headline": headline(results, rows, steps, checks),
-            "claims": claims(results, rows),
+            "claims": claims(results),
             "causes": [asdict(step) for step in steps],
             "answers": all_answers(cases, rows, settings),
             "units": _sentences("units", spheres=settings.dimension == 3),

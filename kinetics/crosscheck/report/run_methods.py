@@ -100,7 +100,7 @@ def gather_case(
         rescaled=rescaled,
         free=reduced("Boltzmann-Grad", free, early, settings.half_rate),
         hard=reduced(name, hard, early, settings.half_rate),
-        dense=dense_solution(law, settings.number_density, times, settings.rtol),
+        **_of_hard_disks(law, times, settings),
         rescaled_errors=_rescaled_errors(hard, rescaled, early, settings.half_rate),
         **solved,
     )
@@ -130,6 +130,15 @@ def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dic
         "exact": None if law.is_elastic else ScalingSolution(**law.arguments),
         "scaled": None if law.is_elastic else solve_scaled(**law.arguments, rtol=rtol),
     }
+
+
+def _of_hard_disks(law: CollisionLaw, times: Array, settings: ReportSettings) -> dict[str, Any]:
+    """The equation of hard disks at their density, as fields of `Case`."""
+    density, rtol = settings.number_density, settings.rtol
+    late = np.array([LATEST / 10, LATEST])
+    far = None if law.is_elastic else dense_solution(law, density, late, rtol)
+    slope = None if far is None else msd_slope_between(late, far.msd, 0)
+    return {"dense": dense_solution(law, density, times, rtol), "dense_slope": slope}
 
 
 def dense_solution(

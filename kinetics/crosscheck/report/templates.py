@@ -35,6 +35,7 @@ def environment() -> "Environment":
     )
     made.filters |= {"form": numeral, "span": span, "number": number}
     made.filters |= {"cited": cited, "number_of": number_of}
+    made.filters |= {"count": count, "off": off}
     return made
 
 
@@ -43,6 +44,22 @@ def paragraphs(template: str, block: str, **values: Any) -> list[str]:
     found = environment().get_template(template)
     text = "".join(found.blocks[block](found.new_context(values)))
     return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
+
+
+def count(value: int) -> str:
+    """A large whole number in groups of three digits, between thin spaces: 200 000."""
+    return f"{value:,}".replace(",", "\u202f")
+
+
+def off(values: Iterable[float], compared: bool = True) -> str:
+    """Relative differences as a range of per cent: "15 to 20 % below", or each with its sign."""
+    percents = [100 * value for value in values]
+    form = ".0f" if all(abs(p) >= 5 for p in percents) else ".1f"
+    if compared and all(p < 0 for p in percents):
+        return f"{span([-p for p in percents], form)} % below"
+    if compared and all(p > 0 for p in percents):
+        return f"{span(percents, form)} % above"
+    return f"{span(percents, '+' + form)} %" + (" from" if compared else "")
 
 
 def span(values: Iterable[float], form: str) -> str:
