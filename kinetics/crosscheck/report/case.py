@@ -20,10 +20,10 @@ class Measured:
     value: Array
     error: Array
 
-    def __truediv__(self, scale: float) -> "Measured":
+    def __truediv__(self, scale: float | Array) -> "Measured":
         return Measured(self.value / scale, self.error / scale)
 
-    def __mul__(self, factor: float) -> "Measured":
+    def __mul__(self, factor: float | Array) -> "Measured":
         return Measured(factor * self.value, factor * self.error)
 
     def __getitem__(self, where: Any) -> "Measured":

@@ -66,9 +66,9 @@ def _growth(case: Case) -> dict[str, Any]:
 def walk_of(case: Case) -> dict[str, Any]:
     """Relative differences of the paper's random walk, in per cent.
 
-    "disks": <r^2> of hard disks from the walk's at the last time, with "error"; "worst": the same at
-    the worst time of the last decade; "dilute" and "dense": the walk's late slope in ln t from those
-    of the dilute equation and of the equation of hard disks.
+    "disks": <r^2> of hard disks from the walk's at the last time, with "error"; "worst": the same
+    at the worst time of the last decade; "dilute" and "dense": the walk's late slope in ln t from
+    those of the dilute equation and of the equation of hard disks.
     """
     density = 1 / (2 * case.late.scene.mean_free_path)
     walk = sonine.msd_random_walk(case.times, case.restitution, density)

@@ -208,11 +208,14 @@ def verdict_table(document: Mapping[str, Any]) -> str:
     return "\n\n".join([_TABLE_LEGEND, *parts])
 
 
-_TABLE_LEGEND = "differences in %; ! differs, ? unclear, no mark: no difference seen; ~ off by"
+_TABLE_LEGEND = (
+    "Differences in %. No mark: none seen; ? unclear; ! differs; ~ a formula is off by so much."
+)
 _MARK = {"differs": "!", "unclear": "?", "agrees": " ", "undefined": " "}
 _SHORT = {
     "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
-    "Boltzmann-Grad": "dilute limit",
+    "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
+    "paper's integral": "integral",
 }  # fmt: skip
 """Names where columns are few; "own l": with the mean free path that the same run measured."""
 
@@ -230,13 +233,13 @@ def _verdict_columns(document: Mapping[str, Any], which: range) -> str:
         cells = []
         for k in which:
             row = line["rows"][k]
-            text = "-" if row is None else deviation(row).removesuffix(" %")
+            text = "–" if row is None else _percent(row)
             cells.append(f"{_MARK.get(row['verdict'], '~') if row else ' '} {text}")
         lines.append([f"  {who} / {against}", *cells])
-    text = aligned(lines).splitlines()
+    shown = aligned(lines).splitlines()
     for at, title in reversed(titles):
-        text.insert(at, title)
-    return "\n".join(text)
+        shown.insert(at, title)
+    return "\n".join(shown)
 
 
 def deviation(row: Mapping[str, Any]) -> str:
@@ -251,3 +254,10 @@ def deviation(row: Mapping[str, Any]) -> str:
             return f"factor {numeral(1 + value, '.2g')}"
         return numeral(100 * value, "+.1f") + " %"
     return number(100 * value, relative_error(row), "+") + " %"
+
+
+def _percent(row: Mapping[str, Any]) -> str:
+    """A row's deviation for a table whose numbers are all in per cent."""
+    if row["kind"] == "numerical" and row["deviation"] is not None:
+        return numeral(100 * row["deviation"], ".0e")
+    return deviation(row).removesuffix(" %")

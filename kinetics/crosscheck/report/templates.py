@@ -43,7 +43,12 @@ def paragraphs(template: str, block: str, **values: Any) -> list[str]:
     """The paragraphs of one block of a template of sentences, each as one line."""
     found = environment().get_template(template)
     text = "".join(found.blocks[block](found.new_context(values)))
-    return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
+    # Not str.split, which would take out the narrow spaces within numbers.
+    return [
+        " ".join(re.split(r"[ \n]+", part.strip()))
+        for part in re.split(r"\n\s*\n", text)
+        if part.strip()
+    ]
 
 
 def count(value: int) -> str:
