@@ -95,7 +95,7 @@ def render(result: Comparison, json_name: str) -> str:
             ],
             outcomes=OUTCOMES,
             cause=_cause(document),
-            head=_head_figure(document),
+            head=_head_figures(document),
             words=WORDS,
             classes=CLASSES,
             explained=EXPLAINED_OF_DATA,
@@ -121,12 +121,12 @@ def _cause(document: Plain) -> Plain | None:
     return dict(best)
 
 
-def _head_figure(document: Plain) -> str | None:
-    """The figure of the average that fits least, over all times."""
+def _head_figures(document: Plain) -> list[str]:
+    """The figure of the average that fits least, over all times, and that of all differences."""
     averages = [t for t in document["tests"] if t["time"] is None]
     worst = max(averages, key=lambda test: test["sigmas"], default=None)
-    name = None if worst is None else worst["observable"].replace("_", "-")
-    return name if name in document["figures"] else None
+    names = [] if worst is None else [worst["observable"].replace("_", "-")]
+    return [name for name in (*names, "sigmas") if name in document["figures"]]
 
 
 def cells_of_test(test: Plain) -> dict[str, str]:
@@ -179,7 +179,8 @@ def tables(result: Comparison) -> str:
     parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
     told = [_wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
     told.append(f"start: {result.initial}")
-    told.append(f"errors: from {result.groups} groups, by {result.grouping}")
+    made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
+    told.append(f"errors: {made}")
     parts.append("\n".join(told))
     names: tuple[str, ...] = (
         "observable", "time", "chi_square", "dof", "p_value", "within", "word",

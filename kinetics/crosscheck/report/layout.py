@@ -148,7 +148,7 @@ def _few_ticks(panel: "Axes", name: str, ends: tuple[float, float]) -> "Locator"
     from matplotlib.ticker import FixedLocator, MaxNLocator
 
     if getattr(panel, f"get_{name}scale")() != "log":
-        return MaxNLocator(4)
+        return MaxNLocator(4, prune="upper" if name == "x" else None)
     low, high = (math.floor(math.log10(end)) for end in ends)
     step = math.ceil((high - low) / _MOST_TICKS)
     return FixedLocator([10.0**k for k in range(high, low, -step)])

@@ -24,6 +24,7 @@ CONTENTS = {
     "causes": "What lifts the paper’s 1.45",
     "answers": "Questions and answers in numbers",
     "figures": "Figures",
+    "finite-density": "Hard disks predicted: the finite density",
     "findings": "What explains the differences",
     "dimensions": "Disks and spheres side by side",
     "verdicts": "Verdicts",
@@ -48,6 +49,7 @@ def render(document: Mapping[str, Any]) -> str:
     parts = {
         "claims": document["claims"], "causes": document["causes"],
         "answers": document["answers"], "dimensions": document.get("dimensions"),
+        "finite-density": document.get("finite_density"),
     }  # fmt: skip
     page = environment().get_template("report.html.j2")
     return page.render(
@@ -79,6 +81,7 @@ def render(document: Mapping[str, Any]) -> str:
 def picture_of(document: Mapping[str, Any]) -> Mapping[str, Any] | None:
     """Title, description and "svg" of a picture of the system, if the document has one."""
     picture = document.get("picture")
+    # Drawn by matplotlib, its texts escaped: nothing of a user's goes in.
     return None if picture is None else {**picture, "svg": Markup(picture["svg"])}
 
 
@@ -141,7 +144,8 @@ def _number_table(answer: Mapping[str, Any], restitutions: list[float]) -> list[
     """The numbers of an answer as a table: one line per name, one cell per restitution."""
     lines: dict[str, dict[float | None, str]] = {}
     for n in answer["numbers"]:
-        name = f"{n['name']}  [{n['unit']}]" if n["unit"] else n["name"]
+        name = n["name"].replace(" - ", " − ").replace("a2", "a₂")
+        name += f"  [{n['unit']}]" if n["unit"] else ""
         shown = number(n["value"], n["error"], digits=_DIGITS.get(n["unit"], 5))
         lines.setdefault(name, {})[n["restitution"]] = shown
     return [

@@ -35,7 +35,7 @@ def environment() -> "Environment":
     )
     made.filters |= {"form": numeral, "span": span, "number": number}
     made.filters |= {"cited": cited, "number_of": number_of}
-    made.filters |= {"count": count, "off": off}
+    made.filters |= {"count": count, "off": off, "by_how_much": by_how_much}
     return made
 
 
@@ -65,6 +65,14 @@ def off(values: Iterable[float], compared: bool = True) -> str:
     if compared and all(p > 0 for p in percents):
         return f"{span(percents, form)} % above"
     return f"{span(percents, '+' + form)} %" + (" from" if compared else "")
+
+
+def by_how_much(percents: Iterable[float]) -> str:
+    """What a formula is off by: per cent with their signs, or factors where it is twice the truth."""
+    known = [p for p in percents if math.isfinite(p)]
+    if max(known, default=0.0) < 100:
+        return span(known, "+.0f") + " %"
+    return "a factor of " + span([1 + p / 100 for p in known], ".2g")
 
 
 def span(values: Iterable[float], form: str) -> str:

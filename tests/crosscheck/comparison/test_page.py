@@ -123,7 +123,7 @@ def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text:
     words = " ".join(page.text.split())
     best = differing.explanations[0]
     assert best.outcome == "explains"
-    cause = words.index(f"The likeliest cause: {best.headline} (explains the difference).")
+    cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
     assert words.index("Differs. They differ;") < cause < words.index("How to read the verdicts")
     # the average that fits least leads, with the best explanation over the equation below it
     averages = [t for t in differing.tests if t.time is None]
