@@ -64,7 +64,7 @@ def _symbols(formula: Any, known: set[str]) -> str:
     names |= {applied.func.__name__ for applied in formula.atoms(AppliedUndef)}
     new = [(name, meaning) for name, meaning in table() if name in names - known]
     known |= names
-    meanings = (f"{mathml(sp.Symbol(name))} is {escape(meaning)}" for name, meaning in new)
+    meanings = (f"{mathml(sp.Symbol(name))}: {escape(meaning)}" for name, meaning in new)
     return f'<p class="symbols">{"; ".join(meanings)}.</p>' if new else ""
 
 
@@ -76,7 +76,7 @@ class Derivation(Directive):
 
     def run(self) -> list[nodes.Node]:
         """Called by docutils."""
-        known = self.state.document.settings.env.current_document.setdefault("symbols", {"e"})
+        known = self.state.document.settings.env.current_document.setdefault("symbols", set("eptv"))
         labels = self.arguments[0].split()
         return [nodes.raw("", _html(label, known), format="html") for label in labels]
 
