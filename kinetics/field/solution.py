@@ -29,7 +29,7 @@ from kinetics.validation import (
     speeds,
     whole_number,
 )
-from kinetics.values import Value
+from kinetics.values import Value, html_table
 
 _BEST_DIFFUSION = 1e-8
 _HIGHEST_POWER = 20.0
@@ -197,17 +197,17 @@ class FieldState(Value):
         )
 
     def _repr_html_(self) -> str:
-        figures = {
-            "law": self.law.described,
-            "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
-            "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
-            "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
-            "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
-            "status": f"{self.status.name.lower()}: {self.message}",
-            "error estimate": f"{self.error_estimate:.1e}",
-        }
-        rows = "".join(f"<tr><td>{name}</td><td>{v}</td></tr>" for name, v in figures.items())
-        return f"<table>{rows}</table>"
+        return html_table(
+            {
+                "law": self.law.described,
+                "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
+                "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
+                "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
+                "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
+                "status": f"{self.status.name.lower()}: {self.message}",
+                "error estimate": f"{self.error_estimate:.1e}",
+            }
+        )
 
 
 @dataclass(frozen=True)

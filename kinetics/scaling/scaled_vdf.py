@@ -27,7 +27,7 @@ from kinetics.validation import (
     refuse,
     whole_number,
 )
-from kinetics.values import Value
+from kinetics.values import Value, html_table
 
 _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
 _TAIL_POINTS = 9
@@ -186,15 +186,15 @@ class ScaledVDF(Value):
         )
 
     def _repr_html_(self) -> str:
-        figures = {
-            "law": self.law.described,
-            "cooling rate h": f"{self.cooling_rate:.12g}",
-            "a2": f"{self.a2:.12g}",
-            "status": self.status.name.lower(),
-            "error estimate": f"{self.error_estimate:.1e}",
-        }
-        rows = "".join(f"<tr><td>{name}</td><td>{v}</td></tr>" for name, v in figures.items())
-        return f"<table>{rows}</table>"
+        return html_table(
+            {
+                "law": self.law.described,
+                "cooling rate h": f"{self.cooling_rate:.12g}",
+                "a2": f"{self.a2:.12g}",
+                "status": self.status.name.lower(),
+                "error estimate": f"{self.error_estimate:.1e}",
+            }
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         # with what has been solved: a copy in another process need not solve it again

@@ -17,6 +17,7 @@ def test_every_example_is_tested() -> None:
         "cooling_rate.py",
         "localisation.py",
         "overview.py",
+        "percolation.py",
         "sonine_convergence.py",
         "spheres.py",
     }
@@ -105,6 +106,23 @@ def test_spheres_example(tmp_path: Path) -> None:
         assert abs(value - exact) < 4 * error + (0.01 * exact if name == "events" else 0.0)
     result["draw"](str(tmp_path / "figure.png"))
     assert (tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_percolation_example() -> None:
+    result = runpy.run_path(str(ROOT / "examples" / "percolation.py"))
+    unit = np.sqrt(9.81 / (np.pi * 3e-3**2 * 7.4e5))  # sqrt(g l)
+    assert result["VELOCITY"] == pytest.approx(result["STATE"].drift * unit, rel=1e-12)
+    assert result["SOLVER_ERROR"] < 1e-8 < result["MEASUREMENT_ERROR"] < 0.03
+    value, error = result["PARTICLE_VELOCITY"]
+    assert abs(value - result["VELOCITY"]) < 4 * error < 0.03
+    # from rest the velocity comes close to its limit and stays there
+    late = result["EARLY"] > result["REACHED"]
+    assert late.sum() > 100
+    assert np.all(abs(result["EARLY_VELOCITY"][late] / result["VELOCITY"] - 1) <= 0.01)
+    assert result["FALL_DEPTH"][0] == pytest.approx(1.0, rel=1e-3)
+    value, error = result["PARTICLE_DEPTH"]
+    assert abs(value - 1.0) < 4 * error < 0.01
+    assert result["PARTICLE_SPREAD"] == pytest.approx(result["SPREAD"][0], rel=0.03)
 
 
 def test_localisation_example(tmp_path: Path) -> None:
