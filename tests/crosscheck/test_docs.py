@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "examples" / "docs"
-SLOW = ("tutorials/data.md", "tutorials/field.md")  # run when the pages are built, too
+SLOW = ("how-to.md", "tutorials/data.md", "tutorials/field.md")  # run when the pages are built, too
 
 _spec = importlib.util.spec_from_file_location("cells", DOCS / "_ext" / "cells.py")
 assert _spec is not None
