@@ -13,7 +13,9 @@ from kinetics.crosscheck.report.templates import environment
 from kinetics.crosscheck.text_tables import aligned
 from kinetics.crosscheck.verdicts import EXPLAINED, WORDS
 
-DENSE_FIGURES = ("density-drift", "trajectories", "density-trapped", "density-captures")
+TOP_FIGURES = ("drift", "trajectories")
+"""The figures beside the findings; the first is the main one."""
+DENSE_FIGURES = ("density-drift", "density-trapped", "density-captures")
 """The figures of the section on hard disks, in its order."""
 
 
@@ -28,6 +30,7 @@ def render_field(document: Mapping[str, Any]) -> str:
             svgs={name: Markup(svg(name, data)) for name, data in figures.items()},
             matrices=[(SCATTERERS[d], matrix(document, d)) for d in _dimensions(document)],
             names=SCATTERERS,
+            top_figures=[name for name in TOP_FIGURES if name in figures],
             dense_figures=[name for name in DENSE_FIGURES if name in figures],
             restitutions=columns(document),
             observables=OBSERVABLES,
