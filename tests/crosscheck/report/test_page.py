@@ -367,7 +367,8 @@ def test_findings_are_paragraphs_with_their_numbers(document: dict[str, Any]) ->
     assert "free path 1.000 ± 0.010, thermal speed 1.000 ± 0.010, ⟨r²⟩ 1.000 ± 0.010; 1" in density
     assert cap.endswith("The most that any had is 40; the cap would have cut none.")
     assert "1.340 ± 0.013; Boltzmann-Grad particles, at the same times, 1.340 ± 0.013;" in rate
-    assert rate.endswith("the exact scaling state has 1.3333.")
+    assert "the kinetic equation, at the same times too, 1.3333;" in rate
+    assert rate.endswith("the exact scaling state, later than all of them, has 1.3333.")
 
 
 def test_the_summary_counts_what_agrees(document: dict[str, Any]) -> None:
