@@ -45,9 +45,7 @@ def test_a_slide_takes_its_time_and_ends_at_two_thirds_of_its_height() -> None:
         passed = quad(lambda a: 1 / np.sqrt(2 * (k - np.cos(a))), start, angle, epsabs=1e-13)[0]
         assert passed == pytest.approx(elapsed, abs=1e-11)
     # Without friction the energy stays, also after leaving.
-    np.testing.assert_allclose(
-        (velocity**2).sum(axis=1) / 2 - place[:, 0], k, rtol=1e-12
-    )
+    np.testing.assert_allclose((velocity**2).sum(axis=1) / 2 - place[:, 0], k, rtol=1e-12)
     assert run.statuses.finished == 1
     assert run.collision_total == 1
 
@@ -99,9 +97,7 @@ def test_a_corner_that_the_field_lets_it_out_of_is_left() -> None:
 
 
 def test_with_tangential_friction_it_rests_where_it_would_slide() -> None:
-    run = fall_on(
-        np.array([1.5, -0.2]), 0.0, np.array([5.0]), tangential_restitution=0.5
-    )
+    run = fall_on(np.array([1.5, -0.2]), 0.0, np.array([5.0]), tangential_restitution=0.5)
     assert run.statuses.trapped == 1
     place = run.statuses.trap_places[0] - [1.5, -0.2]
     assert np.hypot(*place) == pytest.approx(1.0, rel=1e-14)
