@@ -17,7 +17,7 @@ def require_writable_folder(folder: Path) -> None:
     if not folder.exists() and not folder.is_symlink():
         existing = folder.parent
         if not existing.exists() and not existing.is_symlink():
-            raise ValueError(_missing(existing))
+            raise ValueError(_missing(folder, existing))
     try:
         with tempfile.TemporaryFile(dir=existing):
             pass
@@ -31,12 +31,15 @@ def require_writable_folder(folder: Path) -> None:
 def require_folder_of(file: Path) -> None:
     """Raise ValueError unless this file could be made in its folder, which must be there."""
     if not file.parent.exists():
-        raise ValueError(_missing(file.parent))
+        raise ValueError(_missing(file, file.parent))
     require_writable_folder(file.parent)
 
 
-def _missing(folder: Path) -> str:
-    return f"output folder {str(folder)!r} does not exist; make it first: mkdir -p {folder}"
+def _missing(asked: Path, folder: Path) -> str:
+    return (
+        f"output {str(asked)!r} cannot be written: its folder does not exist; make it first: "
+        f"mkdir -p {folder}"
+    )
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:

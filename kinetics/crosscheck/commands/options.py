@@ -43,7 +43,7 @@ def _numbers(part: str) -> tuple[float, ...]:
     if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= MOST_NUMBERS):
         raise ValueError(part)
     inner = (low * (high / low) ** (k / (n - 1)) for k in range(1, n - 1))
-    return (low, *(float(f"{x:.15g}") for x in inner), high)
+    return (low, *(float(f"{x:.14g}") for x in inner), high)
 
 
 restitution_option = click.option(
