@@ -26,6 +26,7 @@ from particles.kernel.columns import (
     TRAVELLED,
 )
 from particles.media import Medium
+from particles.tables import Tables
 from particles.values import Value, frozen
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Value):
+class Ensemble(FieldEstimates, Tables, Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
