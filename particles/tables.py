@@ -1,4 +1,4 @@
-"""An Ensemble as plots, data frames and datasets: every estimate with its standard error.
+"""An Ensemble as plots, pictures, data frames and datasets, each estimate with its error.
 
 pandas, xarray and matplotlib are imported when they are asked for.
 """
@@ -18,6 +18,8 @@ from particles.kernel.columns import HISTOGRAMS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from particles.trajectories import Trajectory
 
 UNITS = {
     "thermal_speed": ("U", "sqrt(<v^2>)", "v₀"),
@@ -89,6 +91,25 @@ class Tables:
         else:
             _draw_estimate(ax, found, name, self.plan.times)
         return ax
+
+    def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
+        """Return the paths of the first tracers of a configuration, made again to the same bits.
+
+        tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
+        particles.trajectories.trajectories. Raises ValueError for one out of range.
+        """
+        from particles.trajectories import trajectories
+
+        return trajectories(self.plan, tracers, **which)
+
+    def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
+        """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
+
+        which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
+        """
+        from particles.pictures import plot_trajectories
+
+        return plot_trajectories(self.plan, tracers, **which)
 
     def to_dataframe(self, name: str | None = None) -> Any:
         """Return a pandas DataFrame with a row for each time: each estimate and its error.
@@ -244,9 +265,9 @@ def _draw_histogram(ax: "Axes", found: Histogram, name: str, times: np.ndarray) 
     shown = np.unique(np.linspace(0, n - 1, min(n, _MOST_LINES)).round().astype(int))
     colours = colormaps["viridis"](np.linspace(0.0, 0.9, shown.size))
     for k, colour in zip(shown, colours, strict=True):
-        label = f"t = {times[k]:.4g} d/U" if n == times.size and n > 1 else None
+        label = f"t = {_written(times[k])} d/U" if n == times.size and n > 1 else None
         filled = np.where(density[k] > 0.0, density[k], np.nan)
-        ax.stairs(filled, found.edges, color=colour, label=label)
+        ax.stairs(filled, found.edges, baseline=None, color=colour, label=label)
     if shown.size > 1:
         ax.legend()
     counted = np.nonzero(np.any(density > 0.0, axis=0))[0]
@@ -257,6 +278,12 @@ def _draw_histogram(ax: "Axes", found: Histogram, name: str, times: np.ndarray) 
 
 def _spans_decades(values: np.ndarray) -> bool:
     return bool(values.size > 1 and 0.0 < values.min() * _DECADES < values.max())
+
+
+def _written(number: float) -> str:
+    """A number as it is written in plain text: 0.0123, 1e6, 4.5e-7."""
+    mantissa, _, exponent = f"{number:.4g}".partition("e")
+    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 
 def _raised(unit: str) -> str:

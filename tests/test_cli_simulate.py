@@ -52,6 +52,7 @@ RUN = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
 def test_a_killed_run_is_resumed_to_the_same_bits(tmp_path: Path) -> None:
     command = [sys.executable, *RUN, "--output"]

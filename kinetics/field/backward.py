@@ -30,7 +30,6 @@ from kinetics.numerics import FloatArray
 _RATIO = 3.0  # of the ends of a panel
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 _STEEPEST = 30.0  # averages change no faster than v^30
-_STABLE = (3.0, 0.0)  # how the last harmonics are continued, see `ladder.continuation`
 
 # Observables of family 0, even across the field, and of family 1. The displacements come last in
 # each, in the order in which one is a source of the next.
@@ -153,7 +152,7 @@ class BackwardField:
             Elimination(
                 self._chains[family],
                 self.collisions,
-                _STABLE,
+                None,
                 sign=-1.0,
                 shift=shift.real if shift.imag == 0.0 else shift,
             )

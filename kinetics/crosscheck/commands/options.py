@@ -11,7 +11,7 @@ MOST_NUMBERS = 100_000  # of one range
 
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
-    "of one component of the initial velocity), times in d/U, densities in d^-2."
+    "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
 )
 
 
@@ -56,7 +56,7 @@ tangential_option = click.option(
     help="What a collision leaves of the tangential velocity, 0 to 1.",
 )
 density_option = click.option(
-    "--number-density", type=float, default=0.04, help="Scatterers per d^2."
+    "--number-density", type=float, default=0.04, help="Scatterers per d^2; in space per d^3."
 )
 times_option = click.option(
     "--times",

@@ -101,7 +101,8 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="HDF5",
-    help="Save here, configuration by configuration.",
+    help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
+    "for other programs, written at the end.",
 )  # fmt: skip
 @click.option(
     "--picture", type=click.Path(path_type=Path), metavar="FILE",
@@ -118,6 +119,7 @@ def simulate(
     number_density: float,
     times: tuple[float, ...],
     observables: str,
+    output: Path | None,
     as_json: bool,
     **arguments: Any,
 ) -> None:
@@ -131,31 +133,32 @@ def simulate(
 
     times = times_until(times, until)
     check_files()
+    for_others = output is not None and output.suffix.lower() == ".h5md"
+    names = names_in(observables)
+    if for_others and output is not None:
+        names = _for_h5md(output, names, arguments)
     described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
 
     def show(done: int, total: int) -> None:
         bar.update(done - bar.n)
 
-    with (
-        saying_how_to_go_on(),
-        tqdm(
-            total=arguments["media"],
-            desc="configurations",
-            file=sys.stderr,
-            disable=None,
-            leave=False,
-        ) as bar,
-    ):
+    bar = tqdm(
+        total=arguments["media"], desc="configurations", file=sys.stderr, disable=None, leave=False
+    )
+    with saying_how_to_go_on(), bar:
         run = particles.simulate(
             scatterers,
             times=times or None,
-            observables=names_in(observables) or None,
+            observables=names or None,
+            output=None if for_others else output,
             progress=show,
             **arguments,
         )
     if picture is not None:
         write_picture(run, picture)
+    if for_others and output is not None:
+        run.write_h5md(output)
     ends = {name: getattr(run.statuses, name) for name in _ENDS}
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
@@ -182,6 +185,17 @@ def simulate(
     else:
         click.echo(_table(run))
         click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends.items()))
+
+
+def _for_h5md(output: Path, names: tuple[str, ...], arguments: dict[str, Any]) -> tuple[str, ...]:
+    """The observables, with those of an H5MD file. ValueError where it cannot be written."""
+    if arguments["resume"]:
+        raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
+    if output.exists():
+        raise ValueError(f"output = {str(output)!r}: exists")
+    if not output.absolute().parent.is_dir():
+        raise ValueError(f"output = {str(output)!r}: its folder does not exist")
+    return tuple(dict.fromkeys((*names, "positions", "velocities")))
 
 
 def make_medium(

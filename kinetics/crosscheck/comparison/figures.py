@@ -6,7 +6,13 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.result import OBSERVABLES
-from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved, system_of
+from kinetics.crosscheck.comparison.theory import (
+    DISPLACEMENT,
+    SPEED,
+    average_of,
+    solved_averages,
+    system_of,
+)
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.templates import paragraphs
 
@@ -26,9 +32,9 @@ def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
     later = both.sample.times[both.sample.times > 0]
     if later.size and both.names:
         times = np.geomspace(later[0], later[-1], _POINTS) if later.size > 1 else later
-        theory = solved(system_of(both.solution), times, both.names, RTOL)
+        theory = solved_averages(system_of(both.solution), times, both.names)
         for i, name in enumerate(both.names):
-            line = np.asarray(getattr(theory, name))
+            line = average_of(theory, name)
             figures[name.replace("_", "-")] = _over_time(both, i, (times, line), explained)
     if np.any(both.usable & (both.sample.times > 0)):
         figures["sigmas"] = _sigmas(both)

@@ -147,7 +147,8 @@ def tables(result: Comparison) -> str:
     parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
     told = [_wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
     told.append(f"start: {result.initial}")
-    told.append(f"errors: from {result.groups} groups, by {result.grouping}")
+    made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
+    told.append(f"errors: {made}")
     parts.append("\n".join(told))
     names: tuple[str, ...] = (
         "observable", "time", "chi_square", "dof", "p_value", "within", "verdict",

@@ -46,6 +46,21 @@ OBSERVABLES = {
         "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "kurtosis of r", "Kurtosis of the displacement",
         r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear",
     ),
+    "drift": Observable(
+        "Drift ⟨v_x⟩ / U, along the field", "⟨v_x⟩", "Drift", r"$\langle v_x\rangle$", "U", "linear"
+    ),
+    "mean_displacement": Observable(
+        "Mean displacement ⟨x⟩ / d, along the field", "⟨x⟩", "Mean displacement",
+        r"$\langle x\rangle$", "d", "log",
+    ),
+    "dispersion_parallel": Observable(
+        "Variance of the displacement along the field / d²", "var x", "Variance along the field",
+        r"var $x$", "d²", "log",
+    ),
+    "dispersion_perpendicular": Observable(
+        "Variance of the displacement across the field / d²", "var y", "Variance across the field",
+        r"var $y$", "d²", "log",
+    ),
     "speed_density": Observable(
         "Speed density, mean over a bin / U⁻¹", "speed density", "speed", "speed $v$", "U", "log"
     ),

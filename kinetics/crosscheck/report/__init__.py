@@ -13,4 +13,8 @@ Begin with `report.py`, which calls the others in this order:
 - `questions`: the claims of the paper as questions, answered with these numbers
 - `figure_lines`, `all_figures`, `scan_figures`: the data of each figure; `figures`: draws them
 - `templates`, `page`: sentences and the HTML page, whose prose stands in `../templates`
+
+The report of tracers in a uniform field (`lorentz report --field`) has files of its own, of which
+`field_report.py` comes first: `field_settings`, `field_runs`, `field_limits`, `field_rows`,
+`field_figures`, `field_drawing`, `field_page` and `field_command`.
 """

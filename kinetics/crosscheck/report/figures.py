@@ -54,6 +54,12 @@ STROKES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("solver", "same bands"), _CROSS),
     **dict.fromkeys(("Boltzmann-Grad", "data"), _DOT),
     **dict.fromkeys(("hard disks", "hard spheres"), _SQUARE),
+    **dict.fromkeys(("dilute equation", "path of the medium"), _THIN),
+    "leading order": _DASHED,
+    "first order": _DOTTED,
+    "fitted second order": _SOLID,
+    "particles": _DOT,
+    "all remembered": _SQUARE,
     "limit": {"marker": "D", "markersize": 4.2, **_BARS},
     "exact limit": {**_DOTTED, "linewidth": 1.1},
     "zero": {"linestyle": "-", "linewidth": 0.8},  # a guide to the eye, not in the legend
@@ -187,7 +193,7 @@ def svg(name: str, data: FigureData) -> str:
     Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
     is the title and description of the data, and the same data give the same text.
     """
-    return _embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
+    return embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
 
 
 def figure_file(name: str, data: FigureData, kind: str) -> bytes:
@@ -241,7 +247,7 @@ def _power_of_ten(value: float, position: int | None = None) -> str:
     return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _embeddable(text: str, name: str, title: str, description: str) -> str:
+def embeddable(text: str, name: str, title: str, description: str) -> str:
     """Matplotlib's file as an element: own ids, own colours, no metadata, a text alternative."""
     prefix = f"fig-{name}-"
     text = text[text.index("<svg") :]

@@ -17,6 +17,7 @@ from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.density_part import add_density_part, gather_density_part
 from kinetics.crosscheck.report.dimensions import both_dimensions
 from kinetics.crosscheck.report.figures import figure_file
 from kinetics.crosscheck.report.observables import contact_value
@@ -49,9 +50,11 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
-        scans, dimensions = None, []
+        scans, density, dimensions = None, None, []
         if settings.is_papers_law:
             scans = gather_scans(cases, settings, tell)
+            tell("finite density")
+            density = gather_density_part(cases, scans, settings)
         else:
             dimensions = both_dimensions(cases, settings, tell)
         tell("comparing")
@@ -59,13 +62,14 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         tell("derivations")
         checks = printed_rows(algebra)
     document = build_document(settings, cases, scans, rows, checks)
+    document = add_density_part(document, density, cases)
     return document | plain({"dimensions": dimensions}) if dimensions else document
 
 
 def stages(settings: ReportSettings) -> int:
     """How often `make_report` and `write_report` together report progress."""
     each = 3 if settings.is_papers_law else 4
-    return each * len(settings.restitutions) + (5 if settings.is_papers_law else 3)
+    return each * len(settings.restitutions) + (6 if settings.is_papers_law else 3)
 
 
 def write_report(

@@ -45,8 +45,15 @@ def densities(result: Comparison) -> list[Explanation]:
     return [item for item in result.explanations if item.name == "finite density"]
 
 
-@pytest.mark.parametrize("e", [0.7, 0.9])
-@pytest.mark.parametrize("scatterers", ["hard disks", "overlapping"])
+@pytest.mark.parametrize(
+    ("scatterers", "e"),
+    [
+        ("hard disks", 0.7),
+        ("overlapping", 0.9),
+        pytest.param("hard disks", 0.9, marks=pytest.mark.slow),
+        pytest.param("overlapping", 0.7, marks=pytest.mark.slow),
+    ],
+)
 def test_the_density_is_the_headline(scatterers: str, e: float) -> None:
     result = compare_sample(sample_of(scatterers, e))
     assert result.verdict == "differs"
@@ -81,7 +88,7 @@ def test_the_text_says_what_is_known_of_the_theory() -> None:
     assert "up to n" not in text
 
 
-@pytest.mark.parametrize("e", [0.7, 0.9])
+@pytest.mark.parametrize("e", [0.7, pytest.param(0.9, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("wrong", ["density", "restitution", "nothing"])
 def test_independent_flights_are_not_explained_by_a_density(e: float, wrong: str) -> None:
     density = 1.05 * DENSITY if wrong == "density" else DENSITY
