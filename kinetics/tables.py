@@ -201,7 +201,7 @@ class Tabular:
         each point. Units and the attributes of the result are in ``frame.attrs``. ``points``: as
         of :meth:`to_xarray`. Raises InputError without pandas, or for a name that is not there.
         """
-        pandas = _import("pandas", "to_dataframe", "pandas")
+        pandas = optional("pandas", "to_dataframe")
         table = self._table_at(name or ROWS, points)
         frame = pandas.DataFrame(table.columns(name))
         parts = [part for one in table.quantities for part in one.real()]
@@ -216,7 +216,7 @@ class Tabular:
         scaled_radii and wave_numbers; for others see there. Complex quantities are split into
         ``_real`` and ``_imag``, so that ``to_netcdf`` takes them. Raises InputError without xarray.
         """
-        xarray = _import("xarray", "to_xarray", "xarray")
+        xarray = optional("xarray", "to_xarray")
         table = self._table_at(None, points)
         used = {d for one in table.quantities for d in one.dims}
         variables = {
@@ -307,14 +307,14 @@ def _described(one: Quantity) -> dict[str, str]:
     return {"units": one.units, "long_name": one.long_name}
 
 
-def _import(module: str, what: str, extra: str) -> Any:
-    """A package that is no dependency; InputError that says how to get it where it is absent."""
+def optional(module: str, what: str) -> Any:
+    """A package that an extra of its name brings; InputError says so where it is absent."""
     from importlib import import_module
 
     try:
         return import_module(module)
     except ImportError:
-        how = f"python -m pip install 'inelastic-lorentz[{extra}]'"
+        how = f"python -m pip install 'inelastic-lorentz[{module}]'"
         raise InputError(f"{what}: needs {module}, which is not installed: {how}") from None
 
 

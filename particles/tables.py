@@ -30,6 +30,8 @@ UNITS = {
     "velocity_autocorrelation": ("U^2", "<v(t).v(0)>", "⟨v(0)·v⟩"),
     "mean_free_path": ("d", "path per collision", "l"),
     "drift": ("U", "<v_x>", "⟨v_x⟩"),
+    "drift_of_moving": ("U", "<v_x> of the tracers that are not trapped", "⟨v_x⟩"),
+    "trapped_fraction": ("1", "share of the tracers that are trapped", "trapped"),
     "mean_velocity": ("U", "<v>", "⟨v⟩"),
     "velocity_tensor": ("U^2", "<v_i v_j>", "⟨v v⟩"),
     "mean_displacement": ("d", "<r>", "⟨r⟩"),
