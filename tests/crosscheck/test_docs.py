@@ -2,13 +2,14 @@
 
 import importlib.util
 import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "examples" / "docs"
-SLOW = ("tutorials/data.md", "tutorials/field.md")  # run when the pages are built, too
+SLOW = ("how-to.md", "tutorials/data.md", "tutorials/field.md")  # run when the pages are built, too
 
 _spec = importlib.util.spec_from_file_location("cells", DOCS / "_ext" / "cells.py")
 assert _spec is not None
@@ -72,3 +73,17 @@ def test_every_file_that_a_page_names_exists() -> None:
         text = (ROOT / name).read_text(encoding="utf-8")
         for path in re.findall(r"`((?:examples|kinetics|tests|particles)/[\w./]+)`", text):
             assert (ROOT / path).exists(), f"{name}: {path}"
+
+
+def test_the_commands_of_the_pages_have_the_options_that_they_use() -> None:
+    from kinetics.cli import cli
+
+    found = 0
+    for name in PAGES:
+        for block in re.findall(r"```sh\n(.*?)```", (DOCS / name).read_text("utf-8"), re.DOTALL):
+            for line in block.splitlines():
+                words = shlex.split(line)
+                if words[0] == "lorentz":
+                    cli.commands[words[1]].make_context(words[1], words[2:])
+                    found += 1
+    assert found >= 8

@@ -159,32 +159,39 @@ def simulate(
         write_picture(run, picture)
     if for_others and output is not None:
         run.write_h5md(output)
-    ends = {name: getattr(run.statuses, name) for name in _ENDS}
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
-        estimates = ["mean_free_path", *_ESTIMATES]
-        if run.field:
-            estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
-            estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
-        if run.plan.depth is not None:
-            estimates += ["passed", "mean_passage_time"]
-        print_json(
-            {
-                "medium": kind,
-                "restitution": run.restitution,
-                "tangential_restitution": run.tangential_restitution,
-                "number_density": run.number_density,
-                "field": run.field,
-                "dimension": run.medium.dimension,
-                **{name: arguments[name] for name in _ARGUMENTS},
-                "statuses": ends,
-                **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
-                **{name: _value_and_error(getattr(run, name)) for name in estimates},
-            }
-        )
+        print_json(_document(run, kind, arguments))
     else:
         click.echo(_table(run))
-        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends.items()))
+        ends = _ends_of(run).items()
+        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends))
+
+
+def _ends_of(run: Ensemble) -> dict[str, int]:
+    return {name: getattr(run.statuses, name) for name in _ENDS}
+
+
+def _document(run: Ensemble, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    """What --json prints; kind: of the medium, arguments: those of `simulate`."""
+    estimates = ["mean_free_path", *_ESTIMATES]
+    if run.field:
+        estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
+        estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
+    if run.plan.depth is not None:
+        estimates += ["passed", "mean_passage_time"]
+    return {
+        "medium": kind,
+        "restitution": run.restitution,
+        "tangential_restitution": run.tangential_restitution,
+        "number_density": run.number_density,
+        "field": run.field,
+        "dimension": run.medium.dimension,
+        **{name: arguments[name] for name in _ARGUMENTS},
+        "statuses": _ends_of(run),
+        **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
+        **{name: _value_and_error(getattr(run, name)) for name in estimates},
+    }
 
 
 def _for_h5md(output: Path, names: tuple[str, ...], arguments: dict[str, Any]) -> tuple[str, ...]:

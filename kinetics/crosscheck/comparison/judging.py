@@ -205,7 +205,7 @@ def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
                 verdict = Verdict.AGREES if same else Verdict.DIFFERS
             yield ComparisonRow(
                 name, float(sample.times[k]), value, error, theory, sigmas, verdict, corrected,
-                int(sample.samples[k]),
+                0 if sample.tabulated else int(sample.samples[k]),
             )  # fmt: skip
     for name in both.densities:
         mine = [histogram for histogram in both.histograms if histogram.name == name]

@@ -24,7 +24,7 @@ from kinetics.crosscheck.comparison.fit import (
 )
 from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
-from kinetics.crosscheck.comparison.sample import R2, N, Sample
+from kinetics.crosscheck.comparison.sample import R2, X2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
     AVERAGES,
@@ -79,9 +79,7 @@ def compare_data(
     field: float = 0.0,
     show_progress: bool = False,
 ) -> Comparison:
-    """Compare particle data with the kinetic equation, as `lorentz compare` does.
-
-    It is also `kinetics.compare`.
+    """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
     Parameters
     ----------
@@ -108,10 +106,7 @@ def compare_data(
     InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
         cannot tell what was not given
     """
-    if number_density is not None:
-        number_density = check_positive("number_density", number_density)
-    sources = _sources(data)
-    if sources is not None:
+    if (sources := _sources(data)) is not None:
         from kinetics.crosscheck.comparison.data.read import read_sample
 
         data = read_sample(
@@ -153,6 +148,8 @@ def _with_law(
     if field:
         allowed = "it must be a finite number, 0 or more: the field is along +x"
         law = replace(law, field=real_number("field", field, 0.0, allowed=allowed))
+        if sample.sums.shape[2] <= X2:
+            refuse("field", field, "the run is one without a field")
     return replace(sample, law=law)
 
 
@@ -177,6 +174,7 @@ def in_diameters(number_density: float, diameter: float, dimension: int = 2) -> 
 
     InputError where it is beyond double precision.
     """
+    number_density = check_positive("number_density", number_density)
     found = number_density * diameter * diameter
     if dimension == 3:
         found *= diameter
@@ -266,8 +264,10 @@ def _start(sample: Sample, initial: str) -> Any:
 def gaussian_p_value(sample: Sample) -> float:
     """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4.
 
-    In space 3 U^2 and 15 U^4.
+    In space 3 U^2 and 15 U^4. 0 where all speeds are the same.
     """
+    if sample.start is not None and sample.start.squares.size < 2:
+        return 0.0
     expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
     data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])

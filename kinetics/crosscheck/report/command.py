@@ -115,3 +115,4 @@ def report(
         if document.get("dimensions"):
             click.echo(f"\n{dimension_table(document)}")
         click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+        click.echo(document["headline"]["line"])

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from kinetics.collision.medium import HIGHEST_DENSITY, SETTLED
+from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.density_levels import (
     DILUTE,
@@ -79,5 +80,5 @@ def _text(part: DensityPart, cases: Sequence[Case]) -> list[str]:
 
 def _percent(value: Any, error: Any = None) -> str:
     """A ratio less 1, in per cent, with its standard error if it has one."""
-    text = f"{100.0 * float(value):+.1f}"
+    text = numeral(100.0 * float(value), "+.1f")
     return f"{text} %" if error is None else f"{text} ± {100.0 * float(error):.1f} %"

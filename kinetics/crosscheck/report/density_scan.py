@@ -26,7 +26,7 @@ MEMORIES = (0, 1, 2, 3, 5, 10)
 """Collisions that the tracers of the second figure remember."""
 EVERYTHING = 1000
 """More collisions than a tracer makes."""
-CURVE_POINTS = 12
+CURVE_POINTS = 8
 SHORT = {"hard disks": "hard", "overlapping": "overlapping"}
 """The media as the legend says them, which has the points of hard disks under their full name."""
 CURVES = {"hard disks": (PATH, LEADING, FIRST, FITTED), "overlapping": (LEADING, FIRST, FITTED)}
@@ -122,9 +122,9 @@ def _curve(
     """One level over the dilute equation, at the same d rho0 t."""
     e, ratios = case.restitution, []
     for n in densities.tolist():
-        times = case.times[-1:] * (settings.number_density / n)
-        both = [solution(e, n, times, ("msd",), one, medium).msd[-1] for one in (level, DILUTE)]
-        ratios.append(both[0] / both[1])
+        stretch = settings.number_density / n
+        found = solution(e, n, case.times[-1:] * stretch, ("msd",), level, medium)
+        ratios.append(found.msd[-1] / (case.kinetic.msd[-1] * stretch**2))
     return np.array(ratios)
 
 
@@ -143,7 +143,7 @@ def figures(scan: ReturnScan) -> dict[str, Data]:
     error = float(scan.all_remembered.error)
     beyond = 1.1 * ends[-1] + 1.0
     memory = [
-        series("dilute equation", [0.0, beyond], [1.0, 1.0]),
+        series(DILUTE, [0.0, beyond], [1.0, 1.0]),
         series(FITTED, [0.0, beyond], [scan.expected] * 2),
         series("particles", scan.memories, known.value, known.error),
         series("all remembered", beyond, everything, error),

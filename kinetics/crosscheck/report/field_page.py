@@ -12,6 +12,9 @@ from kinetics.crosscheck.report.page import deviation
 from kinetics.crosscheck.report.templates import environment
 from kinetics.crosscheck.text_tables import aligned
 
+DENSE_FIGURES = ("density-drift", "trajectories", "density-trapped", "density-captures")
+"""The figures of the section on hard disks, in its order."""
+
 
 def render_field(document: Mapping[str, Any]) -> str:
     """The page. Every text of the document is escaped."""
@@ -24,6 +27,7 @@ def render_field(document: Mapping[str, Any]) -> str:
             svgs={name: Markup(svg(name, data)) for name, data in figures.items()},
             matrices=[(SCATTERERS[d], matrix(document, d)) for d in _dimensions(document)],
             names=SCATTERERS,
+            dense_figures=[name for name in DENSE_FIGURES if name in figures],
             restitutions=columns(document),
             observables=OBSERVABLES,
             deviation=deviation,

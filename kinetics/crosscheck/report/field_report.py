@@ -14,6 +14,14 @@ import numpy as np
 
 from kinetics import __version__
 from kinetics.crosscheck.files import write_together
+from kinetics.crosscheck.report.field_density import (
+    DensityCase,
+    Trajectories,
+    density_case,
+    density_row,
+    trajectories,
+)
+from kinetics.crosscheck.report.field_density_figures import density_figures
 from kinetics.crosscheck.report.field_drawing import drawn
 from kinetics.crosscheck.report.field_figures import field_figures
 from kinetics.crosscheck.report.field_limits import drift_constant, drift_near_elastic
@@ -39,6 +47,8 @@ from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
 
 SCHEMA = "inelastic-lorentz/field-report/1"
+PICTURE_RESTITUTION = 0.5
+"""Of the trajectories that are drawn."""
 CLOSE = 0.01
 """The drift is reached when the mean velocity stays as close to it as this, relative to it."""
 
@@ -60,12 +70,18 @@ def make_field_report(settings: FieldSettings, tell: Callable[[str], None]) -> D
         for e in settings.followed:
             tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
             approach.append(approach_case(e, d, settings))
-    return build_document(settings, lines, steady, approach)
+    dense = []
+    for e in settings.dense if settings.has_disks else ():
+        tell(f"hard disks, e = {e:g}")
+        dense.append(density_case(e, settings))
+    picture = trajectories(PICTURE_RESTITUTION) if dense else None
+    return build_document(settings, lines, steady, approach, dense, picture)
 
 
 def stages(settings: FieldSettings) -> int:
     """How often `make_field_report` reports progress."""
-    return len(settings.dimensions) * (1 + len(settings.restitutions) + len(settings.followed))
+    each = 1 + len(settings.restitutions) + len(settings.followed)
+    return len(settings.dimensions) * each + settings.has_disks * len(settings.dense)
 
 
 def write_field_report(document: Document, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
@@ -88,15 +104,20 @@ def build_document(
     lines: list[SteadyLine],
     steady: list[SteadyCase],
     approach: list[ApproachCase],
+    dense: list[DensityCase],
+    picture: Trajectories | None,
 ) -> Document:
-    """The tree of plain data that both files are made from."""
-    rows = all_rows(steady, approach)
+    """The tree of plain data that both files are made from; a picture where there are disks."""
+    rows = all_rows(steady, approach) + [FieldRow(2, density_row(case)) for case in dense]
+    figures = field_figures(steady, lines, approach)
+    if picture is not None:
+        figures |= density_figures(dense, picture)
     compared = sum(item.row.kind == "statistical" for item in rows)
     document: Document = plain(
         {
             "schema": SCHEMA,
             "title": _sentences("title")[0],
-            "findings": findings(lines, steady, approach, rows),
+            "findings": findings(lines, approach, dense, rows),
             "units": _sentences("units")[0],
             "software": _versions(),
             "settings": settings.described(),
@@ -115,7 +136,8 @@ def build_document(
             "lines": [asdict(line) for line in lines],
             "steady": [_steady(case) for case in steady],
             "approach": [_approach(case) for case in approach],
-            "figures": field_figures(steady, lines, approach),
+            "dense": [asdict(case) for case in dense],
+            "figures": figures,
         }
     )
     return document
@@ -155,8 +177,8 @@ def _approach(case: ApproachCase) -> dict[str, Any]:
 
 def findings(
     lines: list[SteadyLine],
-    steady: list[SteadyCase],
     approach: list[ApproachCase],
+    dense: list[DensityCase],
     rows: list[FieldRow],
 ) -> list[str]:
     """What was found, one paragraph each, with numbers."""
@@ -181,6 +203,8 @@ def findings(
         drift_errors=[100 * float(row.error or 0) / row.theory for row in drifts],
         approach=[_overshoot(case) for case in approach],
         close=100 * CLOSE,
+        dense=[_dense_in_words(case) for case in dense],
+        densities=dense[0].densities.tolist() if dense else [],
     )
 
 
@@ -199,6 +223,18 @@ def _in_words(line: SteadyLine) -> dict[str, Any]:
         "nearly_elastic": NEARLY_ELASTIC,
         "law_misses": 100 * abs(float(drift_near_elastic(NEARLY_ELASTIC, d)) / nearly - 1),
         "ratios": (float(ratio.min()), float(ratio.max())),
+    }
+
+
+def _dense_in_words(case: DensityCase) -> dict[str, Any]:
+    """What a sentence says of the highest density, and how far from 1 the lowest still is."""
+    trapped = case.trapped.value[-1]
+    return {
+        "restitution": case.restitution,
+        "slower": 100 * (1 - float(case.drift.value[-1])),
+        "alone": 100 * (1 - float(case.path_alone[-1])),
+        "trapped": 100 * float(trapped[-1]),
+        "until": float(case.times[-1]),
     }
 
 

@@ -38,10 +38,13 @@ OBSERVABLES = {
     "direction": Names("Balance of the speed: ⟨cos φ⟩ / λ(1)⟨v²⟩ = 1", "⟨cos φ⟩"),
     "logarithm": Names("Balance of ln v: ⟨cos φ / v⟩ / κ⟨v⟩ = 1", "ln v"),
     "inverse": Names("Balance of 1/v: ⟨cos φ / v²⟩ / (⟨1/s⟩ − 1) = 1", "1/v"),
+    "drift_among_disks": Names(
+        "Drift among hard disks as ρ₀ → 0, over that of the equation", "ρ₀ → 0"
+    ),
 }
 """Every observable that a row can have, in the order of the report."""
 AVERAGES = tuple(OBSERVABLES)[:6]
-RELATIONS = tuple(OBSERVABLES)[8:]
+RELATIONS = tuple(OBSERVABLES)[8:14]
 OF_PARTICLES = RELATIONS[:4]
 """The relations whose averages have a finite variance: ⟨1/v²⟩ has none among disks."""
 

@@ -12,7 +12,15 @@ RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 QUICK_RESTITUTIONS = (0.0, 0.5, 0.9)
 _LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
 _QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
-_LEAST = {"groups": 10, "collisions": 1, "most_tracers": 100, "seed": 0}
+DENSITIES = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08)
+_LEAST = {
+    "configurations": 10,
+    "tracers": 2,
+    "groups": 10,
+    "collisions": 1,
+    "most_tracers": 100,
+    "seed": 0,
+}
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,8 @@ class FieldSettings:
         `APPROACH`, or for the first and the last of the restitutions that were asked for
     collisions : about so many in each run, which sets the number of its tracers
     most_tracers : of a run
+    densities, dense : number densities of hard disks, in d^-2, and the restitutions there
+    configurations, tracers : of hard disks, and of tracers in each of them
     groups : independent groups of tracers, behind the errors
     rtol, time_rtol : asked of the solver, for the steady state and over time
     """
@@ -39,6 +49,10 @@ class FieldSettings:
     collisions: int = 8_000_000
     most_tracers: int = 200_000
     groups: int = 100
+    densities: tuple[float, ...] = DENSITIES
+    dense: tuple[float, ...] = (0.5, 0.7, 0.9)
+    configurations: int = 200
+    tracers: int = 60
     rtol: float = 1e-8
     time_rtol: float = 1e-6
     seed: int = 1
@@ -71,6 +85,11 @@ class FieldSettings:
         """The restitutions at which the approach to the steady state is followed."""
         return self.approach or ()
 
+    @property
+    def has_disks(self) -> bool:
+        """Whether tracers fall among hard disks too."""
+        return 2 in self.dimensions and bool(self.dense)
+
     def described(self) -> dict[str, Any]:
         """The settings by name, for the document."""
         return asdict(self)
@@ -83,6 +102,10 @@ class FieldSettings:
             restitutions=few,
             approach=self.followed[:1],
             line=_QUICK_LINE,
+            densities=self.densities[1::2],
+            dense=self.dense[:2],
+            configurations=min(self.configurations, 50),
+            tracers=min(self.tracers, 20),
             collisions=min(self.collisions, 500_000),
             most_tracers=min(self.most_tracers, 10_000),
             rtol=max(self.rtol, 1e-6),

@@ -17,20 +17,33 @@ from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.causes import causes
+from kinetics.crosscheck.report.citations import number_of
+from kinetics.crosscheck.report.claims import claims
 from kinetics.crosscheck.report.density_part import add_density_part, gather_density_part
 from kinetics.crosscheck.report.dimensions import both_dimensions
+from kinetics.crosscheck.report.figure_lines import Results
 from kinetics.crosscheck.report.figures import figure_file
+from kinetics.crosscheck.report.headline import headline
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
+from kinetics.crosscheck.report.picture import picture
 from kinetics.crosscheck.report.questions import all_answers
-from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, relative_error
+from kinetics.crosscheck.report.row import (
+    OBSERVABLES,
+    OVER_TIME,
+    RESCALED,
+    Row,
+    counts,
+    relative_error,
+)
 from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
+from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, WORDS, chance
 
 SCHEMA = "inelastic-lorentz/report/1"
 
@@ -63,6 +76,7 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         checks = printed_rows(algebra)
     document = build_document(settings, cases, scans, rows, checks)
     document = add_density_part(document, density, cases)
+    document["picture"] = picture(settings)
     return document | plain({"dimensions": dimensions}) if dimensions else document
 
 
@@ -102,11 +116,16 @@ def build_document(
     checks: Checks,
 ) -> Document:
     """The tree of plain data that both files are made from."""
+    results = Results(cases, settings)
+    steps = causes(results)
     document: Document = plain(
         {
             "schema": SCHEMA,
             "title": _sentences("title"),
             "summary": _summary(settings, rows, checks),
+            "headline": headline(results, rows, steps, checks),
+            "claims": claims(results),
+            "causes": [asdict(step) for step in steps],
             "answers": all_answers(cases, rows, settings),
             "units": _sentences("units", spheres=settings.dimension == 3),
             "software": _versions(),
@@ -170,7 +189,11 @@ def _summary(settings: ReportSettings, rows: Sequence[Row], checks: Checks) -> s
         checks=checks,
         strict=[r for r in rows if r.kind == "statistical" and r.source == "Boltzmann-Grad"],
         solver=[r for r in rows if r.kind == "numerical"],
-        errata=[check["label"] for check in checks if check["status"] == "erratum"],
+        errata=[
+            number_of(check["label"]) or check["title"]
+            for check in checks
+            if check["status"] == "erratum"
+        ],
     )
 
 
@@ -193,5 +216,6 @@ def _findings(
         most=max(run.most_collisions for run in runs),
         capped=max(run.above_cap for run in runs),
         trapped=any(case.hard.statuses["trapped"] for case in cases),
-        fit=sonine.FITTED_COOLING_FACTOR,
+        fit=sonine.FITTED_COOLING_FACTOR, words=WORDS,
+        shorts={name: names.short for name, names in OBSERVABLES.items()},
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """Files as simulators write them: the same trajectories give the same answer in every format."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ def run() -> Run:
     return run_in(2)
 
 
+@cache
 def run_in(dimension: int) -> Run:
     found = simulate(
         BoltzmannGrad(0.04, dimension=dimension), restitution=0.7, times=TIMES, media=3,
@@ -212,10 +214,16 @@ def _plane(folder: Path) -> Path:
     return folder / "plane.npz"
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "run.npz"])
+@pytest.mark.parametrize(
+    "name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "box.h5md", "run.gsd", "run.npz"]
+)
 def test_wrapped_positions_are_refused(tmp_path: Path, name: str, run: Run) -> None:
     inside = (wrapped(run)[0], run[1])
-    writers = WRITERS | {"run.csv": write_csv}
+    writers = WRITERS | {
+        "run.csv": write_csv,
+        "box.h5md": lambda path, run: write_h5md(path, run, box=True),
+        "run.gsd": lambda path, run: write_gsd(path, run, image=False),
+    }
     writers[name](tmp_path / name, inside)
     with pytest.raises(InputError, match="positions look wrapped at the edges of a box") as caught:
         read_sample([tmp_path / name], timestep=STEP)
@@ -331,6 +339,9 @@ BROKEN = {
     "h5md with a link": (
         h5(lambda g: (g.pop("position"), g.__setitem__("position", h5py.ExternalLink("a", "/b")))),
         "needs one group of particles",
+    ),
+    "h5md with few labels": (
+        h5(lambda g: g.__setitem__("id", np.arange(5))), "one label tracer for each of 300"
     ),
     "h5md cut off": (cut("run.h5md", 50), "is damaged, or not"),
     "arrays of another shape": (

@@ -85,3 +85,6 @@ def test_what_a_field_does_not_allow() -> None:
             data["velocities"] = data["velocities"] * 0 + 1.0
         with pytest.raises(InputError, match=message):
             compare(data, **told)
+    still = simulate(BoltzmannGrad(0.04), 0.7, times=[1.0], media=3, tracers=5, workers=1)
+    with pytest.raises(InputError, match="the run is one without a field"):
+        compare(still, field=0.1)

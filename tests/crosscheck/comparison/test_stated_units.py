@@ -92,4 +92,5 @@ def test_names_and_units() -> None:
     assert size_of("speed", "knots") is size_of("time", "ages") is None
     assert conversion({"length": "mm", "speed": "mm/s", "time": "s"}) == pytest.approx(1)
     assert conversion({"length": "d", "speed": "U", "time": "d U-1"}) == 1.0
-    assert conversion({"length": "d"}) is None
+    assert conversion({"length": "d"}) == 1.0
+    assert conversion({"length": "d", "time": "s"}) is None

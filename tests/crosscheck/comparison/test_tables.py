@@ -161,6 +161,22 @@ def test_bad_tables_are_one_line(table: dict[str, Any], change: Any, message: st
     assert "\n" not in str(caught.value)
 
 
+def test_units_of_averages(table: dict[str, Any]) -> None:
+    """d = 2 mm, U = 0.5 m/s, times in ms."""
+    data = {
+        "t [ms]": TIMES * 4, "v0 [m/s]": table["v0"] / 2, "v0_error": table["v0_error"] / 2,
+        "<r^2> [mm^2]": table["<r^2>"] * 4, "<r^2>_se": table["<r^2>_se"] * 4,
+    }  # fmt: skip
+    told: dict[str, Any] = {"restitution": 0.7, "number_density": 0.01, "explain": False}
+    found = compare(data, **told, diameter=2.0, speed_unit=0.5)
+    assert found.verdict == "agrees"
+    assert "lengths in mm, " in found.warnings[-1] or "speeds in m/s" in found.warnings[-1]
+    plain = compare(table, **TOLD, explain=False)
+    for a, b in zip(found.observable("msd"), plain.observable("msd"), strict=True):
+        assert a.value == pytest.approx(b.value)
+        assert a.time == pytest.approx(b.time)
+
+
 def test_what_a_table_cannot_say(table: dict[str, Any], tmp_path: Path, write: Any) -> None:
     some = {name: table[name] for name in ("t", "a2", "a2_err", "<r^2>", "<r^2>_se")}
     result = compare(some, **TOLD, explain=False)

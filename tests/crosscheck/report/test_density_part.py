@@ -138,10 +138,11 @@ def test_curves_are_ratios_at_the_same_time_in_free_flights(
 ) -> None:
     case, scan = in_truth(make_case()), part.scan
     hard = scan.curves["hard disks"]
-    last = case.times[-1:]
-    expected = solution(0.7, 0.04, last, ("msd",), LEADING).msd[0] / case.kinetic.msd[-1]
-    assert scan.grid[-1] == 0.04
-    assert hard[LEADING][-1] == pytest.approx(expected, rel=1e-5)
+    for k, n in ((3, 0.02), (-1, 0.04)):
+        assert scan.grid[k] == pytest.approx(n)
+        later = case.times[-1:] * 0.04 / n
+        sparse = solution(0.7, n, later, ("msd",), LEADING).msd[0] * (n / 0.04) ** 2
+        assert hard[LEADING][k] == pytest.approx(sparse / case.kinetic.msd[-1], rel=1e-5)
     assert np.all(np.diff(hard[PATH]) < 0)
     assert PATH not in scan.curves["overlapping"]
 

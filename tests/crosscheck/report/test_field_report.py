@@ -12,6 +12,7 @@ import pytest
 from kinetics import CollisionLaw, solve_field
 from kinetics.cli import main
 from kinetics.crosscheck.report.case import Measured
+from kinetics.crosscheck.report.field_density import density_case, trajectories
 from kinetics.crosscheck.report.field_limits import (
     dispersion_near_elastic,
     drift_constant,
@@ -40,6 +41,10 @@ SETTINGS = FieldSettings(
     restitutions=(0.9,),
     approach=(0.5,),
     line=(0.0, 0.5, 0.99),
+    densities=(0.02, 0.04, 0.08),
+    dense=(0.7,),
+    configurations=20,
+    tracers=5,
     collisions=50_000,
     groups=20,
     rtol=1e-5,
@@ -58,7 +63,8 @@ def cases() -> Cases:
 @pytest.fixture(scope="module")
 def document(cases: Cases) -> dict[str, Any]:
     lines = [solver_line(d, SETTINGS) for d in (2, 3)]
-    return build_document(SETTINGS, lines, *cases)
+    dense = [density_case(0.7, SETTINGS)]
+    return build_document(SETTINGS, lines, *cases, dense, trajectories(0.5))
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +115,7 @@ def test_averages_of_a_made_up_run() -> None:
 
 def test_particles_and_solver_agree(cases: Cases) -> None:
     rows = all_rows(*cases)
-    assert {item.row.observable for item in rows} == set(OBSERVABLES)
+    assert {item.row.observable for item in rows} == set(OBSERVABLES) - {"drift_among_disks"}
     assert [row.kind for item in rows if (row := item.row).verdict is Verdict.DIFFERS] == []
     exact = [item.row for item in rows if item.row.kind == "numerical"]
     assert len(exact) == 12  # six relations, disks and spheres
@@ -140,8 +146,11 @@ def test_the_document_is_strict_json_with_every_number(
 ) -> None:
     assert json.loads(dumps(document)) == document
     assert document["schema"] == "inelastic-lorentz/field-report/1"
-    assert len(document["rows"]) == len(all_rows(*cases))
+    assert len(document["rows"]) == len(all_rows(*cases)) + 1  # and that of hard disks
     assert 4 <= len(document["findings"]) <= 6
+    dense = document["dense"][0]
+    assert 0.5 < dense["drift"]["value"][-1] < 1.0
+    assert dense["trapped"]["value"][-1][-1] > dense["trapped"]["value"][0][-1]
     assert "0.5267 · (1−e²)^(1/4) √(gl) among disks" in document["findings"][1]
     drawn = document["figures"]["drift"]["panels"]
     assert len(drawn) == 2  # and the ratio
@@ -159,7 +168,7 @@ def test_the_page_needs_nothing_beside_it_and_hides_no_figure(
     document: dict[str, Any], page: str
 ) -> None:
     assert "http" not in page
-    assert page.count("<svg") == len(document["figures"]) == 4
+    assert page.count("<svg") == len(document["figures"]) == 8
     for name, data in document["figures"].items():
         assert f'aria-labelledby="fig-{name}-title fig-{name}-desc"' in page
         assert data["description"][:40] in page
@@ -206,7 +215,13 @@ def test_the_command_writes_both_files(
 
 def test_every_stage_is_told() -> None:
     settings = replace(
-        SETTINGS, dimensions=(2,), restitutions=(0.5,), approach=(), line=(0.0,), collisions=2_000
+        SETTINGS,
+        dimensions=(2,),
+        restitutions=(0.5,),
+        approach=(),
+        line=(0.0,),
+        collisions=2_000,
+        dense=(),
     )
     told: list[str] = []
     make_field_report(settings, told.append)

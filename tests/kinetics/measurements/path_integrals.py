@@ -216,9 +216,9 @@ def predicted(e: float, m: int, p: int) -> tuple[float, float, float]:
 
 
 def fitted(value: Array, error: Array, held: dict[str, float]) -> tuple[Array, Array, float]:
-    """a, b and c of a ln(1/n) + b + c n ln(n)^2, some of them held; errors and chi-square."""
+    """a, b, c, d of a ln(1/n) + b + c n ln(n)^2 + d n, some of them held; errors, chi-square."""
     n = np.array(DENSITIES)
-    basis = {"a": -np.log(n), "b": np.ones_like(n), "c": n * np.log(n) ** 2}
+    basis = {"a": -np.log(n), "b": np.ones_like(n), "c": n * np.log(n) ** 2, "d": n}
     rest = value - sum((held[name] * basis[name] for name in held), np.zeros_like(n))
     free = np.column_stack([basis[name] for name in basis if name not in held]) / error[:, None]
     covariance = np.linalg.inv(free.T @ free)
@@ -241,16 +241,16 @@ def main(minutes: float) -> None:
             print(
                 f"  ({m}, {p})", *(f"{v:8.3f}({s:.3f})" for v, s in zip(value, error, strict=True))
             )
-            for what, theory, held in (
-                ("slope", a, {"b": b}), ("constant", b, {"a": a}), ("constant, slope free", b, {}),
-            ):  # fmt: skip
+            for what, theory, own, held in (
+                ("slope", a, 0.0, {"b": b, "d": 0.0}),
+                ("constant", b, b_error, {"a": a, "d": 0.0}),
+                ("constant, with n^2", b, b_error, {"a": a}),
+            ):
                 best, errors, chi_square = fitted(value, error, held)
-                at = 1 if what.endswith("free") else 0
-                own = b_error if at or what == "constant" else 0.0
-                off = (best[at] - theory) / math.hypot(errors[at], own)
+                off = (best[0] - theory) / math.hypot(errors[0], own)
                 print(
-                    f"    {what}: {best[at]:.3f}({errors[at]:.3f}), theory {theory:.3f}({own:.3f}),"
-                    f" {off:+.1f} sigma; second order {best[-1]:.2f}({errors[-1]:.2f}),"
+                    f"    {what}: {best[0]:.3f}({errors[0]:.3f}), theory {theory:.3f}({own:.3f}),"
+                    f" {off:+.1f} sigma; second order {best[1]:.2f}({errors[1]:.2f}),"
                     f" chi-square {chi_square:.1f}",
                     flush=True,
                 )

@@ -46,10 +46,13 @@ ALIASES = {
     "medium": ("configuration", "config", "replica", "realisation", "realization", "sample"),
 }
 """Other names of columns, in lower case, which are looked for where the first is missing."""
-KINDS = (
-    {"time": "time"} | dict.fromkeys("xyz", "length") | dict.fromkeys(("vx", "vy", "vz"), "speed")
-)
+KINDS = {
+    "time": "time", "x": "length", "y": "length", "z": "length", "vx": "speed", "vy": "speed",
+    "vz": "speed", "thermal_speed": "speed",
+}  # fmt: skip
 """What each column of numbers is a number of."""
+SQUARES = {"msd": "length", "mean_square_speed": "speed"}
+"""What other columns are squares of."""
 AVERAGES = {
     "thermal_speed": ("v0", "v_0", "v0(t)"),
     "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
@@ -362,6 +365,8 @@ def stated_units(path: Path | str, units: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name, unit in units.items():
         kind = KINDS.get(name)
+        if name in SQUARES:
+            kind, unit = SQUARES[name], re.sub(r"(\^?2|²)$", "", unit).strip("()")
         if kind and unit and found.setdefault(kind, unit) != unit:
             raise InputError(f"{shown(path)}: has {kind}s in {found[kind]} and in {short(unit)}")
     return found

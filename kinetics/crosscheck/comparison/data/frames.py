@@ -38,6 +38,8 @@ def rows_of(
     for names, part in ((("x", "y", "z"), position), (("vx", "vy", "vz"), velocity)):
         values |= dict(zip(names, np.asarray(part[there], float).T, strict=False))
     for name, one in (("tracer", tracer), ("medium", medium)):
+        if one is not None and one.shape != there.shape:
+            raise InputError(f"{where}: needs one label {name} for each of {there.size} tracers")
         values[name] = None if one is None else _whole_labels(where, one[there])
     if (bad := first_not_finite(values)) is not None:
         k, name = bad

@@ -51,7 +51,7 @@ def read_file(path: Path, file: Any, asked: Asked) -> Iterator[Rows]:
         raise InputError(f"{where}: position and velocity are given at different times")
     units = _units(where, group)
     image = _value(where, group, "image") if _is_own(group, "image", h5py.Group) else None
-    edges = _edges(where, group) if image is not None or _is_periodic(group) else None
+    edges = _edges(where, group) if image is not None else _periodic_edges(where, group)
     medium = _dataset(where, group, "medium") if "medium" in group else None
     for k, time in enumerate(times.tolist()):
         for start in range(0, position.shape[1], PIECE):
@@ -86,14 +86,19 @@ def _units(where: str, group: Any) -> dict[str, str]:
     return stated_units(where, {name: unit_of(one) for name, one in elements.items()})
 
 
-def _is_periodic(group: Any) -> bool:
-    """Whether the box says that it is periodic, in x and y at least."""
+def _periodic_edges(where: str, group: Any) -> Any:
+    """The lengths of a box that says that it is periodic; None for another, which is not needed."""
     import h5py
 
-    if not _is_own(group, "box", h5py.Group) or "edges" not in group["box"]:
-        return False
+    if not _is_own(group, "box", h5py.Group):
+        return None
     boundary = np.asarray(group["box"].attrs.get("boundary", ())).astype(str).ravel()
-    return boundary.size >= 2 and all(one == "periodic" for one in boundary[:2])
+    if boundary.size < 2 or np.any(boundary != "periodic"):
+        return None
+    try:
+        return _edges(where, group)
+    except InputError:
+        return None
 
 
 def _is_own(parent: Any, name: str, kind: type) -> bool:

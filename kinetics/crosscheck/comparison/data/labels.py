@@ -151,5 +151,6 @@ class Origins:
         raise InputError(
             "positions look wrapped at the edges of a box: they stay within "
             f"x = {x0:.4g} to {x1:.4g} and y = {y0:.4g} to {y1:.4g} at all times, though tracers "
-            f"move by {self._largest:.4g}; write unwrapped positions or displacements"
+            f"move by {self._largest:.4g}; write unwrapped positions or displacements, or (in a "
+            "file that has the box) frames so often that no tracer moves by half of it in between"
         )
