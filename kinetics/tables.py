@@ -11,7 +11,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -63,6 +63,10 @@ class Quantity:
         """Symbol and unit, as the label of an axis."""
         symbol = typeset(self.symbol or self.name.replace("_", " "))
         return symbol if self.units == "1" else f"{symbol} [{typeset(self.units)}]"
+
+    def head(self, name: str) -> str:
+        """Name and unit, as the head of a column."""
+        return name if self.units == "1" else f"{name} [{self.units}]"
 
     def real(self) -> tuple[Quantity, ...]:
         """Itself; a complex one as its real and its imaginary part, which every format can hold."""
@@ -133,6 +137,31 @@ class Table:
             return {one.name: one.values.reshape(1) for one in self.quantities if not one.dims}
         return found
 
+    def csv(self, wide: Collection[str] = ()) -> str:
+        """A CSV file: one row for each value of the first coordinate, heads with units.
+
+        wide : quantities that also depend on another coordinate, of which each point is a column
+        """
+        first = self.coordinates[0]
+        found = {first.head(first.name): first.values}
+        for one in self.quantities:
+            axes = [d for d in one.dims if d not in COMPONENTS]
+            if axes == [first.name]:
+                found |= {one.head(name): column for name, column in _components(one, self)}
+            elif one.name in wide and len(axes) == 2:
+                along = self.coordinate(axes[1])
+                for part in one.real():
+                    for x, column in zip(along.values, part.values.T, strict=True):
+                        found[part.head(f"{part.name}({along.name}={x:g})")] = column
+        if len(found) == 1:  # nothing depends on it: one row of single numbers
+            numbers = (one for one in self.quantities if not one.dims)
+            found = {one.head(one.name): one.values.reshape(1) for one in numbers}
+        file = io.StringIO()
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(found)
+        writer.writerows(zip(*(column.tolist() for column in found.values()), strict=True))
+        return file.getvalue()
+
 
 def _components(one: Quantity, table: Table) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a quantity: itself, or one for each component of a vector or a tensor."""
@@ -161,6 +190,10 @@ class Tabular:
                 raise InputError(f"{name}: known are {', '.join(('name', 'ax', *self._points))}")
         return self._table(only, **points)
 
+    def table(self, **points: Any) -> Table:
+        """Everything that data frames, datasets and plots are made of; points as of them."""
+        return self._table_at(None, points)
+
     def to_dataframe(self, name: str | None = None, **points: Any) -> Any:
         """A pandas DataFrame: one row for each time (or other first coordinate) with all averages.
 
@@ -168,7 +201,7 @@ class Tabular:
         each point. Units and the attributes of the result are in ``frame.attrs``. ``points``: as
         of :meth:`to_xarray`. Raises InputError without pandas, or for a name that is not there.
         """
-        pandas = _import("pandas", "to_dataframe", "pandas")
+        pandas = optional("pandas", "to_dataframe")
         table = self._table_at(name or ROWS, points)
         frame = pandas.DataFrame(table.columns(name))
         parts = [part for one in table.quantities for part in one.real()]
@@ -183,7 +216,7 @@ class Tabular:
         scaled_radii and wave_numbers; for others see there. Complex quantities are split into
         ``_real`` and ``_imag``, so that ``to_netcdf`` takes them. Raises InputError without xarray.
         """
-        xarray = _import("xarray", "to_xarray", "xarray")
+        xarray = optional("xarray", "to_xarray")
         table = self._table_at(None, points)
         used = {d for one in table.quantities for d in one.dims}
         variables = {
@@ -274,24 +307,15 @@ def _described(one: Quantity) -> dict[str, str]:
     return {"units": one.units, "long_name": one.long_name}
 
 
-def _import(module: str, what: str, extra: str) -> Any:
-    """A package that is no dependency; InputError that says how to get it where it is absent."""
+def optional(module: str, what: str) -> Any:
+    """A package that an extra of its name brings; InputError says so where it is absent."""
     from importlib import import_module
 
     try:
         return import_module(module)
     except ImportError:
-        how = f"python -m pip install 'inelastic-lorentz[{extra}]'"
+        how = f"python -m pip install 'inelastic-lorentz[{module}]'"
         raise InputError(f"{what}: needs {module}, which is not installed: {how}") from None
-
-
-def csv_text(columns: Mapping[str, NDArray[Any]], heads: Mapping[str, str]) -> str:
-    """A CSV file of columns of one length; ``heads`` are what stands above each."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow([heads.get(name, name) for name in columns])
-    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
-    return file.getvalue()
 
 
 def attributes_of(

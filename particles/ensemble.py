@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from os import PathLike
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,12 +25,8 @@ from particles.kernel.columns import (
     TRAVELLED,
 )
 from particles.media import Medium
+from particles.tables import Tables
 from particles.values import Value, frozen
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from particles.trajectories import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +76,7 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Value):
+class Ensemble(FieldEstimates, Tables, Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -314,25 +309,6 @@ class Ensemble(FieldEstimates, Value):
         scale, shift = np.array([1, 1, d, d, 1, d]), np.array([0, np.log(d), 0, 0, 0, 0])
         columns = finals.shape[1]
         return frozen(finals * scale[:columns] + shift[:columns])
-
-    def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
-        """Return the paths of the first tracers of a configuration, made again to the same bits.
-
-        tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
-        particles.trajectories.trajectories. Raises ValueError for one out of range.
-        """
-        from particles.trajectories import trajectories
-
-        return trajectories(self.plan, tracers, **which)
-
-    def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
-        """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
-
-        which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
-        """
-        from particles.pictures import plot_trajectories
-
-        return plot_trajectories(self.plan, tracers, **which)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.

@@ -18,8 +18,15 @@ from kinetics.crosscheck.commands.options import (
     seed_option,
     tangential_option,
     times_option,
+    times_until,
+    until_option,
     workers_option,
 )  # fmt: skip
+from kinetics.crosscheck.commands.run_files import (
+    check_files,
+    saying_how_to_go_on,
+    write_picture,
+)
 
 if TYPE_CHECKING:
     from particles import Ensemble, Medium
@@ -85,6 +92,7 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @times_option
+@until_option
 @click.option(
     "--observables", default="", metavar="NAMES",
     help="What to save beside the averages, separated by commas: speed_histogram, "
@@ -96,11 +104,18 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
     help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
     "for other programs, written at the end.",
 )  # fmt: skip
+@click.option(
+    "--picture", type=click.Path(path_type=Path), metavar="FILE",
+    help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
+    ".svg or .pdf.",
+)  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @seed_option
 @workers_option
 @json_option
 def simulate(
+    until: float | None,
+    picture: Path | None,
     number_density: float,
     times: tuple[float, ...],
     observables: str,
@@ -116,6 +131,8 @@ def simulate(
 
     import particles
 
+    times = times_until(times, until)
+    check_files()
     for_others = output is not None and output.suffix.lower() == ".h5md"
     names = names_in(observables)
     if for_others and output is not None:
@@ -126,9 +143,10 @@ def simulate(
     def show(done: int, total: int) -> None:
         bar.update(done - bar.n)
 
-    with tqdm(
+    bar = tqdm(
         total=arguments["media"], desc="configurations", file=sys.stderr, disable=None, leave=False
-    ) as bar:
+    )
+    with saying_how_to_go_on(), bar:
         run = particles.simulate(
             scatterers,
             times=times or None,
@@ -137,6 +155,8 @@ def simulate(
             progress=show,
             **arguments,
         )
+    if picture is not None:
+        write_picture(run, picture)
     if for_others and output is not None:
         run.write_h5md(output)
     if as_json:
