@@ -29,8 +29,8 @@ EVERYTHING = 1000
 CURVE_POINTS = 8
 SHORT = {"hard disks": "hard", "overlapping": "overlapping"}
 """The media as the legend says them, which has the points of hard disks under their full name."""
-CURVES = {"hard disks": (FITTED, FIRST, LEADING, PATH), "overlapping": (FITTED, FIRST, LEADING)}
-"""The first curve carries the name. The path of overlapping disks is that of the dilute limit."""
+CURVES = {"hard disks": (PATH, LEADING, FIRST, FITTED), "overlapping": (LEADING, FIRST, FITTED)}
+"""The path of overlapping disks is that of the dilute limit."""
 _SEED = 4000
 """Added to the seed of these runs."""
 
