@@ -69,6 +69,12 @@ class Value:
         save(self, path)
 
 
+def html_table(figures: Mapping[str, str]) -> str:
+    """A table of two columns for notebooks: the name of each figure and its value, as HTML."""
+    rows = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in figures.items())
+    return f"<table>{rows}</table>"
+
+
 def brief(value: Any) -> str:
     """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
     shown = (f"{f.name}={_summary(getattr(value, f.name))}" for f in fields(value))

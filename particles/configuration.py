@@ -157,6 +157,13 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
 
     old, _last.cells = getattr(_last, "cells", None), None
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
+    tally = follow_tracers(plan, configuration, cells)
+    _last.cells = cells
+    return tally
+
+
+def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Tally:
+    """Follow the tracers of one configuration among its scatterers."""
     tally = _empty_tally(plan, configuration)
     traps: list[np.ndarray] = [tally.traps]
     raw: dict[str, list[np.ndarray]] = {name: [] for name in plan.raw}
@@ -165,7 +172,6 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
         traps.append(block.pop("traps"))
         for name, pieces in raw.items():
             pieces.append(block[name])
-    _last.cells = cells
     return replace(
         tally,
         traps=np.concatenate(traps),

@@ -25,6 +25,7 @@ from particles.kernel.columns import (
     TRAVELLED,
 )
 from particles.media import Medium
+from particles.tables import Tables
 from particles.values import Value, frozen
 
 
@@ -75,7 +76,7 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Value):
+class Ensemble(FieldEstimates, Tables, Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -317,6 +318,24 @@ class Ensemble(FieldEstimates, Value):
         from particles.storage.file import write
 
         write(path, self.plan, self.arrays, self.media)
+
+    def write_h5md(self, path: str | PathLike[str]) -> None:
+        """Write positions and velocities as H5MD 1.1 (layout: storage.h5md), for other programs.
+
+        An existing file is replaced. Raises ValueError for a run without positions or velocities,
+        and where the file cannot be written.
+        """
+        from particles.checks import check_path
+        from particles.storage.h5md import write
+
+        if missing := {"positions", "velocities"} - {*self.outputs}:
+            name = min(missing)
+            raise ValueError(
+                f"H5MD needs positions and velocities, and {name} were not asked for: "
+                f"simulate(observables=[{name!r}, ...])"
+            )
+        positions = self.positions / self._unit
+        write(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":

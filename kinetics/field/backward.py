@@ -30,7 +30,6 @@ from kinetics.numerics import FloatArray
 _RATIO = 3.0  # of the ends of a panel
 _FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
 _STEEPEST = 30.0  # averages change no faster than v^30
-_STABLE = (3.0, 0.0)  # how the last harmonics are continued, see `ladder.continuation`
 
 # Observables of family 0, even across the field, and of family 1. The displacements come last in
 # each, in the order in which one is a source of the next.
@@ -153,7 +152,7 @@ class BackwardField:
             Elimination(
                 self._chains[family],
                 self.collisions,
-                _STABLE,
+                None,
                 sign=-1.0,
                 shift=shift.real if shift.imag == 0.0 else shift,
             )
@@ -192,14 +191,10 @@ class BackwardField:
         """Free the memory of steps of another length than h."""
         self._factors = {key: value for key, value in self._factors.items() if key[0] == h}
 
-    def gained(self, y: FloatArray) -> FloatArray:
-        """The mean after a collision with a velocity along the field, (..., size, n_observables).
+    def scattered(self, y: FloatArray, transposed: bool = False) -> FloatArray:
+        """K_m y_m, the harmonics of the mean after a collision; shape of y (..., M + 1, size, n).
 
-        The sum of K_m y_m over the harmonics of y (..., M + 1, size, n_observables); those that
-        are odd across the field vanish along it.
+        transposed : applies the transposed matrices, to weights of an average
         """
-        out = 0.0
-        for m in range(self.highest + 1):
-            lost = self.collisions[m] / self.panels.speeds[:, None] ** 2
-            out = out + y[..., m, :, :] - np.einsum("ij,...jk->...ik", lost, y[..., m, :, :])
-        return np.where(IS_EVEN, out, 0.0)
+        kept = np.eye(self.panels.size) - self.collisions / self.panels.speeds[:, None] ** 2
+        return np.asarray(np.matmul(kept.swapaxes(1, 2) if transposed else kept, y))

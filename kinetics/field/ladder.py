@@ -9,7 +9,8 @@ Of a vector across the field (family 1) harmonics are sin(m phi), and P_m^1(cos 
 in space, m = 1, 2, ...
 
 On a ray along the field the solution is not smooth, because tracers on it have come by rest: f_m
-falls as a power of m, and the last harmonics are continued by two powers. Harmonics are eliminated
+falls as a power of m, and the last harmonics are continued by two powers. Over time a continuation
+must also be stable, see `Chain.beyond`. Harmonics are eliminated
 in pairs, from the highest pair down: at low speeds the field outweighs the collisions, so that a
 single harmonic is no good pivot.
 """
@@ -59,14 +60,27 @@ class Chain:
 
     @cached_property
     def _slopes(self) -> tuple[FloatArray, FloatArray]:
-        even = self.panels.slopes(True, self.vanishing)
-        return even, self.panels.slopes(False, self.vanishing)
+        even = self.panels.slopes(True, self.vanishing, self.dimension)
+        return even, self.panels.slopes(False, self.vanishing, self.dimension)
 
     def from_above(self, m: int) -> FloatArray:
         """v times what harmonic m + 1 adds to row m, shape (size, size)."""
-        out = self.up(m) * self._slopes[(m + 1) % 2]
+        return self._from_above(m, self._slopes[(m + 1) % 2])
+
+    def _from_above(self, m: int, slopes: FloatArray) -> FloatArray:
+        out = self.up(m) * slopes
         out.ravel()[:: out.shape[0] + 1] += self.up(m) * (m + self.dimension - 1.0)
         return out
+
+    def beyond(self, m: int) -> FloatArray:
+        """v times what harmonic m + 1 adds to the last row m, backwards; acts on harmonic m.
+
+        Averages as functions of the first velocity are not smooth against the field, where they
+        fall as (-1)^m m^-3. So y_(m+1) = -(m/(m+1))^3 y_m; what is as smooth as (-1)^m travels
+        towards high harmonics, and leaves here. With the slope of an odd harmonic this term only
+        takes away from the integral of the square: steps are stable for any number of harmonics.
+        """
+        return -((m / (m + 1.0)) ** 3) * self._from_above(m, self._slopes[1])
 
     def from_below(self, m: int) -> FloatArray:
         """v times what harmonic m - 1 adds to row m, shape (size, size)."""
@@ -80,14 +94,7 @@ class Chain:
 
 
 def continuation(m: ArrayLike, highest: int, powers: tuple[float, float]) -> FloatArray:
-    """Factors of harmonics M and M - 1, (2, ...), that continue them by two powers to m > M.
-
-    Where the second power is 0, harmonics of the same parity alone are continued, by the first one:
-    that is stable in time.
-    """
-    if powers[1] == 0.0:
-        only = ((highest - 1.0) / np.asarray(m, dtype=float)) ** powers[0]
-        return np.stack([np.zeros_like(only), only])
+    """Factors of harmonics M and M - 1, (2, ...), that continue them by two powers to m > M."""
     inverse = -np.array(powers)[:, None]
     table = np.array([highest, highest - 1.0]) ** inverse
     return np.asarray(np.linalg.solve(table, np.ravel(m) ** inverse)).reshape(2, *np.shape(m))
@@ -101,7 +108,7 @@ class Elimination:
     chain : the coupling by the field
     collisions : v^2 (1 - K_m), from `collision_matrices`, for m = 0 ... M; the highest harmonic is
         M, or M - 1 if only then harmonics come in pairs
-    powers : of 1/m, by which harmonic M + 1 continues the last two
+    powers : of 1/m, by which harmonic M + 1 continues the last two; None for `Chain.beyond`
     sign : 1 forwards, for the density; -1 backwards
     shift : a rate that is added to the loss; it may be complex
     border : for shift 0, forwards: a row that is the mass of harmonic 0 and a column that is a
@@ -114,13 +121,16 @@ class Elimination:
         self,
         chain: Chain,
         collisions: FloatArray,
-        powers: tuple[float, float],
+        powers: tuple[float, float] | None,
         sign: float = 1.0,
         shift: complex = 0.0,
         border: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
-        self.chain, self.sign, self.powers = chain, sign, powers
+        self.chain, self.sign = chain, sign
         self.highest = highest = chain.highest(len(collisions) - 1)
+        self._continued = np.zeros(2)  # factors of harmonics M and M - 1 in harmonic M + 1
+        if powers is not None:
+            self._continued = continuation(highest + 1.0, highest, powers)
         n = self._n = chain.panels.size
         self._border = border
         first = chain.family
@@ -134,9 +144,11 @@ class Elimination:
             block[n:, n:] = collisions[m + 1] + on_diagonal - schur
             block[:n, n:] = sign * chain.from_above(m)
             block[n:, :n] = sign * chain.from_below(m + 1)
-            if m + 1 == highest:
+            if m + 1 == highest and powers is None:
+                block[n:, n:] += sign * chain.beyond(highest)
+            elif m + 1 == highest:
                 beyond = sign * chain.from_above(highest)
-                last, before = continuation(highest + 1.0, highest, powers)
+                last, before = self._continued
                 block[n:, n:] += last * beyond
                 block[n:, :n] += before * beyond
             if m == first:
@@ -180,9 +192,7 @@ class Elimination:
 
     def other_continuation(self, found: NDArray[Any], powers: tuple[float, float]) -> NDArray[Any]:
         """By how much a solution changes, to first order, if other powers continue it."""
-        after = self.highest + 1.0
-        difference = continuation(after, self.highest, powers)
-        difference = difference - continuation(after, self.highest, self.powers)
+        difference = continuation(self.highest + 1.0, self.highest, powers) - self._continued
         source = np.zeros_like(found)
         beyond = self.sign * self.chain.from_above(self.highest)
         source[-1] = -beyond @ (difference[0] * found[-1] + difference[1] * found[-2])

@@ -17,9 +17,11 @@ from kinetics.field.averages import SteadyAverages
 from kinetics.field.ladder import continuation
 from kinetics.field.resolution import Resolution
 from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
+from kinetics.field.table import field_table
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
+from kinetics.tables import Table, Tabular
 from kinetics.validation import (
     check_positive,
     check_rtol,
@@ -29,7 +31,7 @@ from kinetics.validation import (
     speeds,
     whole_number,
 )
-from kinetics.values import Value
+from kinetics.values import Value, html_table
 
 _BEST_DIFFUSION = 1e-8
 _HIGHEST_POWER = 20.0
@@ -37,7 +39,7 @@ _CONTINUED = 16  # harmonics up to 16 M, by their continuation, are in the densi
 
 
 @dataclass(frozen=True)
-class FieldState(Value):
+class FieldState(Tabular, Value):
     """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
 
     Lengths in the mean free path l, accelerations in that of the field, g: so speeds are in
@@ -187,6 +189,11 @@ class FieldState(Value):
 
     # -- how it shows itself ----------------------------------------------------------------------
 
+    _points = ("speeds", "angles")
+
+    def _table(self, only: str | None = None, **points: Any) -> Table:
+        return field_table(self, only, points.get("speeds"), points.get("angles"))
+
     def __repr__(self) -> str:
         return (
             f"FieldState({self.law.described}, rtol={self.rtol:g}), speeds in sqrt(g l)\n"
@@ -197,17 +204,17 @@ class FieldState(Value):
         )
 
     def _repr_html_(self) -> str:
-        figures = {
-            "law": self.law.described,
-            "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
-            "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
-            "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
-            "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
-            "status": f"{self.status.name.lower()}: {self.message}",
-            "error estimate": f"{self.error_estimate:.1e}",
-        }
-        rows = "".join(f"<tr><td>{name}</td><td>{v}</td></tr>" for name, v in figures.items())
-        return f"<table>{rows}</table>"
+        return html_table(
+            {
+                "law": self.law.described,
+                "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
+                "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
+                "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
+                "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
+                "status": f"{self.status.name.lower()}: {self.message}",
+                "error estimate": f"{self.error_estimate:.1e}",
+            }
+        )
 
 
 @dataclass(frozen=True)

@@ -122,6 +122,7 @@ def normal() -> list[str]:
     return run()
 
 
+@pytest.mark.slow
 def test_the_loop_takes_over_and_says_so_once(normal: list[str]) -> None:
     assert normal[0] == "vectors []"
     found = run("sys.modules['particles.compiled.vectors'] = None  # as where llvmlite is missing")
