@@ -5,6 +5,7 @@ A browser shows the MathML as it is: neither a script nor a font has to be loade
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import sympy as sp
@@ -69,12 +70,17 @@ def mathml(formula: sp.Basic | None, order: str | None = None) -> str:
     return "".join(f"<math>{printer.doprint(part)}</math>" for part in parts)
 
 
+_BETWEEN_NUMBERS = re.compile(r"</mn><mo>&InvisibleTimes;</mo>(?=(?:<msup>)?<mn>)")
+
+
 class _Printer(MathMLPresentationPrinter):
     """sympy's printer with the letters of this package and the formal pieces of equations."""
 
     def doprint(self, expr: sp.Basic) -> str:
-        # sympy writes the d of a derivative as an entity that only HTML knows
-        return super().doprint(expr).replace("&dd;", "d").replace("<mo>-<", "<mo>−<")
+        # sympy writes the d of a derivative as an entity that only HTML knows, and 2 times 3^x as
+        # if it were 23^x
+        found = super().doprint(expr).replace("&dd;", "d").replace("<mo>-<", "<mo>−<")
+        return _BETWEEN_NUMBERS.sub("</mn><mo>·</mo>", found)
 
     def _element(self, tag: str, *parts: Any) -> Any:
         """An element around signs (given as strings), formulas and other elements."""

@@ -8,9 +8,9 @@ one bounce), `states` (initial states) and `scaling` (the scaled distribution), 
 (averages), `densities` (of the velocity), `position` (of the displacement) and `field` (the
 equation in a uniform field). Then the modules of
 this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
-answer. `values`, `storage`, `status`, `errors` and `validation` serve all of them. `sonine` holds
-the paper's approximations; `crosscheck` compares with particles and algebra. Begin reading with
-`solver.solve`.
+answer, and `tables` makes plots, data frames and datasets of it. `values`, `storage`, `status`,
+`errors` and `validation` serve all of them. `sonine` holds the paper's approximations; `crosscheck`
+compares with particles and algebra. Begin reading with `solver.solve`.
 """
 
 from importlib import import_module
@@ -91,7 +91,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     value: Any
     if name == "__version__":
-        value = _version()
+        value = import_module("kinetics.version").package_version()
     elif name == "sonine":
         value = import_module("kinetics.sonine")
     elif name == "compare":
@@ -102,15 +102,6 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("inelastic-lorentz")
-    except PackageNotFoundError:
-        return "0+unknown"
 
 
 def __dir__() -> list[str]:

@@ -16,13 +16,15 @@ from numpy.typing import NDArray
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
 from kinetics.moments.velocity import Averages
-from kinetics.outputs import OUTPUTS, Part, parts
+from kinetics.numerics import FloatArray
+from kinetics.outputs import OUTPUTS, Part, parts, powers_of
 from kinetics.scene import Scene
 from kinetics.validation import exponent, whole_number
 
 ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
 _ELASTIC_ROUNDING = 1e-15
 _HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
+SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _MORE_NODES = 4  # how often one more node of a panel is tried
 
 Asked = Sequence[tuple[Part, ...]]
@@ -62,6 +64,26 @@ def with_enough_nodes(averages: Averages, asked: Asked) -> Averages:
     return averages
 
 
+def solved_averages(scene: Scene, rtol: float) -> Averages:
+    """The averages for the outputs of a scene, with enough nodes for them."""
+    degree = max([2.0, *(p for p, _ in powers_of(scene.outputs, scene.dimension))])
+    averages = averages_of(scene, rtol, degree)
+    return with_enough_nodes(averages, asked_for(averages, scene.outputs))
+
+
+def arrays_of(averages: Averages, outputs: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Every output that is an array, in the order of the table; InputError where one overflows."""
+    values: dict[str, FloatArray] = {}
+    for row in OUTPUTS.values():
+        if row.name in outputs and row.values is not None:
+            with np.errstate(over="ignore", invalid="ignore"):
+                made = row.values(averages)
+            arrays = made if isinstance(made, tuple) else (made,)
+            for name, array in zip(row.names, arrays, strict=True):
+                values[name] = in_range(name, array)
+    return values
+
+
 def error_of(averages: Averages, asked: Asked) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
     if averages.elastic:
@@ -95,7 +117,7 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
         asked = [parts((1.0, speed_power(p, m)))]
         averages = with_enough_nodes(averages, asked)
         error = error_of(averages, asked)
-        if error > rtol * (1.0 + 1e-9):
+        if error > rtol * SLACK:
             warn_missed(f"<v^{p:g}>", error, rtol)
     with np.errstate(under="ignore", over="ignore", invalid="ignore"):
         found = averages.power(p, m) * np.exp(p * averages.log_reference)

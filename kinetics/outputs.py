@@ -7,7 +7,7 @@ Reading the table costs no NumPy: the modules that its functions need are import
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -238,3 +238,10 @@ UNITS: dict[str, str] = {
     name: unit for row in (*_ROWS, *_FIELD_ROWS) for name, unit in row.units.items()
 }
 """Name of an array of a Solution -> its unit."""
+
+
+def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
+    """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
+    rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
+    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of(dimension)}
+    return sorted(found)

@@ -17,19 +17,13 @@ from kinetics.outputs import (
     POSITION,
     SCATTERING,
     VELOCITY,
+    powers_of,
 )
 from kinetics.position.density import Displacement
 from kinetics.status import PlanStep
 
 SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
-
-
-def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:
-    """(power of the speed, angular harmonic) of every moment that the outputs are made of."""
-    rows = [OUTPUTS[name] for name in outputs if OUTPUTS[name].step == VELOCITY]
-    found = {(y.degree, y.harmonic) for row in rows for _, y, _ in row.made_of(dimension)}
-    return sorted(found)
 
 
 def make_plan(

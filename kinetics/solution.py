@@ -5,25 +5,37 @@ from __future__ import annotations
 import html
 import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.averaging import averages_of, power_of_speed
+from kinetics.averaging import (
+    SLACK,
+    arrays_of,
+    asked_for,
+    averages_of,
+    error_of,
+    power_of_speed,
+    solved_averages,
+)
 from kinetics.densities.harmonic import Profile, angular_function
 from kinetics.densities.marginal import component_density, component_density_in_space
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
 from kinetics.moments.by_collision import ByCollision
+from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, UNITS
+from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
 from kinetics.scene import Scene
-from kinetics.status import PlanStep, SolverStatus
+from kinetics.solution_table import SolutionTable
+from kinetics.status import PlanStep, SolverStatus, explain, status_of
 from kinetics.validation import (
     finite_line,
     not_negative_line,
@@ -38,7 +50,7 @@ _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overfl
 
 
 @dataclass(frozen=True)
-class Solution(Value):
+class Solution(SolutionTable, Value):
     """What :func:`kinetics.solve` found. Time is the first axis of every array.
 
     A value: its arrays and dictionaries are read-only, it can be compared, hashed and pickled, and
@@ -157,6 +169,51 @@ class Solution(Value):
         """Raise InputError for a scene with a field, of which only the outputs are solved."""
         if self.scene.field:
             raise InputError(f"field: got {self.scene.field!r}; other moments need a field of 0")
+
+    def at(self, times: ArrayLike) -> Solution:
+        """The averages at other times up to the last of the scene, without solving it again.
+
+        ``times`` in d/U, not falling, shape (n,). The backward equation of the scene was solved
+        for all times up to the last: here it is evaluated, to the bits of a Solution of a scene
+        with these times and the same last one. `error_estimate` and `status` are of all times.
+        Densities, and scenes with a field, are not: InputError where nothing else was asked for,
+        and for times out of range.
+        """
+        self._require_no_field()
+        outputs = tuple(name for name in self.scene.outputs if OUTPUTS[name].values is not None)
+        if not outputs:
+            raise InputError("outputs: none of this scene's is an average over the tracers")
+        scene = replace(self.scene, times=times, outputs=outputs)
+        asked, last = np.asarray(scene.times), float(self.times[-1])
+        if asked[-1] > last:
+            refuse("times", times, f"this scene was solved up to its last time, {last:g} d/U")
+        averages = self._averages.at(asked)
+        error = error_of(averages, asked_for(averages, outputs))
+        errors, allowed = {"averages": error}, {"averages": self.rtol * SLACK}
+        found = Solution(
+            scene=scene,
+            rtol=self.rtol,
+            values=arrays_of(averages, outputs),
+            status=status_of(errors, allowed),
+            message=explain(errors, allowed) + limits(averages),
+            error_estimate=error,
+            plan=make_plan(averages, outputs, {}, None),
+            stats=make_stats(averages, {}, None),
+            _profiles={},
+            _displacement=None,
+            _typical_speed=np.exp(averages.log_reference),
+        )
+        found.keep(averages)
+        return found
+
+    def keep(self, averages: Averages) -> None:
+        """Keep the equation that was solved for :meth:`at`; it is no part of the value."""
+        self.__dict__["_averages"] = averages.at(averages.times)
+
+    @cached_property
+    def _averages(self) -> Averages:
+        """Where the equation was not kept, as after loading from a file, it is solved again."""
+        return solved_averages(self.scene, self.rtol)
 
     # -- velocity -----------------------------------------------------------------------------
 

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinetics.averaging import asked_for, averages_of, error_of, in_range, with_enough_nodes
+from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, in_range, solved_averages
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
-from kinetics.numerics import FloatArray
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
-from kinetics.plan import limits, make_plan, make_stats, powers_of
+from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.solve_density import solve_displacement
 from kinetics.scene import Scene
@@ -26,7 +25,6 @@ from kinetics.validation import check_rtol, one_of, refuse, whole_number
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
 _BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
-_SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _DISPLACEMENT_SHARE = 0.4  # of the tolerance of G(R) that its transform may use
 
 
@@ -71,15 +69,14 @@ def solve(
         from kinetics.in_field import solve_in_field
 
         return solve_in_field(scene, rtol)
-    degree = max([2.0, *(p for p, _ in powers_of(scene.outputs, scene.dimension))])
-    averages = averages_of(scene, rtol, degree)
-    asked = asked_for(averages, scene.outputs)
-    averages = with_enough_nodes(averages, asked)
-    values = _arrays(averages, scene.outputs)
+    averages = solved_averages(scene, rtol)
+    values = arrays_of(averages, scene.outputs)
     profiles = _profiles(scene, rtol, method, nodes)
     displacement = _displacement(averages, scene.outputs)
-    errors, allowed = _errors(error_of(averages, asked), profiles, displacement, rtol)
-    return Solution(
+    errors, allowed = _errors(
+        error_of(averages, asked_for(averages, scene.outputs)), profiles, displacement, rtol
+    )
+    solution = Solution(
         scene=scene,
         rtol=rtol,
         values=values,
@@ -92,33 +89,22 @@ def solve(
         _displacement=displacement,
         _typical_speed=np.exp(averages.log_reference),
     )
+    solution.keep(averages)
+    return solution
 
 
 def _errors(
     averages: float, profiles: dict[int, Profile], displacement: Displacement | None, rtol: float
 ) -> tuple[dict[str, float], dict[str, float]]:
     """The error estimate of each part that was solved, and the largest that is allowed for it."""
-    errors, allowed = {"averages": averages}, {"averages": rtol * _SLACK}
+    errors, allowed = {"averages": averages}, {"averages": rtol * SLACK}
     if profiles:
         errors[DENSITIES] = max(profile.error_estimate for profile in profiles.values())
-        allowed[DENSITIES] = rtol * _SLACK
+        allowed[DENSITIES] = rtol * SLACK
     if displacement is not None:
         errors[POSITION] = displacement.error_estimate
         allowed[POSITION] = max(rtol, _BEST_DENSITY)
     return errors, allowed
-
-
-def _arrays(averages: Averages, outputs: tuple[str, ...]) -> dict[str, FloatArray]:
-    """Every output that is an array, in the order of the table; InputError where one overflows."""
-    values: dict[str, FloatArray] = {}
-    for row in OUTPUTS.values():
-        if row.name in outputs and row.values is not None:
-            with np.errstate(over="ignore", invalid="ignore"):
-                made = row.values(averages)
-            arrays = made if isinstance(made, tuple) else (made,)
-            for name, array in zip(row.names, arrays, strict=True):
-                values[name] = in_range(name, array)
-    return values
 
 
 def _displacement(averages: Averages, outputs: tuple[str, ...]) -> Displacement | None:

@@ -8,9 +8,18 @@ import numpy as np
 
 from particles.checks import check_whole, real_array, refuse, short
 from particles.configuration import OBSERVABLES, Plan, speeds
-from particles.media import MEDIA, BoltzmannGrad, Medium, Positions, dilute_mean_path
+from particles.media import (
+    MEDIA,
+    BoltzmannGrad,
+    HardDisks,
+    Medium,
+    Poisson,
+    Positions,
+    dilute_mean_path,
+)
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
+IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in
 # With a field: of field times mean free path, in U^2, so that the fourth power of the speed is a
 # number; and of field times diameter, in U^2.
 FIELDS = (1e-100, 1e100)
@@ -104,8 +113,9 @@ def _check_field(field: Any, medium: Medium) -> float:
     if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
         allowed = f"times the mean free path, and times d, must be 0 or {FIELDS[0]:g} to "
         refuse("field", field, f"{allowed}{FIELDS[1]:g} U^2 in size")
-    if not isinstance(medium, BoltzmannGrad):
-        refuse("field", field, f"is not there for {type(medium).__name__}, only for BoltzmannGrad")
+    if not isinstance(medium, IN_FIELD):
+        names = ", ".join(kind.__name__ for kind in IN_FIELD)
+        refuse("field", field, f"is not there for {type(medium).__name__}, only for {names}")
     return value
 
 

@@ -22,6 +22,7 @@ from particles.values import Value
 
 if TYPE_CHECKING:
     from particles.grid.cells import Cells
+    from particles.kernel.lane import Start
     from particles.kernel.records import Records
 
 SCALARS = (
@@ -156,6 +157,13 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
 
     old, _last.cells = getattr(_last, "cells", None), None
     cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
+    tally = follow_tracers(plan, configuration, cells)
+    _last.cells = cells
+    return tally
+
+
+def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Tally:
+    """Follow the tracers of one configuration among its scatterers."""
     tally = _empty_tally(plan, configuration)
     traps: list[np.ndarray] = [tally.traps]
     raw: dict[str, list[np.ndarray]] = {name: [] for name in plan.raw}
@@ -164,7 +172,6 @@ def run_configuration(plan: Plan, configuration: int) -> Tally:
         traps.append(block.pop("traps"))
         for name, pieces in raw.items():
             pieces.append(block[name])
-    _last.cells = cells
     return replace(
         tally,
         traps=np.concatenate(traps),
@@ -201,7 +208,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, free_paths_in_field, lane, remembering
+    from particles.kernel import follow, free_paths, lane, remembering
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     n = min(BLOCK, plan.tracers - first)
@@ -219,20 +226,11 @@ def _follow_block(
     raw = {name: getattr(record, name) for name in RAW}
     caught = np.empty((n, trap_columns(plan.medium)))
     n_caught = 0
-    of_kind = lane.LANE_IN_FIELD_OF if plan.field else lane.LANE_OF
-    lanes = np.empty(lane.LANES, of_kind[dimension])
     if plan.field:
-        passages = np.full(n if plan.depth is not None else 0, np.inf)
-        free_paths_in_field.follow_free_paths_in_field(
-            start,
-            mean_path,
-            plan.field * plan.medium.diameter,
-            lanes,
-            record,
-            (tally.field_sums, passages, (plan.depth or 0.0) / plan.medium.diameter),
-        )
-        raw["passages"] = passages
-    elif isinstance(plan.medium, ForgetfulPoisson):
+        n_caught, raw["passages"] = _follow_in_field(plan, tally, cells, start, record, caught)
+        return {"traps": caught[:n_caught], **raw}
+    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
+    if isinstance(plan.medium, ForgetfulPoisson):
         known = np.empty((plan.medium.memory, 4))
         n_caught = remembering.follow_remembering(
             start, mean_path, known, caught, lanes[:1], record
@@ -242,6 +240,33 @@ def _follow_block(
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
     return {"traps": caught[:n_caught], **raw}
+
+
+def _follow_in_field(
+    plan: Plan, tally: Tally, cells: "Cells | None", start: "Start", record: "Records",
+    caught: np.ndarray,
+) -> tuple[int, np.ndarray]:  # fmt: skip
+    """Follow tracers in a field; return how many were trapped, and when each first had x = depth.
+
+    caught (n, trap_columns): receives the trapped tracers. The times (n,) are empty without depth.
+    """
+    from particles.kernel import follow_in_field, free_paths_in_field, lane, records_in_field
+
+    medium = plan.medium
+    mean_path, field = dilute_mean_path(medium), plan.field * medium.diameter
+    passages = np.full(start.n if plan.depth is not None else 0, np.inf)
+    kept = records_in_field.Kept(tally.field_sums, passages, (plan.depth or 0.0) / medium.diameter)
+    n_caught = 0
+    if cells is None:
+        lanes = np.empty(lane.LANES, lane.LANE_IN_FIELD_OF[medium.dimension])
+        free_paths_in_field.follow_free_paths_in_field(start, mean_path, field, lanes, record, kept)
+    else:
+        lanes = np.empty(lane.LANES, lane.LANE_AMONG_DISKS_IN_FIELD)
+        limits = field, ESCAPE_PATHS * mean_path
+        n_caught = follow_in_field.follow_in_field(
+            start, cells, limits, caught, lanes, record, kept
+        )
+    return n_caught, passages
 
 
 def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":

@@ -25,6 +25,7 @@ from particles.kernel.columns import (
     TRAVELLED,
 )
 from particles.media import Medium
+from particles.tables import Tables
 from particles.values import Value, frozen
 
 
@@ -38,6 +39,11 @@ class Statuses(Value):
     the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
     e = 0. Between spheres (kernel.pockets) a tracer leaves a groove along it where the tangential
     restitution is 1, and is trapped in pockets between three spheres, or below 1 in grooves.
+    In a field (kernel.sliding) it is trapped at rest in a corner of two disks that opens against
+    the field, declared after infinitely many bounces there or where v^2/2 < 1e-12 |g| d; with a
+    tangential restitution below 1, where it would slide along a disk (v_n^2/(2 a_n) < 1e-12 d, v_n
+    the velocity away from the disk and a_n the acceleration towards it); and at rest on the very
+    top of a disk.
     escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
     it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
     at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
@@ -70,7 +76,7 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Value):
+class Ensemble(FieldEstimates, Tables, Value):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -312,6 +318,24 @@ class Ensemble(FieldEstimates, Value):
         from particles.storage.file import write
 
         write(path, self.plan, self.arrays, self.media)
+
+    def write_h5md(self, path: str | PathLike[str]) -> None:
+        """Write positions and velocities as H5MD 1.1 (layout: storage.h5md), for other programs.
+
+        An existing file is replaced. Raises ValueError for a run without positions or velocities,
+        and where the file cannot be written.
+        """
+        from particles.checks import check_path
+        from particles.storage.h5md import write
+
+        if missing := {"positions", "velocities"} - {*self.outputs}:
+            name = min(missing)
+            raise ValueError(
+                f"H5MD needs positions and velocities, and {name} were not asked for: "
+                f"simulate(observables=[{name!r}, ...])"
+            )
+        positions = self.positions / self._unit
+        write(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":

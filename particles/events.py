@@ -102,6 +102,23 @@ def scatter(
 
 
 @njit(inline="always", error_model="numpy")
+def bounce(
+    vx: float, vy: float, nx: float, ny: float, law: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Return (new velocity, its normal component) after a collision in the plane.
+
+    (nx, ny): the unit normal towards the tracer. law: restitution e and tangential restitution et.
+    The component along the normal is multiplied by -e and the one across it by et. In this form
+    normal components far smaller than the speed keep their digits. A component that is not towards
+    the scatterer, by rounding, is taken for 0.
+    """
+    restitution, tangential = law
+    approach = -min(vx * nx + vy * ny, 0.0)
+    change = (tangential + restitution) * approach
+    return tangential * vx + change * nx, tangential * vy + change * ny, restitution * approach
+
+
+@njit(inline="always", error_model="numpy")
 def scatter_in_space(
     direction: tuple[float, float, float],
     impact: tuple[float, float],

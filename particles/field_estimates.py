@@ -11,11 +11,13 @@ import numpy as np
 
 from particles.configuration import Plan
 from particles.estimators import Estimate, jackknife
-from particles.kernel.columns import SAMPLES
+from particles.kernel.columns import CAUGHT, SAMPLES
 from particles.values import frozen
 
 IN_FIELD = (
     "drift",
+    "drift_of_moving",
+    "trapped_fraction",
     "mean_velocity",
     "velocity_tensor",
     "mean_displacement",
@@ -23,8 +25,6 @@ IN_FIELD = (
     "dispersion_parallel",
     "dispersion_perpendicular",
 )
-
-
 OF_A_DEPTH = ("passage_times", "passed", "mean_passage_time")
 
 
@@ -38,6 +38,22 @@ class FieldEstimates:
     def drift(self) -> Estimate:
         """<v_x> in U, (n_times,): along the field if that is positive."""
         return self._estimate("drift", lambda m, s: s[:, 0] / m[:, SAMPLES])
+
+    @cached_property
+    def drift_of_moving(self) -> Estimate:
+        """<v_x> of the tracers that are not trapped, in U, (n_times,); NaN where all are.
+
+        Among disks ever more tracers come to rest, and `drift` goes to 0.
+        """
+        return self._estimate(
+            "drift_of_moving",
+            lambda m, s: s[:, 0] / (m[:, SAMPLES] - m[:, CAUGHT]),
+        )
+
+    @cached_property
+    def trapped_fraction(self) -> Estimate:
+        """Share of the tracers that are trapped by each time, (n_times,)."""
+        return self._estimate("trapped_fraction", lambda m, _: m[:, CAUGHT] / m[:, SAMPLES])
 
     @cached_property
     def mean_velocity(self) -> Estimate:

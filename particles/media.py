@@ -94,7 +94,9 @@ class HardDisks(_Random):
     tracer goes (count is not used). equilibrate: sweeps of Monte Carlo moves (Metropolis, one
     attempt per disk each) after the placement, periodic box only.
 
-    No disk lies within d of the box's centre, or the plane's origin, where tracers start.
+    No disk lies within d of the box's centre, or the plane's origin, where tracers start. In a
+    field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
+    one that opens against the field is a trap, in which inelastic tracers come to rest.
     ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
     lower than 1e-10 d^-2 or higher than 0.65 d^-2 (0.3 d^-2 in the plane).
     """
@@ -122,6 +124,8 @@ class Poisson(_Random):
 
     Arguments as of HardDisks. Their number in a periodic box is `count` exactly; in the plane
     (box=None, density at most 1 d^-2) it is Poisson in any area. None lies within d of the start.
+    In a field, corners that open against it are traps, pi rho0^2 d^2 exp(-pi rho0 d^2) of them per
+    unit area, each of which may hold many tracers.
     """
 
     overlapping = True

@@ -61,8 +61,14 @@ def simulate(
         instead (a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
-    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad: a free path is then an
-        exponential length along the parabola. U is any unit of speed where tracers start at rest.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad in the plane and in space, and
+        for HardDisks, Poisson and Positions. U is any unit of speed where tracers start at rest.
+        BoltzmannGrad: a free path is an exponential length along the parabola. Among disks the
+        tracers fly on parabolas; where the field holds them on a disk in ever smaller bounces they
+        slide along it without friction until it curves away from under them, or until the next
+        disk, and they may come to rest in a corner of two disks: they are then trapped. With a
+        tangential restitution below 1 they are trapped where they would begin to slide. When
+        exactly that is declared: Statuses, and `particles.kernel.sliding`.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
 
     output: file that the run is saved to (layout: storage.file). Each configuration is saved

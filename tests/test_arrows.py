@@ -17,7 +17,7 @@ METHODS = ("kinetics", "particles", "derivations")
 
 # The rooms of the core, from the ground up, and what each may import beside itself.
 CHECKS = {"errors", "validation"}
-VALUES = {"frozen", "storage", "values"}
+VALUES = {"frozen", "storage", "values", "tables"}
 BASE = {"numerics", "collision"} | CHECKS | VALUES
 VELOCITY = {"states", "scaling", "moments", "densities"}
 QUESTION = {"status", "outputs", "scene", "averaging", "plan"}
@@ -29,6 +29,8 @@ ROOMS: dict[str, set[str]] = {
     "validation": {"errors"},
     "storage": {"errors", "frozen"},
     "values": {"frozen", "storage"},
+    "version": set(),
+    "tables": {"errors", "numerics", "version"},
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics"} | CHECKS | VALUES,
     "scaling": BASE | {"status"},
@@ -41,7 +43,8 @@ ROOMS: dict[str, set[str]] = {
     "scene": BASE | {"states", "outputs"},
     "averaging": BASE | {"moments", "outputs", "scene"},
     "plan": {"moments", "densities", "position", "outputs", "status"},
-    "solution": BASE | VELOCITY | QUESTION | {"position"},
+    "solution_table": BASE | QUESTION | {"moments"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_table"},
     "in_field": BASE | {"states", "field", "status", "outputs", "scene", "solution"},
     "solver": BASE | VELOCITY | QUESTION | {"position", "solution", "in_field"},
 }

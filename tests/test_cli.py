@@ -254,7 +254,7 @@ def test_simulate_prints_estimates_with_errors(
 def test_derive_prints_one_equation_with_its_steps(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    file = tmp_path / "new" / "sonine9.tex"
+    file = tmp_path / "sonine9.tex"
     assert cli.main(["derive", "--only", "sonine9", "--json", "--latex", str(file)]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["checks"][0]["label"] == "sonine9"

@@ -29,6 +29,8 @@ _CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall fast
 _AT_ONCE = 1_000_000  # exponentials in one piece of the scan
 _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a zero
 _MOST_STEPS = 40
+# of waves faster than 24 in X there is e^(-24 pi/2) = 4e-17
+_SATURATION, _FASTEST_WAVE, _SLOWEST = 38.0, 24.0, 1e-9
 
 
 @lru_cache(maxsize=48)
@@ -68,6 +70,23 @@ def oscillations(law: CollisionLaw, highest: float, m: int = 0) -> tuple[complex
                 z = complex(min(z.real, 0.0), 0.0 if decays else z.imag)
                 found[round(z.real, 5), round(z.imag, 5)] = z
     return tuple(sorted(found.values(), key=lambda z: -z.imag))
+
+
+def asymptotic_from(law: CollisionLaw, highest: float, harmonics: int) -> float:
+    """X = ln T from which observables of a cooling tracer with |m| <= harmonics are asymptotic.
+
+    Corrections to the asymptotes fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)] with
+    Re z < 0. Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks
+    with e = 0.03): beyond ln(1/kappa) + 38 corrections are e^-38 = 3e-17, and 6e-13 at worst. Under
+    other laws z may be as close to 0 as one likes; they are looked at if ``highest``, the largest X
+    that is asked for, lies beyond.
+    """
+    limit, slowest = -math.log(law.mean_log_loss), SLOW
+    if highest > limit + _SATURATION and law.tangential_restitution != 1.0:
+        for m in range(harmonics + 1):
+            zeros = oscillations(law, _FASTEST_WAVE, m)
+            slowest = min([slowest, *(-z.real for z in zeros)])
+    return limit + _SATURATION / max(slowest, _SLOWEST)
 
 
 def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex | None:

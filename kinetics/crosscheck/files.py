@@ -10,12 +10,14 @@ from pathlib import Path
 def require_writable_folder(folder: Path) -> None:
     """Raise ValueError, naming the folder, unless files could be created in it. Leaves nothing.
 
-    Asked before long work starts. Where the folder does not exist yet, its nearest existing
-    ancestor is tried, and nothing is created.
+    Asked before long work starts. The folder itself may be new, then the one that it is to be made
+    in is tried, and nothing is created; but that one must exist.
     """
     existing = folder
-    while not existing.exists() and not existing.is_symlink() and existing.parent != existing:
-        existing = existing.parent
+    if not folder.exists() and not folder.is_symlink():
+        existing = folder.parent
+        if not existing.exists() and not existing.is_symlink():
+            raise ValueError(_missing(folder, existing))
     try:
         with tempfile.TemporaryFile(dir=existing):
             pass
@@ -24,6 +26,20 @@ def require_writable_folder(folder: Path) -> None:
             f"output folder {str(folder)!r} cannot be written: {error.strerror or error}; "
             "allowed is a folder, existing or new, in which files can be created"
         ) from None
+
+
+def require_folder_of(file: Path) -> None:
+    """Raise ValueError unless this file could be made in its folder, which must be there."""
+    if not file.parent.exists():
+        raise ValueError(_missing(file, file.parent))
+    require_writable_folder(file.parent)
+
+
+def _missing(asked: Path, folder: Path) -> str:
+    return (
+        f"output {str(asked)!r} cannot be written: its folder does not exist; make it first: "
+        f"mkdir -p {folder}"
+    )
 
 
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:

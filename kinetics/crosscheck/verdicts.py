@@ -56,6 +56,28 @@ MEANING: dict[Verdict, str] = {
     Verdict.UNDEFINED: "the formula has no real value here",
 }
 
+WORDS: dict[Verdict, str] = {
+    Verdict.AGREES: "no difference",
+    Verdict.UNCLEAR: "unclear",
+    Verdict.DIFFERS: "differs",
+    Verdict.CLOSE: "off by",
+    Verdict.ROUGH: "off by",
+    Verdict.FAR: "off by",
+    Verdict.UNDEFINED: "no value",
+}
+"""The words that a page and the terminal show; files have those of `Verdict`."""
+EXPLAINED = {
+    "no difference": "none was seen. Particles: the number behind “better than” is the "
+    "difference that would have been seen, at 95 %, at every time or bin; where it is large, "
+    "little was tested. Solver: within the tolerance asked for.",
+    "unclear": f"between {AGREES_BELOW} and {DIFFERS_ABOVE:g} standard errors, allowing for the "
+    "number of times or bins looked at; more samples would decide.",
+    "differs": f"{DIFFERS_ABOVE:g} standard errors or more, allowing for the number of times or "
+    "bins; or outside the tolerance asked for.",
+}
+"""What the three words say, for a reader who meets them first. A printed formula, which claims no
+error, is only said to be “off by” so much."""
+
 
 @dataclass(frozen=True)
 class Worst:

@@ -17,9 +17,11 @@ from kinetics.field.averages import SteadyAverages
 from kinetics.field.ladder import continuation
 from kinetics.field.resolution import Resolution
 from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
+from kinetics.field.table import field_table
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
+from kinetics.tables import Table, Tabular
 from kinetics.validation import (
     check_positive,
     check_rtol,
@@ -37,7 +39,7 @@ _CONTINUED = 16  # harmonics up to 16 M, by their continuation, are in the densi
 
 
 @dataclass(frozen=True)
-class FieldState(Value):
+class FieldState(Tabular, Value):
     """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
 
     Lengths in the mean free path l, accelerations in that of the field, g: so speeds are in
@@ -186,6 +188,11 @@ class FieldState(Value):
         )
 
     # -- how it shows itself ----------------------------------------------------------------------
+
+    _points = ("speeds", "angles")
+
+    def _table(self, only: str | None = None, **points: Any) -> Table:
+        return field_table(self, only, points.get("speeds"), points.get("angles"))
 
     def __repr__(self) -> str:
         return (

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.collision.memory import oscillations
+from kinetics.collision.memory import asymptotic_from
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
@@ -37,12 +37,7 @@ START = -2.0  # X where the panels begin; below it the power series in T is summ
 TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
 _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
-# Corrections to the asymptote fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)] with
-# Re z < 0. Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks
-# with e = 0.03): beyond ln(1/kappa) + 38 corrections are e^-38 = 3e-17, and 6e-13 at worst. Under
-# other laws z may be as close to 0 as one likes; of wave numbers above 24 in X there is
-# e^(-24 pi/2) = 4e-17. For higher m panels go on to the last time, or as far as e^X is a number.
-_SATURATION, _FASTEST_WAVE = 38.0, 24.0
+# For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
 # Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
 _STEEPEST = 4.0
@@ -233,12 +228,7 @@ class BackwardEquation:
         """X beyond which observables are on their asymptotes."""
         if self.harmonic > _HARMONICS:
             return _HIGHEST_X
-        limit, slowest = -math.log(self.law.mean_log_loss), 1.0
-        if self.highest > limit + _SATURATION and self.law.tangential_restitution != 1.0:
-            for m in range(_HARMONICS + 1):
-                zeros = oscillations(self.law, _FASTEST_WAVE, m)
-                slowest = min([slowest, *(-z.real for z in zeros)])
-        return min(limit + _SATURATION / max(slowest, 1e-9), _HIGHEST_X)
+        return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
 
     @property
     def _offsets(self) -> FloatArray:

@@ -84,6 +84,18 @@ class Averages:
         other._series.update(self._series)
         return other
 
+    def at(self, times: FloatArray) -> Averages:
+        """The same at other times, up to the last one: the equation is not solved again.
+
+        Its error estimate stays what it is: it is of all panels, that is of all times.
+        """
+        other = replace(self, times=times)
+        other._measures.update(self._measures)
+        other._series.update(self._series)
+        if not self.elastic:
+            other.__dict__["equation"] = self.equation  # the cached property below
+        return other
+
     def nodes_for(self, y: Observable, rtol: float) -> int:
         """Nodes of a panel at which the error of y, relative to itself, is about rtol; e < 1."""
         if y not in self._decays:

@@ -26,6 +26,7 @@ import math
 import numpy as np
 
 from kinetics.collision import CollisionLaw
+from kinetics.collision.memory import asymptotic_from
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
 from kinetics.position.coupled_harmonics import eliminate, iterate
@@ -35,8 +36,7 @@ from kinetics.position.waves import Waves, carried, series_sum, together
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
 _SERIES, _TERMS = 5.0, 40
-# Beyond X = ln(1/kappa) + _SATURATION, a_m falls as a power of T, to e^-38 = 3e-17.
-_SATURATION = 38.0
+_LASTING = 2  # the harmonics whose decay decides from which X on the panels may end
 _FEWEST_NODES = 6
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
 # The constants below are measured again by tests/kinetics/measurements/position.py. For each
@@ -92,7 +92,7 @@ def _extent(
     start = rule.width * math.floor(min(first, highest) / rule.width)
     limit = highest
     if not law.is_elastic:
-        limit = min(limit, _SATURATION - math.log(law.mean_log_loss))
+        limit = min(limit, asymptotic_from(law, highest, _LASTING))
     count = max(1, math.ceil((limit - start) / rule.width))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square

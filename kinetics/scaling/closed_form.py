@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,17 @@ from numpy.typing import ArrayLike
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.scaling import mellin
 from kinetics.scaling.symbols import from_rest
+from kinetics.scaling.table import scaled_table
+from kinetics.tables import Table, Tabular
 from kinetics.validation import exponent, not_negative, refuse
-from kinetics.values import Value
+from kinetics.values import Value, html_table
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
 
 
 @dataclass(frozen=True)
-class ScalingSolution(Value):
+class ScalingSolution(Tabular, Value):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
     Parameters
@@ -187,6 +190,22 @@ class ScalingSolution(Value):
             log_f = mellin.log_density(law, x) - d * log_c
             out[inside] = np.exp(log_f) / law.unit_surface
         return out.reshape(c_.shape)[()]
+
+    _points = ("c",)
+
+    def _table(self, only: str | None = None, **points: Any) -> Table:
+        """F(c) and the figures; c up to 4 by default, in units of the thermal speed."""
+        return scaled_table(self, points.get("c"), None, status="exact", message="closed form")
+
+    def _repr_html_(self) -> str:
+        return html_table(
+            {
+                "law": escape(self.law.described),
+                "cooling rate h": f"{self.cooling_rate:.12g}",
+                "a2": f"{self.a2:.12g}",
+                "d&lt;r^2&gt;/d ln t / l^2": f"{self.diffusion_slope:.12g}",
+            }
+        )
 
     def _log_a(self, p: float) -> float:
         """ln A(p), A(p) = kappa^p E[Y^p]."""

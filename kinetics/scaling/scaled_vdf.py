@@ -7,7 +7,7 @@ solves the parts of the speed axis that they need and holds ln g, accurate relat
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,8 +18,10 @@ from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.scaling.log_density import SpeedAxis
 from kinetics.scaling.symbols import from_rest
+from kinetics.scaling.table import scaled_table
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
+from kinetics.tables import Table, Tabular, attributes_of
 from kinetics.validation import (
     check_rtol,
     exponent,
@@ -38,7 +40,7 @@ _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-2
 
 
 @dataclass(frozen=True)
-class ScaledVDF(Value):
+class ScaledVDF(Tabular, Value):
     """The scaled velocity distribution as the discretised solver finds it.
 
     Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
@@ -195,6 +197,17 @@ class ScaledVDF(Value):
                 "error estimate": f"{self.error_estimate:.1e}",
             }
         )
+
+    _points = ("c",)
+
+    def _table(self, only: str | None = None, **points: Any) -> Table:
+        """F(c) and the figures; c up to 4 by default, in units of the thermal speed."""
+        made = scaled_table(
+            self, points.get("c"), None
+        )  # the error estimate is of all that is solved by then
+        status = {"status": self.status.name.lower(), "message": self.message}
+        accuracy = (self.rtol, self.error_estimate)
+        return replace(made, attributes=attributes_of(made.title, self, accuracy, **status))
 
     def __getstate__(self) -> dict[str, Any]:
         # with what has been solved: a copy in another process need not solve it again

@@ -28,7 +28,7 @@ from particles.kernel.parabola import (
     times_of,
 )
 from particles.kernel.records import QUEUE, Records, count_path, finish
-from particles.kernel.records_in_field import enter_queue_in_field, queue_output_in_field
+from particles.kernel.records_in_field import Kept, enter_queue_in_field, queue_output_in_field
 from particles.streams import FLIGHTS, bits, in_disk, open_stream, uniform
 
 
@@ -114,17 +114,14 @@ _collide = by_dimension(_scatter, _scatter_in_space)
 
 @kernel
 def follow_free_paths_in_field(
-    start: Start, mean_path: float, field: float, lanes: np.ndarray, records: Records,
-    more: tuple[np.ndarray, np.ndarray, float],
+    start: Start, mean_path: float, field: float, lanes: np.ndarray, records: Records, kept: Kept,
 ) -> None:  # fmt: skip
     """Follow tracers whose free paths are exponential along the parabolas of a uniform field.
 
     mean_path: the mean free path in d. field: in U^2/d along x, not 0; negative against x. lanes:
-    of LANE_IN_FIELD_OF[dimension]. more: sums (n_times, FIELD_SUMS[dimension]) that only a run in a
-    field keeps; passages (n,), inf, which receives the times at which x first has the value depth,
-    or (0,); and this depth, in d.
+    of LANE_IN_FIELD_OF[dimension].
     """
-    sums, passages, depth = more
+    sums, passages, depth = kept.sums, kept.passages, kept.depth
     times, paths, grids = records.times, records.paths, records.grids
     queue, queued = records.queue, records.queued
     restitution, tangential = start.restitution, start.tangential

@@ -84,7 +84,12 @@ def cross_cell(lane: Any, keys: np.ndarray, n: int) -> None:
     lane.y -= along * lane.move_y
     lane.wall_x += across * lane.between_x
     lane.wall_y += along * lane.between_y
-    di, dj = across * lane.step_i, along * lane.step_j
+    enter(lane, keys, n, across * lane.step_i, along * lane.step_j)
+
+
+@inlined
+def enter(lane: Any, keys: np.ndarray, n: int, di: int, dj: int) -> None:
+    """Note that a lane is in the next cell: di, dj are -1, 0 or 1."""
     lane.i += di
     lane.j += dj
     if is_unbounded(keys):

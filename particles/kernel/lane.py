@@ -66,6 +66,20 @@ LANE_IN_FIELD_OF = {
 }
 
 
+# Among disks in a field the place and the velocity are those at the last node of the parabola.
+LANE_AMONG_DISKS_IN_FIELD = record_type(
+    {
+        np.float64: (
+            "first_vx", "lasted",       # velocity along x where the flight began; time since then
+            "vx", "vy",
+            "meets_x", "meets_y",       # the disk of the next contact, from the cell's centre
+        ),
+        np.int64: ("before", "crossed"),  # whether it is on the disk `struck`; walls crossed since
+    },
+    _FIELDS,
+)  # fmt: skip
+
+
 class Start(NamedTuple):
     """Which tracers to follow, and how.
 

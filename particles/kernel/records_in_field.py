@@ -1,12 +1,24 @@
 """What a kernel records besides in a uniform field: averages of vectors and tensors."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from particles.compiled.decorators import by_dimension, inlined
 from particles.kernel.records import Records, enter_queue
+
+
+class Kept(NamedTuple):
+    """What a run in a field keeps besides its records.
+
+    sums (n_times, FIELD_SUMS[dimension]). passages (n,), inf, receives the times at which x first
+    has the value depth, in d; or (0,).
+    """
+
+    sums: np.ndarray
+    passages: np.ndarray
+    depth: float
 
 
 @inlined

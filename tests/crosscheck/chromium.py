@@ -71,8 +71,14 @@ class Browser:
         os.close(self._write)
         self._profile.cleanup()
 
-    def visit(self, page: Path, width: int, questions: dict[str, str], dark: bool = False) -> Visit:
-        """Open a file at a width in pixels; `questions` are expressions of JavaScript."""
+    def visit(
+        self, page: Path, width: int, questions: dict[str, str], dark: bool = False,
+        media: str = "screen",
+    ) -> Visit:  # fmt: skip
+        """Open a file at a width in pixels; `questions` are expressions of JavaScript.
+
+        media: "screen" or "print".
+        """
         seen = Visit()
         target = self._ask("Target.createTarget", {"url": "about:blank"}, None)["targetId"]
         attach = {"targetId": target, "flatten": True}
@@ -82,7 +88,7 @@ class Browser:
         metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
         self._ask("Emulation.setDeviceMetricsOverride", metrics, session)
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self._ask("Emulation.setEmulatedMedia", {"features": [scheme]}, session)
+        self._ask("Emulation.setEmulatedMedia", {"media": media, "features": [scheme]}, session)
         self._waiting.clear()
         self._ask("Page.navigate", {"url": page.resolve().as_uri()}, session)
         while not any(m.get("method") == "Page.loadEventFired" for m in self._waiting):

@@ -106,7 +106,9 @@ def made_up_run(name: str, solution: Any, sigmas: float, free_path: float) -> Pa
     )
 
 
-def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7) -> Case:
+def made_up_case(
+    free: float = 0.5, disks: float = 0.5, restitution: float = 0.7, dense: bool = True
+) -> Case:
     """A case whose Boltzmann-Grad and hard-disk runs deviate by so many standard errors."""
     solution = made_up_solution()
     scaled: Any = SimpleNamespace(
@@ -134,6 +136,8 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
         position=made_up_position(),
         free=made_up_run("Boltzmann-Grad", solution, free, 12.5),
         hard=run,
+        dense=SimpleNamespace(**(vars(solution) | {"msd": 0.9 * solution.msd})) if dense else None,
+        dense_slope=1000.0 if dense else None,
         rescaled_errors={
             name: getattr(run, name).error
             for name in ("thermal_speed", "a2", "msd", "kurtosis", "cooling_rate", "msd_slope")
@@ -141,12 +145,12 @@ def made_up_case(free: float = 0.5, disks: float = 0.5, restitution: float = 0.7
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def make_case() -> Callable[..., Case]:
     return made_up_case
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def scans() -> Scans:
     """Scans of which all is known: ratios 1 - x, and one density without any trap."""
     x = np.array([0.01, 0.02, 0.04])
@@ -175,7 +179,7 @@ def scans() -> Scans:
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def settings() -> ReportSettings:
     return ReportSettings(restitutions=(0.7,), final_times=(1000.0,))
 

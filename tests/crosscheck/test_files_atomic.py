@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kinetics.crosscheck import files
-from kinetics.crosscheck.files import require_writable_folder, write_together
+from kinetics.crosscheck.files import require_folder_of, require_writable_folder, write_together
 
 
 def test_files_are_written_into_a_new_folder(tmp_path: Path) -> None:
@@ -104,5 +104,13 @@ def test_a_folder_without_permission_is_refused(tmp_path: Path) -> None:
 
 
 def test_asking_leaves_nothing(tmp_path: Path) -> None:
-    require_writable_folder(tmp_path / "a" / "b")
+    require_writable_folder(tmp_path / "a")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_one_that_is_not_there_is_refused_with_the_way_out(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"make it first: mkdir -p .*a$"):
+        require_writable_folder(tmp_path / "a" / "b")
+    with pytest.raises(ValueError, match=r"make it first: mkdir -p .*a$"):
+        require_folder_of(tmp_path / "a" / "b.csv")
     assert list(tmp_path.iterdir()) == []

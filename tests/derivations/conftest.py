@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator
 import pytest
 import sympy as sp
 
+from derivations import Check, verify
+
 Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
 
 
@@ -22,6 +24,12 @@ def every_mutant(node: sp.Basic) -> Iterator[sp.Basic]:
             arguments[index] = mutant
             options = {"evaluate": False} if isinstance(node, sp.Eq | sp.Le) else {}
             yield node.func(*arguments, **options)
+
+
+@pytest.fixture(scope="session")
+def checks() -> tuple[Check, ...]:
+    """All rows, derived once and not while the tests are collected: it takes ten seconds."""
+    return verify()
 
 
 @pytest.fixture(scope="session")

@@ -64,3 +64,10 @@ def test_the_mathml_of_a_row_is_well_formed_and_shows_no_name_of_python(label: s
     assert not any(f">{name}<" in text for name in LETTERS if len(name) > 2)
     for name in ("Int", "Dot", "Partial", "Lam", "Avg", "Measure", "Second", "_vec", "_hat"):
         assert name not in text
+
+
+def test_two_numbers_side_by_side_are_not_read_as_one() -> None:
+    x = sp.Symbol("x")
+    text = mathml(2 * sp.Integer(3) ** sp.Rational(3, 4) * sp.sqrt(5) * x)
+    assert "<mn>2</mn><mo>·</mo><msup><mn>3</mn>" in text
+    assert "<mo>&InvisibleTimes;</mo><msup><mn>" not in text

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 
-def field_document(law: dict[str, Any], units: tuple[float, ...], rtol: float) -> dict[str, Any]:
-    """The JSON document: figures in units of g and l; and in the user's own where given.
+def field_document(
+    law: dict[str, Any], units: tuple[float, ...], rtol: float
+) -> tuple[Any, dict[str, Any]]:
+    """The result and its JSON document: figures in units of g and l, and in the user's own.
 
     units : acceleration, diameter and number density, in any consistent units; or nothing
     """
@@ -30,14 +32,18 @@ def field_document(law: dict[str, Any], units: tuple[float, ...], rtol: float) -
     }
     if units:
         found["in_units"] = asdict(state.in_units(*units))
-    return found
+    return state, found
 
 
 def field_text(found: dict[str, Any]) -> str:
     """The same, one line for each figure."""
+    from kinetics.crosscheck.text_tables import figure, written
+
     lines = ["speeds in sqrt(g l), diffusion coefficients in sqrt(g l^3)"]
-    lines += [f"{name:24} {x}" for name, x in found.items() if name not in ("plan", "in_units")]
+    lines += [
+        f"{name:24} {figure(x)}" for name, x in found.items() if name not in ("plan", "in_units")
+    ]
     if "in_units" in found:
         lines.append("in the units of acceleration, diameter and number density:")
-        lines += [f"{name:24} {x:.10g}" for name, x in found["in_units"].items()]
+        lines += [f"{name:24} {written(x, 10)}" for name, x in found["in_units"].items()]
     return "\n".join(lines)

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import click
 
+MOST_NUMBERS = 100_000  # of one range
+
 UNITS = (
     "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
-    "of one component of the initial velocity), times in d/U, densities in d^-2."
+    "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
 )
 
 
 class Numbers(click.ParamType):
-    """Numbers separated by commas, "1,10,100": a tuple of floats, perhaps empty."""
+    """Numbers and ranges of numbers, "0,1,10:1000:5": a tuple of floats, perhaps empty.
+
+    A range A:B:N is N numbers from A to B, each larger than the one before by the same factor.
+    """
 
     name = "numbers"
 
@@ -22,9 +28,22 @@ class Numbers(click.ParamType):
         if isinstance(value, tuple):
             return value
         try:
-            return tuple(float(part) for part in value.split(",") if part.strip())
+            return tuple(x for part in value.split(",") if part.strip() for x in _numbers(part))
         except ValueError:
-            self.fail(f"{value!r}: it must be numbers separated by commas", param, ctx)
+            what = "it must be numbers separated by commas, or a range such as 1:1e6:50"
+            self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
+
+
+def _numbers(part: str) -> tuple[float, ...]:
+    """One number, or those of a range."""
+    if ":" not in part:
+        return (float(part),)
+    first, last, count = part.split(":")
+    low, high, n = float(first), float(last), int(count)
+    if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= MOST_NUMBERS):
+        raise ValueError(part)
+    inner = (low * (high / low) ** (k / (n - 1)) for k in range(1, n - 1))
+    return (low, *(float(f"{x:.14g}") for x in inner), high)
 
 
 restitution_option = click.option(
@@ -37,13 +56,20 @@ tangential_option = click.option(
     help="What a collision leaves of the tangential velocity, 0 to 1.",
 )
 density_option = click.option(
-    "--number-density", type=float, default=0.04, help="Scatterers per d^2."
+    "--number-density", type=float, default=0.04, help="Scatterers per d^2; in space per d^3."
 )
 times_option = click.option(
     "--times",
     type=Numbers(),
     default="1,3,10,30,100,300,1000",
-    help="Output times in d/U, increasing, separated by commas.",
+    help="Output times in d/U, increasing, separated by commas; 1:1e6:50 is 50 of them from 1 to "
+    "1e6, at equal ratios.",
+)
+until_option = click.option(
+    "-t",
+    "--until",
+    type=float,
+    help="Last time in d/U: in place of --times, 31 times up to it, 10 in a decade.",
 )
 initial_option = click.option(
     "--initial",
@@ -63,6 +89,15 @@ json_option = click.option(
 def names_in(text: str) -> tuple[str, ...]:
     """The names in a text that separates them by commas."""
     return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
+    """The times of --times, or of --until in its place. Raises ValueError for one not above 0."""
+    if until is None:
+        return times
+    if not 0.0 < until < math.inf:
+        raise ValueError(f"until: got {until:g}; it must be a finite time above 0")
+    return _numbers(f"{until / 1e3!r}:{until!r}:31")
 
 
 def print_json(document: Any) -> None:

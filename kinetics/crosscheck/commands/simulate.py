@@ -18,8 +18,15 @@ from kinetics.crosscheck.commands.options import (
     seed_option,
     tangential_option,
     times_option,
+    times_until,
+    until_option,
     workers_option,
 )  # fmt: skip
+from kinetics.crosscheck.commands.run_files import (
+    check_files,
+    saying_how_to_go_on,
+    write_picture,
+)
 
 if TYPE_CHECKING:
     from particles import Ensemble, Medium
@@ -85,6 +92,7 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @times_option
+@until_option
 @click.option(
     "--observables", default="", metavar="NAMES",
     help="What to save beside the averages, separated by commas: speed_histogram, "
@@ -93,16 +101,25 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="HDF5",
-    help="Save here, configuration by configuration.",
+    help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
+    "for other programs, written at the end.",
+)  # fmt: skip
+@click.option(
+    "--picture", type=click.Path(path_type=Path), metavar="FILE",
+    help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
+    ".svg or .pdf.",
 )  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
 @seed_option
 @workers_option
 @json_option
 def simulate(
+    until: float | None,
+    picture: Path | None,
     number_density: float,
     times: tuple[float, ...],
     observables: str,
+    output: Path | None,
     as_json: bool,
     **arguments: Any,
 ) -> None:
@@ -114,48 +131,78 @@ def simulate(
 
     import particles
 
+    times = times_until(times, until)
+    check_files()
+    for_others = output is not None and output.suffix.lower() == ".h5md"
+    names = names_in(observables)
+    if for_others and output is not None:
+        names = _for_h5md(output, names, arguments)
     described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
 
     def show(done: int, total: int) -> None:
         bar.update(done - bar.n)
 
-    with tqdm(
+    bar = tqdm(
         total=arguments["media"], desc="configurations", file=sys.stderr, disable=None, leave=False
-    ) as bar:
+    )
+    with saying_how_to_go_on(), bar:
         run = particles.simulate(
             scatterers,
             times=times or None,
-            observables=names_in(observables) or None,
+            observables=names or None,
+            output=None if for_others else output,
             progress=show,
             **arguments,
         )
-    ends = {name: getattr(run.statuses, name) for name in _ENDS}
+    if picture is not None:
+        write_picture(run, picture)
+    if for_others and output is not None:
+        run.write_h5md(output)
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
-        estimates = ["mean_free_path", *_ESTIMATES]
-        if run.field:
-            estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
-            estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
-        if run.plan.depth is not None:
-            estimates += ["passed", "mean_passage_time"]
-        print_json(
-            {
-                "medium": kind,
-                "restitution": run.restitution,
-                "tangential_restitution": run.tangential_restitution,
-                "number_density": run.number_density,
-                "field": run.field,
-                "dimension": run.medium.dimension,
-                **{name: arguments[name] for name in _ARGUMENTS},
-                "statuses": ends,
-                **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
-                **{name: _value_and_error(getattr(run, name)) for name in estimates},
-            }
-        )
+        print_json(_document(run, kind, arguments))
     else:
         click.echo(_table(run))
-        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends.items()))
+        ends = _ends_of(run).items()
+        click.echo("tracers: " + ", ".join(f"{n} {name}" for name, n in ends))
+
+
+def _ends_of(run: Ensemble) -> dict[str, int]:
+    return {name: getattr(run.statuses, name) for name in _ENDS}
+
+
+def _document(run: Ensemble, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    """What --json prints; kind: of the medium, arguments: those of `simulate`."""
+    estimates = ["mean_free_path", *_ESTIMATES]
+    if run.field:
+        estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
+        estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
+    if run.plan.depth is not None:
+        estimates += ["passed", "mean_passage_time"]
+    return {
+        "medium": kind,
+        "restitution": run.restitution,
+        "tangential_restitution": run.tangential_restitution,
+        "number_density": run.number_density,
+        "field": run.field,
+        "dimension": run.medium.dimension,
+        **{name: arguments[name] for name in _ARGUMENTS},
+        "statuses": _ends_of(run),
+        **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
+        **{name: _value_and_error(getattr(run, name)) for name in estimates},
+    }
+
+
+def _for_h5md(output: Path, names: tuple[str, ...], arguments: dict[str, Any]) -> tuple[str, ...]:
+    """The observables, with those of an H5MD file. ValueError where it cannot be written."""
+    if arguments["resume"]:
+        raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
+    if output.exists():
+        raise ValueError(f"output = {str(output)!r}: exists")
+    if not output.absolute().parent.is_dir():
+        raise ValueError(f"output = {str(output)!r}: its folder does not exist")
+    return tuple(dict.fromkeys((*names, "positions", "velocities")))
 
 
 def make_medium(

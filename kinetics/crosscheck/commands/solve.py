@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from pathlib import Path
 from typing import Any
 
 import click
@@ -17,7 +19,11 @@ from kinetics.crosscheck.commands.options import (
     restitution_option,
     tangential_option,
     times_option,
+    times_until,
+    until_option,
 )  # fmt: skip
+from kinetics.crosscheck.commands.result_files import check_output, write_result
+from kinetics.crosscheck.commands.start import initial_state
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
@@ -31,6 +37,12 @@ TENSORS = {
     "displacement_tensor": (("var(x) [d^2]", (0, 0)), ("var(y) [d^2]", (1, 1))),
 }
 """Outputs that are vectors or tensors, with --field -> heads of the parts that are printed."""
+_DENSITY_AT = {
+    "speeds": "speed_density",
+    "scaled_radii": "scaled_position_density",
+    "wave_numbers": "intermediate_scattering",
+}
+"""Points -> the density that is asked for at them."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
@@ -47,9 +59,14 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 @density_option
 @click.option(
     "--initial",
-    type=click.Choice(["gaussian", "monoenergetic", "rest"]),
     default="gaussian",
-    help="Initial velocities: Gaussian, all of speed U, or with --field all at rest.",
+    metavar="NAME|FILE.csv",
+    help="Initial velocities: gaussian, monoenergetic, beam (all along one direction), with "
+    "--field also rest; or a .csv file of two columns, the speed in U and its density in 1/U.",
+)
+@click.option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
+@click.option(
+    "--direction", type=float, default=0.0, help="Of beam: its angle to the x axis, in radians."
 )
 @click.option(
     "--scatterers",
@@ -64,6 +81,7 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
 )
 @times_option
+@until_option
 @click.option(
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
 )
@@ -92,6 +110,7 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
     f"{', '.join(FIELD_OUTPUTS)}.",
 )
+@click.option("--speeds", type=Numbers(), default="", help="v in U at which to print f(v).")
 @click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
 @click.option(
     "--collision-numbers", type=Numbers(), default="", help="N at which to print averages, commas."
@@ -100,20 +119,35 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
 @click.option(
     "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
 )
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the result here: .csv (a row for each time), .nc (netCDF) or .h5 (for "
+    "kinetics.load).",
+)
 @json_option
 def solve(
     scaled: bool,
     field_steady: bool,
     field_units: tuple[float, ...],
     outputs: str,
+    speeds: tuple[float, ...],
     radii: tuple[float, ...],
     wave_numbers: tuple[float, ...],
-    collision_numbers: tuple[float, ...],
     rtol: float | None,
+    output: Path | None,
     as_json: bool,
+    until: float | None,
     **system: Any,
 ) -> None:
-    """Solve the kinetic equation: averages over time or by collision number, G(R) and F(k, t)."""
+    """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
+    if output is not None:
+        check_output(output)
+    if until is not None or not system["times"]:
+        system["times"] = times_until(system["times"], until)
+    asked: dict[str, Any] = {}
     over_time = not scaled and not field_steady
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
         rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
@@ -123,26 +157,30 @@ def solve(
     if field_steady:
         if scaled:
             raise click.UsageError("give --scaled or --field-steady, not both")
-        found, text = field_document(law, field_units, rtol), field_text
+        result, found, text = *field_document(law, field_units, rtol), field_text
     elif scaled:
         if system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
-        found, text = scaled_document(law, rtol), scaled_text
+        result, found, text = *scaled_document(law, rtol), scaled_text
     else:
-        system["collision_numbers"] = collision_numbers
-        found, text = solve_document(system, outputs, radii, wave_numbers, rtol), solve_text
+        points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
+        asked = {name: at for name, at in points.items() if at}
+        result, found = solve_document(system, outputs, asked, rtol)
+        text = solve_text
+    if output is not None:
+        write_result(result, output, asked, [_DENSITY_AT[name] for name in asked])
     if as_json:
         print_json(found)
     else:
         click.echo(text(found))
 
 
-def scaled_document(law: dict[str, Any], rtol: float) -> dict[str, Any]:
-    """The JSON document of the scaled equation: h, a2 and the moments <c> to <c^6>."""
+def scaled_document(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
+    """The result of the scaled equation and its JSON document: h, a2, moments <c> to <c^6>."""
     from kinetics import solve_scaled
 
     state = solve_scaled(**law, rtol=rtol)
-    return {
+    return state, {
         **law,
         "cooling_rate": state.cooling_rate,
         "a2": state.a2,
@@ -155,19 +193,20 @@ def scaled_document(law: dict[str, Any], rtol: float) -> dict[str, Any]:
 
 def scaled_text(found: dict[str, Any]) -> str:
     """The same, one line for each figure."""
-    lines = [f"{name:22} {value}" for name, value in found.items() if name != "moments"]
-    lines += [f"<c^{p}>{'':18}{value}" for p, value in found["moments"].items()]
+    from kinetics.crosscheck.text_tables import figure
+
+    lines = [f"{name:22} {figure(value)}" for name, value in found.items() if name != "moments"]
+    lines += [f"<c^{p}>{'':18}{figure(value)}" for p, value in found["moments"].items()]
     return "\n".join(lines)
 
 
 def solve_document(
-    system: dict[str, Any],
-    outputs: str,
-    radii: tuple[float, ...],
-    wave_numbers: tuple[float, ...],
-    rtol: float,
-) -> dict[str, Any]:
-    """The JSON document: arguments of the scene, its arrays, G(R) and F(k) where asked for."""
+    system: dict[str, Any], outputs: str, asked: dict[str, Any], rtol: float
+) -> tuple[Any, dict[str, Any]]:
+    """The Solution and the JSON document: arguments of the scene, arrays, and densities.
+
+    asked : where densities are asked for, by the names in :data:`_DENSITY_AT`
+    """
     from kinetics import Scene
     from kinetics import solve as solve_scene
     from kinetics.validation import not_negative, one_of, refuse
@@ -176,13 +215,16 @@ def solve_document(
     names = [one_of("outputs", name, known) for name in names_in(outputs)]
     if not names:
         refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
-    not_negative("radii", radii)  # refused before minutes of work
-    not_negative("wave_numbers", wave_numbers)
-    wanted = names + ["position_density"] * bool(radii)
-    wanted += ["intermediate_scattering"] * bool(wave_numbers)
-    solution = solve_scene(Scene(**system, outputs=tuple(wanted)), rtol=rtol)
+    for name, at in asked.items():  # refused before minutes of work
+        not_negative({"scaled_radii": "radii"}.get(name, name), at)
+    needed = {"scaled_position_density": "position_density"}
+    wanted = names + [needed.get(_DENSITY_AT[name], _DENSITY_AT[name]) for name in asked]
+    initial = initial_state(*(system.pop(name) for name in ("initial", "speed", "direction")))
+    scene = Scene(**system, initial=initial, outputs=tuple(wanted))
+    solution = solve_scene(scene, rtol=rtol)
     found: dict[str, Any] = {
-        **{name: system[name] for name in (*LAW, *MEDIUM, "initial")},
+        **{name: system[name] for name in (*LAW, *MEDIUM)},
+        "initial": initial if isinstance(initial, str) else repr(scene.state),
         **({"field": system["field"]} if system.get("field") else {}),
         "rtol": rtol,
         "status": solution.status.name.lower(),
@@ -190,12 +232,9 @@ def solve_document(
         "times": solution.times,
         **{name: getattr(solution, name) for name in names},
     }
-    if radii:
-        found["scaled_radii"] = radii
-        found["scaled_position_density"] = solution.scaled_position_density(radii)
-    if wave_numbers:
-        found["wave_numbers"] = wave_numbers
-        found["intermediate_scattering"] = solution.intermediate_scattering(wave_numbers)
+    for name, at in asked.items():
+        found[name] = at
+        found[_DENSITY_AT[name]] = getattr(solution, _DENSITY_AT[name])(at)
     collision_numbers = system.get("collision_numbers", ())
     if collision_numbers:
         after = solution.by_collision
@@ -203,12 +242,12 @@ def solve_document(
             "collision_numbers": [int(n) for n in collision_numbers],
             **{name: getattr(after, name) for name in BY_COLLISION},
         }
-    return found
+    return solution, found
 
 
 def solve_text(found: dict[str, Any]) -> str:
     """The same as tables, one row per time, and the status."""
-    from kinetics.crosscheck.text_tables import columns
+    from kinetics.crosscheck.text_tables import WIDTH, columns, written
 
     names = [name for name in HEADS if name in found]
     heads = ["t [d/U]", *(HEADS[name] for name in names)]
@@ -218,14 +257,12 @@ def solve_text(found: dict[str, Any]) -> str:
             heads.append(head)
             arrays.append(found[name][(slice(None), *place)])
     tables = [columns(heads, arrays)]
-    for head, at, name in (
-        ("G({:g})", "scaled_radii", "scaled_position_density"),
-        ("F({:g}/d)", "wave_numbers", "intermediate_scattering"),
-    ):
+    for at, head in (("speeds", "f({} U)"), ("scaled_radii", "G({})"), ("wave_numbers", "F({}/d)")):
+        name = _DENSITY_AT[at]
         if name in found:
-            heads = ["t [d/U]", *(head.format(x) for x in found[at])]
+            heads = ["t [d/U]", *(head.format(written(x)) for x in found[at])]
             tables.append(columns(heads, [found["times"], *found[name].T]))
     if "by_collision" in found:
         heads = ["N", *(HEADS[name] for name in BY_COLLISION)]
         tables.append(columns(heads, list(found["by_collision"].values())))
-    return "\n".join([*tables, f"status: {found['message']}"])
+    return "\n".join([*tables, *textwrap.wrap(f"status: {found['message']}", WIDTH)])

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 COLUMNS = (
     "DATA is .csv, .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where known, tracer "
-    "and medium (the configuration of scatterers), one row for each tracer at each time; or a file "
-    "of an Ensemble; or frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj) or "
-    "extended XYZ (.xyz, .extxyz). Usual other names (t, id, v_x, replica ...) are known; "
+    "and medium (the configuration of scatterers), one row for each tracer at each time; or with "
+    "averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or frames of H5MD "
+    "(.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD "
+    "(.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known; "
     "--columns says others. "
     "Lengths are in d, speeds in U (standard deviation of one component of the initial "
     "velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. "
@@ -33,18 +35,29 @@ FORMATS = ("pdf", "png", "svg")
 )  # fmt: skip
 @click.option(
     "--number-density", type=float, default=None,
-    help="Scatterers per area, in the data's unit of length. [default: an Ensemble's own, or "
-    "fitted]",
+    help="Scatterers per area (volume), in the data's unit of length. [default: an Ensemble's "
+    "own, or fitted]",
 )  # fmt: skip
 @click.option(
-    "--initial", type=click.Choice(["auto", "gaussian", "monoenergetic", "data"]), default="auto",
-    help="Speeds at time 0: Gaussian, all U, or as in the data; auto: the first of these that the "
-    "data allow, Gaussian if they have no time 0.",
+    "--dimension", type=click.IntRange(2, 3), default=None,
+    help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, or "
+    "2]",
+)  # fmt: skip
+@click.option(
+    "--field", type=float, default=0.0,
+    help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.",
+)  # fmt: skip
+@click.option(
+    "--initial", type=click.Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
+    default="auto",
+    help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the first "
+    "of these that the data allow, Gaussian if they have no time 0.",
 )  # fmt: skip
 @click.option(
     "--positions", type=click.Choice(["auto", "displacement", "absolute"]), default="auto",
     help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
-    "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped.",
+    "they are not 0 at time 0. Absolute ones need the column tracer, and must not be "
+    "wrapped unless the file has the box and short steps.",
 )  # fmt: skip
 @click.option(
     "--speed-unit", default="1", metavar="NUMBER|data",
@@ -56,11 +69,16 @@ FORMATS = ("pdf", "png", "svg")
 )  # fmt: skip
 @click.option(
     "--time-unit", type=float, default=None,
-    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
+    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit, in the units "
+    "that the file states, if it does]",
 )  # fmt: skip
 @click.option(
     "--timestep", type=float, default=None,
     help="Time of one step, where a file gives steps and no times (dumps).",
+)  # fmt: skip
+@click.option(
+    "--bin-times", type=float, default=None, metavar="FRACTION",
+    help="Times that differ by less than this fraction are one time, at their mean.",
 )  # fmt: skip
 @click.option(
     "--columns", default="", metavar="NAME=THEIRS,...",
@@ -82,20 +100,13 @@ FORMATS = ("pdf", "png", "svg")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 def compare(
     data: tuple[Path, ...],
-    restitution: float | None,
-    tangential_restitution: float | None,
-    number_density: float | None,
-    initial: str,
-    positions: str,
     speed_unit: str,
-    diameter: float,
-    time_unit: float | None,
     columns: str,
-    timestep: float | None,
     output: Path | None,
     figures: tuple[str, ...],
     fail_on: str | None,
     as_json: bool,
+    **told: Any,
 ) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
@@ -114,22 +125,10 @@ def compare(
 
         prepare(output, data)
     from kinetics.crosscheck.comparison.data.columns import parsed_columns
-    from kinetics.crosscheck.comparison.data.read import read_sample
-    from kinetics.crosscheck.comparison.question import (
-        compare_sample,
-        in_diameters,
-        with_tangential,
-    )
-    from kinetics.validation import check_positive
+    from kinetics.crosscheck.comparison.question import compare_data
 
-    unit = _speed_unit(speed_unit)
-    named = parsed_columns(columns)
-    sample = read_sample(data, positions, unit, diameter, True, time_unit, named, timestep)
-    if tangential_restitution is not None:
-        sample = with_tangential(sample, tangential_restitution)
-    if number_density is not None:
-        number_density = in_diameters(check_positive("number_density", number_density), diameter)
-    result = compare_sample(sample, restitution, number_density, initial)
+    unit, names = _speed_unit(speed_unit), parsed_columns(columns)
+    result = compare_data(list(data), speed_unit=unit, columns=names, show_progress=True, **told)
     written = []
     if output is not None:
         written = write_together(output.parent, files_of(result, output, figures))

@@ -23,9 +23,11 @@ from kinetics.crosscheck.comparison.statistics import (
 from kinetics.crosscheck.comparison.theory import (
     AVERAGES,
     DISPLACEMENT,
+    IN_FIELD,
     SPEED,
     Expectation,
     SampledStart,
+    average_of,
     bin_shares,
 )
 from kinetics.errors import InputError, short
@@ -45,6 +47,10 @@ LEAST_EXPECTED = 50
 MOST_IN_A_BIN = 1 / 12
 """Share of the samples from which on a bin is not made wider, so that the body has a shape."""
 _MOST_BINS = 40
+KNOWN_AT_ZERO = (
+    "msd", "kurtosis", "mean_displacement", "dispersion_parallel", "dispersion_perpendicular",
+)  # fmt: skip
+"""Averages of the displacement, which say nothing at time 0."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +147,7 @@ def side_by_side(
     compared = np.isfinite(difference)
     own_start = isinstance(solution.scene.state, SampledStart)
     for k, name in enumerate(names):
-        if own_start or name in ("msd", "kurtosis"):  # known at time 0
+        if own_start or name in KNOWN_AT_ZERO:
             compared[k] &= sample.times > 0
     with np.errstate(invalid="ignore"):
         size = np.maximum(np.abs(expectation.values), np.abs(theory))
@@ -176,6 +182,8 @@ def _in_common(
     """Averages, and densities with their solution, that were asked for and the sample has."""
     outputs = solution.scene.outputs
     names = [name for name in AVERAGES if name in outputs]
+    if solution.scene.field:
+        names = [name for name, (output, _) in IN_FIELD.items() if output in outputs]
     owners = {}
     for name, counts in ((SPEED, sample.speeds), (DISPLACEMENT, sample.displacements)):
         owner = densities.get(name, solution)
@@ -195,7 +203,7 @@ def _theory(
     scene, names = solution.scene, expectation.names
     if names and isinstance(scene.state, SampledStart) and expectation.sample.start is not None:
         return expectation.theory(scene.restitution, scene.mean_free_path, scene.state)
-    values = [np.asarray(getattr(solution, name))[index] for name in names]
+    values = [average_of(solution, name)[index] for name in names]
     found = np.array(values).reshape(len(names), len(index))
     return found, found
 

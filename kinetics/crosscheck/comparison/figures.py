@@ -6,7 +6,13 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data_and_theory import LEAST_EXPECTED, DataAndTheory
 from kinetics.crosscheck.comparison.result import OBSERVABLES
-from kinetics.crosscheck.comparison.theory import DISPLACEMENT, RTOL, SPEED, solved, system_of
+from kinetics.crosscheck.comparison.theory import (
+    DISPLACEMENT,
+    SPEED,
+    average_of,
+    solved_averages,
+    system_of,
+)
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.templates import paragraphs
 
@@ -26,9 +32,9 @@ def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
     later = both.sample.times[both.sample.times > 0]
     if later.size and both.names:
         times = np.geomspace(later[0], later[-1], _POINTS) if later.size > 1 else later
-        theory = solved(system_of(both.solution), times, both.names, RTOL)
+        theory = solved_averages(system_of(both.solution), times, both.names)
         for i, name in enumerate(both.names):
-            line = np.asarray(getattr(theory, name))
+            line = average_of(theory, name)
             figures[name.replace("_", "-")] = _over_time(both, i, (times, line), explained)
     if np.any(both.usable & (both.sample.times > 0)):
         figures["sigmas"] = _sigmas(both)
@@ -64,7 +70,26 @@ def _over_time(both: DataAndTheory, i: int, theory: tuple[Any, Any], explained: 
     if explained is not None:
         lines.append(series("best explanation", times[shown], explained[i, shown]))
     y = axis(observable.symbol, observable.unit, scale)
-    return _figure("over_time", _TIME, y, lines, title=observable.name)
+    made = _figure("over_time", _TIME, y, lines, title=observable.name)
+    ratio = _over_theory(both, i, explained)
+    return made if ratio is None else made | {"ratio": ratio}
+
+
+def _over_theory(both: DataAndTheory, i: int, explained: Any) -> Data | None:
+    """Data and best explanation over the equation, which must be positive, for the panel below."""
+    times, theory = both.sample.times, both.theory[i]
+    shown = (times > 0) & np.isfinite(both.expectation.values[i])
+    if np.count_nonzero(shown) < 2 or not np.all(theory[shown] > 0):
+        return None
+    at, scale = times[shown], theory[shown]
+    values, error = both.expectation.values[i, shown] / scale, both.error[i, shown] / scale
+    lines = [
+        series("zero", at[[0, -1]], [1.0, 1.0]),
+        series("data", at, values, error, group="data"),
+    ]
+    if explained is not None:
+        lines.append(series("best explanation", at, explained[i, shown] / scale))
+    return {"y": axis("over the equation"), "series": lines}
 
 
 def _sigmas(both: DataAndTheory) -> Data:

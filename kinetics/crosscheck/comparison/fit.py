@@ -18,9 +18,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.statistics import (
     ChiSquare,
     covariance,
+    errors,
     hotelling,
     most_freedom,
     spread_out,
@@ -54,12 +56,14 @@ class Components:
     """Which averages, as flat indices, parameters are fitted to, and which enter the chi-square.
 
     fitted: of second moments, whose logarithms are fitted where `logarithms` says so.
-    tested: of all averages.
+    tested: of all averages. one_by_one: how their errors are correlated is not known: then errors
+    of parameters are those for the worst correlation, and p-values hold for any (`hotelling`).
     """
 
     fitted: NDArray[np.int64]
     tested: NDArray[np.int64]
     logarithms: bool
+    one_by_one: bool = False
 
 
 @dataclass(frozen=True)
@@ -100,18 +104,19 @@ def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -
 
 
 def components_of(
-    names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
+    names: Sequence[str], usable: NDArray[np.bool_], sample: Sample, parameters: int
 ) -> Components:
     """What is fitted and tested of the averages `names`, of which `usable` (n_names, n_times) are.
 
     Without two second moments for each parameter all averages are fitted, as they are.
     """
+    groups, one_by_one = sample.groups, sample.tabulated
     tested = choose_components(usable, groups, parameters)
     second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
     fitted = choose_components(second, groups, parameters)
     if fitted.size < 2 * parameters:
-        return Components(tested, tested, False)
-    return Components(fitted, tested, True)
+        return Components(tested, tested, False, one_by_one)
+    return Components(fitted, tested, True, one_by_one)
 
 
 def fit(
@@ -164,19 +169,23 @@ def fit(
     steep = white @ (slope[chosen] / size[:, None])
     influence = np.linalg.pinv(steep) @ white / size
     spread = np.linalg.pinv(steep.T @ steep) * _inflation(groups, len(white) - at.size)
-    names, errors = tuple(one.name for one in unknowns), np.sqrt(np.diagonal(spread))
-    found_fit = Fit(names, at, errors, None, influence, slope, chosen)
-    return replace(found_fit, chi_square=_left_over(found_fit, model, data, components.tested))
+    names, error = tuple(one.name for one in unknowns), np.sqrt(np.diagonal(spread))
+    if components.one_by_one:
+        error = np.abs(influence) @ errors(data[1].reshape(groups, -1)[:, chosen])
+    found_fit = Fit(names, at, error, None, influence, slope, chosen)
+    return replace(found_fit, chi_square=_left_over(found_fit, model, data, components))
 
 
 def _left_over(
-    found: Fit, model: Model, data: tuple[Array, Array], tested: NDArray[np.int64]
+    found: Fit, model: Model, data: tuple[Array, Array], components: Components
 ) -> ChiSquare | None:
     """The least chi-square near a fit: as many degrees of freedom less as there are parameters."""
     theory, moved = model(found.values)
-    values, replicates = data
+    tested, (values, replicates) = components.tested, data
     difference = (values - theory).ravel()[tested]
     rest = (replicates - moved).reshape(len(replicates), -1)[:, tested]
+    if components.one_by_one:
+        return hotelling(difference, rest, None, True)
     # What the parameters could take up, by the best weights for these components, is taken away.
     white, slope = whitening(covariance(rest)), found.slope[tested]
     taken = slope @ np.linalg.pinv(white @ slope) @ white

@@ -67,11 +67,12 @@ def tested_hypotheses(both: DataAndTheory) -> list[Tested]:
     """
     # Not time 0: there a hypothesis on the start would leave nothing that could differ.
     usable = both.usable & (both.sample.times > 0)
-    components = components_of(both.names, usable, both.sample.groups, 1)
+    components = components_of(both.names, usable, both.sample, 1)
     if components.tested.size < 2:
         return []
     difference = both.difference.ravel()[components.tested]
-    before = hotelling(difference, both.flat_replicates[:, components.tested])
+    replicates = both.flat_replicates[:, components.tested]
+    before = hotelling(difference, replicates, None, components.one_by_one)
     if before is None:
         return []
     averages = Averages(both, components, before)
@@ -141,11 +142,12 @@ class Averages:
         expectation, tested = self.both.expectation, self.components.tested
         difference = (expectation.values - theory).ravel()[tested]
         replicates = (expectation.replicates - moved).reshape(self.both.sample.groups, -1)
-        replicates = replicates[:, tested]
+        replicates, one_by_one = replicates[:, tested], self.components.one_by_one
         if uncertain is None:
-            return hotelling(difference, replicates), 0.0
+            return hotelling(difference, replicates, None, one_by_one), 0.0
         known = uncertain[np.ix_(tested, tested)]
-        return hotelling(difference, replicates, known), log_widening(replicates, known)
+        left = hotelling(difference, replicates, known, one_by_one)
+        return left, log_widening(replicates, known)
 
     def fitted(
         self, model: Callable[[float], tuple[Array, Array]], unknown: Unknown,
@@ -232,8 +234,9 @@ def _recollisions(averages: Averages) -> Iterator[Tested]:
     both = averages.both
     of_speeds = both.usable & (both.sample.times > 0)
     of_speeds = of_speeds & np.isin(both.names, _SPEED_AVERAGES)[:, None]
-    speeds = components_of(both.names, of_speeds, both.sample.groups, 1)
-    if "msd" not in both.names or speeds.tested.size < 2 or both.sample.free:
+    speeds = components_of(both.names, of_speeds, both.sample, 1)
+    sample = both.sample
+    if "msd" not in both.names or speeds.tested.size < 2 or sample.free or sample.tabulated:
         return
     found = averages.fitted_path(speeds)
     if found is None:

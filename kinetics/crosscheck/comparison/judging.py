@@ -1,5 +1,6 @@
 """compare(): a sample against a solution, as rows, tests and one verdict."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from kinetics.crosscheck.comparison.statistics import (
     gaussian_sigmas,
     hotelling,
     most_freedom,
+    of_the_worst,
 )
 from kinetics.crosscheck.comparison.theory import SampledStart, system_of
 from kinetics.crosscheck.comparison.units import wrong_speeds, wrong_unit
@@ -83,12 +85,17 @@ def compare(
 
         sample = from_ensemble(ensemble)
     law = system_of(solution).law
-    if law.dimension != sample.law.dimension:
-        raise InputError(
-            f"solution: is of dimension {law.dimension}, the data of {sample.law.dimension}"
-        )
-    sample = replace(sample, law=law)
-    both = side_by_side(solution, sample, found, densities)
+    for name in ("dimension", "field"):
+        ours, theirs = getattr(law, name), getattr(sample.law, name)
+        if not math.isclose(ours, theirs, rel_tol=1e-9):
+            raise InputError(f"solution: is of {name} {ours}, the data of {theirs}")
+    both = side_by_side(solution, replace(sample, law=law), found, densities)
+    return judged(both, explain, found)
+
+
+def judged(both: DataAndTheory, explain: bool, found: Fit | None) -> Comparison:
+    """The rows, tests, verdict and explanations of data and theory side by side."""
+    sample, solution = both.sample, both.solution
     rows, tests = list(rows_of(both)), tests_of(both)
     verdict = overall(rows, tests)
     unit = wrong_unit(sample) or wrong_speeds(sample, solution.scene.initial)
@@ -104,8 +111,8 @@ def compare(
         explanations=explanations,
         parameters=_parameters(solution.scene, found, unit),
         initial=start_in_words(solution.scene.initial),
-        samples=int(sample.samples.max()),
-        groups=sample.groups,
+        samples=0 if sample.tabulated else int(sample.samples.max()),
+        groups=0 if sample.tabulated else sample.groups,
         grouping=sample.grouping,
         warnings=sample.warnings,
         names=sample.names,
@@ -160,6 +167,8 @@ def _explained(
 
     if unit is not None:
         return (unit,), figures_of(both)
+    if both.sample.law.field:
+        return (Explanation("field", "noted", said("in_field"), False),), figures_of(both)
     differs = verdict in (Verdict.DIFFERS, Verdict.UNCLEAR)
     tested = tested_hypotheses(both) if differs else []
     explanations = [one.explanation for one in tested] + list(notes_of(both))
@@ -189,14 +198,15 @@ def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
                 sigmas = float(both.difference[i, k] / error)
                 corrected = corrected_sigmas(sigmas, float(effective[i, k]), looks)
                 verdict = judge_sigmas(corrected)
-            elif sample.groups < 3:  # one tracer is always like itself
+            elif sample.groups < 3 or (sample.law.field and sample.times[k] > 0):
+                # One tracer is always like itself, and falls before its first collision as others.
                 verdict = Verdict.UNDEFINED
             else:
                 same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
                 verdict = Verdict.AGREES if same else Verdict.DIFFERS
             yield ComparisonRow(
                 name, float(sample.times[k]), value, error, theory, sigmas, verdict, corrected,
-                int(sample.samples[k]),
+                0 if sample.tabulated else int(sample.samples[k]),
             )  # fmt: skip
     for name in both.densities:
         mine = [histogram for histogram in both.histograms if histogram.name == name]
@@ -246,11 +256,14 @@ def _over_times(both: DataAndTheory, i: int) -> ChiSquare | None:
     """The chi-square of one average.
 
     Where there are more times than the groups allow degrees of freedom, the differences in standard
-    errors of neighbouring times are added up.
+    errors of neighbouring times are added up. Of a table of averages it is that of the time that
+    differs most: how its errors are correlated is not known.
     """
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
+    if both.sample.tabulated:
+        return of_the_worst(both.difference[i, times] / both.error[i, times])
     most = most_freedom(both.sample.groups)
     difference = both.difference[i, times] / both.error[i, times]
     replicates = both.replicates[:, i, times] / both.error[i, times]
@@ -281,10 +294,12 @@ def _verdict_of_times(both: DataAndTheory, i: int) -> Verdict:
 def _within(both: DataAndTheory, i: int) -> float:
     """The relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
 
-    Of 1 + a2 for a2, which may be zero.
+    Of 1 + a2 for a2, which may be zero, and in a field of the largest value of all times.
     """
     usable = both.usable[i]
     size = np.abs(both.theory[i] + (1.0 if both.names[i] == "a2" else 0.0))[usable]
+    if both.sample.law.field:
+        size = np.full(size.size, size.max())
     return float(np.max((np.abs(both.difference[i]) + 2 * both.error[i])[usable] / size))
 
 
@@ -313,7 +328,8 @@ def _summary(
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     odd_rows = [row for row in rows if row.sigmas is not None and row.verdict is not Verdict.AGREES]
     return said(
-        "summary", samples=int(both.sample.samples.max()), times=both.sample.times,
+        "summary", tabulated=both.sample.tabulated, samples=int(both.sample.samples.max()),
+        times=both.sample.times,
         scene=both.solution.scene, start=start_in_words(both.solution.scene.initial),
         verdict=verdict, tests=len(tests), odd=odd, best=best, shorts=SHORT,
         least=min(odd, key=lambda test: test.p_value, default=None),
@@ -322,7 +338,10 @@ def _summary(
     )  # fmt: skip
 
 
-SHORT = {"thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²"}
+SHORT = {"thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²"} | {
+    "drift": "⟨v_x⟩", "mean_displacement": "⟨x⟩", "dispersion_parallel": "var x",
+    "dispersion_perpendicular": "var y",
+}  # fmt: skip
 """The averages as the summary names them."""
 
 
@@ -330,7 +349,11 @@ def start_in_words(initial: Any) -> str:
     """The start of a scene as the middle of a sentence."""
     if isinstance(initial, SampledStart):
         return "the data's own speeds at time 0"
-    named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+    named = {
+        "rest": "rest",
+        "gaussian": "a Gaussian start",
+        "monoenergetic": "a start with all speeds U",
+    }
     if isinstance(initial, str) and initial in named:
         return named[initial]
     return f"the start {short(initial)}"

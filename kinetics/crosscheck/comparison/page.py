@@ -13,9 +13,9 @@ from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES, Compari
 from kinetics.crosscheck.files import require_writable_folder
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_file, svg
-from kinetics.crosscheck.report.templates import environment, number
+from kinetics.crosscheck.report.templates import environment, number, numeral
 from kinetics.crosscheck.text_tables import aligned
-from kinetics.crosscheck.verdicts import MEANING, Verdict
+from kinetics.crosscheck.verdicts import EXPLAINED, WORDS
 from kinetics.errors import InputError
 
 Plain = Mapping[str, Any]
@@ -82,7 +82,9 @@ def render(result: Comparison, json_name: str) -> str:
                 cells_of_test(test)
                 | {
                     "observable": OBSERVABLES[test["observable"]].short,
-                    "at": "all times" if test["time"] is None else f"t = {test['time']:.4g}",
+                    "at": "all times"
+                    if test["time"] is None
+                    else f"t = {numeral(test['time'], '.4g')}",
                 }
                 for test in document["tests"]
             ],
@@ -92,12 +94,39 @@ def render(result: Comparison, json_name: str) -> str:
                 if (shown := [cells_of_row(r) for r in document["rows"] if r["observable"] == name])
             ],
             outcomes=OUTCOMES,
-            verdicts={
-                word.value: MEANING[word]
-                for word in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)
-            },
+            cause=_cause(document),
+            head=_head_figures(document),
+            words=WORDS,
+            classes=CLASSES,
+            explained=EXPLAINED_OF_DATA,
         )
     )
+
+
+CLASSES = {"no difference": "agrees", "unclear": "unclear", "differs": "differs"}
+"""The class of the style sheet for each word."""
+EXPLAINED_OF_DATA = {
+    "no difference": "none was seen; behind “better than” stands the relative difference that "
+    "these data would have shown at every time, at 95 %.",
+    **{word: EXPLAINED[word] for word in ("unclear", "differs")},
+}
+"""What the three words say of data."""
+
+
+def _cause(document: Plain) -> Plain | None:
+    """The likeliest explanation, if one explains at least a part of a difference."""
+    best = next(iter(document["explanations"]), None)
+    if best is None or best["outcome"] not in ("explains", "found", "in part"):
+        return None
+    return dict(best)
+
+
+def _head_figures(document: Plain) -> list[str]:
+    """The figure of the average that fits least, over all times, and that of all differences."""
+    averages = [t for t in document["tests"] if t["time"] is None]
+    worst = max(averages, key=lambda test: test["sigmas"], default=None)
+    names = [] if worst is None else [worst["observable"].replace("_", "-")]
+    return [name for name in (*names, "sigmas") if name in document["figures"]]
 
 
 def cells_of_test(test: Plain) -> dict[str, str]:
@@ -105,13 +134,14 @@ def cells_of_test(test: Plain) -> dict[str, str]:
     shown = test["within"] is not None and test["verdict"] == "agrees"
     return {
         "observable": test["observable"],
-        "time": "all" if test["time"] is None else f"{test['time']:.4g}",
-        "chi_square": f"{test['chi_square']:.4g}",
+        "time": "all" if test["time"] is None else numeral(test["time"], ".4g"),
+        "chi_square": numeral(test["chi_square"], ".4g"),
         "dof": str(test["dof"]),
-        "p_value": f"{test['p_value']:.2g}",
-        "sigmas": f"{test['sigmas']:.1f}",
-        "within": f"{test['within']:.2%}" if shown else "",
+        "p_value": numeral(test["p_value"], ".2g"),
+        "sigmas": numeral(test["sigmas"], ".1f"),
+        "within": f"{numeral(100 * test['within'], '.2g')} %" if shown else "",
         "verdict": test["verdict"],
+        "word": WORDS[test["verdict"]],
     }
 
 
@@ -119,17 +149,19 @@ def cells_of_row(row: Plain) -> dict[str, str]:
     """The cells of one row, from the document of a comparison."""
     where = ""
     if row["low"] is not None:
-        where = f"{row['low']:.4g} to " + ("∞" if row["high"] is None else f"{row['high']:.4g}")
+        high = "∞" if row["high"] is None else numeral(row["high"], ".4g")
+        where = f"{numeral(row['low'], '.4g')} to {high}"
     sigmas, corrected = row["sigmas"], row["corrected_sigmas"]
     return {
         "observable": row["observable"],
-        "time": f"{row['time']:.4g}",
+        "time": numeral(row["time"], ".4g"),
         "bin": where,
         "value": number(row["value"], row["error"]),
         "theory": number(row["theory"]),
-        "sigmas": "" if sigmas is None else f"{sigmas:+.1f}",
+        "sigmas": "" if sigmas is None else numeral(sigmas, "+.1f"),
         "corrected": "" if corrected is None else f"{corrected:.1f}",
         "verdict": row["verdict"],
+        "word": WORDS[row["verdict"]],
     }
 
 
@@ -147,17 +179,18 @@ def tables(result: Comparison) -> str:
     parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
     told = [_wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
     told.append(f"start: {result.initial}")
-    told.append(f"errors: from {result.groups} groups, by {result.grouping}")
+    made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
+    told.append(f"errors: {made}")
     parts.append("\n".join(told))
     names: tuple[str, ...] = (
-        "observable", "time", "chi_square", "dof", "p_value", "within", "verdict",
+        "observable", "time", "chi_square", "dof", "p_value", "within", "word",
     )  # fmt: skip
     heads: tuple[str, ...] = (
         "chi-square", "t [d/U]", "value", "dof", "p", "better than", "verdict",
     )  # fmt: skip
     parts.append(_table(names, heads, map(cells_of_test, document["tests"])))
     shown = [r for r in document["rows"] if r["low"] is None or r["verdict"] != "agrees"]
-    names = ("observable", "time", "bin", "value", "theory", "sigmas", "verdict")
+    names = ("observable", "time", "bin", "value", "theory", "sigmas", "word")
     heads = ("observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict")
     text = _table(names, heads, map(cells_of_row, shown))
     if hidden := len(document["rows"]) - len(shown):

@@ -24,19 +24,20 @@ from kinetics.crosscheck.comparison.fit import (
 )
 from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
-from kinetics.crosscheck.comparison.sample import R2, N, Sample
+from kinetics.crosscheck.comparison.sample import R2, X2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
 from kinetics.crosscheck.comparison.theory import (
     AVERAGES,
     DENSITY_RTOL,
     DISPLACEMENT,
     DISPLACEMENT_RTOL,
-    RTOL,
     SPEED,
     Expectation,
     SampledStart,
     System,
+    names_for,
     solved,
+    solved_averages,
 )
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STARTS = ("auto", "gaussian", "monoenergetic", "data")
+STARTS = ("auto", "gaussian", "monoenergetic", "data", "rest")
 COLLISIONS_BEFORE = 3.0
 """Time in l/U from which on the density of the displacement is compared. Before, sharp fronts take
 the solver long, and the displacement says no more than the speeds: few tracers have collided."""
@@ -73,62 +74,83 @@ def compare_data(
     columns: Mapping[str, str] | None = None,
     timestep: float | None = None,
     tangential_restitution: float | None = None,
+    dimension: int | None = None,
+    bin_times: float | None = None,
+    field: float = 0.0,
+    show_progress: bool = False,
 ) -> Comparison:
-    """Compare particle data with the kinetic equation, as `lorentz compare` does.
-
-    It is also `kinetics.compare`.
+    """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
     Parameters
     ----------
     data : a file, several files (see data.columns.FORMATS), a DataFrame or a dictionary of arrays
-        with columns time, x, y, vx, vy and, where known, tracer and medium, (n,) each, a run of
-        `simulate`, or a Sample
+        with columns time, x, y, vx, vy (in space also z, vz) and, where known, tracer and medium,
+        (n,) each; arrays times (n_times,), positions and velocities (n_times, n_tracers,
+        dimension); a table of averages time, v0, v0_error, msd, msd_error, (n_times,) each; a run
+        of `simulate`, or a Sample
     restitution : 0 to 1; None: as an Ensemble says, or fitted to the data
-    number_density : in the data's unit of length to the power -2; None: as above
+    number_density : in the data's unit of length to the power -2 (-3 in space); None: as above
     initial : "gaussian", "monoenergetic", "data" (the speeds at time 0), or "auto": the first of
-        these that the speeds at time 0 allow; a Gaussian, where there are none
-    positions, speed_unit, diameter, time_unit, columns, timestep : of files and of columns in
-        memory, see data.read.read_sample
+        these that the speeds at time 0 allow; a Gaussian, where there are none. In a field "rest"
+    positions, speed_unit, diameter, time_unit, columns, timestep, dimension, bin_times : of files
+        and of columns in memory, see data.columns.Asked
     tangential_restitution : 0 to 1; None: as an Ensemble says, or 1. With another than 1, and for
         runs in space, averages are compared and densities are not
+    field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
+        restitution and number_density are needed
     explain : test what may explain a difference, and prepare figures; False is quicker
+    show_progress : count the rows that are read, on a terminal
 
     Raises
     ------
     InputError (a ValueError) : data that cannot be used, numbers out of range, and where the data
         cannot tell what was not given
     """
-    if number_density is not None:
-        number_density = check_positive("number_density", number_density)
-    sources = _sources(data)
-    if sources is not None:
+    if (sources := _sources(data)) is not None:
         from kinetics.crosscheck.comparison.data.read import read_sample
 
-        diameter = check_positive("diameter", diameter)
         data = read_sample(
-            sources, positions, speed_unit, diameter, False, time_unit, columns, timestep
-        )
+            sources, show_progress, positions=positions, speed_unit=speed_unit, diameter=diameter,
+            time_unit=time_unit, columns=columns, timestep=timestep, dimension=dimension,
+            bin_times=bin_times, with_field=field != 0,
+        )  # fmt: skip
         if number_density is not None:
-            number_density = in_diameters(number_density, diameter)
+            number_density = in_diameters(number_density, diameter, data.law.dimension)
     elif not isinstance(data, Sample):
-        from particles import Ensemble
-
-        if not isinstance(data, Ensemble):
-            refuse("data", data, "it must be a file, several files, columns or a run of simulate")
-        from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
-
-        data = from_ensemble(data).rescaled(1.0, data.medium.diameter)
-    if tangential_restitution is not None:
-        data = with_tangential(data, tangential_restitution)
+        data = _of_run(data)
+    data = _with_law(data, tangential_restitution, dimension, field)
     return compare_sample(data, restitution, number_density, initial, explain)
 
 
-def with_tangential(sample: Sample, tangential_restitution: float) -> Sample:
-    """The sample, compared with the law of this tangential restitution."""
-    allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
-    name = "tangential_restitution"
-    checked = real_number(name, tangential_restitution, 0.0, 1.0, allowed)
-    return replace(sample, law=replace(sample.law, tangential_restitution=checked))
+def _of_run(data: Any) -> Sample:
+    """The sample of a run of `simulate`; InputError for anything else."""
+    from particles import Ensemble
+
+    if not isinstance(data, Ensemble):
+        refuse("data", data, "it must be a file, several files, columns or a run of simulate")
+    from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
+
+    return from_ensemble(data).rescaled(1.0, data.medium.diameter)
+
+
+def _with_law(
+    sample: Sample, tangential_restitution: float | None, dimension: int | None, field: float
+) -> Sample:
+    """The sample, compared with the law of this tangential restitution, in this field."""
+    law = sample.law
+    if tangential_restitution is not None:
+        allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
+        name = "tangential_restitution"
+        checked = real_number(name, tangential_restitution, 0.0, 1.0, allowed)
+        law = replace(law, tangential_restitution=checked)
+    if dimension is not None and dimension != law.dimension:
+        refuse("dimension", dimension, f"the data are of dimension {law.dimension}")
+    if field:
+        allowed = "it must be a finite number, 0 or more: the field is along +x"
+        law = replace(law, field=real_number("field", field, 0.0, allowed=allowed))
+        if sample.sums.shape[2] <= X2:
+            refuse("field", field, "the run is one without a field")
+    return replace(sample, law=law)
 
 
 def _sources(data: Any) -> list[Any] | None:
@@ -147,14 +169,18 @@ def _sources(data: Any) -> list[Any] | None:
     return None
 
 
-def in_diameters(number_density: float, diameter: float) -> float:
-    """A number density per d^2, from one per square of the unit that the diameter is given in.
+def in_diameters(number_density: float, diameter: float, dimension: int = 2) -> float:
+    """A number density per d^2, or d^3, from one in the unit that the diameter is given in.
 
     InputError where it is beyond double precision.
     """
+    number_density = check_positive("number_density", number_density)
     found = number_density * diameter * diameter
+    if dimension == 3:
+        found *= diameter
     if not 0.0 < found < math.inf:
-        refuse("number_density", number_density, f"at diameter {diameter:g} it is {found:g} d^-2")
+        allowed = f"at diameter {diameter:g} it is {found:g} d^-{dimension}"
+        refuse("number_density", number_density, allowed)
     return found
 
 
@@ -176,14 +202,17 @@ def compare_sample(
         path = sample.law.free_path(check_positive("number_density", number_density))
     start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
     found = None
+    if sample.law.field and (restitution is None or path is None or sample.tabulated):
+        raise InputError("field: restitution and number_density must be given, nothing is fitted")
     if restitution is None or path is None:
         found = fitted_to(sample, restitution, path, start)
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
     system = System(restitution, path, start, sample.law)
-    solution = solved(system, sample.times, AVERAGES, RTOL)
-    densities = _densities(system, sample) if sample.law.smooth_disks else {}
+    solution = solved_averages(system, sample.times, names_for(sample.law))
+    rows = sample.law.smooth_disks and not sample.tabulated
+    densities = _densities(system, sample) if rows else {}
     return compare(solution, sample, explain, densities, found)
 
 
@@ -205,13 +234,18 @@ def _densities(system: System, sample: Sample) -> "dict[str, Solution]":
 
 
 def _start(sample: Sample, initial: str) -> Any:
-    if one_of("initial", initial, STARTS) in ("gaussian", "monoenergetic"):
+    field = sample.law.field
+    if one_of("initial", initial, STARTS) == "rest" and not field:
+        refuse("initial", initial, "without a field nothing would move")
+    if initial in ("gaussian", "monoenergetic", "rest"):
         return initial
     if sample.start is None:
         if initial == "data":
             raise InputError("initial: 'data' needs velocities at time 0, and there are none")
         return "gaussian"
     squares = sample.start.squares
+    if squares.size == 0 and field:
+        return "rest"
     if squares.size == 0:
         raise InputError("data: every speed at time 0 is zero; nothing will move")
     if initial == "auto":
@@ -219,14 +253,21 @@ def _start(sample: Sample, initial: str) -> Any:
             return "monoenergetic"
         if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
             return "gaussian"
+    if field:
+        raise InputError(
+            "initial: in a field it must be rest, gaussian or monoenergetic; the speeds at time 0 "
+            "are none of these"
+        )
     return SampledStart(sample.start)
 
 
 def gaussian_p_value(sample: Sample) -> float:
     """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4.
 
-    In space 3 U^2 and 15 U^4.
+    In space 3 U^2 and 15 U^4. 0 where all speeds are the same.
     """
+    if sample.start is not None and sample.start.squares.size < 2:
+        return 0.0
     expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
     data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])
@@ -248,7 +289,7 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
-    components = components_of(AVERAGES, usable, groups, len(unknowns))
+    components = components_of(AVERAGES, usable, sample, len(unknowns))
     if components.tested.size < len(unknowns) or groups < len(unknowns) + 3:
         raise InputError(
             f"data: {wanted} cannot be found in so few times and groups "
@@ -272,7 +313,7 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     if components.logarithms:  # without the others, which cost more, until the place is known
         second = Expectation(sample, SECOND_MOMENTS)
         mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
-        only = components_of(SECOND_MOMENTS, mine, groups, len(unknowns))
+        only = components_of(SECOND_MOMENTS, mine, sample, len(unknowns))
         near = fit(unknowns, model_of(second), (second.values, second.replicates), only, starts)
         starts = starts if near is None else [near.values.tolist()]
     data = expectation.values, expectation.replicates

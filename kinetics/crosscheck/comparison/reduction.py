@@ -6,6 +6,7 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data.columns import Rows
 from kinetics.crosscheck.comparison.data.labels import Repeats
+from kinetics.crosscheck.comparison.result import said
 from kinetics.crosscheck.comparison.sample import Binned, Flights, Sample, StartBins
 from kinetics.crosscheck.comparison.units import straight_flights
 from kinetics.errors import InputError
@@ -40,15 +41,22 @@ def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
 class Reduction:
     """Sums that rows are added to, piece by piece; memory depends on the number of times alone.
 
-    (Besides the labels of tracers, see `data.labels.Repeats`.) `grouping` says what a group is made
-    of: "medium", "tracer", or "row": then the k-th row of each time is taken for the same tracer.
-    Rows may come in any order.
+    (Besides the labels of tracers, see `data.labels.Repeats`.) Rows may come in any order.
+
+    grouping : what a group is made of: "medium", "tracer", or "row": then the k-th row of each time
+        is taken for the same tracer
+    same_time : relative difference below which two times are one, which is then at their mean
+    with_field : whether to keep the sums of a field
     """
 
-    def __init__(self, grouping: str) -> None:
-        self.grouping = grouping
+    def __init__(
+        self, grouping: str, same_time: float = SAME_TIME, with_field: bool = False
+    ) -> None:
+        self.grouping, self._same_time, self._with_field = grouping, same_time, with_field
         self._times = np.empty(0)  # in the order in which they came, as everything by time
-        self._sums = np.zeros((MOST_TIMES, MOST_GROUPS, 5))
+        self._time_sums, self._latest = np.zeros((2, MOST_TIMES))
+        self._earliest = np.full(MOST_TIMES, np.inf)
+        self._sums = np.zeros((MOST_TIMES, MOST_GROUPS, 8 if with_field else 5))
         self._speeds = self._displacements = np.zeros((0, HISTOGRAM_GROUPS, BINS + 2), np.int32)
         self._at_rest, self._rows_at = np.zeros((2, MOST_TIMES), np.int64)
         self._speed_scale, self._length_scale = np.ones((2, MOST_TIMES))
@@ -71,13 +79,20 @@ class Reduction:
             self._repeats.add(rows, at, file)
         group = self._groups(rows, at, file)
         with np.errstate(over="ignore", under="ignore"):
-            v = np.hypot(rows.vx, rows.vy) / self._speed_scale[at]
-            r = np.hypot(rows.x, rows.y) / self._length_scale[at]
+            v = _length(rows.velocity) / self._speed_scale[at]
+            r = _length(rows.position) / self._length_scale[at]
             v2, r2 = v * v, r * r
-            powers = (None, v2, v2 * v2, r2, r2 * r2)
+            powers = [None, v2, v2 * v2, r2, r2 * r2]
+            if self._with_field:
+                x = rows.x / self._length_scale[at]
+                powers += [rows.vx / self._speed_scale[at], x, x * x]
         place, cells = at * MOST_GROUPS + group, MOST_TIMES * MOST_GROUPS
         for k, power in enumerate(powers):
             self._sums[:, :, k] += np.bincount(place, power, cells).reshape(-1, MOST_GROUPS)
+        if self._same_time > SAME_TIME:
+            self._time_sums += np.bincount(at, rows.time, MOST_TIMES)
+            np.minimum.at(self._earliest, at, rows.time)
+            np.maximum.at(self._latest, at, rows.time)
         self._at_rest += np.bincount(at[v == 0], minlength=MOST_TIMES)
         row = (at * HISTOGRAM_GROUPS + group % HISTOGRAM_GROUPS) * (BINS + 2)
         for counts, values in ((self._speeds, v), (self._displacements, r)):
@@ -107,7 +122,7 @@ class Reduction:
         """The index of the time of each row among the known times, (n,); new times are entered."""
         while np.any(unknown := (at := self._located(rows.time)) < 0):
             new = np.unique(rows.time[unknown])
-            self._enter(new[np.diff(new, prepend=-1.0) > SAME_TIME * new], rows)
+            self._enter(_apart(new, self._same_time), rows)
         return at
 
     def _located(self, time: Any) -> Any:
@@ -117,7 +132,7 @@ class Reduction:
         order = np.argsort(self._times)
         known = self._times[order]
         k = np.searchsorted(known[:-1] / 2 + known[1:] / 2, time)
-        return np.where(np.abs(known[k] - time) <= SAME_TIME * time, order[k], -1)
+        return np.where(np.abs(known[k] - time) <= self._same_time * time, order[k], -1)
 
     def _enter(self, new: Any, rows: Rows) -> None:
         """Enter new times; the first rows of a time give the scale of its bins."""
@@ -127,23 +142,20 @@ class Reduction:
                 "same few times"
             )
         for k, t in enumerate(new, self._times.size):
-            first = np.flatnonzero(np.abs(rows.time - t) <= SAME_TIME * t)[:10_000]
-            self._speed_scale[k] = _root_mean_square(rows.vx[first], rows.vy[first])
-            self._length_scale[k] = _root_mean_square(rows.x[first], rows.y[first])
-            self._look_for_flights(float(t), rows, first)
+            first = np.flatnonzero(np.abs(rows.time - t) <= self._same_time * t)[:10_000]
+            position, velocity = (
+                tuple(axis[first] for axis in parts) for parts in (rows.position, rows.velocity)
+            )
+            self._speed_scale[k] = _root_mean_square(velocity)
+            self._length_scale[k] = _root_mean_square(position)
+            found = straight_flights(rows.time[first], _length(position), _length(velocity))
+            # The time at which most tracers still fly straight.
+            if found and (self._flights is None or found.share > self._flights.share):
+                self._flights = found
         self._times = np.concatenate([self._times, new])
         room = np.zeros((new.size, HISTOGRAM_GROUPS, BINS + 2), np.int32)
         self._speeds = np.concatenate([self._speeds, room])
         self._displacements = np.concatenate([self._displacements, room])
-
-    def _look_for_flights(self, time: float, rows: Rows, first: Any) -> None:
-        """Keep the time at which most tracers still fly straight."""
-        distance, speed = (
-            np.hypot(a[first], b[first]) for a, b in ((rows.x, rows.y), (rows.vx, rows.vy))
-        )
-        found = straight_flights(time, distance, speed)
-        if found and (self._flights is None or found.share > self._flights.share):
-            self._flights = found
 
     def _groups(self, rows: Rows, at: Any, file: int) -> Any:
         label = rows.medium if self.grouping == "medium" else rows.tracer
@@ -161,6 +173,15 @@ class Reduction:
             raise InputError(f"{', '.join(names)}: has no rows; at least two tracers are needed")
         self._repeats.check(self._times)
         count = self._times.size
+        times, warnings = self._times, tuple[str, ...]()
+        if self._same_time > SAME_TIME:
+            times = self._time_sums[:count] / self._sums[:count, :, 0].sum(axis=1)
+            span = self._latest[:count] - self._earliest[:count]
+            k = int(np.argmax(span / np.where(times > 0, times, 1.0)))
+            warnings = (
+                said("binned", within=self._same_time, count=count, low=self._earliest[k],
+                     high=self._latest[k], mean=times[k]),
+            )  # fmt: skip
         used = self._sums[:, :, 0].sum(axis=0) > 0
         speed_scale, length_scale = self._speed_scale[:count], self._length_scale[:count]
 
@@ -178,7 +199,7 @@ class Reduction:
             start = StartBins(squares * unit**2, quartics / squares**2, counts[used])
         return Sample(
             names=names,
-            times=self._times,
+            times=times,
             sums=self._sums[:count, used].swapaxes(0, 1),
             speed_scale=speed_scale,
             length_scale=length_scale,
@@ -188,7 +209,26 @@ class Reduction:
             at_rest=self._at_rest[:count],
             grouping=self.grouping,
             flights=self._flights,
-        ).at(np.argsort(self._times))
+            warnings=warnings,
+        ).at(np.argsort(times))
+
+
+def _apart(times: Any, same_time: float) -> Any:
+    """Those of the rising times that are no nearer to the one before than this fraction."""
+    found, last = [], -1.0
+    if same_time <= SAME_TIME:
+        return times[np.diff(times, prepend=-1.0) > same_time * times]
+    for time in times.tolist():
+        if time - last > same_time * time:
+            found.append(time)
+            last = time
+    return np.array(found)
+
+
+def _length(vector: Any) -> Any:
+    """The length of vectors from their components, (n,) each."""
+    plane = np.hypot(*vector[:2])
+    return plane if len(vector) == 2 else np.hypot(plane, vector[2])
 
 
 def _ranks(at: Any, rows_at: Any) -> Any:
@@ -202,11 +242,12 @@ def _ranks(at: Any, rows_at: Any) -> Any:
     return out
 
 
-def _root_mean_square(x: Any, y: Any) -> float:
+def _root_mean_square(vector: Any) -> float:
     """Rounded to a power of 2, so that it hardly depends on which rows come first."""
-    largest = max(float(np.abs(x).max()), float(np.abs(y).max()))
+    largest = max(float(np.abs(part).max()) for part in vector)
     if largest == 0.0:
         return 1.0
     with np.errstate(under="ignore"):
-        size = np.log2(np.mean((x / largest) ** 2 + (y / largest) ** 2)) / 2 + np.log2(largest)
+        squares = sum((part / largest) ** 2 for part in vector)
+        size = np.log2(np.mean(squares)) / 2 + np.log2(largest)
     return float(2.0 ** np.clip(np.round(size), -1000, 1000))

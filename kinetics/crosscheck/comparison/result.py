@@ -1,6 +1,7 @@
 """Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
 import json
+import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -10,9 +11,11 @@ from typing import Any, NamedTuple, Self
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
-from kinetics.errors import InputError
+from kinetics.errors import InputError, short
 from kinetics.frozen import FrozenDict
+from kinetics.tables import optional
 from kinetics.values import Value
+from kinetics.version import package_version
 
 SCHEMA = "inelastic-lorentz/comparison/1"
 
@@ -45,6 +48,21 @@ OBSERVABLES = {
     "kurtosis": Observable(
         "Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "kurtosis of r", "Kurtosis of the displacement",
         r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear",
+    ),
+    "drift": Observable(
+        "Drift ⟨v_x⟩ / U, along the field", "⟨v_x⟩", "Drift", r"$\langle v_x\rangle$", "U", "linear"
+    ),
+    "mean_displacement": Observable(
+        "Mean displacement ⟨x⟩ / d, along the field", "⟨x⟩", "Mean displacement",
+        r"$\langle x\rangle$", "d", "log",
+    ),
+    "dispersion_parallel": Observable(
+        "Variance of the displacement along the field / d²", "var x", "Variance along the field",
+        r"var $x$", "d²", "log",
+    ),
+    "dispersion_perpendicular": Observable(
+        "Variance of the displacement across the field / d²", "var y", "Variance across the field",
+        r"var $y$", "d²", "log",
     ),
     "speed_density": Observable(
         "Speed density, mean over a bin / U⁻¹", "speed density", "speed", "speed $v$", "U", "log"
@@ -222,13 +240,57 @@ class Comparison(Value):
 
         InputError without pandas, which is no dependency of this package.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise InputError("to_dataframe: needs pandas, which is not installed") from None
+        pandas = optional("pandas", "to_dataframe")
         names = [one.name for one in fields(ComparisonRow)]
         table = [[getattr(row, name) for name in names] for row in self.rows]
         return pandas.DataFrame(table, columns=names).astype({"verdict": str})
+
+    def to_xarray(self) -> Any:
+        """The rows as an xarray Dataset with the dimension "row", a variable for each field.
+
+        Its attributes are the verdict, the summary, the parameters as JSON and the version. Units
+        are those of the observables: lengths in d, speeds in U, times in d/U. InputError without
+        xarray.
+        """
+        xarray = optional("xarray", "to_xarray")
+        variables = {}
+        for one in fields(ComparisonRow):
+            values = [getattr(row, one.name) for row in self.rows]
+            if one.name in ("observable", "verdict"):
+                values = [str(value) for value in values]
+            elif one.name != "samples":
+                values = [math.nan if value is None else float(value) for value in values]
+            variables[one.name] = ("row", values, {"long_name": _WORDS[one.name]})
+        variables["time"][2]["units"] = "d/U"
+        units = [OBSERVABLES[row.observable].unit or "1" for row in self.rows]
+        variables["units"] = ("row", units, {"long_name": "unit of value, error and theory"})
+        attributes = {
+            "title": f"{', '.join(self.names)}: compared with the kinetic equation",
+            "status": str(self.verdict),
+            "summary": self.summary,
+            "scene": json.dumps(plain(dict(self.parameters)), allow_nan=False),
+            "version": package_version(),
+        }
+        return xarray.Dataset(variables, attrs=attributes)
+
+    def plot(self, name: str, ax: Any = None) -> Any:
+        """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
+
+        On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
+        """
+        from kinetics.crosscheck.report.figures import draw
+
+        key = name.replace("_", "-") if isinstance(name, str) else name
+        if key not in self.figures:
+            known = ", ".join(figure.replace("-", "_") for figure in self.figures) or "no figures"
+            raise InputError(f"name: got {short(name)}; this comparison has {known}")
+        if ax is None:
+            from matplotlib import pyplot
+
+            _, ax = pyplot.subplots(layout="constrained")
+        draw(self.figures[key], ax)
+        ax.set_title(self.figures[key]["title"])
+        return ax
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -285,6 +347,19 @@ class Comparison(Value):
         )
 
 
+_WORDS = {
+    "observable": "what is compared",
+    "time": "time since the start",
+    "value": "value in the data",
+    "error": "standard error of value - theory",
+    "theory": "value of the kinetic equation",
+    "sigmas": "difference in standard errors",
+    "verdict": "verdict of the row",
+    "corrected_sigmas": "sigmas after the correction for the number of rows",
+    "samples": "number of tracers",
+    "low": "lower end of the bin",
+    "high": "upper end of the bin",
+}
 _OF_THE_DATA = ("names", "samples", "groups", "grouping")
 
 

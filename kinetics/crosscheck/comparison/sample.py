@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-N, V2, V4, R2, R4 = range(5)
-"""Columns of the sums: samples, and powers of speed and displacement."""
+N, V2, V4, R2, R4, VX, X, X2 = range(8)
+"""Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
+and the displacement along it, along +x, and the square of this."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +62,14 @@ class StartBins:
 
 @dataclass(frozen=True)
 class Law:
-    """What the collision law has beside the restitution: smooth disks in the plane, if not told."""
+    """What the system has beside the restitution: smooth disks in the plane, if not told.
+
+    field : uniform acceleration along +x in U^2/d
+    """
 
     tangential_restitution: float = 1.0
     dimension: int = 2
+    field: float = 0.0
 
     @property
     def smooth_disks(self) -> bool:
@@ -101,16 +106,19 @@ class Sample:
     ----------
     names : where the data came from
     times : (n_times,)
-    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
+        field, with v_x, x, x^2
     speed_scale, length_scale : (n_times,), in U and in d
     speeds, displacements : counts in bins, None where unknown
     start : the speeds at time 0, None without one
     at_rest : how many have speed zero, (n_times,)
-    grouping : what a group is made of: "medium", "tracer" or "row"
+    grouping : what a group is made of: "medium", "tracer", "row", or "table"
     law : tangential restitution and dimension
     flights : tracers that have flown straight, None if there are too few or it is unknown
     capped : collisions after which tracers were stopped, None if unknown or never
     free : known to be without recollisions (Boltzmann-Grad particles)
+    tabulated : from a table of averages; the groups are made up (data.averages), and how errors at
+        different times are correlated is not known
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
     """
@@ -129,6 +137,7 @@ class Sample:
     flights: Flights | None = None
     capped: int | None = None
     free: bool = False
+    tabulated: bool = False
     warnings: tuple[str, ...] = field(default=())
     told: dict[str, Any] = field(default_factory=dict)
 
@@ -163,6 +172,7 @@ class Sample:
         return replace(
             self,
             told=told,
+            law=replace(self.law, field=self.law.field * length / speed**2),
             flights=flights,
             times=self.times * factor,
             speed_scale=self.speed_scale / speed,

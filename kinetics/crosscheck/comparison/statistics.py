@@ -10,7 +10,7 @@ that of Gaussian groups; for others G is replaced by `effective_groups`. What is
 chi-square that has the p-value of T^2, so that value, degrees of freedom and p belong together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,16 +87,24 @@ def whitening(matrix: Array) -> Array:
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
 
 
-def hotelling(difference: Array, replicates: Array, known: Array | None = None) -> ChiSquare | None:
+def hotelling(
+    difference: Array, replicates: Array, known: Array | None = None, one_by_one: bool = False
+) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
     p_value is that of Hotelling's T^2, and value the chi-square with the same p-value. known (p, p)
     is the covariance of an error of the theory: it is added to that of the data. T^2 then varies
-    less than Hotelling's law allows for, so that p is rather too high than too low.
+    less than Hotelling's law allows for, so that p is rather too high than too low. one_by_one:
+    the covariances are not known, only the errors; then p is that of the component that differs
+    most, and the statistic the sum of squares.
     """
     groups = len(replicates)
     if difference.size == 0:
         return None
+    if one_by_one:
+        extra = 0.0 if known is None else np.diagonal(known)
+        sigmas = difference / np.sqrt(errors(replicates) ** 2 + extra)
+        return replace(of_the_worst(sigmas), statistic=float(sigmas @ sigmas))
     axes = whitening(covariance(replicates) + (0.0 if known is None else known))
     white = axes @ difference
     freedom = white.size
@@ -166,6 +174,19 @@ def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSq
     value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
     freedom = counts.size - 1
     return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)
+
+
+def of_the_worst(sigmas: Array) -> ChiSquare:
+    """Test of differences in standard errors (n,), however they are correlated.
+
+    The p-value of the largest, times n (Bonferroni), and the chi-square that has it.
+    """
+    from scipy.special import erfc, gammainccinv
+
+    largest = float(np.abs(sigmas).max())
+    p_value = min(1.0, float(erfc(largest / np.sqrt(2))) * sigmas.size)
+    value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2
+    return ChiSquare(value, 1, p_value, None, largest**2)
 
 
 def gaussian_sigmas(p_value: float) -> float:

@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.comparison.sample import R2, R4, V2, V4, Law, N, Sample, StartBins
+from kinetics.crosscheck.comparison.sample import (
+    R2,
+    R4,
+    V2,
+    V4,
+    VX,
+    X2,
+    Law,
+    N,
+    Sample,
+    StartBins,
+    X,
+)
 from kinetics.errors import InputError
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
@@ -25,6 +37,16 @@ DISPLACEMENT_RTOL = 1e-4
 """Asked of the solver for densities of the displacement, which cost more."""
 AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
 """The averages that are compared."""
+FIELD_RTOL = 1e-5
+"""Asked of the solver in a field, where it takes longer."""
+IN_FIELD = {
+    "drift": ("mean_velocity", (0,)),
+    "thermal_speed": ("thermal_speed", ()),
+    "mean_displacement": ("mean_displacement", (0,)),
+    "dispersion_parallel": ("displacement_tensor", (0, 0)),
+    "dispersion_perpendicular": ("displacement_tensor", (1, 1)),
+}
+"""The averages that are compared in a field, along +x: the output of a Scene, and the component."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
@@ -74,8 +96,29 @@ def solved(system: System, times: Array, outputs: Sequence[str], rtol: float) ->
         tangential_restitution=law.tangential_restitution,
         dimension=law.dimension,
         scatterers=system.scatterers,
+        field=law.field,
     )
     return solve(scene, rtol=rtol)
+
+
+def solved_averages(system: System, times: Array, names: Sequence[str]) -> "Solution":
+    """The solution that has these averages, see `average_of`."""
+    if not system.law.field:
+        return solved(system, times, names, RTOL)
+    outputs = tuple(dict.fromkeys(IN_FIELD[name][0] for name in names))
+    return solved(system, times, outputs, FIELD_RTOL)
+
+
+def names_for(law: Law) -> tuple[str, ...]:
+    """The averages that are compared."""
+    return tuple(IN_FIELD) if law.field else AVERAGES
+
+
+def average_of(solution: "Solution", name: str) -> Array:
+    """An average over time, (n_times,), by its name here."""
+    output, component = IN_FIELD[name] if solution.scene.field else (name, ())
+    place: Any = (..., *component)
+    return np.asarray(np.asarray(getattr(solution, output))[place])
 
 
 def system_of(solution: "Solution") -> System:
@@ -83,7 +126,7 @@ def system_of(solution: "Solution") -> System:
     scene = solution.scene
     if scene.tangential_restitution is None:
         raise InputError("solution: its law has no coefficients of restitution to compare with")
-    law = Law(scene.tangential_restitution, scene.dimension)
+    law = Law(scene.tangential_restitution, scene.dimension, scene.field)
     return System(scene.restitution, scene.mean_free_path, scene.initial, law)
 
 
@@ -99,6 +142,15 @@ def observed(
     with np.errstate(invalid="ignore", divide="ignore"):
         n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
         values = {
+            "drift": lambda: speed_scale * sums[..., VX] / n,
+            "mean_displacement": lambda: length_scale * sums[..., X] / n,
+            "dispersion_parallel": lambda: (
+                length_scale**2 * (sums[..., X2] / n - (sums[..., X] / n) ** 2)
+            ),
+            # Across the field the mean is 0.
+            "dispersion_perpendicular": lambda: (
+                length_scale**2 * (r2 - sums[..., X2]) / n / (law.dimension - 1)
+            ),
             "thermal_speed": lambda: speed_scale * np.sqrt(v2 / n),
             "a2": lambda: v4 * n / (law.gaussian * v2**2) - 1,
             "msd": lambda: length_scale**2 * r2 / n,
@@ -137,8 +189,8 @@ class Expectation:
             if isinstance(initial, SampledStart):
                 found = self._from_start(system._replace(start="monoenergetic"))
             else:
-                solution = solved(system, self.sample.times, self.names, RTOL)
-                values = np.stack([getattr(solution, name) for name in self.names])
+                solution = solved_averages(system, self.sample.times, self.names)
+                values = np.stack([average_of(solution, name) for name in self.names])
                 found = values, values
             self._last = (system, found)
         return self._last[1]

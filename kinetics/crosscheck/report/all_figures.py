@@ -7,6 +7,7 @@ from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.displacement_figures import (
     inelasticposi,
     kurtosis,
+    msd_ratio,
     msd_slope,
     msdtheory,
     soninediffuse,
@@ -61,7 +62,10 @@ def all_figures(
         for name, make in chosen.items()
         if make in _ELASTIC or (results.printed if make is soninediffuse else results.cooling)
     }
+    if settings.is_papers_law and results.dense_cases:
+        figures["msd-ratio"] = msd_ratio(results)
     if scans is not None:
         figures["density"] = scan_figures.density(scans.density)
         figures["traps"] = scan_figures.traps(scans.traps)
-    return figures
+    order = [case.restitution for case in cases]
+    return {name: data | {"order": order} for name, data in figures.items()}

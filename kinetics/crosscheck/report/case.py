@@ -20,10 +20,10 @@ class Measured:
     value: Array
     error: Array
 
-    def __truediv__(self, scale: float) -> "Measured":
+    def __truediv__(self, scale: float | Array) -> "Measured":
         return Measured(self.value / scale, self.error / scale)
 
-    def __mul__(self, factor: float) -> "Measured":
+    def __mul__(self, factor: float | Array) -> "Measured":
         return Measured(factor * self.value, factor * self.error)
 
     def __getitem__(self, where: Any) -> "Measured":
@@ -78,6 +78,9 @@ class Case:
     hard: ParticleRun  # hard disks, or hard spheres
     # standard errors of these minus `rescaled`, both of which change with the run
     rescaled_errors: dict[str, Array]
+    # the equation of hard disks at their own density; None where there is none
+    dense: "Solution | None" = None
+    dense_slope: float | None = None  # its limit of d<r^2>/d ln t, in d^2
 
     @property
     def runs(self) -> tuple[ParticleRun, ParticleRun]:

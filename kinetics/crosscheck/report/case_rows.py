@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetics import sonine
+from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Array, Case, ParticleRun
 from kinetics.crosscheck.report.observables import (
     ball,
@@ -101,7 +102,7 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
     exact, solver = (state.cooling_rate for state in case.scaling_state)
     note = (
         f"slope of 1/v0 from t = {case.times[case.early]:.4g} to {case.times[-1]:.4g} d/U; "
-        f"the exact h is {exact:.5f}"
+        f"the exact h of late times is {exact:.5f}"
     )
 
     def rate(solution: "Solution") -> float:
@@ -174,13 +175,13 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
     last, theory = float(times[-1]), float(case.kinetic.msd[-1])
     walk = sonine.msd_random_walk(times, e, density)
     printed = float(sonine.msd_sonine(last, e, density))
-    note = f"random walk (eq. msd) with l = {sonine.FITTED_FREE_PATH} d"
+    note = f"random walk, eq. (22), with l = {sonine.FITTED_FREE_PATH} d"
     claim = "the paper's own claim, for late times: here the last decade"
     at_end: dict[str, Any] = {"against": KINETIC, "time": last}
     late = np.where(np.arange(times.size) >= case.early, walk, np.nan)
     return [
         approximation(case, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note),
-        approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. ad8"),
+        approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. (C9)"),
         *statistical(case, "msd", case.hard, late, PAPER_FIT, claim),
         *_particles(case, "msd"),
     ]
@@ -191,8 +192,8 @@ def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
     limit = "limit of late times"
     note = (
         f"from t = {times[case.early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
-        f"{exact:.5g} d², reached to {case.late.msd_slope[-1] / exact - 1:.0e} at "
-        f"t = {case.late.times[-1]:.0e} d/U"
+        f"{exact:.5g} d², reached to {numeral(case.late.msd_slope[-1] / exact - 1, '.0e')} at "
+        f"t = {numeral(case.late.times[-1], '.0e')} d/U"
     )
     rows = _particles(case, name, lambda s: msd_slope_between(times, s.msd, case.early), note)
     if not settings.is_papers_law:
@@ -209,7 +210,7 @@ def _kurtosis(case: Case, settings: ReportSettings) -> list[Row]:
     rows = _particles(case, "kurtosis")
     if case.exact is None or not settings.is_papers_law:
         return rows
-    note = "eq. gdefi has 4 at every time; a Gaussian has 2, which is the limit of late times"
+    note = "eq. (53) has 4 at every time; a Gaussian has 2, which is the limit of late times"
     printed = approximation(
         case, "kurtosis", "paper's integral", PAPER_KURTOSIS, float(case.kinetic.kurtosis[-1]),
         KINETIC, time=float(case.times[-1]), note=note,
@@ -218,11 +219,11 @@ def _kurtosis(case: Case, settings: ReportSettings) -> list[Row]:
 
 
 POSITION_FORMS = (
-    ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. peakg, η = 0.75, for 0.2 ≤ R ≤ 1.2"),
+    ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
     ("paper, tail", sonine.position_tail, 2.0, 4.0,
-     "eq. gammatailg, η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
+     "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
     ("paper's integral", sonine.position_integral, 0.2, 4.0,
-     "eq. gdefi, η = 1/2, for 0.2 ≤ R ≤ 4"),
+     "eq. (53), η = 1/2, for 0.2 ≤ R ≤ 4"),
 )  # fmt: skip
 """Source, the printed G(R), and the R between which it is held against the equation."""
 

@@ -27,6 +27,12 @@ from kinetics.crosscheck.commands.options import (
 )  # fmt: skip
 @click.option("--quick", is_flag=True, help="A tenth of the samples.")
 @click.option(
+    "--field", "in_field", is_flag=True,
+    help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
+    "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
+    "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.",
+)  # fmt: skip
+@click.option(
     "-e", "--restitution", "restitutions", type=float, multiple=True,
     help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
 )  # fmt: skip
@@ -57,6 +63,7 @@ from kinetics.crosscheck.commands.options import (
 def report(
     output: Path,
     quick: bool,
+    in_field: bool,
     figures: tuple[str, ...],
     restitutions: tuple[float, ...],
     final_times: tuple[float, ...],
@@ -73,6 +80,12 @@ def report(
     """
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if in_field:
+        from kinetics.crosscheck.report.field_command import report_in_field
+
+        system["restitutions"], system["final_times"] = restitutions, final_times
+        report_in_field(output, quick, figures, as_json, system)
+        return
     from kinetics.crosscheck.files import require_writable_folder
     from kinetics.crosscheck.report.settings import ReportSettings
 
@@ -102,3 +115,4 @@ def report(
         if document.get("dimensions"):
             click.echo(f"\n{dimension_table(document)}")
         click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+        click.echo(document["headline"]["line"])

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.case import Array, Case
+from kinetics.crosscheck.report.case import Array, Case, Measured
 from kinetics.crosscheck.report.case_rows import PAPER_KURTOSIS
 from kinetics.crosscheck.report.figure_lines import (
     BEYOND_LAST,
@@ -15,19 +15,24 @@ from kinetics.crosscheck.report.figure_lines import (
     ends_of,
     figure,
     level,
+    over_equation,
     particles,
     readable,
+    small_error,
     solved,
 )
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.observables import (
     LARGEST_EXPONENT_ERROR,
     band_middles,
+    band_ranges,
     bands_of,
     middles,
     printed_msd_slopes,
     sure_density,
 )
+
+_RATIO_LIMITS = (0.5, 1.5)
 
 
 def msdtheory(results: Results) -> Data:
@@ -38,9 +43,10 @@ def msdtheory(results: Results) -> Data:
         return 1 - e, math.log1p(path * float(sonine.beta(e, density)))
 
     walk = ("paper's fit", sonine.msd_random_walk, density)
-    lines = _collapsed(results.cooling, scales, *walk)
+    drawn = _collapsed(results.cooling, scales, *walk)
     x, y = axis(r"$(1-e)\,t$", "d/U", "log"), axis("$K(t, e)$", "d²")
-    return figure("msdtheory", x, y, lines, path=path, beta=float(sonine.beta(0.0, density)))
+    beta = float(sonine.beta(0.0, density))
+    return figure("msdtheory", x, y, drawn.pop("series"), path=path, beta=beta) | drawn
 
 
 def soninediffuse(results: Results) -> Data:
@@ -52,9 +58,9 @@ def soninediffuse(results: Results) -> Data:
         return stretch, (1 + e) ** 2 * stretch * correction
 
     printed = ("Sonine", sonine.msd_sonine, results.number_density)
-    lines = _collapsed(results.printed, scales, *printed)
+    drawn = _collapsed(results.printed, scales, *printed)
     x = axis(r"$(1-e^2)(1+3a_2/8)\,t$", "d/U", "log")
-    return figure("soninediffuse", x, axis("$W(t, e)$", "d²"), lines)
+    return figure("soninediffuse", x, axis("$W(t, e)$", "d²"), drawn.pop("series")) | drawn
 
 
 def _collapsed(
@@ -63,26 +69,59 @@ def _collapsed(
     source: str,
     printed: Callable[[Array, float, float], Array],
     number_density: float,
-) -> list[Data]:
+) -> Data:
     """<r^2> times a factor over t times a stretch, with which the paper's <r^2> is one curve.
 
-    `scales` gives stretch and factor of a restitution. Equation, its exact late slope, particles.
+    `scales` gives stretch and factor of a restitution. Equation, its exact late slope, particles;
+    and, as the panel of ratios, particles and the printed formula over the equation.
     """
-    lines, reach = [], []
+    lines, below, reach = [], [], []
     for case in cases:
         e, late, shown = case.restitution, case.late, solved(case)
         stretch, factor = scales(e)
-        t = late.times[shown]
+        t, msd = late.times[shown], late.msd[shown]
         asymptote = late.msd[-1] + case.late_msd_slope * np.log(t / late.times[-1])
         above = asymptote > 0
-        lines.append(series("kinetic equation", stretch * t, factor * late.msd[shown], None, e))
+        points = [run.msd for run in case.runs]
+        lines.append(series("kinetic equation", stretch * t, factor * msd, None, e))
         lines.append(series("exact slope", stretch * t[above], factor * asymptote[above], None, e))
-        lines += particles(case, stretch * case.times, [run.msd * factor for run in case.runs])
+        lines += particles(case, stretch * case.times, [point * factor for point in points])
+        ratio = printed(t, e, number_density) / msd
+        seen = (ratio > _RATIO_LIMITS[0]) & (ratio < _RATIO_LIMITS[1])
+        below.append(series(source, stretch * t[seen], ratio[seen], None, e))
+        below += over_equation(case, stretch * case.times, points, case.kinetic.msd)
         reach += [case.times[0] * stretch, case.times[-1] * stretch * BEYOND_LAST]
     x = np.geomspace(min(reach), max(reach), 80)
     e = cases[0].restitution
     stretch, factor = scales(e)
-    return [*lines, series(source, x, factor * printed(x / stretch, e, number_density))]
+    lines.append(series(source, x, factor * printed(x / stretch, e, number_density)))
+    below.insert(0, level("zero", x, 1.0))
+    y = axis("over the equation", limits=_RATIO_LIMITS)
+    return {"series": lines, "ratio": {"y": y, "series": below}}
+
+
+def msd_ratio(results: Results) -> Data:
+    """<r^2> of hard disks over the dilute equation, and over the equation at their density."""
+    lines, below = [], []
+    for case in results.dense_cases:
+        e, times = case.restitution, case.times
+        assert case.dense is not None
+        lines.append(
+            series("corrected equation", times, case.dense.msd / case.kinetic.msd, None, e)
+        )
+        points = particles(
+            case, times, [run.msd / case.kinetic.msd for run in case.runs], small_error
+        )
+        lines.append(points[1])
+        below.append(
+            particles(case, times, [run.msd / case.dense.msd for run in case.runs], small_error)[1]
+        )
+    ends = ends_of([case.times for case in results.dense_cases])
+    lines.insert(0, level("dilute equation", ends, 1.0))
+    below.insert(0, level("zero", ends, 1.0))
+    y = axis(r"$\langle r^2\rangle$ / dilute equation")
+    made = figure("msd-ratio", TIME, y, lines, settled=results.settled, n=results.number_density)
+    return made | {"ratio": {"y": axis("/ corrected"), "series": below}}
 
 
 def inelasticposi(results: Results) -> Data:
@@ -104,7 +143,7 @@ def inelasticposi(results: Results) -> Data:
     else:
         lines.append(series("Gaussian", r, _gaussian_position(r, results.dimension)))
     x, y = axis("scaled distance $R$"), axis("$G(R)$", "", "log", (1e-5, 2.0))
-    return figure("inelasticposi", x, y, lines, **results.words)
+    return figure("inelasticposi", x, y, lines, **results.words) | {"panels": True}
 
 
 def _gaussian_position(r: Array, dimension: int) -> Array:
@@ -120,8 +159,13 @@ def msd_slope(results: Results) -> Data:
     for case in results.cooling:
         e, late, limit = case.restitution, case.late, case.late_msd_slope
         lines.append(series("kinetic equation", late.times, late.msd_slope / limit, None, e))
-        middle = np.array(math.sqrt(case.times[case.early] * case.times[-1]))
-        lines += particles(case, middle, [run.msd_slope / limit for run in case.runs])
+        decade = case.times[[case.early, -1]]
+        points = [
+            Measured(*np.atleast_1d(m.value, m.error)) / limit
+            for m in (run.msd_slope for run in case.runs)
+        ]
+        middle = np.array([math.sqrt(decade[0] * decade[1])])
+        lines += particles(case, middle, points, ranges=decade[None])
         if not results.is_papers_law:
             continue
         walk, printed = printed_msd_slopes(e, results.number_density)
@@ -160,11 +204,13 @@ def tail_exponent(results: Results) -> Data:
         lines.append(series("kinetic equation", known, n, None, case.restitution))
         lines.append(series("same bands", at, bands_of(case), None, case.restitution))
         points = [run.tail_exponent for run in case.runs]
-        lines += particles(case, at, points, lambda n: n.error < LARGEST_EXPONENT_ERROR)
+        ranges = band_ranges(results.dimension)
+        lines += particles(case, at, points, lambda n: n.error < LARGEST_EXPONENT_ERROR, ranges)
     ends = [0.0, 6.0]
     lines += [level("Gaussian", ends, 2.0), level("exponential", ends, 1.0)]
     x, y = axis("scaled distance $R$", limits=(0.0, 6.0)), axis("$n(R)$", limits=(0.5, 2.5))
-    return figure(
+    made = figure(
         "tail-exponent", x, y, lines, largest=LARGEST_EXPONENT_ERROR, smallest=smallest,
         **results.words,
     )  # fmt: skip
+    return made | {"panels": True}

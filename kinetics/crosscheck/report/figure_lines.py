@@ -19,9 +19,12 @@ if TYPE_CHECKING:
 
 LARGEST_RELATIVE_ERROR = 0.5
 """Standard error over value above which a point on a logarithmic axis is left out."""
+LARGEST_RATIO_ERROR = 0.1
+"""Standard error above which a ratio to the kinetic equation is left out."""
 BEYOND_LAST = 10.0
 """Lines of the equation go on to so many times the last time of the particles."""
 TIME = axis("time $t$", "d/U", "log")
+RATIO = axis("over the equation")
 RESTITUTION = axis("restitution $e$", limits=(0.0, 1.0))
 
 
@@ -31,6 +34,18 @@ class Results:
 
     cases: Sequence[Case]
     settings: ReportSettings
+
+    @property
+    def spans(self) -> list[dict[str, float]]:
+        """The last decade of each case's times, over which its rates are averaged."""
+        return [
+            {
+                "restitution": c.restitution,
+                "low": float(c.times[c.early]),
+                "high": float(c.times[-1]),
+            }
+            for c in self.cooling
+        ]
 
     @property
     def number_density(self) -> float:
@@ -71,6 +86,18 @@ class Results:
     def cooling(self) -> list[Case]:
         """The cases that cool: the law is not elastic."""
         return [case for case in self.cases if case.exact is not None]
+
+    @property
+    def dense_cases(self) -> list[Case]:
+        """The cases for which there is an equation at the density of the disks."""
+        return [case for case in self.cases if case.dense is not None]
+
+    @property
+    def settled(self) -> float:
+        """Time in d/U from which on that equation is trusted."""
+        from kinetics.collision.medium import SETTLED
+
+        return SETTLED / (2 * self.settings.half_rate)
 
     @property
     def printed(self) -> list[Case]:
@@ -120,14 +147,29 @@ def particles(
     x: Array,
     points: Sequence[Measured],
     shown: Callable[[Measured], Mask] | None = None,
+    ranges: Array | None = None,
 ) -> list[Data]:
-    """The points at x of `case.runs`, one `Measured` for each; only those that are `shown`."""
+    """The points at x of `case.runs`, one `Measured` for each; only those that are `shown`.
+
+    ranges (n, 2): the range of x that each point is an average over.
+    """
     lines = []
     for run, measured in zip(case.runs, points, strict=True):
         keep: Any = ... if shown is None else shown(measured)
-        seen = measured[keep]
-        lines.append(series(run.name, x[keep], seen.value, seen.error, case.restitution))
+        seen, within = measured[keep], None if ranges is None else ranges[keep]
+        e = case.restitution
+        lines.append(series(run.name, x[keep], seen.value, seen.error, e, None, within))
     return lines
+
+
+def over_equation(case: Case, x: Array, points: Sequence[Measured], expected: Array) -> list[Data]:
+    """The points of both runs over what the kinetic equation expects at the same x."""
+    return particles(case, x, [measured / expected for measured in points], small_error)
+
+
+def small_error(measured: Measured) -> Mask:
+    """Points of a ratio whose error leaves something to see."""
+    return (measured.error > 0) & (measured.error < LARGEST_RATIO_ERROR)
 
 
 def readable(measured: Measured) -> Mask:
@@ -139,11 +181,13 @@ def readable(measured: Measured) -> Mask:
 def over_restitution(
     results: Results,
     of: Callable[[float, Any], Any],
+    same_times: Callable[[Case], float],
     printed: Mapping[str, ArrayLike],
 ) -> list[Data]:
     """A quantity over e: `of` the exact scaling state, the solver's and both runs; and as printed.
 
-    `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`.
+    `of` takes the restitution and a state, then returns a number, or a run, then a `Measured`;
+    `same_times` is the kinetic equation's value over the same times as those of the runs.
     """
     cases, settings = results.cooling, results.settings
     at, e = [case.restitution for case in cases], restitutions()
@@ -151,8 +195,12 @@ def over_restitution(
     exact = [of(float(x), state) for x, state in zip(e, states, strict=True)]
     solver = [of(case.restitution, case.scaling_state[1]) for case in cases]
     lines = [series("exact", e, exact), series("solver", at, solver)]
-    for k, run in enumerate(cases[0].runs):
-        points = [of(case.restitution, case.runs[k]) for case in cases]
-        value, error = [float(p.value) for p in points], [float(p.error) for p in points]
-        lines.append(series(run.name, at, value, error))
+    for case in cases:
+        x, expected = case.restitution, same_times(case)
+        lines.append(series("equation, same times", x, expected, None, x))
+        lines += particles(case, np.array([x]), [_one(of(x, run)) for run in case.runs])
     return lines + [series(source, e, values) for source, values in printed.items()]
+
+
+def _one(measured: Measured) -> Measured:
+    return Measured(np.atleast_1d(measured.value), np.atleast_1d(measured.error))

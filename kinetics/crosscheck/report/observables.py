@@ -199,6 +199,12 @@ def band_middles(dimension: int = 2) -> Array:
     return np.asarray(np.sqrt(radii[1:] * radii[:-1]))
 
 
+def band_ranges(dimension: int = 2) -> Array:
+    """The two radii between which each `band_exponent` is a difference, (n_bands - 2, 2)."""
+    radii = _radii(dimension)[1:]
+    return np.column_stack([radii[:-1], radii[1:]])
+
+
 def measured_exponent(samples: Array, dimension: int = 2) -> Measured:
     """`band_exponent` of absolute displacements (n_groups, n_in_group), with jackknife errors."""
     every, replicates = _shares(samples, BANDS)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from kinetics import sonine
+from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Case, Measured
 from kinetics.crosscheck.report.figure_lines import Results, exact_states, restitutions
 from kinetics.crosscheck.report.observables import (
@@ -18,6 +19,7 @@ from kinetics.crosscheck.report.observables import (
     band_middles,
     bands_of,
     bin_average,
+    cooling_rate_between,
     gaussian_vdf,
     msd_slope_between,
     printed_msd_slopes,
@@ -85,7 +87,8 @@ def _proportional(results: Results) -> Answer:
     ratio = np.array([state.cooling_rate for state in exact_states()]) / (1 - e)
     numbers = []
     for case in results.cases:
-        rates: dict[str, Any] = {"exact": case.scaling_state[0].cooling_rate}
+        rates: dict[str, Any] = {"exact, t → ∞": case.scaling_state[0].cooling_rate}
+        rates["kinetic equation, last decade"] = _rate_of_last_decade(case, results.settings)
         rates |= {run.name: run.cooling_rate for run in case.runs}
         scale = 1 - case.restitution
         over = {f"h/(1 - e), {name}": rate / scale for name, rate in rates.items()}
@@ -102,12 +105,19 @@ def _cooling(results: Results) -> Answer:
     numbers = []
     for case in results.cases:
         exact, solver = case.scaling_state
-        rates: dict[str, Any] = {"exact": exact.cooling_rate, "solver": solver.cooling_rate}
+        rates: dict[str, Any] = {"exact, t → ∞": exact.cooling_rate, "solver": solver.cooling_rate}
+        rates["kinetic equation, last decade"] = _rate_of_last_decade(case, settings)
         rates |= {run.name: run.cooling_rate for run in case.runs}
         numbers += _numbers(case.restitution, {f"h, {name}": h for name, h in rates.items()})
     first, last = (states[k].cooling_rate for k in (0, -1))
     ends = {"first": first, "last": last, "ratio": last / (1 - e[-1]), "last_e": e[-1]}
     return _answer("cooling", numbers, **ends, **results.words)
+
+
+def _rate_of_last_decade(case: Case, settings: ReportSettings) -> float:
+    """h of the kinetic equation over the same window of times as the particles' values."""
+    speed = case.kinetic.thermal_speed
+    return cooling_rate_between(case.times, speed, case.early, settings.half_rate)
 
 
 def _gaussian(results: Results) -> Answer:
@@ -121,8 +131,10 @@ def _gaussian(results: Results) -> Answer:
         numbers = _numbers(None, {"e at which the exact a2 is 0": root})
     for case in results.cases:
         e, run = case.restitution, case.free
+        found = {"a2, exact, t → ∞": case.scaling_state[0].a2}
+        found["a2, kinetic equation, last time"] = float(case.kinetic.a2[-1])
         measured = {f"a2, {either.name}": either.a2[-1] for either in case.runs}
-        numbers += _numbers(e, {"a2, exact": case.scaling_state[0].a2, **measured})
+        numbers += _numbers(e, {**found, **measured})
         vdf = partial(gaussian_vdf, dimension=case.dimension)
         gaussian = bin_average(vdf, case.speed_edges, case.dimension)
         look = worst(run.vdf.value, run.vdf.error, gaussian)
@@ -132,7 +144,7 @@ def _gaussian(results: Results) -> Answer:
         ratio = run.vdf[look.index] / gaussian[look.index]
         off = Measured(100 * (ratio.value - 1), 100 * ratio.error)
         numbers += _numbers(e, {f"F/Gaussian - 1 in its worst bin, {run.name}": off}, "%")
-        numbers += _numbers(e, {"its sigmas, corrected for the bins looked at": sigmas})
+        numbers += _numbers(e, {"its sigmas, corrected for the bins looked at": sigmas}, "σ")
         away.append(sigmas)
     return _answer("gaussian", numbers, root=root, away=away, **results.words)
 
@@ -164,7 +176,7 @@ def _exponential(results: Results) -> Answer:
     cases = results.cases
     numbers: list[dict[str, Any]] = []
     growth, near, fits, ends = [], [], [], []
-    last = f"{cases[0].late.times[-1]:.0e}"
+    last = numeral(cases[0].late.times[-1], ".0e")
     for case in cases:
         exponents, slopes = case.position.position_tail(SHOWN_DISTANCES)
         n, rate = exponents[-1].tolist(), slopes[-1].tolist()
@@ -175,11 +187,11 @@ def _exponential(results: Results) -> Answer:
         if results.is_papers_law and known.size >= LEAST_POINTS:
             fit = sonine.fit_position(known, density, "tail")
             fits.append(fit)
-            found["η of eq. gammatailg fitted to the kinetic equation"] = fit.eta
+            found["η of eq. (58) fitted to the kinetic equation"] = fit.eta
             found["γ of the same fit"] = fit.gamma
         late = float(case.late.kurtosis[-1])
         found["kurtosis at the last time, kinetic equation"] = float(case.kinetic.kurtosis[-1])
-        end = f"kurtosis at t = {case.late.times[-1]:.0e} d/U, kinetic equation"
+        end = f"kurtosis at t = {last} d/U, kinetic equation"
         numbers += _numbers(case.restitution, found | {end: late})
         growth.append(100 * (rate[3] / rate[1] - 1))
         near.append(n[3])

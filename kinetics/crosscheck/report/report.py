@@ -17,19 +17,33 @@ from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
+from kinetics.crosscheck.report.causes import Causes, causes
+from kinetics.crosscheck.report.citations import number_of
+from kinetics.crosscheck.report.claims import claims
+from kinetics.crosscheck.report.density_part import add_density_part, gather_density_part
 from kinetics.crosscheck.report.dimensions import both_dimensions
+from kinetics.crosscheck.report.figure_lines import Results
 from kinetics.crosscheck.report.figures import figure_file
+from kinetics.crosscheck.report.headline import headline
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
+from kinetics.crosscheck.report.picture import picture
 from kinetics.crosscheck.report.questions import all_answers
-from kinetics.crosscheck.report.row import OVER_TIME, RESCALED, Row, counts, relative_error
+from kinetics.crosscheck.report.row import (
+    OBSERVABLES,
+    OVER_TIME,
+    RESCALED,
+    Row,
+    counts,
+    relative_error,
+)
 from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
 from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
+from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, WORDS, chance
 
 SCHEMA = "inelastic-lorentz/report/1"
 
@@ -49,9 +63,11 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         cases = []
         for e, last in zip(settings.restitutions, settings.final_times, strict=True):
             cases.append(gather_case(e, last, settings, tell))
-        scans, dimensions = None, []
+        scans, density, dimensions = None, None, []
         if settings.is_papers_law:
             scans = gather_scans(cases, settings, tell)
+            tell("finite density")
+            density = gather_density_part(cases, scans, settings)
         else:
             dimensions = both_dimensions(cases, settings, tell)
         tell("comparing")
@@ -59,13 +75,15 @@ def make_report(settings: ReportSettings, progress: Progress | None = None) -> D
         tell("derivations")
         checks = printed_rows(algebra)
     document = build_document(settings, cases, scans, rows, checks)
+    document = add_density_part(document, density, cases)
+    document["picture"] = picture(settings)
     return document | plain({"dimensions": dimensions}) if dimensions else document
 
 
 def stages(settings: ReportSettings) -> int:
     """How often `make_report` and `write_report` together report progress."""
     each = 3 if settings.is_papers_law else 4
-    return each * len(settings.restitutions) + (5 if settings.is_papers_law else 3)
+    return each * len(settings.restitutions) + (6 if settings.is_papers_law else 3)
 
 
 def write_report(
@@ -98,11 +116,16 @@ def build_document(
     checks: Checks,
 ) -> Document:
     """The tree of plain data that both files are made from."""
+    results = Results(cases, settings)
+    steps = causes(results)
     document: Document = plain(
         {
             "schema": SCHEMA,
             "title": _sentences("title"),
             "summary": _summary(settings, rows, checks),
+            "headline": headline(results, rows, steps, checks),
+            "claims": claims(results),
+            "causes": [asdict(step) for step in steps],
             "answers": all_answers(cases, rows, settings),
             "units": _sentences("units", spheres=settings.dimension == 3),
             "software": _versions(),
@@ -117,7 +140,7 @@ def build_document(
                 chance_below=chance(AGREES_BELOW),
                 chance_above=chance(DIFFERS_ABOVE),
             ),
-            "findings": _findings(settings, cases, scans, rows),
+            "findings": _findings(results, scans, rows, steps),
             "rows": [asdict(row) for row in rows],
             "algebra": list(checks),
             "cases": [_case(case) for case in cases],
@@ -166,14 +189,19 @@ def _summary(settings: ReportSettings, rows: Sequence[Row], checks: Checks) -> s
         checks=checks,
         strict=[r for r in rows if r.kind == "statistical" and r.source == "Boltzmann-Grad"],
         solver=[r for r in rows if r.kind == "numerical"],
-        errata=[check["label"] for check in checks if check["status"] == "erratum"],
+        errata=[
+            number_of(check["label"]) or check["title"]
+            for check in checks
+            if check["status"] == "erratum"
+        ],
     )
 
 
 def _findings(
-    settings: ReportSettings, cases: Sequence[Case], scans: Scans | None, rows: Sequence[Row]
+    results: Results, scans: Scans | None, rows: Sequence[Row], steps: Sequence[Causes]
 ) -> list[str]:
     """What explains the differences, one paragraph each, with numbers and errors."""
+    settings, cases = results.settings, results.cases
     dilute = 1 / (2 * settings.half_rate)
     dense = dilute / contact_value(settings.number_density, dimension=settings.dimension)
     runs = [run for case in cases for run in case.runs]
@@ -189,5 +217,7 @@ def _findings(
         most=max(run.most_collisions for run in runs),
         capped=max(run.above_cap for run in runs),
         trapped=any(case.hard.statuses["trapped"] for case in cases),
-        fit=sonine.FITTED_COOLING_FACTOR,
+        fit=sonine.FITTED_COOLING_FACTOR, words=WORDS,
+        same_times={step.restitution: step.same_times for step in steps},
+        shorts={name: names.short for name, names in OBSERVABLES.items()},
     )  # fmt: skip

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Case, ParticleRun
 from kinetics.crosscheck.report.observables import band_middles, middles
 from kinetics.crosscheck.verdicts import (
@@ -22,6 +23,10 @@ KINETIC = "kinetic equation"
 RESCALED = "kinetic equation, measured l"
 EXACT = "exact"
 PAPER_FIT = "paper's fit"
+
+
+TWO_SIDED = 1.96
+"""Standard errors of a Gaussian's two-sided 95 %."""
 
 
 class Names(NamedTuple):
@@ -56,7 +61,8 @@ class Row:
     no meaning; where a row looks at several times or bins (`looks`), they are those of the worst.
     `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes through 0).
     `groups` independent groups stand behind the error; it, `sigmas` and `corrected_sigmas` are None
-    unless the kind is statistical.
+    unless the kind is statistical. `within` is the relative difference that a statistical row would
+    have seen at 95 %, at every time or bin: how much "no difference" says.
     """
 
     observable: str
@@ -77,6 +83,7 @@ class Row:
     groups: int | None = None
     verdict: Verdict = Verdict.UNDEFINED
     note: str = ""
+    within: float | None = None
 
 
 def numerical(case: Case, observable: str, value: float, theory: float, tolerance: float) -> Row:
@@ -84,7 +91,7 @@ def numerical(case: Case, observable: str, value: float, theory: float, toleranc
     deviation = relative(observable, value, theory)
     return Row(
         observable, case.restitution, "numerical", "solver", EXACT, value, theory, deviation,
-        verdict=judge_numerical(deviation, tolerance), note=f"asked for {tolerance:g}",
+        verdict=judge_numerical(deviation, tolerance), note=f"asked for {numeral(tolerance, 'g')}",
     )  # fmt: skip
 
 
@@ -140,12 +147,16 @@ def statistical(
             bins = band_middles(case.dimension)
         where["distance"] = float(bins[k])
     corrected = corrected_sigmas(at.sigmas, run.groups, at.looks)
+    usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
+    scale = 1 + expected if observable == "a2" else np.abs(expected)
+    seen = ((np.abs(value - expected) + TWO_SIDED * error) / scale)[usable]
     row = Row(
         observable, case.restitution, "statistical", run.name, against,
         float(value[k]), float(expected[k]),
         relative(observable, float(value[k]), float(expected[k])),
         error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=run.groups, note=note,
-        corrected_sigmas=corrected, verdict=judge_sigmas(corrected), **where,
+        corrected_sigmas=corrected, verdict=judge_sigmas(corrected),
+        within=float(np.max(seen)), **where,
     )  # fmt: skip
     return [row]
 

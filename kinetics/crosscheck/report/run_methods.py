@@ -32,6 +32,7 @@ GROUPS = 100
 """Independent groups that a Boltzmann-Grad run is split into for its jackknife."""
 OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "speed_density")
 LATE_OUTPUTS = ("thermal_speed", "a2", "msd", "kurtosis", "diffusion_coefficient")
+DENSE_OUTPUTS = ("thermal_speed", "a2", "msd")
 LATEST, LATE_TIMES = 1e9, 55
 """Last time in d/U of the equation alone, and how many there are, evenly spaced in ln t."""
 SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
@@ -99,6 +100,7 @@ def gather_case(
         rescaled=rescaled,
         free=reduced("Boltzmann-Grad", free, early, settings.half_rate),
         hard=reduced(name, hard, early, settings.half_rate),
+        **_of_hard_disks(law, times, settings),
         rescaled_errors=_rescaled_errors(hard, rescaled, early, settings.half_rate),
         **solved,
     )
@@ -128,6 +130,34 @@ def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dic
         "exact": None if law.is_elastic else ScalingSolution(**law.arguments),
         "scaled": None if law.is_elastic else solve_scaled(**law.arguments, rtol=rtol),
     }
+
+
+def _of_hard_disks(law: CollisionLaw, times: Array, settings: ReportSettings) -> dict[str, Any]:
+    """The equation of hard disks at their density, as fields of `Case`."""
+    density, rtol = settings.number_density, settings.rtol
+    late = np.array([LATEST / 10, LATEST])
+    far = None if law.is_elastic else dense_solution(law, density, late, rtol)
+    slope = None if far is None else msd_slope_between(late, far.msd, 0)
+    return {"dense": dense_solution(law, density, times, rtol), "dense_slope": slope}
+
+
+def dense_solution(
+    law: CollisionLaw, density: float, times: Array, rtol: float
+) -> "Solution | None":
+    """The equation of hard disks at this density (in d^-2), which forgets no scatterer.
+
+    None for what it does not have: spheres, rough disks, and densities that are too high.
+    """
+    from kinetics import Scene, solve
+    from kinetics.collision.medium import HIGHEST_DENSITY
+
+    if law.dimension != 2 or law.tangential_restitution != 1 or density > HIGHEST_DENSITY:
+        return None
+    scene = Scene(
+        number_density=density, times=times, outputs=DENSE_OUTPUTS, scatterers="hard disks",
+        **law.arguments,
+    )  # fmt: skip
+    return solve(scene, rtol=rtol)
 
 
 def solution(

@@ -9,6 +9,11 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from kinetics.crosscheck.numerals import number, numeral
+from kinetics.crosscheck.report.citations import cited, number_of
+
+__all__ = ["environment", "number", "numeral", "paragraphs", "span"]
+
 if TYPE_CHECKING:
     from jinja2 import Environment
 
@@ -28,7 +33,9 @@ def environment() -> "Environment":
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {"form": format, "span": span, "number": number}
+    made.filters |= {"form": numeral, "span": span, "number": number}
+    made.filters |= {"cited": cited, "number_of": number_of}
+    made.filters |= {"count": count, "off": off, "by_how_much": by_how_much}
     return made
 
 
@@ -36,17 +43,36 @@ def paragraphs(template: str, block: str, **values: Any) -> list[str]:
     """The paragraphs of one block of a template of sentences, each as one line."""
     found = environment().get_template(template)
     text = "".join(found.blocks[block](found.new_context(values)))
-    return [" ".join(part.split()) for part in re.split(r"\n\s*\n", text) if part.strip()]
+    # Not str.split, which would take out the narrow spaces within numbers.
+    return [
+        " ".join(re.split(r"[ \n]+", part.strip()))
+        for part in re.split(r"\n\s*\n", text)
+        if part.strip()
+    ]
 
 
-def number(value: float | None, error: float | None = None, sign: str = "") -> str:
-    """A number to 6 digits, or to the second digit of its standard error; sign "+" shows it."""
-    if value is None:
-        return "–"
-    if not error:
-        return f"{value:.6g}"
-    digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
+def count(value: int) -> str:
+    """A large whole number in groups of three digits, between thin spaces: 200 000."""
+    return f"{value:,}".replace(",", "\u202f")
+
+
+def off(values: Iterable[float], compared: bool = True) -> str:
+    """Relative differences as a range of per cent: "15 to 20 % below", or each with its sign."""
+    percents = [100 * value for value in values]
+    form = ".0f" if all(abs(p) >= 5 for p in percents) else ".1f"
+    if compared and all(p < 0 for p in percents):
+        return f"{span([-p for p in percents], form)} % below"
+    if compared and all(p > 0 for p in percents):
+        return f"{span(percents, form)} % above"
+    return f"{span(percents, '+' + form)} %" + (" from" if compared else "")
+
+
+def by_how_much(percents: Iterable[float]) -> str:
+    """What a formula is off by: per cent with their signs, or factors if it is twice the truth."""
+    known = [p for p in percents if math.isfinite(p)]
+    if max(known, default=0.0) < 100:
+        return span(known, "+.0f") + " %"
+    return "a factor of " + span([1 + p / 100 for p in known], ".2g")
 
 
 def span(values: Iterable[float], form: str) -> str:
@@ -54,5 +80,5 @@ def span(values: Iterable[float], form: str) -> str:
     known = [v for v in values if math.isfinite(v)]
     if not known:
         return "–"
-    low, high = (format(f(known), form) for f in (min, max))
+    low, high = (numeral(f(known), form) for f in (min, max))
     return low if low == high else f"{low} to {high}"

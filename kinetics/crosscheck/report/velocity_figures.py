@@ -11,12 +11,15 @@ from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
 from kinetics.crosscheck.report.figure_lines import (
     BEYOND_LAST,
     LARGEST_RELATIVE_ERROR,
+    RATIO,
     RESTITUTION,
     TIME,
     Results,
     ends_of,
+    exact_states,
     figure,
     level,
+    over_equation,
     over_restitution,
     particles,
     readable,
@@ -24,7 +27,12 @@ from kinetics.crosscheck.report.figure_lines import (
     solved,
 )
 from kinetics.crosscheck.report.figures import Data, axis, series
-from kinetics.crosscheck.report.observables import gaussian_vdf, last_vdf, middles
+from kinetics.crosscheck.report.observables import (
+    cooling_rate_between,
+    gaussian_vdf,
+    last_vdf,
+    middles,
+)
 
 LARGEST_SLOPE_ERROR = 0.2
 """Standard error of (1/v0 - 1/v0(0))/((1-e) d rho0 t) above which a point is left out."""
@@ -47,18 +55,24 @@ def _slowing_of(case: Case, scale: Array | float) -> list[Measured]:
 
 
 def v0re(results: Results) -> Data:
-    """J = (1/v0(t) - 1/v0(0))/(1-e) over t (Fig. 2), and its straight line."""
-    lines = []
+    """J = (1/v0(t) - 1/v0(0))/(1-e) over t (Fig. 2) and its line; both over the equation."""
+    lines, below = [], []
+    slope = float(sonine.beta(0.0, results.number_density))
     for case in results.cooling:
         e, shown = case.restitution, solved(case)
-        j = _slowing(case, case.late.thermal_speed[shown], 1 - e)
-        lines.append(series("kinetic equation", case.late.times[shown], j, None, e))
-        lines += particles(case, case.times, _slowing_of(case, 1 - e), readable)
+        times, j = case.late.times[shown], _slowing(case, case.late.thermal_speed[shown], 1 - e)
+        points = _slowing_of(case, 1 - e)
+        lines.append(series("kinetic equation", times, j, None, e))
+        lines += particles(case, case.times, points, readable)
+        below.append(series("paper's fit", times, slope * times / j, None, e))
+        expected = _slowing(case, case.kinetic.thermal_speed, 1 - e)
+        below += over_equation(case, case.times, points, expected)
     ends = ends_of([case.times for case in results.cooling]) * [1.0, BEYOND_LAST]
-    slope = float(sonine.beta(0.0, results.number_density))
     lines.append(series("paper's fit", ends, slope * ends))
+    below.insert(0, level("zero", ends, 1.0))
     y = axis("$J(t, e)$", "1/U", "log")
-    return figure("v0re", TIME, y, lines, slope=slope, largest=LARGEST_RELATIVE_ERROR)
+    made = figure("v0re", TIME, y, lines, slope=slope, largest=LARGEST_RELATIVE_ERROR)
+    return made | {"ratio": {"y": RATIO, "series": below}}
 
 
 def inverse_speed(results: Results) -> Data:
@@ -84,7 +98,8 @@ def inverse_speed(results: Results) -> Data:
         lines.append(level("paper's fit", ends, sonine.FITTED_COOLING_FACTOR))
     else:
         y = axis(r"$2l\,(1/v_0(t) - 1/v_0(0))/t$" + _over(results))
-    return figure("inverse-speed", TIME, y, lines, largest=LARGEST_SLOPE_ERROR, **results.words)
+    made = figure("inverse-speed", TIME, y, lines, largest=LARGEST_SLOPE_ERROR, **results.words)
+    return made | {"panels": True, "spans": results.spans}
 
 
 def _inelasticity(results: Results, e: Any) -> Any:
@@ -98,8 +113,21 @@ def _over(results: Results) -> str:
 
 
 def hetomu2(results: Results) -> Data:
-    """h(e) and M2/2 over e (Fig. 3)."""
-    return _cooling_rates(results, "hetomu2", "$h(e)$", np.ones_like)
+    """h(e) and M2/2 over e (Fig. 3), and all of it over the exact h."""
+    made = _cooling_rates(results, "hetomu2", "$h(e)$", np.ones_like)
+    law = results.settings.tangential_restitution, results.dimension
+    exact = np.array([state.cooling_rate for state in exact_states(*law)])
+    below = [_over_exact(line, exact) for line in made["series"]]
+    return made | {"ratio": {"y": axis("over exact"), "series": below}}
+
+
+def _over_exact(line: Data, exact: Array) -> Data:
+    """A line over e divided by the exact values at `restitutions()`."""
+    x, y = (np.array(line[name], dtype=float) for name in "xy")
+    # h/(1 - e) is smooth up to e = 1, h itself vanishes there.
+    scale = np.interp(x, restitutions(), exact / (1 - restitutions())) * (1 - x)
+    error = None if line["error"] is None else np.array(line["error"], dtype=float) / scale
+    return series(line["source"], x, y / scale, error, line["restitution"])
 
 
 def cooling_rate(results: Results) -> Data:
@@ -120,9 +148,16 @@ def _cooling_rates(results: Results, name: str, label: str, scale: Callable[[Any
     printed: dict[str, Callable[[Any], Any]] = {}
     if results.is_papers_law:
         printed = {"Sonine": sonine.cooling_rate, "paper's fit": sonine.cooling_rate_fitted}
+
+    def same_times(case: Case) -> float:
+        speed, half_rate = case.kinetic.thermal_speed, results.settings.half_rate
+        rate = cooling_rate_between(case.times, speed, case.early, half_rate)
+        return rate / float(scale(case.restitution))
+
     lines = over_restitution(
         results,
         lambda e, source: source.cooling_rate / scale(e),
+        same_times,
         {source: h(e) / scale(e) for source, h in printed.items()},
     )
     return figure(name, RESTITUTION, axis(label), lines, **results.words)
@@ -159,7 +194,11 @@ def _sonine_roots(
             "Sonine": of(e, sonine.a2(e)),
             "Sonine, unstable root": of(e, sonine.a2(e, "unstable")),
         }
-    lines = over_restitution(results, from_a2, printed)
+
+    def same_times(case: Case) -> float:
+        return float(of(case.restitution, float(case.kinetic.a2[-1])))
+
+    lines = over_restitution(results, from_a2, same_times, printed)
     zero = level("zero", [0.0, 1.0], 0.0)
     return figure(name, RESTITUTION, axis(label), [zero, *lines], **results.words)
 
@@ -184,7 +223,7 @@ def scalev(results: Results) -> Data:
     c = np.linspace(0.01, 2.5, 150)
     lines = [*_vdf_lines(results, c), series("Gaussian", c, gaussian_vdf(c, results.dimension))]
     x = axis("scaled speed $c = v/v_0$", limits=(0.0, 2.5))
-    return figure("scalev", x, axis("$F(c)$"), lines, **results.words)
+    return figure("scalev", x, axis("$F(c)$"), lines, **results.words) | {"panels": True}
 
 
 def vdf_tail(results: Results) -> Data:
@@ -202,7 +241,7 @@ def vdf_tail(results: Results) -> Data:
     lines.append(series("Gaussian", c, gaussian_vdf(c, results.dimension)))
     smallest = min(v for s in lines if s["error"] for v in s["y"] if v)
     x, y = axis("scaled speed $c = v/v_0$"), axis("$F(c)$", "", "log", (smallest / 3, 2.0))
-    return figure("vdf-tail", x, y, lines, **results.words)
+    return figure("vdf-tail", x, y, lines, **results.words) | {"panels": True}
 
 
 def _vdf_lines(results: Results, c: Array) -> list[Data]:

@@ -45,8 +45,15 @@ def densities(result: Comparison) -> list[Explanation]:
     return [item for item in result.explanations if item.name == "finite density"]
 
 
-@pytest.mark.parametrize("e", [0.7, 0.9])
-@pytest.mark.parametrize("scatterers", ["hard disks", "overlapping"])
+@pytest.mark.parametrize(
+    ("scatterers", "e"),
+    [
+        ("hard disks", 0.7),
+        ("overlapping", 0.9),
+        pytest.param("hard disks", 0.9, marks=pytest.mark.slow),
+        pytest.param("overlapping", 0.7, marks=pytest.mark.slow),
+    ],
+)
 def test_the_density_is_the_headline(scatterers: str, e: float) -> None:
     result = compare_sample(sample_of(scatterers, e))
     assert result.verdict == "differs"
@@ -74,14 +81,14 @@ def test_the_text_says_what_is_known_of_the_theory() -> None:
     )
     for symbol, name in (("v₀", "thermal_speed"), ("⟨r²⟩", "msd")):
         change = getattr(dense, name)[-1] / getattr(dilute, name)[-1] - 1
-        assert f"{symbol} by {change:+.2%}" in text
+        assert f"{symbol} by {change:+.2%}".replace("-", "−") in text
     assert "trusted from 30 l/U = 375 d/U on; 4 of the 7 times are earlier" in text
     # .2 n of <r^2> from there on and .8 n before
     assert "0.80% of ⟨r²⟩ from that time on, 0.40% and 3.20% before" in text
     assert "up to n" not in text
 
 
-@pytest.mark.parametrize("e", [0.7, 0.9])
+@pytest.mark.parametrize("e", [0.7, pytest.param(0.9, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("wrong", ["density", "restitution", "nothing"])
 def test_independent_flights_are_not_explained_by_a_density(e: float, wrong: str) -> None:
     density = 1.05 * DENSITY if wrong == "density" else DENSITY

@@ -1,12 +1,15 @@
 """Files as simulators write them: the same trajectories give the same answer in every format."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+import pyarrow as pa
 import pytest
+from pyarrow import parquet
 
 from kinetics import compare
 from kinetics.cli import main
@@ -27,11 +30,16 @@ Run = tuple[np.ndarray, np.ndarray]
 @pytest.fixture(scope="module")
 def run() -> Run:
     """Absolute positions in a box of side SIDE at time 0, which the tracers leave."""
+    return run_in(2)
+
+
+@cache
+def run_in(dimension: int) -> Run:
     found = simulate(
-        BoltzmannGrad(0.04), restitution=0.7, times=TIMES, media=3, tracers=TRACERS // 3, seed=4,
-        workers=1, observables=("positions", "velocities"),
+        BoltzmannGrad(0.04, dimension=dimension), restitution=0.7, times=TIMES, media=3,
+        tracers=TRACERS // 3, seed=4, workers=1, observables=("positions", "velocities"),
     )  # fmt: skip
-    start = np.random.default_rng(1).uniform(0, SIDE, (TRACERS, 2))
+    start = np.random.default_rng(1).uniform(0, SIDE, (TRACERS, dimension))
     return found.positions + start, found.velocities
 
 
@@ -41,24 +49,35 @@ def wrapped(run: Run) -> tuple[np.ndarray, np.ndarray]:
     return run[0] - image * SIDE, image
 
 
+def columns_of(run: Run) -> dict[str, np.ndarray]:
+    """One row for each tracer at each time."""
+    data = {"t": np.repeat(TIMES, TRACERS), "id": np.tile(np.arange(TRACERS), TIMES.size)}
+    for names, part in (("xyz", run[0]), (("vx", "vy", "vz"), run[1])):
+        data |= dict(zip(names, part.reshape(-1, part.shape[2]).T, strict=False))
+    return data
+
+
 def write_csv(path: Path, run: Run) -> None:
-    lines = ["t,id,x,y,vx,vy"]
-    for time, r, v in zip(TIMES.tolist(), *run, strict=True):
-        for k, row in enumerate(np.hstack([r, v]).tolist()):
-            lines.append(",".join([repr(time), str(k), *map(repr, row)]))
-    path.write_text("\n".join(lines))
+    data = columns_of(run)
+    rows = zip(*(values.tolist() for values in data.values()), strict=True)
+    path.write_text("\n".join([",".join(data), *(",".join(map(repr, row)) for row in rows)]))
 
 
-def write_dump(path: Path, run: Run, columns: str = "xu yu vx vy vz") -> None:
+def write_parquet(path: Path, run: Run) -> None:
+    parquet.write_table(pa.table(columns_of(run)), path)
+
+
+def write_dump(path: Path, run: Run, columns: str = "", units: str = "") -> None:
     box, image = wrapped(run)
-    data = {
-        "xu": run[0][..., 0], "yu": run[0][..., 1], "vx": run[1][..., 0], "vy": run[1][..., 1],
-        "vz": np.zeros(run[0].shape[:2]), "x": box[..., 0], "y": box[..., 1], "ix": image[..., 0],
-        "iy": image[..., 1], "xs": box[..., 0] / SIDE, "ys": box[..., 1] / SIDE,
-    }  # fmt: skip
-    lines = []
+    axes = "xyz"[: run[0].shape[2]]
+    columns = columns or " ".join([f"{axis}u" for axis in axes] + ["vx", "vy", "vz"])
+    data = {"vz": np.zeros(run[0].shape[:2])}
+    for k, axis in enumerate(axes):
+        data |= {f"{axis}u": run[0][..., k], f"v{axis}": run[1][..., k], axis: box[..., k]}
+        data |= {f"i{axis}": image[..., k], f"{axis}s": box[..., k] / SIDE}
+    bounds = [f"0.0 {SIDE}"] * len(axes) + ["-0.5 0.5"] * (3 - len(axes))
+    lines = ["ITEM: UNITS", units] if units else []
     for k, time in enumerate(TIMES):
-        bounds = [f"0.0 {SIDE}"] * 2 + ["-0.5 0.5"]
         lines += ["ITEM: TIMESTEP", str(round(time / STEP)), "ITEM: NUMBER OF ATOMS"]
         lines += [str(TRACERS), "ITEM: BOX BOUNDS pp pp pp", *bounds]
         lines += [f"ITEM: ATOMS id type element {columns} "]
@@ -69,24 +88,29 @@ def write_dump(path: Path, run: Run, columns: str = "xu yu vx vy vz") -> None:
 
 
 def write_xyz(path: Path, run: Run) -> None:
-    lines = []
+    lines, flat = [], [0.0] * (3 - run[0].shape[2])
     for time, r, v in zip(TIMES.tolist(), *run, strict=True):
         named = "Properties=species:S:1:pos:R:3:id:I:1:vel:R:3"
         lines += [str(TRACERS), f'Lattice="25 0 0 0 25 0 0 0 1" {named} Time={time!r} pbc="T T F"']
         for k, (a, b) in enumerate(zip(r.tolist(), v.tolist(), strict=True)):
-            lines.append(f"X {a[0]!r} {a[1]!r} 0.0 {k} {b[0]!r} {b[1]!r} 0.0")
+            lines.append(" ".join(["X", *map(repr, a + flat), str(k), *map(repr, b + flat)]))
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_h5md(path: Path, run: Run, image: bool = False, fixed: bool = False) -> None:
+def write_h5md(
+    path: Path, run: Run, image: bool = False, fixed: bool = False, box: bool = False
+) -> None:
+    """image: wrapped, with image flags; box: wrapped, without them."""
     with h5py.File(path, "w") as file:
         file.create_group("h5md").attrs["version"] = [1, 1]
         group = file.create_group("particles/tracers")
-        box, images = wrapped(run)
-        elements = {"position": box if image else run[0], "velocity": run[1]}
+        inside, images = wrapped(run)
+        elements = {"position": inside if image or box else run[0], "velocity": run[1]}
         if image:
             elements["image"] = images
-            group["box/edges"] = [SIDE, SIDE]
+        if image or box:
+            group["box/edges"] = [SIDE] * run[0].shape[2]
+            group["box"].attrs["boundary"] = [b"periodic"] * run[0].shape[2]
         for name, values in elements.items():
             element = group.create_group(name)
             element["value"] = values
@@ -96,8 +120,32 @@ def write_h5md(path: Path, run: Run, image: bool = False, fixed: bool = False) -
             element["value"].attrs["unit"] = "d"
 
 
+def write_gsd(path: Path, run: Run, image: bool = True) -> None:
+    """As HOOMD-blue: single precision, the box about the origin."""
+    hoomd = pytest.importorskip("gsd.hoomd")
+    dimension = run[0].shape[2]
+    images = np.zeros((TIMES.size, TRACERS, 3), int)
+    images[..., :dimension] = np.floor(run[0] / SIDE + 0.5)
+    with hoomd.open(str(path), "w") as file:
+        for k, time in enumerate(TIMES):
+            frame = hoomd.Frame()
+            frame.configuration.step, frame.configuration.dimensions = round(time / STEP), dimension
+            frame.configuration.box = [SIDE, SIDE, SIDE if dimension == 3 else 0, 0, 0, 0]
+            place, speed = np.zeros((2, TRACERS, 3))
+            place[:, :dimension], speed[:, :dimension] = run[0][k], run[1][k]
+            frame.particles.N = TRACERS
+            frame.particles.position, frame.particles.velocity = place - images[k] * SIDE, speed
+            if image:
+                frame.particles.image = images[k]
+            file.append(frame)
+
+
 def write_arrays(path: Path, run: Run) -> None:
     np.savez(path, times=TIMES, positions=run[0], velocities=run[1])
+
+
+def write_columns(path: Path, run: Run) -> None:
+    np.savez(path, **columns_of(run))
 
 
 WRITERS: dict[str, Callable[[Path, Run], None]] = {
@@ -107,6 +155,12 @@ WRITERS: dict[str, Callable[[Path, Run], None]] = {
     "run.lammpstrj": lambda path, run: write_dump(path, run, "x y ix iy vx vy"),
     "run.xyz": write_xyz,
     "run.npz": write_arrays,
+}
+IN_SPACE = WRITERS | {
+    "run.lammpstrj": lambda path, run: write_dump(path, run, "xs ys zs ix iy iz vx vy vz"),
+    "run.parquet": write_parquet,
+    "columns.npz": write_columns,
+    "run.gsd": write_gsd,
 }
 
 
@@ -124,10 +178,52 @@ def test_the_same_trajectories_give_the_same_answer(tmp_path: Path, name: str, r
     assert found.grouping == plain.grouping == "tracer"
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "run.npz"])
+@pytest.mark.parametrize("name", list(IN_SPACE))
+def test_rows_in_space(tmp_path: Path, name: str, moments: Any) -> None:
+    """The same sums from every format; what is in space is refused in the plane."""
+    run, path = run_in(3), tmp_path / name
+    write_csv(tmp_path / "run.csv", run)
+    IN_SPACE[name](path, run)
+    plain = read_sample([tmp_path / "run.csv"], dimension=3)
+    found = read_sample([path], dimension=3, timestep=STEP)
+    exact = 1e-5 if name == "run.gsd" else 1e-9
+    np.testing.assert_allclose(moments(found), moments(plain), rtol=exact, atol=1e-12)
+    r = np.linalg.norm(run[0] - run[0][0], axis=2)
+    np.testing.assert_allclose(moments(plain)[..., 2].sum(axis=0), (r**2).sum(axis=1))
+    assert found.law.dimension == 3
+    with pytest.raises(InputError, match="velocities have a z component; say dimension 3"):
+        read_sample([path], timestep=STEP)
+
+
+def test_the_command_compares_spheres(tmp_path: Path, capsys: Any) -> None:
+    path = tmp_path / "run.csv"
+    write_csv(path, run_in(3))
+    told = ["compare", str(path), "-e", "0.7", "--number-density", "0.04"]
+    assert main([*told, "--dimension", "3", "--fail-on", "differs"]) == 0
+    assert "ρ₀ = 0.04 d⁻³" in capsys.readouterr().out
+    law: dict[str, Any] = {"dimension": 3, "tangential_restitution": 0.3, "explain": False}
+    assert compare(path, 0.7, 0.04, **law).verdict == "differs"
+    assert main(told) == 2
+    assert "say dimension 3" in capsys.readouterr().err
+    with pytest.raises(InputError, match="has no z components; dimension 3 needs them"):
+        read_sample([_plane(tmp_path)], dimension=3)
+
+
+def _plane(folder: Path) -> Path:
+    write_arrays(folder / "plane.npz", run_in(2))
+    return folder / "plane.npz"
+
+
+@pytest.mark.parametrize(
+    "name", ["run.csv", "run.dump", "run.xyz", "run.h5md", "box.h5md", "run.gsd", "run.npz"]
+)
 def test_wrapped_positions_are_refused(tmp_path: Path, name: str, run: Run) -> None:
     inside = (wrapped(run)[0], run[1])
-    writers = WRITERS | {"run.csv": write_csv}
+    writers = WRITERS | {
+        "run.csv": write_csv,
+        "box.h5md": lambda path, run: write_h5md(path, run, box=True),
+        "run.gsd": lambda path, run: write_gsd(path, run, image=False),
+    }
     writers[name](tmp_path / name, inside)
     with pytest.raises(InputError, match="positions look wrapped at the edges of a box") as caught:
         read_sample([tmp_path / name], timestep=STEP)
@@ -243,6 +339,9 @@ BROKEN = {
     "h5md with a link": (
         h5(lambda g: (g.pop("position"), g.__setitem__("position", h5py.ExternalLink("a", "/b")))),
         "needs one group of particles",
+    ),
+    "h5md with few labels": (
+        h5(lambda g: g.__setitem__("id", np.arange(5))), "one label tracer for each of 300"
     ),
     "h5md cut off": (cut("run.h5md", 50), "is damaged, or not"),
     "arrays of another shape": (

@@ -43,8 +43,8 @@ def test_any_name_may_be_told(tmp_path: Path, made_up: Any, moments: Any, write:
     np.testing.assert_allclose(
         moments(read_sample([path], columns=columns)), moments(plain), rtol=1e-12
     )
-    with pytest.raises(InputError, match="column 'clock' is missing"):
-        read_sample([path], columns={"time": "clock"})
+    with pytest.raises(InputError, match="column 'tick' is missing"):
+        read_sample([path], columns={"time": "tick"})
     for text, message in (
         ("time", "must be like time=t"),
         ("colour=t", "'colour' is not known"),

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -71,8 +72,13 @@ class Page(HTMLParser):
         self.text += data
 
 
-def test_the_page_needs_nothing_beside_it(differing: Comparison) -> None:
-    text = render(differing, "x.json")
+@pytest.fixture(scope="module")
+def text(differing: Comparison) -> str:
+    """Drawn once: that takes most of the time of these tests."""
+    return render(differing, "page.json")
+
+
+def test_the_page_needs_nothing_beside_it(differing: Comparison, text: str) -> None:
     page = Page(text)
     assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(page.tags)
     assert {r.removeprefix("#") for r in page.references} <= set(page.ids)
@@ -85,21 +91,21 @@ def test_the_page_needs_nothing_beside_it(differing: Comparison) -> None:
     assert page.tags.count("math") == 3
 
 
-def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison) -> None:
-    from kinetics.crosscheck.report.templates import number
+def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text: str) -> None:
+    from kinetics.crosscheck.numerals import number, numeral
 
     document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
     assert document == differing.document()
     assert document["schema"] == "inelastic-lorentz/comparison/1"
-    text = " ".join(Page(render(differing, "x.json")).text.split())
+    text = " ".join(Page(text).text.split())
     wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
     for row in document["rows"]:
         assert wanted <= set(row)
         assert row["observable"] in OBSERVABLES
         assert number(row["value"], row["error"]) in text
     for test in document["tests"]:
-        assert f"{test['chi_square']:.4g}" in text
-        assert f"{test['p_value']:.2g}" in text
+        assert numeral(test["chi_square"], ".4g") in text
+        assert numeral(test["p_value"], ".2g") in text
     for item in document["explanations"]:
         assert item["text"] in text
         assert OUTCOMES[item["outcome"]] in text
@@ -112,16 +118,45 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison) -> N
             assert series["error"] is None or len(series["error"]) == len(series["x"])
 
 
-def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
-    from dataclasses import replace
+def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text: str) -> None:
+    page = Page(text)
+    words = " ".join(page.text.split())
+    best = differing.explanations[0]
+    assert best.outcome == "explains"
+    cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
+    assert words.index("Differs. They differ;") < cause < words.index("How to read the verdicts")
+    # the average that fits least leads, with the best explanation over the equation below it
+    averages = [t for t in differing.tests if t.time is None]
+    least = max(averages, key=lambda t: t.sigmas).observable.replace("_", "-")
+    figures = [i for i in page.ids if i.startswith("figure-")]
+    assert figures[0] == f"figure-{least}"
+    below = differing.figures[least]["ratio"]["series"]
+    assert [s["source"] for s in below] == ["zero", "data", "best explanation"]
+    row = next(r for r in differing.observable(least.replace("-", "_")) if r.time > 0)
+    assert below[1]["y"][0] == pytest.approx(row.value / row.theory)
+    assert below[1]["error"][0] == pytest.approx(row.error / row.theory)
 
-    evil = replace(differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL)
+
+def test_verdicts_are_words_that_are_explained_first(text: str) -> None:
+    shown = re.findall(r'<span class="verdict \w+">([^<]*)</span>', text)
+    assert shown[0] == "Differs."
+    assert set(shown[1:]) <= {"no difference", "unclear", "differs"}
+    assert set(shown[1:4]) == {"no difference", "unclear", "differs"}
+    assert re.search(r'no difference</span><span class="more">, better than \d', text)
+
+
+def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
+    figures = {"msd": differing.figures["msd"]}
+    evil = replace(
+        differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL, figures=figures
+    )
     text = render(evil, EVIL)
     assert "<script" not in text
     assert Page(text).text.count(EVIL) >= 6
 
 
 def test_figures_are_files_of_their_own(differing: Comparison) -> None:
+    differing = replace(differing, figures={"msd": differing.figures["msd"]})
     files = files_of(differing, Path("out/page.html"), ("svg", "pdf", "png", "svg"))
     assert set(files) == {"page.html", "page.json"} | {
         f"page-{name}.{kind}" for name in differing.figures for kind in ("svg", "pdf", "png")
@@ -258,9 +293,9 @@ def test_a_failure_leaves_nothing_half_written(
 
 
 @pytest.fixture(scope="module")
-def page(differing: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "page.html"
-    path.write_text(render(differing, "page.json"), encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     return path
 
 

@@ -1,5 +1,6 @@
 """A comparison is a value: it cannot be changed, it can be compared, pickled, saved and shown."""
 
+import io
 import pickle
 from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from kinetics.crosscheck import Comparison, compare_data
 from kinetics.errors import InputError
@@ -109,3 +111,18 @@ def test_compare_data_takes_files_runs_and_samples(tmp_path: Path) -> None:
     twice = compare_data([path], 0.75, 0.01, diameter=2.0, explain=False)
     assert twice.parameters["number_density"].value == pytest.approx(0.04)
     assert twice.p_value("msd") == pytest.approx(of_file.p_value("msd"), rel=1e-6)
+
+
+def test_it_is_drawn_and_made_a_dataset(result: Comparison) -> None:
+    axes = Figure().subplots()
+    assert result.plot("msd", ax=axes) is axes
+    assert axes.get_title()
+    assert "d" in axes.get_xlabel()
+    with pytest.raises(InputError, match=r"'speed'.*thermal_speed"):
+        result.plot("speed")
+    xarray = pytest.importorskip("xarray")
+    found = result.to_xarray()
+    assert found.value.values.tolist() == [row.value for row in result.rows]
+    assert found.attrs["status"] == "differs"
+    written = io.BytesIO(bytes(found.to_netcdf(engine="scipy")))
+    assert xarray.open_dataset(written, engine="scipy").identical(found)

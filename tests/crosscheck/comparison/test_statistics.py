@@ -341,9 +341,3 @@ def test_displacements_are_held_against_their_density() -> None:
         assert wrong.p_value(DISPLACEMENT, time) < 1e-6
     assert "position-density" in right.figures
     assert any(row.low is not None for row in right.observable(DISPLACEMENT))
-
-
-def test_runs_in_a_field_are_refused() -> None:
-    falling = simulate(BoltzmannGrad(0.04), 0.7, times=[1.0], media=3, tracers=5, field=0.1)
-    with pytest.raises(InputError, match="a run in a field cannot be compared"):
-        from_ensemble(falling)

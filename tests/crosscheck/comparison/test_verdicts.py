@@ -66,13 +66,21 @@ def test_the_right_theory_agrees(restitution: float) -> None:
     assert result.samples == PAPER
 
 
-@pytest.mark.parametrize("told", [0.38, 0.42])
+@pytest.mark.parametrize("told", [0.38, pytest.param(0.42, marks=pytest.mark.slow)])
 def test_a_restitution_off_by_two_hundredths_is_seen_at_low_e(told: float) -> None:
     result = compare_sample(sample_of(*drawn(0.4)), told, DENSITY)
     assert result.verdict == "differs"
 
 
-@pytest.mark.parametrize(("truth", "told"), [(0.7, 0.72), (0.7, 0.68), (0.9, 0.92), (0.9, 0.88)])
+@pytest.mark.parametrize(
+    ("truth", "told"),
+    [
+        (0.7, 0.72),
+        (0.9, 0.88),
+        pytest.param(0.7, 0.68, marks=pytest.mark.slow),
+        pytest.param(0.9, 0.92, marks=pytest.mark.slow),
+    ],
+)
 def test_a_restitution_off_by_two_hundredths_is_seen_and_named(truth: float, told: float) -> None:
     result = compare_sample(sample_of(*drawn(truth)), told, DENSITY)
     assert result.verdict == "differs"
@@ -85,7 +93,7 @@ def test_a_restitution_off_by_two_hundredths_is_seen_and_named(truth: float, tol
     assert item.error < 0.005
 
 
-@pytest.mark.parametrize("factor", [0.9, 1.1])
+@pytest.mark.parametrize("factor", [0.9, pytest.param(1.1, marks=pytest.mark.slow)])
 def test_a_density_off_by_a_tenth_is_seen_and_named(factor: float) -> None:
     result = compare_sample(sample_of(*drawn(0.7)), 0.7, DENSITY * factor)
     assert result.verdict == "differs"
@@ -108,7 +116,7 @@ def trapped(share: float, speed: float) -> Sample:
     return sample_of(times, positions, velocities)
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-6])
+@pytest.mark.parametrize("speed", [pytest.param(0.0, marks=pytest.mark.slow), 1e-6])
 def test_one_per_cent_of_trapped_tracers_is_seen_and_counted(speed: float) -> None:
     result = compare_sample(trapped(0.01, speed), 0.7, DENSITY)
     assert result.verdict == "differs"
@@ -122,7 +130,6 @@ def test_traps_are_not_claimed_where_something_else_is_wrong() -> None:
     sample = sample_of(*drawn(0.7))
     for told in (
         compare_sample(sample, 0.72, DENSITY),
-        compare_sample(sample, 0.7, 1.1 * DENSITY),
         compare_sample(sample, 0.7, DENSITY, "monoenergetic"),
     ):
         assert told.verdict == "differs"

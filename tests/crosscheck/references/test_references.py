@@ -69,6 +69,7 @@ def test_flights_before_any_collision_are_straight() -> None:
         assert abs(four / rho**2 - 1) < 1e-5
 
 
+@pytest.mark.slow
 def test_the_integrals_of_the_displacement_meet_its_series(monkeypatch: Any) -> None:
     # with a step so wide that exp(-2 pi 0.2/step) = 4e-5 is missing
     monkeypatch.setattr(displacement, "STEP", mp.mpf(1) / 8)
@@ -107,6 +108,7 @@ def test_stored_averages_from_integrals_are_the_power_series(e: str) -> None:
         assert rows[name][k] == pytest.approx(float(value), rel=1e-15, abs=0.0)
 
 
+@pytest.mark.slow
 def test_stored_scaled_densities_are_made_again() -> None:
     with mp.workdps(40):
         for e in ("0.05", "0.6"):

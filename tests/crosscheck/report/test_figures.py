@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,19 +14,21 @@ from matplotlib.figure import Figure
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.figures import COLOURS, FAINT, INK, draw, legend_entries, svg
+from kinetics.crosscheck.report.layout import _apart, arranged
 from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.report.strokes import colours_of, stroke_of
 
 MakeCase = Callable[..., Case]
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def figures(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
     return all_figures([make_case(restitution=0.4), make_case(restitution=0.7)], scans, settings)
 
 
 NAMES = [
     *PAPER_FIGURES, "cooling-rate", "inverse-speed", "a2", "approach", "vdf-tail", "msd-slope",
-    "kurtosis", "tail-exponent", "density", "traps",
+    "kurtosis", "tail-exponent", "msd-ratio", "density", "traps",
 ]  # fmt: skip
 
 
@@ -35,7 +38,7 @@ def test_every_figure_is_there(figures: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_figure_draws_its_series_and_nothing_else(figures: dict[str, Any], name: str) -> None:
-    data = figures[name]
+    data = figures[name] | {"series": [s | {"x_range": []} for s in figures[name]["series"]]}
     axis = Figure().add_subplot()
     draw(data, axis)
     assert len(axis.lines) == len(data["series"])
@@ -64,10 +67,95 @@ def test_axes_are_labelled_and_series_named(figures: dict[str, Any], name: str) 
         assert spec["unit"] in label
     entries = [label for label, _ in legend_entries(data)]
     assert len(entries) == len(set(entries))
+    # a panel's title or the axis of x names the restitutions elsewhere
+    elsewhere = data.get("panels") or "restitution" in data["x"]["label"]
     for series in data["series"]:
         assert (series["source"] in entries) == (series["source"] != "zero")
-        if series["restitution"] is not None:
+        if series["restitution"] is not None and not elsewhere:
             assert f"e = {series['restitution']:g}" in entries
+
+
+def test_a_restitution_has_one_colour_and_one_marker_in_all_figures(
+    figures: dict[str, Any],
+) -> None:
+    looks: dict[float, set[tuple[str, str]]] = {}
+    for data in figures.values():
+        every = [*data["series"], *data.get("ratio", {"series": []})["series"]]
+        for one, colour in zip(every, colours_of(data, every), strict=True):
+            if one["restitution"] is not None and one["error"] is not None:
+                marker = stroke_of(data, one)["marker"]
+                looks.setdefault(one["restitution"], set()).add((colour, marker))
+            elif one["restitution"] is None and one["group"] is None:
+                assert colour == INK
+            elif one["group"] is not None:
+                assert colour not in COLOURS
+    assert looks == {0.4: {(COLOURS[0], "o")}, 0.7: {(COLOURS[1], "s")}}
+
+
+def test_a_figure_of_one_restitution_keeps_its_colour(figures: dict[str, Any]) -> None:
+    # soninediffuse lacks e = 0.4, whose a2 the paper does not have
+    data = figures["soninediffuse"]
+    assert {s["restitution"] for s in data["series"]} == {0.7, None}
+    assert colours_of(data, data["series"])[0] == COLOURS[1]
+
+
+@pytest.mark.parametrize("name", ["inelasticposi", "inverse-speed", "scalev", "tail-exponent"])
+def test_small_multiples_have_a_panel_for_each_restitution(
+    figures: dict[str, Any], name: str
+) -> None:
+    data = figures[name]
+    panels = arranged(data).axes
+    assert [panel.get_title("left") for panel in panels] == ["e = 0.4", "e = 0.7"]
+    assert len({panel.get_xlim() for panel in panels}) == 1
+    assert len({panel.get_ylim() for panel in panels}) == 1
+    spans = len(data.get("spans", ())) // 2
+    for panel, e in zip(panels, (0.4, 0.7), strict=True):
+        shown = [s for s in data["series"] if s["restitution"] in (e, None)]
+        assert len(panel.lines) == len(shown) + spans
+
+
+@pytest.mark.parametrize("name", ["v0re", "msdtheory", "soninediffuse", "hetomu2", "msd-ratio"])
+def test_ratios_stand_in_a_panel_below(figures: dict[str, Any], name: str) -> None:
+    data = figures[name]
+    upper, lower = arranged(data).axes
+    assert upper.get_xlim() == lower.get_xlim()
+    assert lower.get_position().y1 < upper.get_position().y0
+    assert len(lower.lines) == len(data["ratio"]["series"])
+    # the made-up Boltzmann-Grad run is half an error of 1 % above the equation, its a half of h
+    (points, *_) = [s for s in data["ratio"]["series"] if s["source"] == "Boltzmann-Grad"] or [None]
+    if points is not None and name in ("msdtheory", "soninediffuse"):
+        np.testing.assert_allclose(points["y"], 1.005)
+
+
+def test_the_range_of_an_average_is_drawn(figures: dict[str, Any]) -> None:
+    (slope, *_) = [s for s in figures["msd-slope"]["series"] if s["error"] is not None]
+    ((low, high),) = slope["x_range"]
+    assert low < slope["x"][0] < high
+    assert high == pytest.approx(10 * low, rel=0.5)
+    axis = Figure().add_subplot()
+    draw(figures["msd-slope"] | {"series": [slope]}, axis)
+    bars = [s for c in axis.collections for s in c.get_segments()]
+    assert any(np.ptp(bar[:, 0]) == pytest.approx(high - low) for bar in bars)
+    assert [s["high"] for s in figures["inverse-speed"]["spans"]] == [1000.0, 1000.0]
+
+
+@pytest.mark.parametrize("wanted", [[0.5] * 4, [0.0, 0.01, 0.98, 1.2], [-0.3, 0.2, 0.2], [0.4]])
+def test_labels_keep_apart_and_inside(wanted: list[float]) -> None:
+    placed = _apart(wanted, 0.1)
+    assert all(b - a > 0.1 - 1e-12 for a, b in pairwise(placed))
+    assert min(placed) >= 0
+    assert max(placed) <= 1 + 1e-12
+    assert _apart([0.2, 0.6], 0.1) == pytest.approx([0.2, 0.6])  # none is moved without need
+
+
+def test_every_line_is_named_beside_it_or_in_the_legend(figures: dict[str, Any]) -> None:
+    drawn = arranged(figures["kurtosis"])
+    (axis,) = drawn.axes
+    assert {t.get_text() for t in axis.texts} == {
+        "e = 0.4", "e = 0.7", "Gaussian", "paper's integral"
+    }  # fmt: skip
+    named = {t.get_text() for t in drawn.legends[0].get_texts()}
+    assert named == {"kinetic equation", "Boltzmann-Grad", "hard disks"}
 
 
 class Elements(HTMLParser):

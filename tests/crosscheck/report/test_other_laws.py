@@ -77,7 +77,7 @@ def test_the_page_speaks_of_spheres(document: dict[str, Any], page: str) -> None
     assert "√3 U" in document["units"]
     assert "hard disks" not in page
     assert "G(R)/R² ~" in page
-    assert "hard spheres" in verdict_table(document)
+    assert "spheres / equation" in verdict_table(document)
     assert json.loads(dumps(document))["settings"]["dimension"] == 3
 
 

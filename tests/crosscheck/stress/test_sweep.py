@@ -166,19 +166,23 @@ def share_that_holds(report: StressReport) -> float:
     return len(met) / len(report.cases)
 
 
+@pytest.mark.slow
 def test_particles_at_their_limits() -> None:
     sweep(("grazing", "corners", "no tracer inside a disk", "thin media"), step=2)
 
 
+@pytest.mark.slow
 def test_averages_at_their_limits() -> None:
     report = sweep(("scaled equation", "cooling", "starts", "moments of position"), step=2)
     assert share_that_holds(report) > 0.8
 
 
+@pytest.mark.slow
 def test_densities_at_their_limits() -> None:
     sweep(("spectral density", "late density", "conservative density"), step=4, skip="tail")
 
 
+@pytest.mark.slow
 def test_position_at_its_limits() -> None:
     report = sweep(("position density", "scattering function"), step=5, skip="t = 1000")
     assert share_that_holds(report) > 0.8

@@ -8,36 +8,38 @@ from pathlib import Path
 
 import pytest
 
+from derivations import Check, to_json, to_latex_document, to_text, verify
 from derivations import symbols as sy
-from derivations import to_json, to_latex_document, to_text, verify
 from derivations.output.text import counts
 
-CHECKS = verify()
-DOCUMENT = to_latex_document(CHECKS)
+
+@pytest.fixture(scope="module")
+def document(checks: tuple[Check, ...]) -> str:
+    return to_latex_document(checks)
 
 
-def test_the_document_is_balanced_and_plain() -> None:
-    assert DOCUMENT.isascii()
-    assert DOCUMENT.startswith(r"\documentclass")
-    assert DOCUMENT.rstrip().endswith(r"\end{document}")
-    unescaped = re.sub(r"\\[{}]", "", DOCUMENT)
+def test_the_document_is_balanced_and_plain(document: str) -> None:
+    assert document.isascii()
+    assert document.startswith(r"\documentclass")
+    assert document.rstrip().endswith(r"\end{document}")
+    unescaped = re.sub(r"\\[{}]", "", document)
     assert unescaped.count("{") == unescaped.count("}")
-    opened = re.findall(r"\\begin\{([a-z]+\*?)\}", DOCUMENT)
-    closed = re.findall(r"\\end\{([a-z]+\*?)\}", DOCUMENT)
+    opened = re.findall(r"\\begin\{([a-z]+\*?)\}", document)
+    closed = re.findall(r"\\end\{([a-z]+\*?)\}", document)
     assert sorted(opened) == sorted(closed)
-    assert len(re.findall(r"\\left", DOCUMENT)) == len(re.findall(r"\\right(?!arrow)", DOCUMENT))
+    assert len(re.findall(r"\\left", document)) == len(re.findall(r"\\right(?!arrow)", document))
 
 
-def test_the_document_has_every_row() -> None:
-    titles = re.findall(r"\\paragraph\{\\texttt\{(.*?)\}: ", DOCUMENT)
+def test_the_document_has_every_row(document: str, checks: tuple[Check, ...]) -> None:
+    titles = re.findall(r"\\paragraph\{\\texttt\{(.*?)\}: ", document)
     assert [title.replace(r"\_", "_").replace(r"\#", "#") for title in titles] == [
-        check.label for check in CHECKS
+        check.label for check in checks
     ]
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
-def test_the_document_compiles(tmp_path: Path) -> None:
-    (tmp_path / "all.tex").write_text(DOCUMENT, encoding="utf-8")
+def test_the_document_compiles(document: str, tmp_path: Path) -> None:
+    (tmp_path / "all.tex").write_text(document, encoding="utf-8")
     run = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "all.tex"],
         cwd=tmp_path,
@@ -49,12 +51,12 @@ def test_the_document_compiles(tmp_path: Path) -> None:
     assert (tmp_path / "all.pdf").stat().st_size > 10_000
 
 
-def test_json_holds_every_row_and_survives_a_round_trip() -> None:
-    data = to_json(CHECKS)
+def test_json_holds_every_row_and_survives_a_round_trip(checks: tuple[Check, ...]) -> None:
+    data = to_json(checks)
     again = json.loads(json.dumps(data, allow_nan=False))
     assert again == data
-    assert [row["label"] for row in data["checks"]] == [check.label for check in CHECKS]
-    assert sum(data["counts"].values()) == len(CHECKS)
+    assert [row["label"] for row in data["checks"]] == [check.label for check in checks]
+    assert sum(data["counts"].values()) == len(checks)
     (row,) = (row for row in data["checks"] if row["label"] == "sonine9")
     assert row["status"] == "verified"
     assert row["printed"] == "M_2 = sqrt(pi)*(1 - e**2)*(3*a_2/8 + 1)"

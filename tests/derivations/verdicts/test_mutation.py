@@ -5,15 +5,13 @@ The same for the results beyond the paper, whose stated form plays the part of t
 
 from collections.abc import Callable, Iterator
 
-import pytest
 import sympy as sp
 
-from derivations import Status, verify
+from derivations import Check, Status
 from derivations.printed import ROWS
 from derivations.verdicts.checks import check
 
 Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
-VERIFIED = [row.label for row in verify() if row.status is Status.VERIFIED]
 
 
 def test_the_mutants_are_those_of_every_number_and_term(mutants: Mutants) -> None:
@@ -30,16 +28,13 @@ def test_the_mutants_are_those_of_every_number_and_term(mutants: Mutants) -> Non
     }
 
 
-@pytest.mark.parametrize("label", VERIFIED)
 def test_a_changed_coefficient_turns_a_verified_row_to_erratum(
-    label: str, mutants: Mutants
+    checks: tuple[Check, ...], mutants: Mutants
 ) -> None:
-    formula = ROWS[label].formula
-    assert formula is not None
-    tried = 0
-    for mutant in mutants(formula):
-        if mutant == formula:
-            continue
-        tried += 1
-        assert check(label, mutant).status is Status.ERRATUM, f"{label} accepts {mutant}"
-    assert tried >= 2
+    for label in (row.label for row in checks if row.status is Status.VERIFIED):
+        formula = ROWS[label].formula
+        assert formula is not None
+        changed = [mutant for mutant in mutants(formula) if mutant != formula]
+        assert len(changed) >= 2
+        accepted = [m for m in changed if check(label, m).status is not Status.ERRATUM]
+        assert not accepted, label

@@ -264,7 +264,10 @@ def test_the_command_solves_among_scatterers(capsys: pytest.CaptureFixture[str])
     assert found["cooling_rate"] == pytest.approx(state.cooling_rate)
 
 
-@pytest.mark.parametrize(("name", "e"), [("hard disks", 0.7), ("overlapping", 0.9)])
+@pytest.mark.parametrize(
+    ("name", "e"),
+    [("hard disks", 0.7), pytest.param("overlapping", 0.9, marks=pytest.mark.slow)],
+)
 def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e: float) -> None:
     """<r^2> at 100 and 1000 l/U among n = 0.04; the table is measurements/density.py."""
     found = density.deviations(name, e, 0.04, 40_000)

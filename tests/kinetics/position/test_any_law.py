@@ -304,3 +304,14 @@ def test_a_density_that_does_not_end_says_so(e: float) -> None:
     work = sum(n * size**3 for size, n in found._displacement.systems.items())
     assert work < 5e8
     assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_law_that_forgets_its_direction_slowly_is_followed_to_late_times() -> None:
+    """Bounces turn by 3 degrees and take half of the speed: <cos phi> falls as T^-0.002."""
+    law = CollisionLaw.from_samples([0.5, 0.5], [0.5, 0.45], [0.999, 0.998], 2)
+    outputs = ("msd", "kurtosis", "intermediate_scattering")
+    found = solve(Scene(law, 0.5, initial="monoenergetic", times=[1e30], outputs=outputs), 1e-8)
+    small = 0.01  # k^2 <r^2>: the next term of the series is 5e-10
+    k = np.sqrt(small / found.msd[0])
+    series = 1.0 - small / 4.0 + found.kurtosis[0] * small**2 / 64.0
+    assert abs(found.intermediate_scattering([k])[0, 0] - series) < 2e-9

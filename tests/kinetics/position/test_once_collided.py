@@ -42,7 +42,10 @@ ROUGH = [(0.37, 0.8), (0.9, 0.8), (0.6, 0.6), (0.5, 0.0), (0.0, 0.6)]
     ("e", "et", "dimension"),
     [*SMOOTH, *SPHERES, *((e, et, dimension) for e, et in ROUGH for dimension in (2, 3))],
 )
-@pytest.mark.parametrize("T", [0.3, 3.0, 12.0])
+@pytest.mark.parametrize(
+    "T",
+    [pytest.param(0.3, marks=pytest.mark.slow), 3.0, pytest.param(12.0, marks=pytest.mark.slow)],
+)
 def test_the_once_collided_against_the_integral_over_their_collision(
     e: float, et: float, dimension: int, T: float
 ) -> None:
@@ -101,7 +104,16 @@ def twice_or_more(
     return first, np.sqrt((second - first**2) / count)
 
 
-@pytest.mark.parametrize(("e", "T"), [(0.37, 0.3), (0.37, 3.0), (1.0, 1.0), (0.0, 0.5), (0.9, 3.0)])
+@pytest.mark.parametrize(
+    ("e", "T"),
+    [
+        (0.37, 0.3),
+        *(
+            pytest.param(*pair, marks=pytest.mark.slow)
+            for pair in ((0.37, 3.0), (1.0, 1.0), (0.0, 0.5), (0.9, 3.0))
+        ),
+    ],
+)
 def test_all_collisions_against_followed_tracers(e: float, T: float) -> None:
     """Shares in bins whose deviations are some 1e-5: with fronts in them, and beside."""
     found = one_speed(e, T)

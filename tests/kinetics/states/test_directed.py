@@ -1,4 +1,4 @@
-"""Directed states against the moment hierarchy in many digits, dblquad and a small Monte Carlo."""
+"""Directed states against the moment hierarchy in many digits, an integral, a small Monte Carlo."""
 
 import itertools
 from typing import Any
@@ -7,7 +7,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 from moment_hierarchy import TIMES, gaussian_speed_moment, rates, scene, series, velocities
-from scipy.integrate import dblquad
 
 from kinetics import (
     AngularHarmonics,
@@ -33,8 +32,8 @@ def test_the_reference_rates_are_averages_over_the_impact_parameter() -> None:
     assert abs(rates(0.2, m)[p] - direct) < 1e-12
 
 
-@pytest.mark.parametrize("m", range(1, 9))
-@pytest.mark.parametrize("e", [0.2, 0.7, 1.0])
+@pytest.mark.parametrize("m", [1, 2, 5, 8])
+@pytest.mark.parametrize("e", [0.2, 1.0])
 def test_harmonics_of_a_beam(e: float, m: int) -> None:
     """Error relative to <v^p>: what part of the tracers' motion is missed."""
     solution = solve(scene(e, Beam()))
@@ -86,7 +85,9 @@ def two_temperature_moment(q: int, m: int, sx: float, sy: float) -> Any:
     return 4 * total / n * 2 ** (power - 1) * mp.gamma(power) / (sx * sy)
 
 
-@pytest.mark.parametrize("deviations", [(1.5, 0.75), (0.75, 1.5)])
+@pytest.mark.parametrize(
+    "deviations", [(1.5, 0.75), pytest.param((0.75, 1.5), marks=pytest.mark.slow)]
+)
 def test_two_temperature_gaussian_in_time(deviations: tuple[float, float]) -> None:
     times = [0.0, 0.2, 1.0]
     solution = solve(scene(0.5, Gaussian(*deviations), times))
@@ -121,16 +122,12 @@ def test_two_temperature_gaussian_at_the_start() -> None:
 def test_velocity_density_integrates_to_the_averages() -> None:
     outputs = ("velocity_density", "velocity_tensor")
     solution = solve(scene(0.6, Gaussian(1.2, 0.8), [0.8], outputs=outputs), rtol=1e-7)
-    values: dict[tuple[float, float], float] = {}
-
-    def density(v: float, phi: float) -> float:
-        if (v, phi) not in values:
-            values[v, phi] = float(solution.velocity_density([v], [phi])[0, 0, 0])
-        return values[v, phi]
-
-    limits = (0.0, np.pi, 1e-6, 8.0)
-    mass = 2 * dblquad(lambda v, a: v * density(v, a), *limits, epsabs=1e-6)[0]
-    xx = 2 * dblquad(lambda v, a: v**3 * np.cos(a) ** 2 * density(v, a), *limits, epsabs=1e-6)[0]
+    node, weight = np.polynomial.legendre.leggauss(60)
+    v, phi = 4.0 * (1.0 + node), 0.5 * np.pi * (1.0 + node)
+    density = solution.velocity_density(v, phi)[0]
+    area = 4.0 * np.pi * weight[:, None] * weight * v[:, None]  # 2 (8/2) (pi/2) v dv dphi
+    mass = (area * density).sum()
+    xx = (area * density * v[:, None] ** 2 * np.cos(phi) ** 2).sum()
     assert abs(mass - 1.0) < 1e-5
     assert abs(xx - solution.velocity_tensor[0, 0, 0]) < 1e-5
 

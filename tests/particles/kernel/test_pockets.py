@@ -117,7 +117,15 @@ def test_three_planes_against_one_bounce_after_another(law: tuple[float, float])
     assert wrong <= 0.02 * ends[FOR_EVER]
 
 
-@pytest.mark.parametrize("steepness", [0.3, 0.9, 1.2, 1.4])
+@pytest.mark.parametrize(
+    "steepness",
+    [
+        0.3,
+        pytest.param(0.9, marks=pytest.mark.slow),
+        1.2,
+        pytest.param(1.4, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
 def test_a_tracer_leaves_a_groove_of_smooth_spheres_as_the_reference_says(
     restitution: float, steepness: float, monkeypatch: pytest.MonkeyPatch

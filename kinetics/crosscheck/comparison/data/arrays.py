@@ -1,6 +1,7 @@
 """Columns that are arrays: one one-dimensional array per column, all of one length.
 
-Or arrays of frames: times (n_times,), positions and velocities (n_times, n_tracers, 2).
+Or arrays of frames: times (n_times,), positions and velocities (n_times, n_tracers, 2), in space
+(n_times, n_tracers, 3).
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,13 +12,16 @@ import numpy as np
 
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
-    NUMBERS,
     Asked,
+    Averages,
     Rows,
     Table,
     find_columns,
     first_not_finite,
+    piece_of,
     shown,
+    split_unit,
+    stated_units,
 )
 from kinetics.crosscheck.comparison.data.frames import rows_of
 from kinetics.errors import InputError
@@ -28,7 +32,7 @@ PIECE = 500_000
 """Rows that are in memory at once: 28 MB of seven columns."""
 
 
-def read_table(table: Table, asked: Asked) -> Iterator[Rows]:
+def read_table(table: Table, asked: Asked) -> Iterator[Rows | Averages]:
     """The rows of columns in memory: of a dictionary of arrays, or a DataFrame's."""
     names = list(table.columns)
     if set(FRAMES) <= set(names):
@@ -40,7 +44,8 @@ def read_table(table: Table, asked: Asked) -> Iterator[Rows]:
     for name in LABELS:
         if name in columns and columns[name].dtype.kind not in "iuf":  # texts
             columns[name] = np.unique(columns[name].astype(str), return_inverse=True)[1]
-    yield from read_pieces(table.name, columns)
+    units = {name: split_unit(str(names[k]))[1] for name, k in found.items()}
+    yield from read_pieces(table.name, columns, units)
 
 
 def read_frames(path: Path | str, parts: Mapping[str, Any]) -> Iterator[Rows]:
@@ -57,10 +62,16 @@ def read_frames(path: Path | str, parts: Mapping[str, Any]) -> Iterator[Rows]:
             )
     times, positions, velocities = (parts[name] for name in FRAMES)
     shape = positions.shape
-    if len(shape) != 3 or shape[2] != 2 or velocities.shape != shape or times.shape != shape[:1]:
+    if (
+        len(shape) != 3
+        or shape[2] not in (2, 3)
+        or velocities.shape != shape
+        or times.shape != shape[:1]
+    ):
         raise InputError(
             f"{where}: times, positions, velocities have shapes {times.shape}, {shape}, "
-            f"{velocities.shape}; they must be (n_times,) and twice (n_times, n_tracers, 2)"
+            f"{velocities.shape}; they must be (n_times,) and twice (n_times, n_tracers, 2), "
+            "or 3 in space"
         )
     for k, time in enumerate(np.asarray(times[:], float).tolist()):
         if not np.isfinite(time):
@@ -71,13 +82,15 @@ def read_frames(path: Path | str, parts: Mapping[str, Any]) -> Iterator[Rows]:
             yield rows_of(where, time, place, velocity, np.arange(part.start, part.stop))
 
 
-def read_pieces(path: Path | str, columns: Mapping[str, Any]) -> Iterator[Rows]:
+def read_pieces(
+    path: Path | str, columns: Mapping[str, Any], units: Mapping[str, str] | None = None
+) -> Iterator[Rows | Averages]:
     """The rows of columns in pieces; InputError for arrays that are no columns of numbers.
 
     Each column has a dtype, a shape, and parts column[start:stop], which are asked for one after
-    another.
+    another. units: of the columns that state one.
     """
-    where = shown(path)
+    where, stated = shown(path), stated_units(path, units or {})
     for name, column in columns.items():
         _check_kind(f"{where}: array {name!r}", column, name in LABELS)
     sizes = {name: column.shape[0] for name, column in columns.items()}
@@ -87,16 +100,15 @@ def read_pieces(path: Path | str, columns: Mapping[str, Any]) -> Iterator[Rows]:
     for start in range(0, sizes["time"], PIECE):
         piece = {name: column[start : start + PIECE] for name, column in columns.items()}
         for name, values in piece.items():
-            number = name in NUMBERS
-            piece[name] = np.asarray(values, float) if number else _labels(where, name, values)
-        rows = Rows(**piece)
-        if (bad := first_not_finite(rows)) is not None:
+            label = name in LABELS
+            piece[name] = _labels(where, name, values) if label else np.asarray(values, float)
+        if (bad := first_not_finite(piece)) is not None:
             k, name = bad
             raise InputError(
                 f"{where}: row {start + k} has {name} = {piece[name][k]}; "
                 "every value must be a finite number"
             )
-        yield rows
+        yield piece_of(piece, stated)
 
 
 def _check_kind(where: str, column: Any, is_label: bool) -> None:

@@ -16,12 +16,15 @@ from pyarrow import csv as arrow_csv
 
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
-    NUMBERS,
     Asked,
+    Averages,
     Rows,
     find_columns,
     first_not_finite,
+    piece_of,
     shown,
+    split_unit,
+    stated_units,
 )
 from kinetics.errors import InputError, short
 
@@ -37,7 +40,7 @@ _FIRST_TEXT = 2**62
 """Texts are numbered from here on; whole numbers below are labels as they stand."""
 
 
-def read(path: Path, asked: Asked) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
     """The rows of a file whose first line names its columns.
 
     Separated by commas, semicolons or tabs, whichever the first line has; blank lines and lines
@@ -89,30 +92,31 @@ class _Table:
                 "time,tracer,x,y,vx,vy"
             )
         self._found = find_columns(path, names, asked)
+        units = {name: split_unit(names[k])[1] for name, k in self._found.items()}
+        self._units = stated_units(path, units)
         known = {place: name for name, place in self._found.items()}
         self._columns = [known.get(k, str(k)) for k in range(len(names))]
         self._numbered = True  # every label so far is a whole number
         self._texts: dict[str, int] = {}
 
-    def rows(self, text: bytes, line: int) -> Rows:
+    def rows(self, text: bytes, line: int) -> Rows | Averages:
         """The rows of whole lines, of which the first is this line of the file."""
-        rows = None if b"#" in text else self._parsed(text)
-        if rows is None:
-            rows = self._parsed(_REMARK.sub(b"", text))
-        if rows is None and self._numbered:
+        values = None if b"#" in text else self._parsed(text)
+        if values is None:
+            values = self._parsed(_REMARK.sub(b"", text))
+        if values is None and self._numbered:
             self._numbered = False
-            rows = self._parsed(_REMARK.sub(b"", text))
-        if rows is None or first_not_finite(rows) is not None:
+            values = self._parsed(_REMARK.sub(b"", text))
+        if values is None or first_not_finite(values) is not None:
             raise self._fault(text, line)
-        return rows
+        return piece_of(values, self._units)
 
-    def _parsed(self, text: bytes) -> Rows | None:
-        """The rows; None where a line or a number cannot be read, or a label not as a number."""
+    def _parsed(self, text: bytes) -> dict[str, Any] | None:
+        """The columns; None where a line or a number cannot be read, or a label not as a number."""
         label = pa.int64() if self._numbered else pa.dictionary(pa.int32(), pa.string())
-        kinds = {name: pa.float64() if name in NUMBERS else label for name in self._found}
+        kinds = {name: label if name in LABELS else pa.float64() for name in self._found}
         if not text or text.isspace():
-            none: Any = np.empty(0, np.int64)
-            return Rows(**dict.fromkeys(kinds, none))
+            return dict.fromkeys(kinds, np.empty(0, np.int64))
         try:
             table = arrow_csv.read_csv(
                 pa.BufferReader(text),
@@ -132,7 +136,7 @@ class _Table:
             values[name] = np.concatenate([read(chunk) for chunk in chunks])
             if name in LABELS and self._numbered and np.any(np.abs(values[name]) >= _FIRST_TEXT):
                 return None
-        return Rows(**values)
+        return values
 
     def _label_numbers(self, chunk: Any) -> Any:
         """Labels that are texts, with a dictionary, as whole numbers, (n,)."""
@@ -163,7 +167,7 @@ class _Table:
                     f"{where}: line {number} has {len(cells)} columns; "
                     f"{len(self._columns)} are named in the first line"
                 )
-            for name in NUMBERS:
+            for name in (name for name in self._found if name not in LABELS):
                 fault = _number_fault(cells[self._found[name]].strip())
                 if fault:
                     return InputError(f"{where}: line {number}, column {name!r}{fault}")

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Rows, shown
+from kinetics.crosscheck.comparison.data.columns import shown
+from kinetics.crosscheck.comparison.data.frames import rows_of
 from kinetics.crosscheck.comparison.reduction import Reduction
 from kinetics.crosscheck.comparison.sample import R4, Binned, Law, Sample
 from kinetics.errors import InputError
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def is_ensemble(path: Path) -> bool:
     """Whether a file is a run of `lorentz simulate` or Ensemble.save."""
-    if path.suffix.lower() not in (".h5", ".hdf5") or not path.is_file():
+    if path.suffix.lower() not in (".h5", ".hdf5", ".h5md") or not path.is_file():
         return False
     import h5py
 
@@ -47,16 +48,14 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     """
     from particles import BoltzmannGrad
 
-    if ensemble.field:
-        raise InputError(f"{name}: a run in a field cannot be compared")
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
         raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
     free = isinstance(ensemble.medium, BoltzmannGrad)
     stored = ensemble.arrays
-    law = Law(ensemble.tangential_restitution, ensemble.medium.dimension)
-    if "raw/velocities" in stored and "raw/positions" in stored and law.dimension == 2:
+    law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
+    if "raw/velocities" in stored and "raw/positions" in stored:
         found = _from_tracers(ensemble, name, "tracer" if free else "medium")
     else:
         found = _from_sums(ensemble, name, times, free)
@@ -69,31 +68,36 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     }
     if plan.velocities is None:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
+    if plan.rest:
+        told["initial"] = "rest"
     return replace(found, capped=plan.max_collisions, free=free, told=told, law=law)
 
 
 def _from_tracers(ensemble: "Ensemble", name: str, grouping: str) -> Sample:
     label = np.arange(ensemble.media * ensemble.tracers)
-    reduction = Reduction(grouping)
+    reduction = Reduction(grouping, with_field=bool(ensemble.field))
     positions, velocities = ensemble.positions, ensemble.velocities
     for k, time in enumerate(ensemble.times):
         there = np.isfinite(velocities[k, :, 0])
-        (x, y), (vx, vy) = positions[k, there].T, velocities[k, there].T
-        mine, at = label[there], np.full(int(there.sum()), float(time))
-        reduction.add(Rows(at, x, y, vx, vy, mine, mine // ensemble.tracers))
+        rows = rows_of(name, float(time), positions[k, there], velocities[k, there], label[there])
+        reduction.add(replace(rows, medium=label[there] // ensemble.tracers))
     return reduction.sample((name,))
 
 
 def _from_sums(ensemble: "Ensemble", name: str, times: Any, free: bool) -> Sample:
     """From the sums that every run keeps."""
-    from particles.configuration import time_scales
-
     unit = ensemble.medium.diameter
+    sums = np.asarray(ensemble.moments[:, :, : R4 + 1])
+    if ensemble.field:  # v_x, x and x^2 of the sums of a field
+        found, dimension = ensemble.arrays["field_sums"], ensemble.medium.dimension
+        half = found.shape[2] // 2
+        along = found[:, :, [0, half, half + dimension]]
+        sums = np.concatenate([sums, along], axis=2)
     return Sample(
         names=(name,),
         times=times,
-        sums=np.asarray(ensemble.moments[:, :, : R4 + 1]),
-        speed_scale=1.0 / time_scales(times / unit),
+        sums=sums,
+        speed_scale=1.0 / ensemble.plan.scales(),
         length_scale=np.full(times.size, unit),
         speeds=_histogram(ensemble, "speed_histogram", free),
         displacements=_histogram(ensemble, "displacement_histogram", free),

@@ -16,10 +16,10 @@ _MOST_DIGITS = 1000
 
 
 class Box(NamedTuple):
-    """The lower edges and the lengths of a box along x and y."""
+    """The lower edges and the lengths of a box along x, y and z."""
 
-    low: tuple[float, float]
-    length: tuple[float, float]
+    low: tuple[float, ...]
+    length: tuple[float, ...]
 
 
 def rows_of(
@@ -27,27 +27,27 @@ def rows_of(
 ) -> Rows:
     """Rows of a part of a frame: position, velocity (n, 2) or (n, 3); tracer, medium (n,).
 
-    Tracers without any number (NaN: they have ended) are left out. InputError for motion along z,
-    and for a number that is not finite.
+    Tracers without any number (NaN: they have ended) are left out. InputError for a number that is
+    not finite.
     """
-    for name, values in (("positions", position), ("velocities", velocity)):
-        if values.ndim != 2 or values.shape[1] not in (2, 3):
-            raise InputError(f"{where}: {name} have shape {values.shape}; it must be (n, 2)")
+    for what, array in (("positions", position), ("velocities", velocity)):
+        if array.ndim != 2 or array.shape[1] not in (2, 3):
+            raise InputError(f"{where}: {what} have shape {array.shape}; it must be (n, 2) or 3")
     there = ~np.isnan(np.hstack([position, velocity])).all(axis=1)
-    if velocity.shape[1] == 3 and np.any(velocity[there, 2] != 0):
-        raise InputError(
-            f"{where}: velocities have a z component; only motion in a plane can be compared"
-        )
-    (x, y), (vx, vy) = (np.asarray(part[there, :2], float).T for part in (position, velocity))
-    labels = [None if one is None else _whole_labels(where, one[there]) for one in (tracer, medium)]
-    rows = Rows(np.full(x.size, float(time)), x, y, vx, vy, *labels)
-    if (bad := first_not_finite(rows)) is not None:
+    values: dict[str, Any] = {"time": np.full(np.count_nonzero(there), float(time))}
+    for names, part in ((("x", "y", "z"), position), (("vx", "vy", "vz"), velocity)):
+        values |= dict(zip(names, np.asarray(part[there], float).T, strict=False))
+    for name, one in (("tracer", tracer), ("medium", medium)):
+        if one is not None and one.shape != there.shape:
+            raise InputError(f"{where}: needs one label {name} for each of {there.size} tracers")
+        values[name] = None if one is None else _whole_labels(where, one[there])
+    if (bad := first_not_finite(values)) is not None:
         k, name = bad
         raise InputError(
-            f"{where}: tracer {rows.tracer[k]} at time {time:g} has {name} = "  # type: ignore[index]
-            f"{getattr(rows, name)[k]}; every value must be a finite number"
+            f"{where}: tracer {values['tracer'][k]} at time {time:g} has {name} = "
+            f"{values[name][k]}; every value must be a finite number"
         )
-    return rows
+    return Rows(**values)
 
 
 def _whole_labels(where: str, labels: Any) -> Any:

@@ -4,12 +4,13 @@ de Buyl, Colberg and Hoefling, Comput. Phys. Commun. 185, 1546 (2014); the layou
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.comparison.data.columns import Asked, Rows, shown
+from kinetics.crosscheck.comparison.data.columns import Asked, Rows, shown, stated_units
 from kinetics.crosscheck.comparison.data.frames import PIECE, rows_of
 from kinetics.errors import InputError
 
@@ -25,7 +26,8 @@ def read_file(path: Path, file: Any, asked: Asked) -> Iterator[Rows]:
     """The rows of the only group of particles with positions and velocities.
 
     Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
-    unwrapped by the element `image` where it stands.
+    unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
+    package writes, says the configuration of each tracer.
     """
     import h5py
 
@@ -47,8 +49,10 @@ def read_file(path: Path, file: Any, asked: Asked) -> Iterator[Rows]:
     times = _times(where, group["position"], position.shape[0], asked)
     if not np.array_equal(times, _times(where, group["velocity"], position.shape[0], asked)):
         raise InputError(f"{where}: position and velocity are given at different times")
+    units = _units(where, group)
     image = _value(where, group, "image") if _is_own(group, "image", h5py.Group) else None
-    edges = _edges(where, group) if image is not None else None
+    edges = _edges(where, group) if image is not None else _periodic_edges(where, group)
+    medium = _dataset(where, group, "medium") if "medium" in group else None
     for k, time in enumerate(times.tolist()):
         for start in range(0, position.shape[1], PIECE):
             part = slice(start, min(start + PIECE, position.shape[1]))
@@ -60,7 +64,41 @@ def read_file(path: Path, file: Any, asked: Asked) -> Iterator[Rows]:
                 if "id" not in group
                 else _ids(where, group, k, part)
             )
-            yield rows_of(where, time, x, np.asarray(velocity[k, part], float), label)
+            speed, group_of = np.asarray(velocity[k, part], float), None
+            if medium is not None:
+                group_of = np.asarray(medium[part])
+            rows = rows_of(where, time, x, speed, label, group_of)
+            box = None if image is not None or edges is None else tuple(edges.tolist())
+            yield replace(rows, units=units, box=box)
+
+
+def unit_of(dataset: Any) -> str:
+    """The attribute `unit` of a dataset, empty where it has none."""
+    unit = dataset.attrs.get("unit", dataset.attrs.get("units", ""))
+    return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+
+
+def _units(where: str, group: Any) -> dict[str, str]:
+    """The units that the file states, by kind; see `Rows`."""
+    elements = {"x": group["position"]["value"], "vx": group["velocity"]["value"]}
+    if "time" in group["position"]:
+        elements["time"] = group["position"]["time"]
+    return stated_units(where, {name: unit_of(one) for name, one in elements.items()})
+
+
+def _periodic_edges(where: str, group: Any) -> Any:
+    """The lengths of a box that says that it is periodic; None for another, which is not needed."""
+    import h5py
+
+    if not _is_own(group, "box", h5py.Group):
+        return None
+    boundary = np.asarray(group["box"].attrs.get("boundary", ())).astype(str).ravel()
+    if boundary.size < 2 or np.any(boundary != "periodic"):
+        return None
+    try:
+        return _edges(where, group)
+    except InputError:
+        return None
 
 
 def _is_own(parent: Any, name: str, kind: type) -> bool:

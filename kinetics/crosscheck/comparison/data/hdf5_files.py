@@ -7,11 +7,11 @@ from typing import Any
 import h5py
 
 from kinetics.crosscheck.comparison.data.arrays import FRAMES, read_frames, read_pieces
-from kinetics.crosscheck.comparison.data.columns import Asked, Rows, find_columns
-from kinetics.crosscheck.comparison.data.h5md_files import is_h5md, read_file
+from kinetics.crosscheck.comparison.data.columns import Asked, Averages, Rows, find_columns
+from kinetics.crosscheck.comparison.data.h5md_files import is_h5md, read_file, unit_of
 
 
-def read(path: Path, asked: Asked) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
     """The rows of an HDF5 file; data that lie in other files are not followed."""
     with h5py.File(path, "r") as file:
         if is_h5md(file):
@@ -22,7 +22,9 @@ def read(path: Path, asked: Asked) -> Iterator[Rows]:
             yield from read_frames(path, {name: file[name] for name in FRAMES})
             return
         found = find_columns(path, names, asked)
-        yield from read_pieces(path, {name: file[names[place]] for name, place in found.items()})
+        columns = {name: file[names[place]] for name, place in found.items()}
+        units = {name: unit_of(column) for name, column in columns.items()}
+        yield from read_pieces(path, columns, units)
 
 
 def _is_own_dataset(file: Any, name: str) -> bool:

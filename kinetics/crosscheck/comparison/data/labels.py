@@ -106,18 +106,20 @@ class Origins:
         """From the rows at time 0 and the number of their file, piece by piece."""
         labels = zip(*(columns_of(rows, file) for rows, file in pieces), strict=True)
         self._labels = [np.concatenate(parts) for parts in labels]
-        self._x, self._y = (
-            np.concatenate([getattr(rows, name) for rows, _ in pieces]) for name in "xy"
-        )
-        places = np.stack([self._x, self._y])
+        axes = zip(*(rows.position for rows, _ in pieces), strict=True)
+        self._places = places = np.stack([np.concatenate(parts) for parts in axes])
         self._low, self._high = places.min(axis=1), places.max(axis=1)
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin to watch again, before the first of all rows."""
         self._left, self._largest = False, 0.0
 
-    def of(self, rows: Rows, file: int) -> tuple[Any, Any]:
-        """x and y at time 0 of the tracer of each row, (n,) each; InputError if there is none."""
+    def of(self, rows: Rows, file: int) -> Any:
+        """Where the tracer of each row was at time 0, (dimension, n); InputError if unknown."""
         both = zip(self._labels, columns_of(rows, file), strict=True)
         keys = _combined([np.concatenate(parts) for parts in both])
-        known, wanted = np.split(keys, [self._x.size])
+        known, wanted = np.split(keys, [self._places.shape[1]])
         order = np.argsort(known, kind="stable")  # quick, as most files are in order
         k = order[np.minimum(np.searchsorted(known, wanted, sorter=order), order.size - 1)]
         lost = np.flatnonzero(known[k] != wanted)
@@ -126,15 +128,15 @@ class Origins:
             raise InputError(
                 f"tracer {rows.tracer[lost[0]]} has no row at time 0; absolute positions need one"
             )
-        self._watch(np.stack([rows.x, rows.y]), np.stack([self._x[k], self._y[k]]))
-        return self._x[k], self._y[k]
+        self._watch(np.stack(rows.position), self._places[:, k])
+        return self._places[:, k]
 
     def _watch(self, places: Any, origins: Any) -> None:
         """Whether any place is out of the region of time 0; mean squares of displacements."""
         if not places.size:
             return
         # The farthest tracer is not quite at the edge of the region that they come from.
-        margin = 5 * (self._high - self._low) / self._x.size
+        margin = 5 * (self._high - self._low) / self._places.shape[1]
         away = np.abs(places.T - (self._low + self._high) / 2)
         self._left = self._left or bool(np.any(away > (self._high - self._low) / 2 + margin))
         mean_square = np.mean(np.sum((places - origins) ** 2, axis=0))
@@ -143,11 +145,12 @@ class Origins:
     def check_not_wrapped(self) -> None:
         """InputError where tracers move far, and yet none leaves the region of time 0."""
         size = float((self._high - self._low).min())
-        if self._left or size <= 0 or self._x.size * self._largest < _WIDELY * size:
+        if self._left or size <= 0 or self._places.shape[1] * self._largest < _WIDELY * size:
             return
-        (x0, y0), (x1, y1) = self._low, self._high
+        (x0, y0), (x1, y1) = self._low[:2], self._high[:2]
         raise InputError(
             "positions look wrapped at the edges of a box: they stay within "
             f"x = {x0:.4g} to {x1:.4g} and y = {y0:.4g} to {y1:.4g} at all times, though tracers "
-            f"move by {self._largest:.4g}; write unwrapped positions or displacements"
+            f"move by {self._largest:.4g}; write unwrapped positions or displacements, or (in a "
+            "file that has the box) frames so often that no tracer moves by half of it in between"
         )

@@ -14,11 +14,18 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.comparison.data.arrays import FRAMES, read_frames, read_pieces
-from kinetics.crosscheck.comparison.data.columns import Asked, Rows, find_columns, shown
+from kinetics.crosscheck.comparison.data.columns import (
+    Asked,
+    Averages,
+    Rows,
+    find_columns,
+    shown,
+    split_unit,
+)
 from kinetics.errors import InputError
 
 
-def read(path: Path, asked: Asked) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
     """The rows of an .npz file."""
     with ExitStack() as stack:
         archive = stack.enter_context(zipfile.ZipFile(path))
@@ -29,7 +36,8 @@ def read(path: Path, asked: Asked) -> Iterator[Rows]:
         found = find_columns(path, [m.removesuffix(".npy") for m in members], asked)
         names = {name: members[place].removesuffix(".npy") for name, place in found.items()}
         columns = {name: _opened(path, archive, stack, own) for name, own in names.items()}
-        yield from read_pieces(path, columns)
+        units = {name: split_unit(own)[1] for name, own in names.items()}
+        yield from read_pieces(path, columns, units)
 
 
 def _opened(path: Path, archive: zipfile.ZipFile, stack: ExitStack, name: str) -> "_Array":

@@ -11,14 +11,16 @@ from kinetics.crosscheck.comparison.data.arrays import PIECE, read_pieces
 from kinetics.crosscheck.comparison.data.columns import (
     LABELS,
     Asked,
+    Averages,
     Rows,
     find_columns,
     shown,
+    split_unit,
 )
 from kinetics.errors import InputError
 
 
-def read(path: Path, asked: Asked) -> Iterator[Rows]:
+def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
     """The rows of a file; labels must be whole numbers."""
     try:
         file = parquet.ParquetFile(path)
@@ -32,10 +34,10 @@ def read(path: Path, asked: Asked) -> Iterator[Rows]:
             if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
                 wanted = "whole numbers" if name in LABELS else "real numbers"
                 raise InputError(f"{shown(path)}: column {name!r} is {kind}; it must be {wanted}")
+        units = {name: split_unit(names[k])[1] for name, k in found.items()}
         mine = [names[k] for k in found.values()]
         for batch in file.iter_batches(PIECE, columns=mine):
             if any(batch.column(names[k]).null_count for k in found.values()):
                 raise InputError(f"{shown(path)}: has empty cells; every value must be a number")
-            yield from read_pieces(
-                path, {name: np.from_dlpack(batch.column(names[k])) for name, k in found.items()}
-            )
+            columns = {name: np.from_dlpack(batch.column(names[k])) for name, k in found.items()}
+            yield from read_pieces(path, columns, units)

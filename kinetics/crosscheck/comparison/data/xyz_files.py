@@ -44,7 +44,7 @@ def _frame(path: Path, lines: Iterator[str], count: int, asked: Asked) -> Iterat
         label = piece.get("id", np.arange(done, done + n))
         position, velocity = (
             np.stack([piece[name] for name in names if name in piece], axis=1)
-            for names in (("x", "y"), ("vx", "vy", "vz"))
+            for names in (("x", "y", "z"), ("vx", "vy", "vz"))
         )
         yield rows_of(shown(path), time, position, velocity, label)
         done += n
@@ -72,7 +72,7 @@ def _places(path: Path, properties: str) -> tuple[dict[str, int], int]:
     for name, _, columns in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
         width = whole(path, f"the columns of {name!r}", columns)
         for kind, names, axes in (
-            ("position", _POSITIONS, ("x", "y")),
+            ("position", _POSITIONS, ("x", "y", "z")),
             ("velocity", _VELOCITIES, ("vx", "vy", "vz")),
             ("id", _LABELS, ("id",)),
         ):
