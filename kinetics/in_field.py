@@ -9,14 +9,14 @@ import numpy as np
 
 from kinetics.errors import InputError, short
 from kinetics.field.backward import ALL, needed_for
-from kinetics.field.evolution import Evolution, TimeResolution, scales
+from kinetics.field.evolution import Evolution, scales
+from kinetics.field.resolution import TimeResolution
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.outputs import FIELD_OUTPUTS
 from kinetics.scene import Scene
 from kinetics.solution import Solution
-from kinetics.states.isotropic import Rest
 from kinetics.status import PlanStep, explain, status_of
 
 _ATTEMPTS = 5
@@ -36,9 +36,9 @@ _MADE_OF = {
     "velocity_tensor": ("v^2", "v^2 cos 2", "v_x v_y"),
     "displacement_tensor": ("x", "y", "x^2", "y^2", "x y"),
 }
-# Of two solutions the finer one has about a tenth of the error of the other; not so where a start
-# has a direction, whose harmonics converge slowly: there 1.6 times the difference was seen
-_GAIN, _GAIN_DIRECTED = 0.1, 2.0
+# Errors of the finer of two solutions in units of their difference: as seen against finer ones, for
+# starts of few harmonics, along rays, and for starts with directions whose harmonics are solved
+_GAIN, _GAIN_RAYS, _GAIN_DIRECTED = 0.5, 0.3, 2.0
 
 
 @one_blas_thread
@@ -101,6 +101,7 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
             break
         fine = _evolution(scene, rtol, resolution, speed, times)
         gain = _GAIN if len(fine.start.measures) <= 1 else _GAIN_DIRECTED
+        gain = _GAIN_RAYS if fine.start.rays is not None else gain
         error = gain * _difference(fine.values, coarse.values)
         if error >= least or not error < 1.0:
             break  # steps of many harmonics may be unstable: the solution before is better
@@ -114,15 +115,12 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
 def _evolution(
     scene: Scene, rtol: float, resolution: TimeResolution, speed: float, times: FloatArray
 ) -> Evolution:
-    unit = 1.0 / speed  # U in sqrt(g l)
-    if isinstance(scene.state, Rest):
-        start = Start((), unit)
-    else:
-        start = Start.of(scene.state, resolution.harmonics, 0.1 * rtol, unit)
-        # harmonics converge slowly for starts near rest, on a ray on which the averages vary most
-        small = rtol if len(start.measures) > 1 else math.sqrt(rtol)
-        if start.highest < _AT_REST * small * min(1.0, float(times[0])):
-            start = Start((), unit)
+    # U in sqrt(g l) is 1/speed
+    start = Start.of(scene.state, 0.1 * rtol, 1.0 / speed, resolution, scene.dimension)
+    # rays of all directions cost more than one
+    small = math.sqrt(rtol) if scene.state.highest_harmonic == 0 else rtol
+    if start.highest < _AT_REST * small * min(1.0, float(times[0])):
+        start = Start.rest()
     asked = [name for output in scene.outputs for name in _MADE_OF[output]]
     return Evolution(scene.law, start, times, resolution, needed_for(asked, start.is_symmetric))
 

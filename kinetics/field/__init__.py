@@ -11,7 +11,8 @@ neighbours only. `panels` discretises the speed, `collisions` the gain on it, `l
 the chain. Then `steady` solves for the steady state and the dispersion about it, with the panels
 and harmonics of `resolution`, and `solution` holds the answer of `solve_field`. Over time,
 `backward` takes averages from step to step by the rule of `radau`, and `evolution` averages them
-over an initial state (`starts`); `kinetics.in_field` makes the outputs of a scene of them.
+over an initial state (`starts`), one of few directions through `first_collision`;
+`kinetics.in_field` makes the outputs of a scene of them.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
 all rooms. Begin with `steady.py`,

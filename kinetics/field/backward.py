@@ -191,14 +191,10 @@ class BackwardField:
         """Free the memory of steps of another length than h."""
         self._factors = {key: value for key, value in self._factors.items() if key[0] == h}
 
-    def gained(self, y: FloatArray) -> FloatArray:
-        """The mean after a collision with a velocity along the field, (..., size, n_observables).
+    def scattered(self, y: FloatArray, transposed: bool = False) -> FloatArray:
+        """K_m y_m, the harmonics of the mean after a collision; shape of y (..., M + 1, size, n).
 
-        The sum of K_m y_m over the harmonics of y (..., M + 1, size, n_observables); those that
-        are odd across the field vanish along it.
+        transposed : applies the transposed matrices, to weights of an average
         """
-        out = 0.0
-        for m in range(self.highest + 1):
-            lost = self.collisions[m] / self.panels.speeds[:, None] ** 2
-            out = out + y[..., m, :, :] - np.einsum("ij,...jk->...ik", lost, y[..., m, :, :])
-        return np.where(IS_EVEN, out, 0.0)
+        kept = np.eye(self.panels.size) - self.collisions / self.panels.speeds[:, None] ** 2
+        return np.asarray(np.matmul(kept.swapaxes(1, 2) if transposed else kept, y))

@@ -1,8 +1,8 @@
 """Averages over time in a field, for one initial state.
 
-Steps of time grow as long as the averages stay smooth in time. From rest, where many tracers are
-on one ray on which harmonics converge slowly, the first collision is integrated over: after it the
-directions are spread.
+Steps of time grow as long as the averages stay smooth in time. Where the start has few directions,
+on which harmonics converge slowly, the first collision is integrated over: after it the directions
+are spread.
 """
 
 from __future__ import annotations
@@ -15,13 +15,11 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.field.backward import ALL, SQUARES, BackwardField, backward_panels
-from kinetics.field.resolution import highest_speed
-from kinetics.field.starts import Start, free_fall, moved
+from kinetics.field.first_collision import FirstCollisions
+from kinetics.field.resolution import TimeResolution, highest_speed
+from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import panels_between
 
-_LONGEST_FALL = 9.0  # sqrt(2 x 40): one in e^40 falls longer freely, from rest
-_POINTS = 16  # Gauss points of an interval of the first collision
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
 _EARLY = 10.0  # see `Evolution._first_step`
@@ -30,37 +28,6 @@ _EARLIEST = 1e-12  # stands for the time 0
 # solution, which is compared, says that this one is wrong.
 _MOST_STEPS = 300
 _SHORTEST = 1e-9  # of the first step: below it a step is not halved
-
-
-@dataclass(frozen=True)
-class TimeResolution:
-    """How finely the averages are resolved.
-
-    Parameters
-    ----------
-    nodes : of a panel of speeds
-    harmonics : M, odd
-    lowest : the first panel is about so long
-    rtol : what a step of time may miss
-    """
-
-    nodes: int
-    harmonics: int
-    lowest: float
-    rtol: float
-
-    @classmethod
-    def of(cls, rtol: float) -> TimeResolution:
-        """A first one, whose error its finer one shows, for a relative accuracy."""
-        digits = -math.log10(max(rtol, 1e-12))
-        harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
-        nodes = math.ceil(1.5 * digits + 1.0)
-        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), rtol)
-
-    def finer(self) -> TimeResolution:
-        """With half as many harmonics again, some more nodes and shorter steps."""
-        harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
-        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
 
 
 @dataclass
@@ -98,17 +65,14 @@ class Evolution:
         lowest = min(self.resolution.lowest * max(1.0, 1.0 / last), 0.1 * highest)
         panels = backward_panels(highest, lowest, self.resolution.nodes)
         self.equation = BackwardField(self.law, panels, self.resolution.harmonics, self.names)
-        self._weights = self.start.functional(panels, self.resolution.harmonics)
-        v = panels.speeds
-        self._falls = panels.weights * v * np.exp(-0.5 * v**2)
-        self._gains: list[tuple[float, float, FloatArray]] = []
+        self._first: FirstCollisions | None = None
+        if self.start.rays is None:
+            self._weights = self.start.functional(panels, self.resolution.harmonics)
+        else:
+            self._first = FirstCollisions(self.start.rays, self.equation)
+            self._weights = self._first.weights(last)
         self.values = np.empty((self.times.size, len(ALL)))
         self._run(last)
-
-    @property
-    def from_rest(self) -> bool:
-        """Whether all tracers start at rest."""
-        return not self.start.measures
 
     def _run(self, last: float) -> None:
         """Step after step, up to the last time."""
@@ -130,8 +94,8 @@ class Evolution:
             if rough * _SMOOTH < allowed:
                 h *= 2.0
                 self.equation.forget(h)
-        if self.from_rest:
-            self._integrate_first_collision()
+        if self._first is not None:
+            self.values = self._first.averages(self.times)
 
     def _first_step(self, last: float) -> float:
         """Short against the free flights of all tracers; a power of 2 times the last time.
@@ -146,9 +110,10 @@ class Evolution:
         return last if last <= wanted else last * 2.0 ** math.floor(math.log2(wanted / last))
 
     def _averages(self, stages: FloatArray) -> FloatArray:
-        """Averages over the start at the points of a step, (stages + 1, n_observables)."""
-        if self.from_rest:  # the first collision alone, which the steps must resolve
-            return np.asarray(np.tensordot(self.equation.gained(stages), self._falls, (1, 0)))
+        """Averages over the start at the points of a step, (stages + 1, n_observables).
+
+        Along rays: over the first collision, which is what the steps must resolve.
+        """
         return np.asarray(np.einsum("smik,mik->sk", stages, self._weights))
 
     def _roughness(self, averages: FloatArray) -> float:
@@ -163,34 +128,8 @@ class Evolution:
         inside = (self.times >= now) & (self.times <= now + h)
         rows = self.equation.rule.rows((self.times[inside] - now) / h)
         self.values[inside] = rows @ averages
-        if self.from_rest:
-            self._gains.append((now, h, self.equation.gained(stages)))
-
-    def _integrate_first_collision(self) -> None:
-        """From rest: free fall for a time tau with the chance exp(-tau^2/2), then a collision."""
-        panels, rule = self.equation.panels, self.equation.rule
-        edges = np.array([now for now, _, _ in self._gains])
-        for i, t in enumerate(self.times):
-            longest = min(float(t), _LONGEST_FALL)
-            free = free_fall(np.array([t]))[0] * math.exp(-0.5 * t * t)
-            inside = np.concatenate([t - edges, np.array(panels.edges)])
-            inside = np.unique(inside[(inside > 0.0) & (inside < longest)])
-            if longest == 0.0:
-                self.values[i] = free
-                continue
-            tau, w = panels_between(np.concatenate([[0.0], inside, [longest]]), _POINTS)
-            rows = panels.interpolation(np.minimum(tau, panels.highest))
-            left = t - tau
-            step = np.clip(np.searchsorted(edges, left, side="right") - 1, 0, edges.size - 1)
-            after = np.empty((tau.size, len(ALL)))
-            for s in np.unique(step):
-                now, h, gains = self._gains[s]
-                at = step == s
-                in_time = rule.rows((left[at] - now) / h)
-                after[at] = np.einsum("ns,ni,sik->nk", in_time, rows[at], gains, optimize=True)
-            chance = w * tau * np.exp(-0.5 * tau**2)
-            self.values[i] = free + chance @ moved(tau, after)
-        self.values *= np.isin(ALL, list(self.names))
+        if self._first is not None:
+            self._first.keep(now, h, stages)
 
 
 def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:

@@ -1,4 +1,4 @@
-"""Which panels, nodes and harmonics a steady state needs for a relative accuracy."""
+"""Which panels, nodes and harmonics are needed for a relative accuracy."""
 
 from __future__ import annotations
 
@@ -17,6 +17,37 @@ _FEWEST = 4  # nodes of a panel
 _TOP_PANELS = 2  # where f falls
 SMALL_RATIO = 1e-3  # speed ratio below which averages of v^-2 are not resolved
 _FIRST_PANEL = 1e3  # by this much f may vary on the first panel, in units of the accuracy
+
+
+@dataclass(frozen=True)
+class TimeResolution:
+    """How finely the averages are resolved.
+
+    Parameters
+    ----------
+    nodes : of a panel of speeds
+    harmonics : M, odd
+    lowest : the first panel is about so long
+    rtol : what a step of time may miss
+    """
+
+    nodes: int
+    harmonics: int
+    lowest: float
+    rtol: float
+
+    @classmethod
+    def of(cls, rtol: float) -> TimeResolution:
+        """A first one, whose error its finer one shows, for a relative accuracy."""
+        digits = -math.log10(max(rtol, 1e-12))
+        harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
+        nodes = math.ceil(1.5 * digits + 1.0)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), rtol)
+
+    def finer(self) -> TimeResolution:
+        """With half as many harmonics again, some more nodes and shorter steps."""
+        harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
+        return TimeResolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
 
 
 @dataclass(frozen=True)

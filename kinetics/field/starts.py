@@ -7,43 +7,81 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.field.backward import ALL, IS_EVEN
+from kinetics.field.first_collision import Rays
 from kinetics.field.panels import SpeedPanels
+from kinetics.field.resolution import TimeResolution
 from kinetics.numerics import FloatArray
+from kinetics.states.directed import Beam, VelocitySamples
+from kinetics.states.isotropic import Rest
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 _PIECE = 20_000  # points of a state that are interpolated at once
+_SLOW = 1.0  # isotropic starts with a highest speed below this are followed along rays
+_FEW = 64  # so many velocities are followed each
 
 
 @dataclass(frozen=True)
 class Start:
-    """An initial state, as its harmonics about the field; or rest.
+    """An initial state: its harmonics about the field, or rays, along which tracers fall freely.
+
+    Averages converge fast over harmonics where the start has few of them, and is not slow.
 
     Parameters
     ----------
-    measures : weighted points of ln(v/U) of each harmonic, or None; without any: rest
+    measures : weighted points of ln(v/U) of each harmonic, or None
     speed : U in sqrt(g l)
+    rays : if there are any, they are used, and not the harmonics
     """
 
     measures: tuple[LogMeasure | None, ...]
     speed: float
+    rays: Rays | None = None
 
     @classmethod
-    def of(cls, state: State, harmonics: int, rtol: float, speed: float) -> Start:
-        """Up to the highest harmonic that is solved, with averages of v^0 to v^4."""
+    def rest(cls) -> Start:
+        """All tracers are at rest."""
+        return cls((), 1.0, Rays(np.zeros(1), np.zeros(1), np.ones(1), True))
+
+    @classmethod
+    def of(
+        cls, state: State, rtol: float, speed: float, resolution: TimeResolution, dimension: int
+    ) -> Start:
+        """With harmonics up to the highest that is solved, and averages of v^0 to v^4."""
+        if isinstance(state, Rest):
+            return cls.rest()
+        harmonics = resolution.harmonics
+        speeds = state.harmonic(0, rtol, 0.0, 4.0)
+        if speeds is None:
+            raise ValueError("an initial state without a density of the speed")
+        if isinstance(state, Beam):
+            rays = Rays.beam(speeds, speed, state.direction, 2 * resolution.nodes)
+            return cls((speeds,), speed, rays)
+        if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
+            velocity = speed * np.asarray(state.velocity)
+            weight = np.full(velocity.shape[0], 1.0 / velocity.shape[0])
+            return cls((speeds,), speed, Rays(velocity[:, 0], velocity[:, 1], weight, False))
         there = state.highest_harmonic
         last = harmonics if there is None else min(there, harmonics)
+        if there == 0 and speed * float(np.exp(speeds.x.max())) < _SLOW:
+            points, directions = max(3, resolution.nodes // 2), (harmonics + 1) // 2
+            rays = Rays.isotropic(speeds, speed, points, directions, dimension)
+            return cls((speeds,), speed, rays)
         found = tuple(state.harmonic(m, rtol, 0.0, 4.0) for m in range(last + 1))
         return cls(found, speed)
 
     @property
     def is_symmetric(self) -> bool:
         """Whether the state is symmetric about the field."""
+        if self.rays is not None:
+            return self.rays.symmetric
         return not any(np.any(np.imag(m.weight)) for m in self.measures if m)
 
     @property
     def highest(self) -> float:
         """The largest speed at the start."""
+        if self.rays is not None:
+            return float(np.max(np.hypot(self.rays.along, self.rays.across)))
         return max((self.speed * float(np.exp(m.x.max())) for m in self.measures if m), default=0.0)
 
     def functional(self, panels: SpeedPanels, harmonics: int) -> FloatArray:
@@ -59,26 +97,3 @@ class Start:
                 # the weights have the factor exp(-i m phi)
                 out[m] += np.where(IS_EVEN, found.real[:, None], -found.imag[:, None])
         return out
-
-
-def free_fall(t: FloatArray) -> FloatArray:
-    """The even observables of a tracer that falls from rest, (n, n_observables)."""
-    out = np.zeros((t.size, len(ALL)))
-    for name, power in (("v_x", 1), ("v^2", 2), ("v^2 cos 2", 2), ("v^3", 3), ("v^4", 4)):
-        out[:, ALL.index(name)] = t**power
-    out[:, ALL.index("x")] = 0.5 * t**2
-    out[:, ALL.index("x^2")] = 0.25 * t**4
-    return out
-
-
-def moved(fallen: FloatArray, after: FloatArray) -> FloatArray:
-    """Averages from rest with the first collision after these times (n,).
-
-    after : averages from that collision on, (n, n_observables)
-    """
-    out = after.copy()
-    way = 0.5 * fallen**2
-    out[:, ALL.index("x")] += way
-    out[:, ALL.index("x^2")] += way**2 + 2.0 * way * after[:, ALL.index("x")]
-    out[:, ALL.index("collisions")] += 1.0
-    return out

@@ -13,10 +13,10 @@ import numpy as np
 from numba.extending import is_jitted, overload
 
 from particles.compiled import slots
-from particles.compiled.slots import SLOTS, crowd, strike, strike_in_space
+from particles.compiled.slots import SLOTS, crowd, near_chord, strike, strike_in_space
 from particles.events import contact
 
-__all__ = ["FORM", "NOTE", "SLOTS", "crowd", "strike", "strike_in_space"]
+__all__ = ["FORM", "NOTE", "SLOTS", "crowd", "near_chord", "strike", "strike_in_space"]
 
 
 def _choose() -> tuple[ModuleType, str, str]:
@@ -61,3 +61,11 @@ def _compiled_strike_in_space(
     direction: tuple[float, float, float],
 ) -> Callable:  # fmt: skip
     return _MODULE.strike_in_space
+
+
+@overload(near_chord, inline="always")
+def _compiled_near_chord(
+    slots: np.ndarray, cell: int, place: tuple[float, float], chord: tuple[float, float],
+    reach2: float,
+) -> Callable:  # fmt: skip
+    return _MODULE.near_chord

@@ -35,6 +35,27 @@ def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     return mask
 
 
+def near_chord(
+    slots: np.ndarray, cell: int, place: tuple[float, float], chord: tuple[float, float],
+    reach2: float,
+) -> int:  # fmt: skip
+    """Return which slots of a cell are near a chord, one bit each.
+
+    chord: vector from `place` to its end. reach2: square of the distance up to which they count.
+    """
+    (x, y), (ex, ey) = place, chord
+    per = 1.0 / max(ex * ex + ey * ey, 1e-300)
+    mask = 0
+    for slot in range(SLOTS):
+        dx, dy = slots[cell, slot] - x, slots[cell, SLOTS + slot] - y
+        part = (dx * ex + dy * ey) * per
+        part = part if part > 0.0 else 0.0
+        part = part if part < 1.0 else 1.0
+        px, py = dx - part * ex, dy - part * ey
+        mask |= int(px * px + py * py <= reach2) << slot
+    return mask
+
+
 def strike_in_space(
     slots: np.ndarray, cell: int, place: tuple[float, float, float],
     direction: tuple[float, float, float],

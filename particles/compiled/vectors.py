@@ -146,6 +146,31 @@ def _crowd(typingctx, slots, cell, x, y):  # type: ignore[no-untyped-def]
     return signature, generate
 
 
+@intrinsic
+def _near_chord(typingctx, slots, cell, x, y, ex, ey, reach2):  # type: ignore[no-untyped-def]
+    signature = types.int64(slots, cell, x, y, ex, ey, reach2)
+
+    def generate(context, b, sig, args):  # type: ignore[no-untyped-def]
+        load = _loader(context, b, sig, args)
+        (_, _, x, y, ex, ey, reach2) = args
+        square = b.fadd(b.fmul(ex, ex), b.fmul(ey, ey))
+        least = ir.Constant(_DOUBLE, 1e-300)
+        square = b.select(b.fcmp_ordered(">", square, least), square, least)
+        per = _splat(b, b.fdiv(ir.Constant(_DOUBLE, 1.0), square))
+        px, py, ahead, across, reach = (_splat(b, a) for a in (x, y, ex, ey, reach2))
+        zero, one = (ir.Constant(_VECTOR, [value] * SLOTS) for value in (0.0, 1.0))
+        # The lines of the loop, in its order.
+        dx, dy = b.fsub(load(0), px), b.fsub(load(SLOTS), py)
+        part = b.fmul(b.fadd(b.fmul(dx, ahead), b.fmul(dy, across)), per)
+        part = b.select(b.fcmp_ordered(">", part, zero), part, zero)
+        part = b.select(b.fcmp_ordered("<", part, one), part, one)
+        dx, dy = b.fsub(dx, b.fmul(part, ahead)), b.fsub(dy, b.fmul(part, across))
+        near = b.fcmp_ordered("<=", b.fadd(b.fmul(dx, dx), b.fmul(dy, dy)), reach)
+        return b.zext(b.bitcast(near, ir.IntType(SLOTS)), _INT64)
+
+    return signature, generate
+
+
 def strike(
     slots: np.ndarray, cell: int, x: float, y: float, ux: float, uy: float
 ) -> tuple[float, int]:
@@ -156,6 +181,15 @@ def strike(
 def crowd(slots: np.ndarray, cell: int, x: float, y: float) -> int:
     """As `particles.compiled.slots.crowd`; runs compiled only."""
     return _crowd(slots, cell, x, y)  # type: ignore[call-arg]
+
+
+def near_chord(
+    slots: np.ndarray, cell: int, place: tuple[float, float], chord: tuple[float, float],
+    reach2: float,
+) -> int:  # fmt: skip
+    """As `particles.compiled.slots.near_chord`; runs compiled only."""
+    (x, y), (ex, ey) = place, chord
+    return _near_chord(slots, cell, x, y, ex, ey, reach2)  # type: ignore[call-arg]
 
 
 def strike_in_space(
@@ -172,7 +206,8 @@ def strike_in_space(
 @njit
 def _all(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     space = _strike_in_space(slots, cell, x, y, 0.5 * x, 0.6 * ux, 0.6 * uy, 0.8)
-    return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y), space
+    near = _near_chord(slots, cell, x, y, 3.0 * ux, 3.0 * uy, 1.5)
+    return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y), space, near
 
 
 def check() -> None:
@@ -180,6 +215,7 @@ def check() -> None:
     row = np.linspace(-3.0, 3.0, 3 * SLOTS)[None, :]
     for x, y, ux, uy in ((0.1, 0.2, 0.6, 0.8), (-2.0, 2.5, 0.8, -0.6), (9.0, 9.0, 1.0, 0.0)):
         space = loop.strike_in_space(row, 0, (x, y, 0.5 * x), (0.6 * ux, 0.6 * uy, 0.8))
-        expected = loop.strike(row, 0, x, y, ux, uy), loop.crowd(row, 0, x, y), space
+        near = loop.near_chord(row, 0, (x, y), (3.0 * ux, 3.0 * uy), 1.5)
+        expected = loop.strike(row, 0, x, y, ux, uy), loop.crowd(row, 0, x, y), space, near
         if _all(row, 0, x, y, ux, uy) != expected:
             raise ArithmeticError("its results are not those of the loop")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from particles.compiled.decorators import inlined
-from particles.compiled.search import SLOTS
+from particles.compiled.search import SLOTS, near_chord
 from particles.events import NEVER, bounce
 from particles.grid.blocks import is_unbounded, place
 from particles.kernel.contact_in_field import APART, STRUCK, TANGENT, contact_in_field
@@ -88,20 +88,17 @@ def next_contact(
     first = min(lane.wall_x, lane.wall_y)
     found, meets_x, meets_y = NEVER, 0.0, 0.0
     ex, ey = (lane.vx + 0.5 * field * first) * first, lane.vy * first
-    per = 1.0 / max(ex * ex + ey * ey, AT_REST)
     reach = 1.0 + 1e-9 + 0.125 * abs(field) * first * first
-    reach *= reach
-    for slot in range(SLOTS):
-        cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
-        dx, dy = cx - x, cy - y
-        part = (dx * ex + dy * ey) * per
-        part = part if part > 0.0 else 0.0
-        part = part if part < 1.0 else 1.0
-        dx, dy = dx - part * ex, dy - part * ey
-        if dx * dx + dy * dy <= reach:
+    mask = near_chord(slots, cell, (x, y), (ex, ey), reach * reach)
+    slot = 0
+    while mask:
+        if mask & 1:
+            cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
             t = _meet(lane, cx, cy, field, first)
             if t < NEVER:
                 found, first, meets_x, meets_y = t, t, cx, cy
+        mask >>= 1
+        slot += 1
     node = head[cell]
     while node >= 0:
         cx, cy = nodes[node, 0], nodes[node, 1]

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, simulate
+from particles import OBSERVABLES, BoltzmannGrad, Ensemble, simulate
 
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
 # All but what a field refuses.
@@ -347,8 +347,3 @@ def test_bad_input_gets_one_line(changes: dict, message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)) as caught:
         simulate(**(good | changes))
     assert "\n" not in str(caught.value)
-
-
-def test_media_with_scatterers_refuse_a_field() -> None:
-    with pytest.raises(ValueError, match=r"^field = 1.0: is not there for HardDisks, only for"):
-        simulate(HardDisks(0.04), 0.5, times=[1.0], field=1.0)

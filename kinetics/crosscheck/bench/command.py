@@ -9,7 +9,7 @@ import click
 from kinetics.crosscheck.commands.options import json_option
 from kinetics.crosscheck.commands.sweeps import output_option, run_and_write
 
-CASES = ("scaled", "cooling", "position", "accuracy", "skipping", "cost", "particles")
+CASES = ("scaled", "cooling", "position", "field", "accuracy", "skipping", "cost", "particles")
 
 
 @click.command(short_help="Measure run time against error, and what skipping saves.")

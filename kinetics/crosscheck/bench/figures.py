@@ -41,15 +41,16 @@ HOW_TO_READ = (
 
 
 def work_precision(records: Iterable[Record]) -> str | None:
-    """Run time against error on the scaled equation, as text of an SVG file; None without rows.
+    """Run time against error on the scaled equation and in a field, as text of an SVG file.
 
-    A column for each restitution, F(c) above, h and a2 below. The same rows give the same text.
+    A column for each restitution; a row for F(c), for h and a2, and for each problem in a field.
+    The same rows give the same text; None without rows.
     """
     drawn = [r for r in records if r.seconds and r.error is not None]
     panels: dict[str, dict[float, list[Record]]] = {}  # of each quantity, by restitution
     for name, rows in of_problems(drawn, PRECISION).items():
         quantity, _, restitution = name.rpartition(", e = ")
-        if name.startswith("scaled"):
+        if name.startswith(("scaled", "field")):
             panels.setdefault(quantity, {})[float(restitution)] = rows
     if not panels:
         return None
@@ -62,7 +63,9 @@ def work_precision(records: Iterable[Record]) -> str | None:
     buffer = io.StringIO()
     with mpl.rc_context(STYLE):
         # as wide as a page of 900 px
-        figure = Figure(figsize=(9.375, 6.1), layout="constrained", facecolor="white")
+        figure = Figure(
+            figsize=(9.375, 1.1 + 2.5 * len(panels)), layout="constrained", facecolor="white"
+        )
         FigureCanvasSVG(figure)
         axes = figure.subplots(
             len(panels), len(restitutions), squeeze=False, sharex=True, sharey=True
@@ -71,7 +74,10 @@ def work_precision(records: Iterable[Record]) -> str | None:
         for line, (quantity, column) in zip(axes, panels.items(), strict=True):
             line[0].set_ylabel("largest relative error")
             for axis, e in zip(line, restitutions, strict=True):
-                legend |= _panel(axis, column.get(e, []))
+                if e not in column:
+                    axis.set_axis_off()
+                    continue
+                legend |= _panel(axis, column[e])
                 axis.set_title(typeset(f"{quantity}, e = {e:g}"))
         figure.legend(legend.values(), legend, loc="outside upper center", ncols=len(legend))
         figure.supxlabel(f"run time, one thread [s]\n{HOW_TO_READ}", fontsize=10.0)

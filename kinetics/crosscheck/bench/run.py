@@ -25,6 +25,7 @@ CASES = {
     "scaled": "precision.scaled",
     "cooling": "precision.cooling",
     "position": "position.position",
+    "field": "field.field",
     "accuracy": "accuracy.accuracy",
     "skipping": "skipping.skipping",
     "cost": "cost.cost",

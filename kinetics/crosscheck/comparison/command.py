@@ -56,7 +56,8 @@ FORMATS = ("pdf", "png", "svg")
 @click.option(
     "--positions", type=click.Choice(["auto", "displacement", "absolute"]), default="auto",
     help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
-    "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped.",
+    "they are not 0 at time 0. Absolute ones need the column tracer, and must not be "
+    "wrapped unless the file has the box and short steps.",
 )  # fmt: skip
 @click.option(
     "--speed-unit", default="1", metavar="NUMBER|data",
@@ -68,7 +69,8 @@ FORMATS = ("pdf", "png", "svg")
 )  # fmt: skip
 @click.option(
     "--time-unit", type=float, default=None,
-    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit]",
+    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit, in the units "
+    "that the file states, if it does]",
 )  # fmt: skip
 @click.option(
     "--timestep", type=float, default=None,

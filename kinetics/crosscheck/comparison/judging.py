@@ -198,7 +198,8 @@ def rows_of(both: DataAndTheory) -> Iterator[ComparisonRow]:
                 sigmas = float(both.difference[i, k] / error)
                 corrected = corrected_sigmas(sigmas, float(effective[i, k]), looks)
                 verdict = judge_sigmas(corrected)
-            elif sample.groups < 3:  # one tracer is always like itself
+            elif sample.groups < 3 or (sample.law.field and sample.times[k] > 0):
+                # One tracer is always like itself, and falls before its first collision as others.
                 verdict = Verdict.UNDEFINED
             else:
                 same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)

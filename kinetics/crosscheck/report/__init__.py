@@ -11,7 +11,11 @@ Begin with `report.py`, which calls the others in this order:
 - `observables`: reduces densities and averages to numbers that can be compared
 - `row`, `case_rows`: one comparison and its verdict; all comparisons of one restitution
 - `questions`: the claims of the paper as questions, answered with these numbers
-- `figure_lines`, `all_figures`, `scan_figures`: the data of each figure; `figures`: draws them
+- `causes`, `claims`, `headline`: what lifts the paper's 1.45, the paper's claims judged, and the
+  findings with which the page opens; `picture`: tracers among the disks
+- `figure_lines`, `all_figures`, `scan_figures`: the data of each figure; `figures`: makes files of
+  them, with `strokes` (colours, markers), `drawing` (one panel) and `layout` (all of them)
+- `citations`: the paper's equations by their numbers
 - `templates`, `page`: sentences and the HTML page, whose prose stands in `../templates`
 
 The report of tracers in a uniform field (`lorentz report --field`) has files of its own, of which

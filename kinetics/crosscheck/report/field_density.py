@@ -15,7 +15,7 @@ from kinetics.crosscheck.report.field_rows import SOLVER
 from kinetics.crosscheck.report.field_runs import FORGOTTEN, LONGER, relaxation_time
 from kinetics.crosscheck.report.field_settings import FieldSettings
 from kinetics.crosscheck.report.observables import contact_value, jackknife_error
-from kinetics.crosscheck.report.row import Row
+from kinetics.crosscheck.report.row import TWO_SIDED, Row
 from kinetics.crosscheck.verdicts import corrected_sigmas, judge_sigmas
 
 if TYPE_CHECKING:
@@ -150,6 +150,7 @@ def density_row(case: DensityCase) -> Row:
         "drift_among_disks", case.restitution, "statistical", HARD_DISKS, SOLVER,
         value, 1.0, value - 1.0, error=error, sigmas=sigmas, corrected_sigmas=corrected,
         groups=case.groups, verdict=judge_sigmas(corrected),
+        within=abs(value - 1.0) + TWO_SIDED * error,
     )  # fmt: skip
 
 

@@ -8,11 +8,14 @@ from markupsafe import Markup
 from kinetics.crosscheck.report.field_drawing import svg
 from kinetics.crosscheck.report.field_rows import OBSERVABLES
 from kinetics.crosscheck.report.field_settings import SCATTERERS
-from kinetics.crosscheck.report.page import deviation
+from kinetics.crosscheck.report.page import CLASSES, deviation, verdict_words
 from kinetics.crosscheck.report.templates import environment
 from kinetics.crosscheck.text_tables import aligned
+from kinetics.crosscheck.verdicts import EXPLAINED, WORDS
 
-DENSE_FIGURES = ("density-drift", "trajectories", "density-trapped", "density-captures")
+TOP_FIGURES = ("drift", "trajectories")
+"""The figures beside the findings; the first is the main one."""
+DENSE_FIGURES = ("density-drift", "density-trapped", "density-captures")
 """The figures of the section on hard disks, in its order."""
 
 
@@ -27,10 +30,14 @@ def render_field(document: Mapping[str, Any]) -> str:
             svgs={name: Markup(svg(name, data)) for name, data in figures.items()},
             matrices=[(SCATTERERS[d], matrix(document, d)) for d in _dimensions(document)],
             names=SCATTERERS,
+            top_figures=[name for name in TOP_FIGURES if name in figures],
             dense_figures=[name for name in DENSE_FIGURES if name in figures],
             restitutions=columns(document),
             observables=OBSERVABLES,
             deviation=deviation,
+            said=verdict_words,
+            explained=EXPLAINED,
+            classes=CLASSES,
         )
     )
 
@@ -67,7 +74,7 @@ def verdict_table(document: Mapping[str, Any]) -> str:
     for d in _dimensions(document):
         for line in matrix(document, d):
             rows = [row for row in line["rows"] if row]
-            words = [row["verdict"] for row in rows]
+            words = [WORDS[row["verdict"]] for row in rows]
             counted = ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys(words))
             worst = max(rows, key=lambda row: abs(row["sigmas"] or row["deviation"]))
             at = f"e = {worst['restitution']:g}"

@@ -10,7 +10,7 @@ import numpy as np
 from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_limits import dispersion_near_elastic, drift_near_elastic
 from kinetics.crosscheck.report.field_runs import ApproachCase, SteadyCase
-from kinetics.crosscheck.report.row import EXACT, Names, Row
+from kinetics.crosscheck.report.row import EXACT, TWO_SIDED, Names, Row
 from kinetics.crosscheck.verdicts import (
     corrected_sigmas,
     judge_approximation,
@@ -127,12 +127,13 @@ def statistical(
     assert at is not None
     k = at.index
     corrected = corrected_sigmas(at.sigmas, case.groups, at.looks)
+    seen = (np.abs(value - expected) + TWO_SIDED * error) / np.abs(expected)
     return Row(
         observable, case.restitution, "statistical", PARTICLES, against,
         float(value[k]), float(expected[k]), float(value[k] / expected[k] - 1.0),
         error=float(error[k]), time=None if times is None else float(times[k]),
         sigmas=at.sigmas, corrected_sigmas=corrected, looks=at.looks, groups=case.groups,
-        verdict=judge_sigmas(corrected),
+        verdict=judge_sigmas(corrected), within=float(np.max(seen)),
     )  # fmt: skip
 
 

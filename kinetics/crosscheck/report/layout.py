@@ -167,14 +167,19 @@ def mark_spans(data: FigureData, axis: "Axes", spans: Sequence[Mapping[str, Any]
 def _line_ends(series: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, float, float]]:
     """Index and last point of the line that bears each label: one for each e, one for each source.
 
-    A restitution's label stands at its first line, a line without restitution has its source's.
+    A restitution's label stands at its first line, that of another group at its last; a line
+    without either has the name of its source.
     """
     ends: dict[str, tuple[int, float, float]] = {}
     for k, one in enumerate(series):
         if one["error"] is not None or one["source"] in _UNLABELLED:
             continue
         known = [(x, y) for x, y in zip(one["x"], one["y"], strict=True) if y is not None]
-        if len(known) > 1:
+        if len(known) < 2:
+            continue
+        if one.get("group"):
+            ends[one["group"]] = (k, *known[-1])
+        else:
             ends.setdefault(group_of(one) or one["source"], (k, *known[-1]))
     return ends
 

@@ -17,7 +17,7 @@ from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
 from kinetics.crosscheck.report.case_rows import rows_of_case
-from kinetics.crosscheck.report.causes import causes
+from kinetics.crosscheck.report.causes import Causes, causes
 from kinetics.crosscheck.report.citations import number_of
 from kinetics.crosscheck.report.claims import claims
 from kinetics.crosscheck.report.density_part import add_density_part, gather_density_part
@@ -140,7 +140,7 @@ def build_document(
                 chance_below=chance(AGREES_BELOW),
                 chance_above=chance(DIFFERS_ABOVE),
             ),
-            "findings": _findings(settings, cases, scans, rows),
+            "findings": _findings(results, scans, rows, steps),
             "rows": [asdict(row) for row in rows],
             "algebra": list(checks),
             "cases": [_case(case) for case in cases],
@@ -198,9 +198,10 @@ def _summary(settings: ReportSettings, rows: Sequence[Row], checks: Checks) -> s
 
 
 def _findings(
-    settings: ReportSettings, cases: Sequence[Case], scans: Scans | None, rows: Sequence[Row]
+    results: Results, scans: Scans | None, rows: Sequence[Row], steps: Sequence[Causes]
 ) -> list[str]:
     """What explains the differences, one paragraph each, with numbers and errors."""
+    settings, cases = results.settings, results.cases
     dilute = 1 / (2 * settings.half_rate)
     dense = dilute / contact_value(settings.number_density, dimension=settings.dimension)
     runs = [run for case in cases for run in case.runs]
@@ -217,5 +218,6 @@ def _findings(
         capped=max(run.above_cap for run in runs),
         trapped=any(case.hard.statuses["trapped"] for case in cases),
         fit=sonine.FITTED_COOLING_FACTOR, words=WORDS,
+        same_times={step.restitution: step.same_times for step in steps},
         shorts={name: names.short for name, names in OBSERVABLES.items()},
     )  # fmt: skip

@@ -68,7 +68,7 @@ def off(values: Iterable[float], compared: bool = True) -> str:
 
 
 def by_how_much(percents: Iterable[float]) -> str:
-    """What a formula is off by: per cent with their signs, or factors where it is twice the truth."""
+    """What a formula is off by: per cent with their signs, or factors if it is twice the truth."""
     known = [p for p in percents if math.isfinite(p)]
     if max(known, default=0.0) < 100:
         return span(known, "+.0f") + " %"

@@ -9,12 +9,21 @@ from collections.abc import Callable, Iterable
 from kinetics.crosscheck.stress.case import Case, StressCase, attempt
 from kinetics.crosscheck.stress.cooling_cases import cooling_cases, scaled_cases
 from kinetics.crosscheck.stress.density_cases import density_cases
+from kinetics.crosscheck.stress.field_cases import field_cases
 from kinetics.crosscheck.stress.particle_cases import flight_cases, medium_cases
 from kinetics.crosscheck.stress.position_cases import position_cases
 from kinetics.crosscheck.stress.report import StressReport
 from kinetics.errors import InputError
 
-_PARTS = (scaled_cases, cooling_cases, density_cases, position_cases, medium_cases, flight_cases)
+_PARTS = (
+    scaled_cases,
+    cooling_cases,
+    density_cases,
+    position_cases,
+    field_cases,
+    medium_cases,
+    flight_cases,
+)
 
 
 def all_cases(quick: bool) -> list[Case]:

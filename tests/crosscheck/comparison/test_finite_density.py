@@ -81,7 +81,7 @@ def test_the_text_says_what_is_known_of_the_theory() -> None:
     )
     for symbol, name in (("v₀", "thermal_speed"), ("⟨r²⟩", "msd")):
         change = getattr(dense, name)[-1] / getattr(dilute, name)[-1] - 1
-        assert f"{symbol} by {change:+.2%}" in text
+        assert f"{symbol} by {change:+.2%}".replace("-", "−") in text
     assert "trusted from 30 l/U = 375 d/U on; 4 of the 7 times are earlier" in text
     # .2 n of <r^2> from there on and .8 n before
     assert "0.80% of ⟨r²⟩ from that time on, 0.40% and 3.20% before" in text

@@ -64,6 +64,20 @@ def test_a_field_is_compared() -> None:
     assert set(wrong.figures) == {"sigmas", *(name.replace("_", "-") for name in IN_FIELD)}
 
 
+def test_a_time_before_all_collisions_says_nothing() -> None:
+    """No tracer has collided: each falls alike, which few tracers may do by chance."""
+    rng, n = np.random.default_rng(1), 30
+    velocities, positions = np.zeros((3, n, 2)), np.zeros((3, n, 2))
+    velocities[1], positions[1] = [0.5, 0.0], [1.25, 0.0]
+    velocities[2] = rng.normal((0.6, 0.0), size=(n, 2))
+    positions[2] = rng.normal((14.0, 0.0), 7.0, size=(n, 2))
+    found = compare({"times": TIMES, "positions": positions, "velocities": velocities}, **TOLD,
+                    field=0.1)  # fmt: skip
+    (row,) = (row for row in found.observable("drift") if row.time == 5.0)
+    assert (row.value, row.sigmas, row.verdict) == (0.5, None, "undefined")
+    assert all(test.dof == 1 for test in found.tests if test.observable != "drift")
+
+
 @pytest.mark.slow
 def test_spheres_and_a_gaussian_start_in_a_field() -> None:
     run = run_of(3, "gaussian", 300, observables=("positions", "velocities"))

@@ -178,7 +178,7 @@ def test_the_page_needs_nothing_beside_it_and_hides_no_figure(
 def test_the_printed_table_has_a_line_for_each_comparison(document: dict[str, Any]) -> None:
     table = verdict_table(document).splitlines()
     law = [line for line in table if line.startswith("disks") and "limit e → 1 / solver" in line]
-    assert law[0].split("solver")[1].split() == ["1", "rough", "-3.5", "%", "e", "=", "0.9"]
+    assert law[0].split("solver")[1].split() == ["1", "off", "by", "−3.5", "%", "e", "=", "0.9"]
     assert max(len(line) for line in table) <= 120
 
 

@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, InputError, Scene, load, solve, solve_field
-from kinetics.field.backward import ALL, needed_for
-from kinetics.field.evolution import Evolution, TimeResolution
+from kinetics.field.backward import ALL, BackwardField, backward_panels, needed_for
+from kinetics.field.evolution import Evolution, scales
+from kinetics.field.first_collision import Rays
+from kinetics.field.ladder import Chain
 from kinetics.field.radau import RadauRule
+from kinetics.field.resolution import TimeResolution
 from kinetics.field.starts import Start
+from kinetics.numerics.gauss import gauss_legendre
+from kinetics.states.quadrature import LogMeasure
 
 PATH = 12.5  # l at number_density 0.04
 OUTPUTS = ("mean_velocity", "mean_displacement", "thermal_speed", "displacement_tensor", "msd")
@@ -45,7 +50,7 @@ def test_elastic_relation_from_rest(dimension: int, factor: float) -> None:
     times = np.array([0.2, 1.0, 4.0, 20.0])
     resolution = TimeResolution.of(1e-6).finer()
     law = CollisionLaw(1.0, dimension=dimension)
-    values = Evolution(law, Start((), 1.0), times, resolution).values
+    values = Evolution(law, Start.rest(), times, resolution).values
     cube, velocity = values[:, ALL.index("v^3")], values[:, ALL.index("v_x")]
     assert cube == pytest.approx(factor * (times - velocity), rel=2e-6)
     assert values[:, ALL.index("v^2")] == pytest.approx(2.0 * values[:, ALL.index("x")], rel=1e-6)
@@ -116,7 +121,8 @@ def test_rtol_is_met(initial: str) -> None:
     [
         ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
         ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
-        ("gaussian", 1e-12, [1e-6, 1e-3], 1e-4),  # at 1e6 of the speeds that the field makes
+        # at 1e6 of the speeds that the field makes
+        pytest.param("gaussian", 1e-12, [1e-6, 1e-3], 1e-4, marks=pytest.mark.slow),
         (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3),
     ],
 )
@@ -209,6 +215,73 @@ def test_refusals(arguments: dict[str, Any], words: str) -> None:
 def test_extreme_fields_are_refused_in_one_line() -> None:
     with pytest.raises(InputError, match="out of range"):
         solve(Scene(0.7, times=[1.0], field=1e300, outputs=("mean_velocity",)))
+
+
+@pytest.mark.parametrize(("dimension", "family"), [(2, 0), (2, 1), (3, 0), (3, 1)])
+def test_no_error_grows_over_time(dimension: int, family: int) -> None:
+    """No solution of the equation on panels grows, down to low speeds: it had rates of 300."""
+    panels, top = backward_panels(6.0, 0.01, 7), 11 - family
+    chain, n = Chain(panels, dimension, family, False), panels.size
+    lost = BackwardField(CollisionLaw(0.7, dimension=dimension), panels, 11).collisions
+    count = top + 1 - family
+    rates = np.zeros((count, n, count, n))
+    for i, m in enumerate(range(family, top + 1)):
+        rates[i, :, i] = -lost[m]
+        if m < top:
+            rates[i, :, i + 1] = chain.from_above(m)
+        else:
+            rates[i, :, i] += chain.beyond(m)
+        if i > 0:
+            rates[i, :, i - 1] = chain.from_below(m)
+    rates /= panels.speeds[:, None, None]
+    fastest = np.linalg.eigvals(rates.reshape(count * n, count * n)).real.max()
+    assert fastest <= 1e-9
+
+
+@pytest.mark.parametrize("speed", [0.5, 1e-4])
+def test_a_beam_converges(speed: float) -> None:
+    """With few harmonics, whatever its speed; early it falls freely."""
+    start = Start(
+        (), 1.0, Rays(np.array([0.6]) * -speed, np.array([0.8]) * speed, np.ones(1), False)
+    )
+    law, times = CollisionLaw(0.7), np.array([1e-3, 0.3, 1.0, 4.0])
+    names = needed_for(["v_x", "v_y", "collisions"], symmetric=False)
+    coarse, fine = (
+        Evolution(law, start, times, resolution, names).values
+        for resolution in (TimeResolution.of(1e-4).finer(), TimeResolution(10, 17, 0.06, 1e-6))
+    )
+    scale = scales(fine)
+    used = scale > 0.0
+    assert np.max(np.abs(fine - coarse)[used] / scale[used]) <= 2e-5
+    early = fine[0]
+    assert early[ALL.index("v_y")] == pytest.approx(0.8 * speed, rel=1e-3)
+    assert early[ALL.index("v_x")] == pytest.approx(1e-3 - 0.6 * speed, rel=1e-3)
+
+
+def test_the_free_way_in_a_field() -> None:
+    """Against quadrature: to and from the turning point, and at 1e6 of the terminal speed."""
+    along, across = np.array([-0.5, 0.3, -1e6, 1e6, 0.0, -1.0]), np.array([0.2, 0, 1e6, 1, 0, 0])
+    rays = Rays(along, across, np.ones(6), False)
+    time = np.array([1.5, 2.0, 1e-6, 1e-7, 3.0, 2.5])
+    node, weight = gauss_legendre(60)
+    edges = np.clip(np.stack([0.0 * time, -along, time], axis=1), 0.0, time[:, None])
+    expected = sum(
+        (b - a) * (weight @ np.hypot(along + a + np.outer(node, b - a), across))
+        for a, b in zip(edges.T[:-1], edges.T[1:], strict=True)
+    )
+    assert rays.way(time) == pytest.approx(expected, rel=1e-12)
+
+
+def test_rays_with_fewer_speeds_keep_the_moments() -> None:
+    x = np.linspace(-3.0, 1.0, 80)
+    measure = LogMeasure(x, np.exp(-(x**2)) / np.exp(-(x**2)).sum())
+    rays = Rays.isotropic(measure, 0.1, 4, 5, 3)
+    assert rays.along.size == 20
+    speeds = np.hypot(rays.along, rays.across)
+    for p in range(8):
+        expected = measure.weight @ (0.1 * np.exp(x)) ** p
+        assert rays.weight @ speeds**p == pytest.approx(expected, rel=1e-12)
+    assert rays.weight @ rays.along**2 == pytest.approx(rays.weight @ speeds**2 / 3.0, rel=1e-12)
 
 
 def test_radau_rule() -> None:

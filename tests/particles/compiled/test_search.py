@@ -38,6 +38,11 @@ def _compiled_crowd(cells, k, x, y):  # type: ignore[no-untyped-def]
     return search.crowd(cells, k, x, y)
 
 
+@njit
+def _compiled_near_chord(cells, k, place, chord, reach2):  # type: ignore[no-untyped-def]
+    return search.near_chord(cells, k, place, chord, reach2)
+
+
 def test_the_vector_form_is_the_one_in_use() -> None:
     # Should numba or llvmlite change so that it fails, this test says so: half the speed is gone.
     assert (search.FORM, search.NOTE) == ("vectors", "")
@@ -47,7 +52,7 @@ def test_compiled_and_loop_give_the_same_bits() -> None:
     cells = many_cells()
     angles = np.random.default_rng(9).uniform(0, 2 * np.pi, CELLS)
     angles[:1500] = 0.0
-    struck = near = 0
+    struck = near = beside = 0
     for k, angle in enumerate(angles):
         at = (0.0, 0.0, float(np.cos(angle)), float(np.sin(angle)))
         path, slot = slots.strike(cells, k, *at)
@@ -55,10 +60,15 @@ def test_compiled_and_loop_give_the_same_bits() -> None:
         assert (np.float64(path).tobytes(), slot) == (np.float64(found[0]).tobytes(), found[1])
         mask = slots.crowd(cells, k, 0.3, -0.2)
         assert _compiled_crowd(cells, k, 0.3, -0.2) == mask
+        chord = 2.0 * at[2], 2.0 * at[3]
+        reached = slots.near_chord(cells, k, (0.1, -0.3), chord, 0.5)
+        assert _compiled_near_chord(cells, k, (0.1, -0.3), chord, 0.5) == reached
+        beside += reached > 0
         struck += path < 1e100
         near += mask > 0
     assert struck > 1000
     assert near > 500
+    assert beside > 500
 
 
 @njit

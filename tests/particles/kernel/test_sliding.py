@@ -1,4 +1,4 @@
-"""Sliding along a disk, leaving it, corners and traps: closed forms and an independent reference."""
+"""Sliding along a disk, leaving it, corners, traps: closed forms and an independent reference."""
 
 import importlib.util
 from pathlib import Path

@@ -1,0 +1,293 @@
+"""A field among disks: energy, nothing inside, the weak field, traps, files and threads."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from particles import (
+    OBSERVABLES,
+    Ensemble,
+    ForgetfulPoisson,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    Positions,
+    simulate,
+)
+from particles.grid.build import build
+from particles.grid.equilibrate import centres
+
+EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
+
+
+def tree_of(medium: HardDisks | Poisson, seed: int) -> cKDTree:
+    cells = build(medium, np.uint64(seed), 0)
+    positions = np.empty((medium.count, 2))
+    centres(cells, positions)
+    box = medium.box_side
+    return cKDTree((positions + box / 2) % box, boxsize=box)
+
+
+def gaps(medium: HardDisks | Poisson, seed: int, places: np.ndarray) -> np.ndarray:
+    box = medium.box_side
+    return tree_of(medium, seed).query((places.reshape(-1, 2) + box / 2) % box)[0] - 1
+
+
+STRESS = [
+    (HardDisks(0.04, 4000), 0.9, 0.08),
+    (HardDisks(0.5, 4000), 0.7, 1.0),
+    (Poisson(0.3, 4000), 0.9, -0.5),
+    (Poisson(0.1, 4000), 0.0, 0.2),
+    (Poisson(0.2, 4000), 0.98, 5.0),
+    (HardDisks(0.3, 4000), 1.0, 0.3),
+]
+
+
+def check_energy_and_gaps(medium: HardDisks | Poisson, e: float, g: float, size: tuple) -> int:
+    tracers, n_times, last = size
+    run = simulate(
+        medium, e, times=np.linspace(0.05, last, n_times), media=1, tracers=tracers, seed=11,
+        field=g, observables=["positions", "velocities"],
+    )  # fmt: skip
+    # Rounding of coordinates as large as these.
+    rounding = 1e-15 * (10 + abs(run.positions).max())
+    assert gaps(medium, 11, run.positions).min() > -rounding
+    energy = (run.velocities**2).sum(axis=2) / 2 - g * run.positions[:, :, 0]
+    gain = np.diff(energy, axis=0)
+    assert gain.max() < 1e-9
+    if e == 1.0:
+        assert abs(gain).max() < 1e-9
+    return run.collision_total
+
+
+@pytest.mark.parametrize(("medium", "e", "g"), STRESS)
+def test_no_tracer_is_inside_a_disk_and_none_gains_energy(
+    medium: HardDisks | Poisson, e: float, g: float
+) -> None:
+    check_energy_and_gaps(medium, e, g, (100, 200, 60.0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("medium", "e", "g"), STRESS)
+def test_no_tracer_is_inside_a_disk_in_1e7_events(
+    medium: HardDisks | Poisson, e: float, g: float
+) -> None:
+    assert check_energy_and_gaps(medium, e, g, (4000, 500, 1000.0)) > 1e6
+
+
+def test_every_event_is_on_a_disk_and_loses_the_energy_that_the_law_says() -> None:
+    medium, e, g = HardDisks(0.1, 4000), 0.8, 0.2
+    before = None
+    for k in range(1, 8):
+        run = simulate(
+            medium, e, media=1, tracers=2000, max_collisions=k, seed=5, field=g,
+            observables=["finals"],
+        )  # fmt: skip
+        ln_v, ln_t, x, _, n = run.finals.T
+        assert np.all(n == k)
+        assert abs(gaps(medium, 5, run.finals[:, 2:4])).max() < 1e-12
+        energy = np.exp(2 * ln_v) / 2 - g * x
+        if before is not None:
+            loss = before[0] - energy
+            kinetic = before[0] + g * x
+            assert np.all(loss > -1e-12)
+            assert np.all(loss < (1 - e * e) * kinetic + 1e-12)
+            assert np.all(ln_t > before[1])
+        before = energy, ln_t
+
+
+def test_elastic_tracers_keep_their_energy_over_1e4_collisions() -> None:
+    run = simulate(
+        HardDisks(0.3, 1000), 1.0, times=[1.0, 15_000.0], media=1, tracers=6, field=0.02,
+        observables=["positions", "velocities"],
+    )  # fmt: skip
+    assert run.collisions.value[-1] > 1e4
+    kinetic = (run.velocities**2).sum(axis=2) / 2
+    energy = kinetic - 0.02 * run.positions[:, :, 0]
+    assert abs(np.diff(energy, axis=0)).max() < 1e-9
+
+
+@pytest.mark.parametrize("medium", [HardDisks(0.1, 400), Poisson(0.1, box=None)])
+def test_a_weak_field_gives_the_run_without_field(medium: HardDisks | Poisson) -> None:
+    arguments = dict(
+        restitution=0.8, times=[1.0, 4.0, 9.0], media=2, tracers=50,
+        observables=["positions", "velocities", "free_path_histogram"],
+    )  # fmt: skip
+    without, weak = (simulate(medium, **arguments, field=g) for g in (0.0, 1e-13))
+    assert without.collisions.value[-1] > 1.5
+    assert np.array_equal(without.moments[:, :, 5], weak.moments[:, :, 5])
+    np.testing.assert_allclose(weak.positions, without.positions, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(weak.velocities, without.velocities, rtol=1e-7, atol=1e-7)
+    assert weak.mean_free_path.value == pytest.approx(without.mean_free_path.value, rel=1e-9)
+    counts = "histograms/free_path_histogram/sums"
+    assert np.array_equal(without.arrays[counts], weak.arrays[counts])
+
+
+def corners_of(positions: np.ndarray, box: float, field: float) -> np.ndarray:
+    """Return the places (n, 2) at rest between two disks, outside all others."""
+    tree = cKDTree(positions, boxsize=box)
+    pairs = tree.query_pairs(2.0, output_type="ndarray")
+    one = positions[pairs[:, 0]]
+    apart = (positions[pairs[:, 1]] - one + box / 2) % box - box / 2
+    length = np.hypot(*apart.T)
+    across = np.stack((-apart[:, 1], apart[:, 0]), axis=1) * np.sqrt(1 / length**2 - 0.25)[:, None]
+    found = []
+    for sign in (1, -1):
+        a = apart / 2 + sign * across
+        b = a - apart
+        turn = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        held = (-field * b[:, 1] * turn > 0) & (field * a[:, 1] * turn > 0)
+        found.append((one + a)[held] % box)
+    every = np.concatenate(found)
+    return every[tree.query(every)[0] > 1 - 1e-9]
+
+
+def test_the_density_of_traps_and_that_each_of_them_holds_a_grain() -> None:
+    n, box = 0.3, 200.0
+    rng = np.random.default_rng(2)
+    positions = rng.uniform(0, box, (rng.poisson(n * box * box), 2))
+    traps = corners_of(positions, box, 1.0)
+    expected = np.pi * n * n * np.exp(-np.pi * n) * box * box
+    # Twice the Poisson error: they are correlated, measured 1.05 of it.
+    assert abs(len(traps) - expected) < 4 * np.sqrt(expected)
+    kept = 0
+    for corner in traps[:12]:
+        start = corner - [1e-3, 0.0]
+        if cKDTree(positions, boxsize=box).query(start % box)[0] < 1:
+            continue  # a third disk is in between
+        kept += 1
+        medium = Positions(positions, box, start=tuple(start))
+        run = simulate(medium, 0.5, "rest", [50.0], media=1, tracers=1, field=1.0)
+        assert run.statuses.trapped == 1
+        np.testing.assert_allclose(run.statuses.trap_places[0], [1e-3, 0.0], atol=1e-9)
+    assert kept > 8
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+def test_tracers_are_trapped_in_corners_that_hold_them_and_nowhere_else(
+    restitution: float,
+) -> None:
+    n, box = 0.3, 60.0
+    rng = np.random.default_rng(3)
+    positions = rng.uniform(0, box, (int(n * box * box), 2))
+    positions = positions[np.hypot(*(positions - box / 2).T) > 1]
+    run = simulate(
+        Positions(positions, box), restitution, times=np.array([1.0, 5.0, 15.0, 2000.0]), media=4,
+        tracers=100, field=1.0,
+    )  # fmt: skip
+    assert run.statuses.trapped == 400
+    tree = cKDTree(corners_of(positions, box, 1.0), boxsize=box)
+    apart, which = tree.query((run.statuses.trap_places + box / 2) % box)
+    assert apart.max() < 1e-8
+    assert len(set(which)) > 3
+    fraction = run.trapped_fraction
+    assert np.all(np.diff(fraction.value) >= 0)
+    assert 0.0 < fraction.value[2] < fraction.value[3] == 1.0
+    assert fraction.error[2] > 0
+    np.testing.assert_allclose(
+        run.drift_of_moving.value[:3] * (1 - fraction.value[:3]), run.drift.value[:3], rtol=1e-12
+    )
+
+
+def test_a_tracer_in_a_free_corridor_escapes() -> None:
+    lattice = np.stack(np.meshgrid([0.0, 5.0], [0.0, 5.0]), axis=-1).reshape(-1, 2)
+    medium = Positions(lattice, 10.0, start=(2.5, 2.5))
+    run = simulate(medium, 0.5, "rest", [10.0, 1e9], media=1, tracers=1, field=1.0, depth=50.0)
+    assert run.statuses.escaped == 1
+    assert run.mean_displacement.value[0, 0] == pytest.approx(50.0, rel=1e-12)
+    assert run.passage_times[0] == pytest.approx(10.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("restitution", "sign"), [(0.8, 1.0), (0.0, -1.0)])
+def test_the_first_passage_is_when_the_depth_is_first_reached(
+    restitution: float, sign: float
+) -> None:
+    # At e = 0 many a tracer slides past the depth.
+    times = np.linspace(0.0, 12.0, 1201)
+    run = simulate(
+        Poisson(0.1, 1000), restitution, times=times, media=2, tracers=60, field=0.6 * sign,
+        depth=2.5 * sign, observables=["positions"],
+    )  # fmt: skip
+    beyond = sign * run.positions[:, :, 0] >= 2.5
+    for tracer, passage in enumerate(run.passage_times):
+        assert not beyond[times < passage, tracer].any()
+        if np.isfinite(passage):
+            after = np.searchsorted(times, passage)
+            near = run.positions[max(after - 1, 0) : after + 1, tracer, 0] * sign
+            assert near[0] <= 2.5 + 1e-12
+            assert np.all(abs(near - 2.5) < 0.05)
+    assert 20 < np.isfinite(run.passage_times).sum() < 120
+
+
+def test_estimates_are_those_of_the_raw_data() -> None:
+    run = simulate(
+        Poisson(0.05, 1000, diameter=2.0), 0.6, times=[0.0, 2.0, 60.0], media=3, tracers=50,
+        field=0.3, observables=EVERYTHING,
+    )  # fmt: skip
+    r, v = run.positions, run.velocities
+    close = dict(rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(run.mean_velocity.value, v.mean(axis=1), **close)
+    np.testing.assert_allclose(run.mean_displacement.value, r.mean(axis=1), **close)
+    about = r - r.mean(axis=1, keepdims=True)
+    variance = np.einsum("tni,tnj->tij", about, about) / 150
+    np.testing.assert_allclose(run.dispersion.value, variance, rtol=1e-9, atol=1e-9)
+    moving = (v**2).sum(axis=2) > 0
+    assert list(run.trapped) == list((~moving).sum(axis=1))
+    assert run.trapped[-1] > 5
+    np.testing.assert_allclose(run.drift_of_moving.value[1], v[1, moving[1], 0].mean(), **close)
+    np.testing.assert_allclose(run.finals[:, 2:4], r[-1], **close)
+
+
+@pytest.mark.parametrize(
+    "medium", [HardDisks(0.3, 200), Poisson(0.3, box=None)], ids=["box", "plane"]
+)
+def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
+    medium: HardDisks | Poisson, tmp_path: Path
+) -> None:
+    arguments = dict(
+        restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
+        observables=EVERYTHING, depth=3.0,
+    )  # fmt: skip
+    one = simulate(medium, **arguments, workers=1)
+    assert one.statuses.trapped > 0
+    assert one == simulate(medium, **arguments, workers=3)
+    path = tmp_path / "run.h5"
+
+    class Stopped(Exception):
+        pass
+
+    def stop(done: int, total: int) -> None:
+        if done == 2:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        simulate(medium, **arguments, output=path, progress=stop)
+    assert simulate(medium, **arguments, output=path, resume=True) == one == Ensemble.load(path)
+    assert Ensemble.load(path).trapped_fraction.value[-1] == one.trapped_fraction.value[-1]
+
+
+@pytest.mark.parametrize(
+    "medium", [HardSpheres(0.1), PoissonSpheres(0.1), ForgetfulPoisson(0.1, 3)]
+)
+def test_other_media_refuse_a_field(medium) -> None:
+    name = type(medium).__name__
+    with pytest.raises(
+        ValueError, match=f"^field = 1.0: is not there for {name}, only for Bol"
+    ) as e:
+        simulate(medium, 0.5, times=[1.0], field=1.0)
+    assert "\n" not in str(e.value)
+
+
+@pytest.mark.parametrize("field", [1e-98, 1e-12, 1e12, 1e98])
+def test_any_size_of_the_field_and_of_the_start(field: float) -> None:
+    scale = np.sqrt(field)
+    starts = ["gaussian", "rest", *(s * scale * np.ones((20, 2)) for s in (1e-6, 1e6))]
+    for start in starts:
+        run = simulate(
+            HardDisks(0.04, 400), 0.6, start, media=1, tracers=20, field=field, max_collisions=100
+        )
+        assert run.statuses.collision_cap + run.statuses.trapped == 20
+        assert np.isfinite(run.mean_free_path.value)
