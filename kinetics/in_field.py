@@ -75,7 +75,8 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
                 True,
                 f"backward equation for {', '.join(scene.outputs)}: harmonics 0 to "
                 f"{resolution.harmonics}, {panels.size} speeds up to {panels.highest:.3g} "
-                f"sqrt(g l), {fine.steps} steps of time",
+                f"sqrt(g l), {fine.steps} steps of time; the start {_followed(fine.start)}; "
+                f"a solution with fewer of each differs so little that the error is {error:.1e}",
             ),
         ),
         stats={
@@ -88,6 +89,17 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
         _displacement=None,
         _typical_speed=speed * np.sqrt(fine.values[:, ALL.index("v^2")]),
     )
+
+
+def _followed(start: Start) -> str:
+    """How the start enters, and why."""
+    if start.rays is not None:
+        return (
+            f"is {start.rays.along.size} velocities, each with an integral over its first "
+            "collision, because it is slow or has few directions, on which harmonics converge "
+            "slowly"
+        )
+    return f"has harmonics 0 to {len(start.measures) - 1}"
 
 
 def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple[Evolution, float]:

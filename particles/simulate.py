@@ -51,7 +51,8 @@ def simulate(
         [0, 1], not both 0.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
-        U; the dimension is that of the medium. In a field also "rest".
+        U; the dimension is that of the medium. In a field also "rest"; among disks the tracers of
+        a configuration, which start at one place, then all have the same path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.

@@ -277,7 +277,15 @@ def test_a_field(capsys: pytest.CaptureFixture[str]) -> None:
     run = simulate(medium, 0.6, "rest", [0.0, 1.0, 40.0], media=4, tracers=50, field=1.5, depth=2.0)
     assert printed["field"] == 1.5
     assert printed["initial"] == "rest"
-    names = "drift", "velocity_tensor", "mean_displacement", "dispersion_parallel", "passed"
+    names = (
+        "drift",
+        "drift_of_moving",
+        "trapped_fraction",
+        "velocity_tensor",
+        "mean_displacement",
+        "dispersion_parallel",
+        "passed",
+    )
     for name in (*names, "mean_passage_time"):
         estimate = getattr(run, name)
         assert np.array_equal(printed[name]["value"], estimate.value)
@@ -288,5 +296,6 @@ def test_a_field(capsys: pytest.CaptureFixture[str]) -> None:
     assert "passed 2 d" in out
     first = run.mean_passage_time
     assert f"mean time of the first passage: {first.value:.6g} +- {first.error:.2g} d/U" in out
-    assert "field = 1.0: is not there for HardDisks" in refused(capsys, "-e", "0.5", "--field", "1")
+    spheres = "--medium", "hard-spheres", "--number-density", "0.04", "--field", "1"
+    assert "field = 1.0: is not there for HardSpheres" in refused(capsys, "-e", "0.5", *spheres)
     assert "initial = 'rest': needs a field" in refused(capsys, "-e", "0.5", "--initial", "rest")

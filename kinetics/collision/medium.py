@@ -40,11 +40,11 @@ v0 deviates by at most .6, .9 and 2.8 per cent in the last two. The returns need
 build up: before, <r^2> is too small. At n = .04 the simulations are above it by .9, 2.7 and 5.3 per
 cent at 2 l/U (e = .4, .7, 1), by 1.0, 1.2 and 2.0 at 10 l/U, and by .6, .5 and .4 at 30 l/U.
 
-The elastic diffusion coefficient is
-that of the Boltzmann equation times 1 + (4/3) n ln n + b n - c (n ln n)^2, b = (4/3) ln C(1; 1) =
-1.260(1). Measured among overlapping disks from n = .0025 to .04, by <r^2> and by the integral over
-the path (tests/kinetics/measurements/path_integrals.py): b = 1.31(4) and c = 2.2(2), with a term n^2
-as well b = 1.20(9), and with the b of the theory c = 2.04(6).
+The elastic diffusion coefficient is that of the Boltzmann equation times 1 + (4/3) n ln n + b n
+- c (n ln n)^2, b = (4/3) ln C(1; 1) = 1.260(1). Measured among overlapping disks from n = .0025 to
+.04, by <r^2> and by the integral over the path (tests/kinetics/measurements/path_integrals.py):
+b = 1.31(4) and c = 2.2(2), with a term n^2 as well b = 1.20(9), and with the b of the theory
+c = 2.04(6).
 """
 
 from __future__ import annotations

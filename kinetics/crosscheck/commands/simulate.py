@@ -88,7 +88,7 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
 )  # fmt: skip
 @click.option(
     "--field", type=float, default=0.0,
-    help="Uniform acceleration along +x in U^2/d, of --medium boltzmann-grad.",
+    help="Uniform acceleration along +x in U^2/d; not among spheres.",
 )  # fmt: skip
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
 @times_option
@@ -176,6 +176,7 @@ def _document(run: Ensemble, kind: str, arguments: dict[str, Any]) -> dict[str, 
     """What --json prints; kind: of the medium, arguments: those of `simulate`."""
     estimates = ["mean_free_path", *_ESTIMATES]
     if run.field:
+        estimates += ["drift_of_moving", "trapped_fraction"]
         estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
         estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
     if run.plan.depth is not None:

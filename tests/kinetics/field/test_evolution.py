@@ -258,11 +258,24 @@ def test_a_beam_converges(speed: float) -> None:
     assert early[ALL.index("v_x")] == pytest.approx(1e-3 - 0.6 * speed, rel=1e-3)
 
 
+def test_rays_against_harmonics() -> None:
+    """A beam across the field, with all averages; harmonics of a beam converge slowly."""
+    law, times, resolution = CollisionLaw(0.7), np.array([0.5, 3.0]), TimeResolution.of(1e-4)
+    state = Scene(0.7, times=[1.0], initial=Beam(2.0), outputs=("a2",)).state
+    found = Start.of(state, 1e-4, 0.5, resolution, 2)
+    measures = tuple(state.harmonic(m, 1e-4, 0.0, 4.0) for m in range(resolution.harmonics + 1))
+    along_rays = Evolution(law, found, times, resolution).values
+    values = Evolution(law, Start(measures, 0.5), times, resolution).values
+    assert found.rays is not None
+    assert np.all(np.abs(along_rays - values) <= 3e-3 * scales(values))
+
+
 def test_the_free_way_in_a_field() -> None:
     """Against quadrature: to and from the turning point, and at 1e6 of the terminal speed."""
-    along, across = np.array([-0.5, 0.3, -1e6, 1e6, 0.0, -1.0]), np.array([0.2, 0, 1e6, 1, 0, 0])
-    rays = Rays(along, across, np.ones(6), False)
-    time = np.array([1.5, 2.0, 1e-6, 1e-7, 3.0, 2.5])
+    along = np.array([-0.5, 0.3, -1e6, 1e6, 0.0, -1.0, -1.0])
+    across = np.array([0.2, 0.0, 1e6, 1.0, 0.0, 0.0, 1e-9])
+    rays = Rays(along, across, np.ones(7), False)
+    time = np.array([1.5, 2.0, 1e-6, 1e-7, 3.0, 2.5, 2.5])
     node, weight = gauss_legendre(60)
     edges = np.clip(np.stack([0.0 * time, -along, time], axis=1), 0.0, time[:, None])
     expected = sum(

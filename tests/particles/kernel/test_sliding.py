@@ -96,6 +96,19 @@ def test_a_corner_that_the_field_lets_it_out_of_is_left() -> None:
         assert run.positions[-1, 0, 0] > 100.0
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.1])
+def test_out_of_a_corner_that_opens_along_the_field_it_falls(restitution: float) -> None:
+    # Thrown up into the corner it comes to rest there, after infinitely many bounces, and falls.
+    corner = -1.2 + np.sqrt(1 - 0.81)
+    disks = np.array([[-1.2, 0.9], [-1.2, -0.9]])
+    run = fall_on(disks, restitution, np.array([15.0]), (-2.0, 0.1))
+    assert run.statuses.finished == 1
+    # Nothing is left of the velocity that it was thrown with; at e > 0 the field turns it back
+    # some 1e-6 before the corner.
+    fallen = run.positions[0, 0, 0] - corner
+    assert (run.velocities[0, 0] ** 2).sum() / 2 == pytest.approx(fallen, abs=1e-5)
+
+
 def test_with_tangential_friction_it_rests_where_it_would_slide() -> None:
     run = fall_on(np.array([1.5, -0.2]), 0.0, np.array([5.0]), tangential_restitution=0.5)
     assert run.statuses.trapped == 1
