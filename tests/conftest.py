@@ -15,7 +15,15 @@ sys.path.insert(0, str(Path(__file__).with_name("references")))
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """The tests of a file run in one process, which prepares what they share once."""
+    """The tests of a file run in one process, which prepares what they share once.
+
+    So do all of the derivations, which share 15 s of algebra.
+    """
     from xdist.scheduler import LoadFileScheduling
 
-    return LoadFileScheduling(config, log)
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return "derivations" if file.startswith("tests/derivations/") else file
+
+    return ByFile(config, log)
