@@ -264,6 +264,7 @@ def test_derive_prints_one_equation_with_its_steps(
     assert "sonine9" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     output = tmp_path / "out"
     arguments = ["report", "-o", str(output), "-e", "0.5", "-e", "1", *TINY]

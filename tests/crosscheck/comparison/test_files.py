@@ -236,6 +236,7 @@ def test_a_file_is_read_in_pieces(
         np.testing.assert_allclose(moments(sample), moments(expected), rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_file(tmp_path: Path, made_up: Any, write: Any) -> None:
     """Ten times the rows, the same memory: a few pieces."""
     import tracemalloc

@@ -280,6 +280,7 @@ def test_averages_do_not_depend_on_the_units(e: float, length: int, speed: int, 
         assert np.all(np.abs(scaled - known) <= (10.0 * rtol + 5e-13) * size), name
 
 
+@pytest.mark.slow
 @few(max_examples=12)
 @given(
     kind=st.sampled_from(["BoltzmannGrad", "HardDisks", "Poisson"]),

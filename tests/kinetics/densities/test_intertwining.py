@@ -154,7 +154,7 @@ def test_many_times_are_those_of_a_few() -> None:
         np.testing.assert_allclose(many[i], alone[0], rtol=0, atol=1e-13 * many[i].max())
 
 
-@pytest.mark.parametrize("nodes", [8, 9, 128, 4096, 8192])
+@pytest.mark.parametrize("nodes", [8, 9, 128, 4096, pytest.param(8192, marks=pytest.mark.slow)])
 def test_nodes_that_are_asked_for(nodes: int) -> None:
     scene = Scene(0.4, times=[1.0, 100.0], outputs=("speed_density",))
     solution = solve(scene, 1e-6, nodes=nodes)

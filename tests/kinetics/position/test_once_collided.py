@@ -135,6 +135,7 @@ def test_a_second_time_changes_nothing() -> None:
     assert np.array_equal(alone.position_density(r)[0], both.position_density(r)[0])
 
 
+@pytest.mark.slow
 def test_what_is_claimed_is_reached() -> None:
     """The error estimate holds up to 1/K from the fronts, K about 100/T at most."""
     for e, T, rtol in ((1.0, 1.0, 1e-5), (0.0, 0.3, 1e-5), (0.37, 0.3, 1e-4), (0.7, 0.05, 1e-4)):
