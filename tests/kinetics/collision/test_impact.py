@@ -56,7 +56,17 @@ def test_spheres_against_the_closed_form(e: float, et: float) -> None:
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize(("e", "et"), [(0.0, 0.5), (0.3, 0.0), (0.3, 0.7), (0.9, 0.6), (1.0, 0.5)])
+@pytest.mark.parametrize(
+    ("e", "et"),
+    [
+        (0.0, 0.5),
+        (0.9, 0.6),
+        *(
+            pytest.param(*law, marks=pytest.mark.slow)
+            for law in ((0.3, 0.0), (0.3, 0.7), (1.0, 0.5))
+        ),
+    ],
+)
 def test_harmonics_against_integrals(e: float, et: float, dimension: int) -> None:
     law = CollisionLaw(e, et, dimension)
     with mp.workdps(30):

@@ -47,7 +47,16 @@ def events(
 
 @pytest.mark.parametrize("overlapping", [False, True])
 @pytest.mark.parametrize(
-    "law", [(0.0, 1.0), (0.3, 1.0), (0.8, 1.0), (1.0, 1.0), (0.3, 0.8), (0.9, 0.4), (0.7, 0.0)]
+    "law",
+    [
+        (0.0, 1.0),
+        (0.8, 1.0),
+        (0.9, 0.4),
+        *(
+            pytest.param(law, marks=pytest.mark.slow)
+            for law in ((0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0))
+        ),
+    ],
 )
 def test_the_first_events_are_those_of_the_reference(
     overlapping: bool, law: tuple[float, float]
