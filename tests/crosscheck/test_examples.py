@@ -94,6 +94,7 @@ def test_sonine_convergence_example(tmp_path: Path) -> None:
     assert (tmp_path / "figure.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_spheres_example(tmp_path: Path) -> None:
     result = runpy.run_path(str(ROOT / "examples" / "spheres.py"))
     printed = [result["EXACT"][3, e] for e in (0.7, 0.9)]
