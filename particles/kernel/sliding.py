@@ -106,6 +106,16 @@ def end_in_corner(
 
 
 @njit(error_model="numpy")
+def _listed(
+    cells: Cells, cell: int, slot: int, node: int
+) -> tuple[float, float, int, int]:  # fmt: skip
+    """Return (centre of the next disk of a cell, next slot, next node): slots first, then nodes."""
+    if slot < SLOTS:
+        return cells.slots[cell, slot], cells.slots[cell, SLOTS + slot], slot + 1, node
+    return cells.nodes[node, 0], cells.nodes[node, 1], slot, cells.links[node]
+
+
+@njit(error_model="numpy")
 def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     """Return (whether there is one, centre) of a disk near a lane, besides that struck last."""
     found, at_x, at_y, least = False, 0.0, 0.0, 1.0 + NEAR
@@ -113,12 +123,7 @@ def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        if slot < SLOTS:
-            cx, cy = cells.slots[cell, slot], cells.slots[cell, SLOTS + slot]
-            slot += 1
-        else:
-            cx, cy = cells.nodes[node, 0], cells.nodes[node, 1]
-            node = cells.links[node]
+        cx, cy, slot, node = _listed(cells, cell, slot, node)
         dx, dy = lane.x - cx, lane.y - cy
         apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
         if apart > SAME and dx * dx + dy * dy < least * least:
@@ -195,12 +200,7 @@ def disk_ahead(
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        if slot < SLOTS:
-            cx, cy = cells.slots[cell, slot], cells.slots[cell, SLOTS + slot]
-            slot += 1
-        else:
-            cx, cy = cells.nodes[node, 0], cells.nodes[node, 1]
-            node = cells.links[node]
+        cx, cy, slot, node = _listed(cells, cell, slot, node)
         dx, dy = cx - lane.struck_x, cy - lane.struck_y
         square = dx * dx + dy * dy
         if SAME * SAME < square < 4.0:

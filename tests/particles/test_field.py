@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from particles import OBSERVABLES, BoltzmannGrad, Ensemble, simulate
+from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, Poisson, simulate
 
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
 # All but what a field refuses.
@@ -268,9 +268,11 @@ def test_free_paths_are_exponential_along_the_parabola() -> None:
     assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
 
 
-@pytest.mark.parametrize("medium", [DISKS, SPHERES])
+@pytest.mark.parametrize(
+    "medium", [DISKS, SPHERES, HardDisks(0.3, 200), Poisson(0.3, box=None)], ids=repr
+)
 def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
-    medium: BoltzmannGrad, tmp_path: Path
+    medium: BoltzmannGrad | HardDisks | Poisson, tmp_path: Path
 ) -> None:
     arguments = dict(
         restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
@@ -278,6 +280,7 @@ def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
     )  # fmt: skip
     one = simulate(medium, **arguments, workers=1)
     assert one == simulate(medium, **arguments, workers=3)
+    assert (one.statuses.trapped > 0) == (not isinstance(medium, BoltzmannGrad))
     path = tmp_path / "run.h5"
 
     class Stopped(Exception):

@@ -1,14 +1,11 @@
 """A field among disks: energy, nothing inside, the weak field, traps, files and threads."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from particles import (
     OBSERVABLES,
-    Ensemble,
     ForgetfulPoisson,
     HardDisks,
     HardSpheres,
@@ -201,27 +198,6 @@ def test_a_tracer_in_a_free_corridor_escapes() -> None:
     assert run.passage_times[0] == pytest.approx(10.0, rel=1e-12)
 
 
-@pytest.mark.parametrize(("restitution", "sign"), [(0.8, 1.0), (0.0, -1.0)])
-def test_the_first_passage_is_when_the_depth_is_first_reached(
-    restitution: float, sign: float
-) -> None:
-    # At e = 0 many a tracer slides past the depth.
-    times = np.linspace(0.0, 12.0, 1201)
-    run = simulate(
-        Poisson(0.1, 1000), restitution, times=times, media=2, tracers=60, field=0.6 * sign,
-        depth=2.5 * sign, observables=["positions"],
-    )  # fmt: skip
-    beyond = sign * run.positions[:, :, 0] >= 2.5
-    for tracer, passage in enumerate(run.passage_times):
-        assert not beyond[times < passage, tracer].any()
-        if np.isfinite(passage):
-            after = np.searchsorted(times, passage)
-            near = run.positions[max(after - 1, 0) : after + 1, tracer, 0] * sign
-            assert near[0] <= 2.5 + 1e-12
-            assert np.all(abs(near - 2.5) < 0.05)
-    assert 20 < np.isfinite(run.passage_times).sum() < 120
-
-
 def test_estimates_are_those_of_the_raw_data() -> None:
     run = simulate(
         Poisson(0.05, 1000, diameter=2.0), 0.6, times=[0.0, 2.0, 60.0], media=3, tracers=50,
@@ -239,34 +215,6 @@ def test_estimates_are_those_of_the_raw_data() -> None:
     assert run.trapped[-1] > 5
     np.testing.assert_allclose(run.drift_of_moving.value[1], v[1, moving[1], 0].mean(), **close)
     np.testing.assert_allclose(run.finals[:, 2:4], r[-1], **close)
-
-
-@pytest.mark.parametrize(
-    "medium", [HardDisks(0.3, 200), Poisson(0.3, box=None)], ids=["box", "plane"]
-)
-def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
-    medium: HardDisks | Poisson, tmp_path: Path
-) -> None:
-    arguments = dict(
-        restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
-        observables=EVERYTHING, depth=3.0,
-    )  # fmt: skip
-    one = simulate(medium, **arguments, workers=1)
-    assert one.statuses.trapped > 0
-    assert one == simulate(medium, **arguments, workers=3)
-    path = tmp_path / "run.h5"
-
-    class Stopped(Exception):
-        pass
-
-    def stop(done: int, total: int) -> None:
-        if done == 2:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        simulate(medium, **arguments, output=path, progress=stop)
-    assert simulate(medium, **arguments, output=path, resume=True) == one == Ensemble.load(path)
-    assert Ensemble.load(path).trapped_fraction.value[-1] == one.trapped_fraction.value[-1]
 
 
 @pytest.mark.parametrize(

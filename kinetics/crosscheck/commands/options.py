@@ -71,12 +71,6 @@ until_option = click.option(
     type=float,
     help="Last time in d/U: in place of --times, 31 times up to it, 10 in a decade.",
 )
-initial_option = click.option(
-    "--initial",
-    type=click.Choice(["gaussian", "monoenergetic"]),
-    default="gaussian",
-    help="Initial velocities: Gaussian, or all of speed U.",
-)
 seed_option = click.option("--seed", type=int, default=1, help="Seed of every random number.")
 workers_option = click.option(
     "--workers", type=int, default=None, help="Threads. [default: one per processor]"

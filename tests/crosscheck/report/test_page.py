@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from kinetics.crosscheck.numerals import number, numeral
+from kinetics.crosscheck.numerals import number
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
 from kinetics.crosscheck.report.case import Case
 from kinetics.crosscheck.report.case_rows import rows_of_case
@@ -21,8 +21,7 @@ from kinetics.crosscheck.report.page import deviation, render, verdict_table, ve
 from kinetics.crosscheck.report.picture import picture
 from kinetics.crosscheck.report.report import build_document, write_report
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.strict_json import dumps, plain
-from kinetics.crosscheck.text_tables import columns
+from kinetics.crosscheck.strict_json import dumps
 from kinetics.crosscheck.verdicts import EXPLAINED, WORDS
 
 MakeCase = Callable[..., Case]
@@ -353,35 +352,6 @@ def test_trapped_tracers_and_the_cap_are_among_the_findings(
     ]
     assert "200; up to 1.00% had more than 100, which the cap would have cut." in found[1]
     assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
-
-
-def test_numbers_show_their_error() -> None:
-    assert number(12.34567, 0.0123) == "12.346 ± 0.012"
-    assert number(1234.5, 123.0) == "1234 ± 123"
-    assert number(None) == "–"
-    assert number(0.123456789) == "0.123457"
-    assert number(-0.173316) == "−0.173316"
-    assert number(2.2e7) == "2.2·10⁷"
-    assert number(5177.61, digits=3) == "5180"
-    assert number(-1.5, 0.5, "+") == "−1.50 ± 0.50"
-    assert numeral(1e-10, "g") == "10⁻¹⁰"
-    assert numeral(2200, ".2g") == "2200"
-    assert numeral(-0.2, "+.0f") == "0"
-
-
-def test_columns_are_aligned() -> None:
-    assert columns(["t", "v0"], [[1.0, 10.0], [0.5, 123456.0]]).splitlines() == [
-        " t      v0",
-        " 1     0.5",
-        "10  123456",
-    ]
-
-
-def test_plain_leaves_no_numpy_and_no_nan() -> None:
-    import numpy as np
-
-    value = {"a": np.array([1.0, np.nan]), "b": (np.float64(2), np.int32(3)), "c": float("inf")}
-    assert plain(value) == {"a": [1.0, None], "b": [2.0, 3], "c": None}
 
 
 def test_figures_are_written_as_files(document: dict[str, Any], tmp_path: Path) -> None:
