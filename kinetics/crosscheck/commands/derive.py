@@ -18,10 +18,10 @@ from kinetics.crosscheck.commands.options import json_option, print_json
 @json_option
 def derive(only: str | None, latex: Path | None, as_json: bool) -> None:
     """Re-derive the paper's equations with sympy and compare each with the printed formula."""
-    from kinetics.crosscheck.files import require_folder_of, write_together
+    from kinetics.crosscheck.files import require_file, write_together
 
     if latex is not None:
-        require_folder_of(latex)
+        require_file("latex", latex)
 
     from derivations import to_json, to_latex_document, to_text, verify
 

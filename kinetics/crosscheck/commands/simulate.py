@@ -200,9 +200,7 @@ def _for_h5md(output: Path, names: tuple[str, ...], arguments: dict[str, Any]) -
     if arguments["resume"]:
         raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
     if output.exists():
-        raise ValueError(f"output = {str(output)!r}: exists")
-    if not output.absolute().parent.is_dir():
-        raise ValueError(f"output = {str(output)!r}: its folder does not exist")
+        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
     return tuple(dict.fromkeys((*names, "positions", "velocities")))
 
 

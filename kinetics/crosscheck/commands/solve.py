@@ -16,6 +16,7 @@ from kinetics.crosscheck.commands.options import (
     json_option,
     names_in,
     print_json,
+    refuse_given,
     restitution_option,
     tangential_option,
     times_option,
@@ -43,6 +44,11 @@ _DENSITY_AT = {
     "wave_numbers": "intermediate_scattering",
 }
 """Points -> the density that is asked for at them."""
+_OVER_TIME = (
+    "times", "until", "initial", "speed", "direction", "field", "outputs", "speeds", "radii",
+    "collision_numbers", "wave_numbers",
+)  # fmt: skip
+"""Options that mean nothing where no scene is solved over time."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
@@ -143,20 +149,22 @@ def solve(
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
+    over_time = not scaled and not field_steady
+    if not over_time:
+        mode = "--scaled" if scaled else "--field-steady"
+        refuse_given([*_OVER_TIME, "field_steady"] if scaled else _OVER_TIME, mode)
+    if not scaled and not over_time:
+        refuse_given(MEDIUM, "--field-steady")
     if output is not None:
         check_output(output)
-    if until is not None or not system["times"]:
-        system["times"] = times_until(system["times"], until)
+    system["times"] = times_until(system["times"], until)
     asked: dict[str, Any] = {}
-    over_time = not scaled and not field_steady
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
         rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
     law = {name: system[name] for name in LAW}
-    if field_units and (not field_steady or len(field_units) != 3):
-        raise click.UsageError("--field-units takes three numbers, with --field-steady")
+    if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
+        raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
     if field_steady:
-        if scaled:
-            raise click.UsageError("give --scaled or --field-steady, not both")
         result, found, text = *field_document(law, field_units, rtol), field_text
     elif scaled:
         if system["scatterers"] != "dilute":

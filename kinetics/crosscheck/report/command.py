@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 from kinetics.crosscheck.commands.options import (
     UNITS,
     density_option,
+    given,
     json_option,
     print_json,
+    refuse_given,
     seed_option,
     tangential_option,
     workers_option,
@@ -113,18 +114,9 @@ _IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
 
 
 def _of_field(system: dict[str, Any]) -> dict[str, Any]:
-    """The options that the user gave, of those that mean something in a field.
-
-    click.UsageError for the others.
-    """
-    context, given = click.get_current_context(), {}
-    for parameter in context.command.params:
-        name = str(parameter.name)
-        if name not in system or context.get_parameter_source(name) is ParameterSource.DEFAULT:
-            continue
-        if name not in _IN_FIELD:
-            raise click.UsageError(f"{parameter.opts[-1]}: not with --field")
-        given[name] = system[name]
-    if "dimension" in given:
-        given["dimensions"] = (given.pop("dimension"),)
-    return given
+    """The options that the user gave; click.UsageError for those that mean nothing in a field."""
+    refuse_given([name for name in system if name not in _IN_FIELD], "--field")
+    asked = {name: system[name] for name in _IN_FIELD if given([name])}
+    if "dimension" in asked:
+        asked["dimensions"] = (asked.pop("dimension"),)
+    return asked
