@@ -36,8 +36,9 @@ def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None
     if not file.name or (endings and file.suffix.lower() not in endings):
         what = f"end in {', '.join(endings)}" if endings else "be the name of a file"
         raise ValueError(f"{option}: got {str(file)!r}; it must {what}")
-    if file.is_dir():
-        raise ValueError(f"{option}: got {str(file)!r}; it is a folder, it must be a file")
+    if file.exists() and not file.is_file():
+        kind = "folder" if file.is_dir() else "device"
+        raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
     if not file.parent.exists():
         raise ValueError(_missing(file, file.parent))
     require_writable_folder(file.parent)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -36,6 +37,19 @@ class Numbers(click.ParamType):
         except ValueError:
             what = "it must be numbers separated by commas, or a range such as 1:1e6:50"
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
+
+
+class OutputPath(click.Path):
+    """A path to write to. The empty text, as of a variable that is not set, is refused."""
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The path, or click's complaint that names the option."""
+        if value == "":
+            self.fail("'' is no path; it must name a file or a folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+output_path = OutputPath(path_type=Path)
 
 
 def _numbers(part: str) -> tuple[float, ...]:
