@@ -218,7 +218,8 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     turns[:] = np.exp(-1j * k[1] * q.log_loss)[:, None]
     turns[:, 0] = 1.0
     power = weights @ np.cumprod(turns, axis=1, out=turns)
-    return np.asarray(np.log((1.0 - power) / (law.mean_log_loss * z)))
+    decay = law.met_again(z, 1.0 - power, 0)
+    return np.asarray(np.log(decay / (law.mean_log_loss * z)))
 
 
 def _span(rtol: float, margin: float) -> float:
