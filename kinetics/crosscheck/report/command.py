@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from kinetics.crosscheck.commands.options import (
     UNITS,
@@ -18,6 +19,7 @@ from kinetics.crosscheck.commands.options import (
     tangential_option,
     workers_option,
 )  # fmt: skip
+from kinetics.crosscheck.commands.sweeps import progress
 
 
 @click.command(epilog=UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts.")
@@ -65,8 +67,6 @@ def report(
     quick: bool,
     in_field: bool,
     figures: tuple[str, ...],
-    restitutions: tuple[float, ...],
-    final_times: tuple[float, ...],
     as_json: bool,
     **system: Any,
 ) -> None:
@@ -80,39 +80,51 @@ def report(
     """
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if in_field:
-        from kinetics.crosscheck.report.field_command import report_in_field
-
-        system["restitutions"], system["final_times"] = restitutions, final_times
-        report_in_field(output, quick, figures, as_json, system)
-        return
     from kinetics.crosscheck.files import require_writable_folder
-    from kinetics.crosscheck.report.settings import ReportSettings
 
-    settings = ReportSettings(restitutions, final_times, **system)
+    if in_field:
+        from kinetics.crosscheck.report.field_settings import FieldSettings
+
+        settings: Any = FieldSettings(**_of_field(system))
+    else:
+        from kinetics.crosscheck.report.settings import ReportSettings
+
+        settings = ReportSettings(**system)
     if quick:
         settings = settings.quick()
     require_writable_folder(output)
-
-    from tqdm import tqdm
-
-    from kinetics.crosscheck.report import report as work
-    from kinetics.crosscheck.report.page import dimension_table, verdict_table
-
-    stages = work.stages(settings)
-    with tqdm(total=stages, file=sys.stderr, disable=None, leave=False) as bar:
-
-        def tell(stage: str) -> None:
-            bar.set_description(stage, refresh=False)
-            bar.update(1)
-
+    home = "kinetics.crosscheck.report."
+    work = import_module(home + ("field_report" if in_field else "report"))
+    page = import_module(home + ("field_page" if in_field else "page"))
+    with progress(work.stages(settings)) as tell:
         document = work.make_report(settings, tell)
         written = work.write_report(document, output, tell, figures)
     if as_json:
         print_json(document)
-    else:
-        click.echo(verdict_table(document))
-        if document.get("dimensions"):
-            click.echo(f"\n{dimension_table(document)}")
-        click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+        return
+    click.echo(page.text(document))
+    click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+    if "headline" in document:
         click.echo(document["headline"]["line"])
+
+
+_IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
+"""Options of the report on the system that the report in a field has too."""
+
+
+def _of_field(system: dict[str, Any]) -> dict[str, Any]:
+    """The options that the user gave, of those that mean something in a field.
+
+    click.UsageError for the others.
+    """
+    context, given = click.get_current_context(), {}
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        if name not in system or context.get_parameter_source(name) is ParameterSource.DEFAULT:
+            continue
+        if name not in _IN_FIELD:
+            raise click.UsageError(f"{parameter.opts[-1]}: not with --field")
+        given[name] = system[name]
+    if "dimension" in given:
+        given["dimensions"] = (given.pop("dimension"),)
+    return given

@@ -1,7 +1,6 @@
 """What a report on tracers in a uniform field is asked for."""
 
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from kinetics import CollisionLaw
 from kinetics.validation import check_restitution, check_rtol, refuse, whole_number
@@ -89,10 +88,6 @@ class FieldSettings:
     def has_disks(self) -> bool:
         """Whether tracers fall among hard disks too."""
         return 2 in self.dimensions and bool(self.dense)
-
-    def described(self) -> dict[str, Any]:
-        """The settings by name, for the document."""
-        return asdict(self)
 
     def quick(self) -> "FieldSettings":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""

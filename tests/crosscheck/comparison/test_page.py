@@ -17,7 +17,8 @@ from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
 from kinetics.crosscheck.comparison.page import files_of, render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
-from kinetics.crosscheck.report.figures import INK, figure_file
+from kinetics.crosscheck.report.figures import figure_file
+from kinetics.crosscheck.report.strokes import INK
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([0.0, 2.0, 20.0, 200.0])
@@ -170,7 +171,7 @@ def test_figures_are_files_of_their_own(differing: Comparison) -> None:
             assert root.find("{http://www.w3.org/2000/svg}title") is not None
             assert b"#0a0b" not in data  # the stand-ins of the page's colours
             assert INK.encode() in data
-    again = figure_file("msd", differing.figures["msd"], "pdf")
+    again = figure_file(differing.figures["msd"], "pdf")
     assert again == files["page-msd.pdf"]  # the same data give the same bytes
 
 
