@@ -242,6 +242,8 @@ def test_an_ensemble_file_says_what_it_is(
         (["--number-density", "-1", "-e", "0.7"], "number_density: got -1"),
         (["--speed-unit", "U"], "'--speed-unit': 'U': it must be a number, or data"),
         (["--speed-unit", "nan"], "speed_unit: got nan"),
+        (["--speed-unit", "1e308"], "it must be a number from 1e-100 to 1e+100"),
+        (["--length-unit", "1e120"], "it must be a number from 1e-100 to 1e+100"),
         (["--diameter", "0"], "diameter: got 0"),
         (["--figures", "pdf"], "they need --output"),
         (["--columns", "time=x"], "column 'x' cannot be time and x"),

@@ -156,7 +156,6 @@ def test_the_tail_keeps_its_power_and_has_the_rate_of_the_new_h() -> None:
         ({"scatterers": "hard disks", "dimension": 3}, "smooth disks in the plane only"),
         ({"scatterers": "hard disks", "tangential_restitution": 0.9}, "in the plane only"),
         ({"scatterers": "hard disks", "density_order": "third"}, "density_order: got 'third'"),
-        ({"scatterers": "overlapping", "outputs": ("speed_density",)}, "'dilute' only"),
         ({"scatterers": "overlapping", "outputs": ("position_density",)}, "'dilute' only"),
     ],
 )

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError, short
-from kinetics.validation import check_positive, one_of, real_number, refuse
+from kinetics.validation import one_of, real_number, refuse
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -99,11 +99,11 @@ class Asked:
     def __post_init__(self) -> None:
         one_of("positions", self.positions, POSITIONS)
         if not (isinstance(self.speed_unit, str) and self.speed_unit == "data"):
-            self._check_positive("speed_unit")
-        self._check_positive("diameter")
+            self._check_unit("speed_unit")
+        self._check_unit("diameter")
         for name in ("time_unit", "timestep"):
             if getattr(self, name) is not None:
-                self._check_positive(name)
+                self._check_unit(name)
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
         if self.bin_times is not None:
@@ -111,8 +111,9 @@ class Asked:
             real_number("bin_times", self.bin_times, 0.0, 0.2, allowed)
         object.__setattr__(self, "columns", checked_columns(self.columns or {}))
 
-    def _check_positive(self, name: str) -> None:
-        object.__setattr__(self, name, check_positive(name, getattr(self, name)))
+    def _check_unit(self, name: str) -> None:
+        # a unit enters as its square and its cube, which must be finite
+        object.__setattr__(self, name, real_number(name, getattr(self, name), 1e-100, 1e100))
 
     @property
     def numbers(self) -> tuple[str, ...]:
