@@ -10,6 +10,8 @@ from typing import Any, Protocol, TypeVar
 
 import click
 
+from kinetics.crosscheck.commands.options import output_path
+
 
 class Report(Protocol):
     """The result of a benchmark or of a stability sweep."""
@@ -32,7 +34,7 @@ def output_option(names: str) -> Any:
     return click.option(
         "-o",
         "--output",
-        type=click.Path(path_type=Path),
+        type=output_path,
         default=None,
         help=f"Folder for {names}. [default: none is written]",
     )

@@ -9,7 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES, Comparison, said
-from kinetics.crosscheck.files import require_writable_folder
+from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.report.equations import comparison_equations
 from kinetics.crosscheck.report.figures import figure_files, svg
 from kinetics.crosscheck.report.templates import environment, number, numeral
@@ -31,14 +31,10 @@ def prepare(output: Path, data: Sequence[Path]) -> None:
 
     Or that would take the place of the data.
     """
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"output: got {str(output)!r}; it must be a file .html")
-    for path in (output, _json_path(output)):
-        if path.is_dir():
-            raise InputError(f"output: {str(path)!r} is a folder; it must be a file .html")
+    for path, endings in ((output, (".html", ".htm")), (_json_path(output), (".json",))):
+        require_file("output", path, endings)
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-    require_writable_folder(output.parent)
 
 
 def files_of(

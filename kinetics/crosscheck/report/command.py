@@ -8,23 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
-from kinetics.crosscheck.commands.options import (
-    UNITS,
-    density_option,
-    json_option,
-    print_json,
-    seed_option,
-    tangential_option,
-    workers_option,
-)  # fmt: skip
+from kinetics.crosscheck.commands import options
 from kinetics.crosscheck.commands.sweeps import progress
 
 
-@click.command(epilog=UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts.")
+@click.command(
+    epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
+)
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), default=Path("lorentz-report"),
+    "-o", "--output", type=options.output_path, default=Path("lorentz-report"),
     help="Folder for report.html and report.json.",
 )  # fmt: skip
 @click.option("--quick", is_flag=True, help="A tenth of the samples.")
@@ -43,11 +36,11 @@ from kinetics.crosscheck.commands.sweeps import progress
     help="Last time in d/U: once for all, or once per restitution. "
     "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
 )  # fmt: skip
-@tangential_option
+@options.tangential_option
 @click.option(
     "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
 )
-@density_option
+@options.density_option
 @click.option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
 @click.option("--media", type=int, default=100, help="Configurations of them.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
@@ -59,9 +52,9 @@ from kinetics.crosscheck.commands.sweeps import progress
     "--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
     help="Write each figure as a file beside the page; may be repeated.",
 )  # fmt: skip
-@seed_option
-@workers_option
-@json_option
+@options.seed_option
+@options.workers_option
+@options.json_option
 def report(
     output: Path,
     quick: bool,
@@ -100,7 +93,7 @@ def report(
         document = work.make_report(settings, tell)
         written = work.write_report(document, output, tell, figures)
     if as_json:
-        print_json(document)
+        options.print_json(document)
         return
     click.echo(page.text(document))
     click.echo(f"wrote {' and '.join(str(path) for path in written)}")
@@ -113,18 +106,9 @@ _IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
 
 
 def _of_field(system: dict[str, Any]) -> dict[str, Any]:
-    """The options that the user gave, of those that mean something in a field.
-
-    click.UsageError for the others.
-    """
-    context, given = click.get_current_context(), {}
-    for parameter in context.command.params:
-        name = str(parameter.name)
-        if name not in system or context.get_parameter_source(name) is ParameterSource.DEFAULT:
-            continue
-        if name not in _IN_FIELD:
-            raise click.UsageError(f"{parameter.opts[-1]}: not with --field")
-        given[name] = system[name]
-    if "dimension" in given:
-        given["dimensions"] = (given.pop("dimension"),)
-    return given
+    """The options that the user gave; click.UsageError for those that mean nothing in a field."""
+    options.refuse_given([name for name in system if name not in _IN_FIELD], "--field")
+    asked = {name: system[name] for name in _IN_FIELD if options.given([name])}
+    if "dimension" in asked:
+        asked["dimensions"] = (asked.pop("dimension"),)
+    return asked

@@ -13,7 +13,7 @@ import numpy as np
 from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_runs import FORGOTTEN, LONGER, relaxation_time
 from kinetics.crosscheck.report.field_settings import FieldSettings
-from kinetics.crosscheck.report.observables import contact_value, jackknife_error
+from kinetics.crosscheck.report.observables import contact_value, jackknife_error, weighted_fit
 from kinetics.crosscheck.report.row import SOLVER, Row, estimated
 
 if TYPE_CHECKING:
@@ -121,10 +121,7 @@ def extrapolated(case: DensityCase) -> Measured:
     from its dilute limit.
     """
     n = case.densities
-    basis = np.stack([np.ones(n.size), n * np.log(n), n], axis=1) / case.drift.error[:, None]
-    inverse = np.linalg.inv(basis.T @ basis)
-    found = inverse @ basis.T @ (case.drift.value / case.drift.error)
-    return Measured(np.asarray(found[0]), np.asarray(np.sqrt(inverse[0, 0])))
+    return weighted_fit(np.stack([np.ones(n.size), n * np.log(n), n], axis=1), case.drift)[1]
 
 
 def density_row(case: DensityCase) -> Row:

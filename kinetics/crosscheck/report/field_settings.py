@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 
 from kinetics import CollisionLaw
-from kinetics.validation import check_restitution, check_rtol, refuse, whole_number
+from kinetics.crosscheck.report.settings import check_counts, checked_restitutions
+from kinetics.validation import check_rtol, refuse
 
 SCATTERERS = {2: "disks", 3: "spheres"}
 APPROACH = (0.5, 0.9)
@@ -58,9 +59,7 @@ class FieldSettings:
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(check_restitution(e) for e in self.restitutions or RESTITUTIONS)
-        if len(set(restitutions)) != len(restitutions):
-            refuse("restitutions", restitutions, "each may stand only once")
+        restitutions = checked_restitutions(self.restitutions or RESTITUTIONS)
         if max(restitutions) == 1.0:
             allowed = "each must be below 1: elastic tracers reach no steady state in a field"
             refuse("restitutions", restitutions, allowed)
@@ -74,10 +73,7 @@ class FieldSettings:
             CollisionLaw(0.5, 1.0, dimension)
         check_rtol(self.rtol)
         check_rtol(self.time_rtol)
-        for name, least in _LEAST.items():
-            whole_number(name, getattr(self, name), least, 2**63)
-        if self.workers is not None:
-            whole_number("workers", self.workers, 1, 2**31)
+        check_counts(self, _LEAST)
 
     @property
     def followed(self) -> tuple[float, ...]:

@@ -207,6 +207,7 @@ def test_the_command_writes_a_page(
     csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / "new" / "page.html"
+    output.parent.mkdir()
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04"]
     assert main([*arguments, "-o", str(output), "--figures", "png", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -240,14 +241,18 @@ def test_an_ensemble_file_says_what_it_is(
     [
         (["-e", "1.5"], "restitution: got 1.5"),
         (["--number-density", "-1", "-e", "0.7"], "number_density: got -1"),
-        (["--speed-unit", "U"], "it must be a number, or data"),
+        (["--speed-unit", "U"], "'--speed-unit': 'U': it must be a number, or data"),
         (["--speed-unit", "nan"], "speed_unit: got nan"),
         (["--speed-unit", "1e308"], "it must be a number from 1e-100 to 1e+100"),
         (["--length-unit", "1e120"], "it must be a number from 1e-100 to 1e+100"),
         (["--diameter", "0"], "diameter: got 0"),
         (["--figures", "pdf"], "they need --output"),
-        (["-o", "page.txt"], "it must be a file .html"),
+        (["--columns", "time=x"], "column 'x' cannot be time and x"),
+        (["--columns", "time=a,time=b"], "'time' stands twice"),
+        (["-o", "page.txt"], "it must end in .html"),
         (["-o", "data.html"], "is a folder"),
+        (["-o", "missing/page.html"], "its folder does not exist"),
+        (["-o", ""], "'--output': '' is no path"),
     ],
 )
 def test_bad_arguments_are_one_line(
@@ -266,6 +271,11 @@ def test_bad_arguments_are_one_line(
     assert out.err.count("\n") == 1
     assert message in out.err
     assert [p.name for p in tmp_path.iterdir()] == ["data.html"]
+
+
+def test_one_file_is_not_two_runs(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", str(csv), str(csv)]) == 2
+    assert "stands twice" in capsys.readouterr().err
 
 
 def test_the_output_never_takes_the_place_of_the_data(
@@ -290,7 +300,7 @@ def test_a_failure_leaves_nothing_half_written(
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", fsync)
-    output = tmp_path / "new" / "page.html"
+    output = tmp_path / "page.html"
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
     assert main(arguments) == 2
     assert len(calls) == 2

@@ -128,6 +128,8 @@ def parsed_columns(text: str) -> dict[str, str]:
         name, equal, theirs = (piece.strip() for piece in part.partition("="))
         if not equal or not theirs:
             raise InputError(f"columns: got {short(part)}; it must be like time=t,tracer=id")
+        if name in found:
+            raise InputError(f"columns: {short(name)} stands twice")
         found[name] = theirs
     return checked_columns(found)
 
@@ -312,7 +314,7 @@ def find_columns(path: Path | str, names: Sequence[str], asked: Asked) -> dict[s
     bare = [split_unit(name)[0] for name in plain]
     if averages := _find_averages(bare, asked):
         return averages
-    found = {}
+    found: dict[str, int] = {}
     for name in (*NUMBERS, *IN_SPACE, *LABELS):
         needed = name in asked.numbers or name in asked.columns
         if name == "z" and not needed:
@@ -328,7 +330,11 @@ def find_columns(path: Path | str, names: Sequence[str], asked: Asked) -> dict[s
             also = f" (as {' and '.join(here)})" if len(here) > 1 else ""
             raise InputError(f"{shown(path)}: column {name!r} stands {count} times{also}")
         if here and here[0] in known:
-            found[name] = known.index(here[0])
+            place = known.index(here[0])
+            if place in found.values():
+                other = next(one for one, taken in found.items() if taken == place)
+                raise InputError(f"{shown(path)}: column {here[0]!r} cannot be {other} and {name}")
+            found[name] = place
         elif needed:
             raise _missing(path, here[0] if here else name, plain, asked)
     return found
