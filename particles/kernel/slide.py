@@ -15,7 +15,7 @@ from particles.grid.blocks import is_missing, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
 from particles.kernel.contact_in_field import TANGENT
-from particles.kernel.in_field import note_place
+from particles.kernel.in_field import come_along, note_place
 from particles.kernel.in_plane import enter
 from particles.kernel.lane import RUNNING
 from particles.kernel.records import QUEUE, Records
@@ -110,7 +110,7 @@ def _note_passage(
     """Note when x first has the value depth, if it comes to it in this step."""
     if not kept.passages.size or kept.passages[lane.tracer] < np.inf:
         return
-    height = kept.depth - (lane.i * side + lane.struck_x)
+    height = kept.depth - come_along(lane, lane.struck_x, side)
     if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
         begun = towards * (cos(work[0, 0]) - height) >= 0.0
         after = 0.0 if begun else when(work, lasts, height, 2)
