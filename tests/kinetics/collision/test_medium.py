@@ -260,7 +260,8 @@ def test_the_command_solves_among_scatterers(capsys: pytest.CaptureFixture[str])
     scene = Scene(0.7, 0.04, times=[100.0, 1e4], outputs=("msd",), scatterers="hard disks")
     assert found["msd"] == pytest.approx(solve(scene).msd)
     assert found["scatterers"] == "hard disks"
-    assert cli.main([*arguments, "--scaled", "--density-order", "leading"]) == 0
+    arguments = ["solve", "--scatterers", "hard disks", "--json", "--scaled"]
+    assert cli.main([*arguments, "--density-order", "leading"]) == 0
     medium = {"scatterers": "hard disks", "number_density": 0.04, "density_order": "leading"}
     state = ScalingSolution(0.7, **medium)
     assert (
