@@ -45,6 +45,8 @@ _CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.3
 _FOR_DIGIT_OF_FRONTS = 1.7
 _STEP = 1.25  # from the end of one interval to that of the next, at least; twice at most
+# K, as in the next line, for tracers that a collision may have stopped: before, F changes its sign.
+_POWERS_OF_STOPPED = 5.0
 # The four below are measured again by tests/kinetics/measurements/position.py.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -253,10 +255,11 @@ class _Sweep:
         if self.sharp:
             return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
-        if high < _POWERS * begin:
-            return None, largest
         law = self.system.law
-        tail, left = fit_tail(k, f, begin, law.dimension, 0 if law.restitution == 0.0 else 1)
+        stopped = law.restitution == 0.0
+        if high < (_POWERS_OF_STOPPED if stopped else _POWERS) * begin:
+            return None, largest
+        tail, left = fit_tail(k, f, begin, law.dimension, 0 if stopped else 1)
         return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
 
 

@@ -255,6 +255,16 @@ def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
     assert abs(found.position_density(r)[0] @ (w * r**2) / found.msd[0] - 1.0) < 10.0 * rtol
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("dimension", "t"), [(2, 100.0), (3, 30.0)])
+def test_stopped_tracers_to_the_accuracy_asked_for(dimension: int, t: float) -> None:
+    scene = Scene(0.0, dimension=dimension, times=[t], outputs=("position_density",))
+    R = np.linspace(0.02, 6.0, 300)
+    best = solve(scene, rtol=1e-6).scaled_position_density(R)
+    for rtol in (1e-4, 1e-5):
+        assert np.abs(solve(scene, rtol=rtol).scaled_position_density(R) - best).max() < rtol
+
+
 def test_the_tail_in_space_is_found_again() -> None:
     k = np.linspace(3.0, 30.0, 60)
     exact = PowerTail(0.5 ** np.arange(6.0), 1.0, 3)
