@@ -342,6 +342,9 @@ class Solution(SolutionTable, Value):
         InputError as :meth:`scaled_position_density` does.
         """
         found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
+        if self.scene.law.returns(0)[0]:
+            allowed = "p(0) is infinite where tracers are thrown straight back to the origin"
+            refuse("scatterers", self.scene.scatterers, allowed)
         exponent = np.full((self.times.size, x.size), np.nan)
         rate = np.full_like(exponent, np.nan)
         for i, root in enumerate(found.root_mean_square):

@@ -49,6 +49,7 @@ _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they a
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
 _BEYOND = 2.0  # what they miss beyond the panels, over what they miss in the last of them
+_BEYOND_RETURNED = 8.0  # the same among scatterers that are met again, where F falls as 1/K
 _FALL = 0.25  # it falls as K^-4 at least
 
 
@@ -131,6 +132,9 @@ class _Sweep:
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
         self._solved_error = np.zeros(width.size)
+        self._at_origin = None
+        if system.law.returns(0)[0] and not self.sharp:
+            self._at_origin = system.mean_at_origin()
         speeds = points_of(system.state, 1.0, 1e-3)
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
@@ -250,8 +254,10 @@ class _Sweep:
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
         if high < _POWERS * begin:
             return None, largest
-        tail, left = fit_tail(k, f, begin, self.system.law.dimension)
-        return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
+        returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
+        tail, left = fit_tail(k, f, begin, self.system.law.dimension, returned)
+        beyond = _BEYOND_RETURNED if returned else _BEYOND
+        return (tail, beyond * left) if left < _BETTER * largest else (None, largest)
 
 
 def _end(panel: WavePanel, time: int, least: float) -> float:

@@ -2,7 +2,9 @@
 
 Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
 displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. The end of F is fitted
-by terms whose transforms are known, so that the transform needs no large k.
+by terms whose transforms are known, so that the transform needs no large k. At a finite density
+tracers that are thrown straight back come through the origin again: in the plane F then falls as
+1/k, with a factor that is known (`kinetics.position.returned`).
 """
 
 from __future__ import annotations
@@ -26,6 +28,8 @@ _TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 class PowerTail(Value):
     """sum_j c_j (q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, q = K/scale, K = k l, d the dimension.
 
+    With a term 1/K (``returned``) there is also one as 1/K^2: nu = j/2.
+
         integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
 
     (DLMF 10.22.46), and in space
@@ -38,43 +42,70 @@ class PowerTail(Value):
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3
+    returned : factor of (K^2 + scale^2)^(-1/2), which stands besides; 0 in space
     """
 
     coefficients: FloatArray
     scale: float
     dimension: int = 2
+    returned: float = 0.0
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
-        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension)
-        return np.asarray(terms @ self.coefficients)
+        first = first_power(self.dimension, self.returned)
+        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, first)
+        return np.asarray(terms @ self.coefficients + self.returned / np.hypot(k, self.scale))
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
         d = self.dimension
-        parts = origin_transforms(self.scale * rho, self.coefficients.size, kind, d)
-        return np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
+        count, first = self.coefficients.size, first_power(d, self.returned)
+        parts = origin_transforms(self.scale * rho, count, kind, d, first)
+        found = np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
+        if self.returned:
+            found = found + self.returned * _transform_of_returned(rho, self.scale, kind)
+        return found
 
 
-def origin_terms(q: FloatArray, count: int, dimension: int) -> FloatArray:
-    """(q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, for j < count: q (n,) gives (n, count)."""
-    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + 1.0 + np.arange(count))))
+def _transform_of_returned(rho: FloatArray, scale: float, kind: int) -> FloatArray:
+    """Integral over all K of (K^2 + scale^2)^(-1/2), of a kind of `radial_waves`, in the plane."""
+    near = np.maximum(rho, 1e-12)
+    with np.errstate(under="ignore"):
+        fall = np.exp(-scale * near)
+    if kind == 1:
+        return np.asarray(-np.expm1(-scale * near) / (scale * near))
+    return np.asarray(fall / near if kind == 0 else fall * (scale + 1.0 / near) / near)
 
 
-def origin_transforms(x: FloatArray, count: int, kind: int, dimension: int) -> FloatArray:
+def first_power(dimension: int, returned: float) -> int:
+    """The lowest power of 1/q in the terms: d + 1, or 2 where there is one as 1/q besides them."""
+    return 2 if returned else dimension + 1
+
+
+def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 0) -> FloatArray:
+    """(q^2 + 1)^(-(first + j)/2) for j < count, first = d + 1 or as given: (n,) to (n, count)."""
+    return np.asarray(
+        (1.0 + q[:, None] ** 2) ** (-0.5 * ((first or dimension + 1.0) + np.arange(count)))
+    )
+
+
+def origin_transforms(
+    x: FloatArray, count: int, kind: int, dimension: int, first: int = 0
+) -> FloatArray:
     """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
     near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
     macdonald = _macdonald(near, count + 2)
     out = np.zeros((count, x.size))
+    lowest = (first or dimension + 1) - dimension  # of nu, twice
     for j in range(count):
-        nu = 0.5 * (1 + j)
-        part = _share(nu, dimension)
+        twice = lowest + j
+        part = _share(0.5 * twice, dimension)
         if kind == 0:
-            out[j] = part * macdonald[j + 2]
+            out[j] = part * macdonald[twice]
         elif kind == 2:
-            out[j] = part * near * macdonald[j]
+            out[j] = part * near * macdonald[twice - 2]
         elif dimension == 2:
-            out[j] = (1.0 - part * macdonald[j + 4]) / np.maximum(x, near)
+            out[j] = (1.0 - part * macdonald[twice + 2]) / np.maximum(x, near)
     if kind == 1 and dimension == 3:
         return _within_in_space(x, count)
     return out
@@ -98,39 +129,45 @@ def _within_in_space(x: FloatArray, count: int) -> FloatArray:
     return sums[:, np.searchsorted(edges, near)] / np.maximum(x, 1e-12) ** 2
 
 
-def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
-    """x^nu K_nu(x) for nu = -1/2, 0, 1/2, ... highest/2, at x > 0 (n,)."""
+def _macdonald(x: FloatArray, highest: int) -> dict[int, FloatArray]:
+    """x^nu K_nu(x) by twice nu, from -2 to highest, at x > 0 (n,)."""
     from scipy.special import k0, k1
 
     with np.errstate(under="ignore"):
         half = math.sqrt(0.5 * math.pi) * np.exp(-x)
-        found = [half / x, k0(x), half, x * k1(x)]
+        found = {-2: k1(x) / x, -1: half / x, 0: k0(x), 1: half, 2: x * k1(x)}
         for twice in range(3, highest + 1):
             # K_(nu+1) = K_(nu-1) + (2 nu/x) K_nu, nu = twice/2 - 1
-            found.append(x * x * found[-4] + (twice - 2) * found[-2])
+            found[twice] = x * x * found[twice - 4] + (twice - 2) * found[twice - 2]
     return found
 
 
-def fit_tail(k: FloatArray, f: FloatArray, scale: float, dimension: int) -> tuple[PowerTail, float]:
+def fit_tail(
+    k: FloatArray, f: FloatArray, scale: float, dimension: int, returned: float = 0.0
+) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin. The error is seen in the upper part of the range, after a
-    fit to the lower 60 %; it is infinite where there are too few points.
+    ``scale`` is where the powers begin, ``returned`` the factor of 1/K. The error is seen in the
+    upper part of the range, after a fit to the lower 60 %; it is infinite where there are too few
+    points.
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
     if np.count_nonzero(below) < TERMS + 1:
-        return PowerTail(np.zeros(0), scale, dimension), np.inf
+        return PowerTail(np.zeros(0), scale, dimension, returned), np.inf
+    first = first_power(dimension, returned)
+    most = TERMS + dimension + 1 - first
+    falling = f - returned / np.hypot(k, scale) if returned else f
 
     def fit(used: NDArray[np.bool_], terms: int) -> PowerTail:
         """Least squares of the errors relative to the first power."""
-        weight = k[used] ** (dimension + 1)
-        columns = origin_terms(k[used] / scale, terms, dimension)
-        found = np.linalg.lstsq(columns * weight[:, None], f[used] * weight, rcond=1e-13)
-        return PowerTail(np.asarray(found[0]), scale, dimension)
+        weight = k[used] ** first
+        columns = origin_terms(k[used] / scale, terms, dimension, first)
+        found = np.linalg.lstsq(columns * weight[:, None], falling[used] * weight, rcond=1e-13)
+        return PowerTail(np.asarray(found[0]), scale, dimension, returned)
 
     # the error of one number of terms may vanish by accident: a mean over three of them
     missed = [
-        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (TERMS - 2, TERMS - 1, TERMS)
+        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (most - 2, most - 1, most)
     ]
     left = math.sqrt(max(missed[:2])) * math.sqrt(max(missed[1:]))
-    return fit(k > 0.0, TERMS), left
+    return fit(k > 0.0, most), left
