@@ -17,7 +17,13 @@ from particles.kernel.columns import (
     TOTALS,
     TRAPS,
 )
-from particles.media import BoltzmannGrad, ForgetfulPoisson, Medium, dilute_mean_path
+from particles.media import (
+    BoltzmannGrad,
+    ForgetfulPoisson,
+    Medium,
+    Positions,
+    dilute_mean_path,
+)
 from particles.values import Value
 
 if TYPE_CHECKING:
@@ -218,9 +224,12 @@ def _follow_block(
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
     if plan.rest:
         given = np.zeros((n, dimension))
+    given = given.view()
+    given.flags.writeable = False  # as those of a plan are: for numba that is another type
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
+        start_places(plan, tally.configuration, cells, first, n),
     )  # fmt: skip
     record = _make_records(plan, tally, n)
     raw = {name: getattr(record, name) for name in RAW}
@@ -240,6 +249,25 @@ def _follow_block(
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
     return {"traps": caught[:n_caught], **raw}
+
+
+def start_places(
+    plan: Plan, configuration: int, cells: "Cells | None", first: int, n: int
+) -> np.ndarray:
+    """Return the free places where n tracers from number `first` on start, (n, 4).
+
+    (0, 4) where all tracers start at the centre: those that move, those without scatterers, and
+    those among `Positions` for which the user gave another start. Columns: grid.free_places.
+    """
+    from particles.grid.free_places import free_places
+    from particles.kernel.lane import AT_THE_CENTRE
+
+    medium = plan.medium
+    if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
+        return AT_THE_CENTRE
+    if cells is None or not plan.rest:
+        return AT_THE_CENTRE
+    return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))
 
 
 def _follow_in_field(

@@ -47,7 +47,7 @@ class Statuses(Value):
     escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
     it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
     at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
-    to the start, in d; trap_tracers (trapped, 2): configuration and tracer.
+    to the tracer's start, in d; trap_tracers (trapped, 2): configuration and tracer.
     """
 
     finished: int

@@ -272,7 +272,8 @@ class Positions(Value):
     box_side: side of the box, in the unit of the positions; coordinates are taken modulo it.
     start: where tracers start, the box's centre if not given. ValueError if a scatterer covers it
     (is nearer than the diameter), if a position is not finite, or if the box is smaller than 4 d or
-    holds fewer than 1e-10 scatterers per d^2.
+    holds fewer than 1e-10 scatterers per d^2. Where the start is the box's centre, only the first
+    tracer of a run from rest begins there, the others at random free places (`simulate`).
 
     With one set for all configurations, these differ only in their tracers, and errors are those
     of the mean over tracers in this one medium.

@@ -86,7 +86,7 @@ def _draw_disks(ax: "Axes", disks: np.ndarray, diameter: float) -> None:
 
 
 def _draw_paths(ax: "Axes", found: list[Trajectory]) -> Any:
-    """Draw every path, its end and the common start; return what a colour bar is made from."""
+    """Draw every path, its end and its start; return what a colour bar is made from."""
     from matplotlib import colormaps
     from matplotlib.collections import LineCollection
     from matplotlib.colors import ListedColormap, LogNorm
@@ -108,7 +108,8 @@ def _draw_paths(ax: "Axes", found: list[Trajectory]) -> Any:
         lines.set_array(np.maximum(path.speeds, least))
         ax.add_collection(lines)
         ax.plot(*places[-1], "o", color=_MARK, markersize=3.2, zorder=3)
-    ax.plot(0.0, 0.0, "o", markerfacecolor="white", markeredgecolor=_MARK, markersize=6, zorder=4)
+    for x, y in {tuple(path.places[0, :2]) for path in found}:
+        ax.plot(x, y, "o", markerfacecolor="white", markeredgecolor=_MARK, markersize=6, zorder=4)
     return lines
 
 

@@ -51,8 +51,11 @@ def simulate(
         [0, 1], not both 0.
     initial: "gaussian" (each component of standard deviation U), "monoenergetic" (speed U, any
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
-        U; the dimension is that of the medium. In a field also "rest"; among disks the tracers of
-        a configuration, which start at one place, then all have the same path: take tracers=1.
+        U; the dimension is that of the medium. In a field also "rest": among disks the first
+        tracer of a configuration then starts at the centre, where all tracers that move do, and
+        every other one at a random free place of the box (in the plane, of a square of 128 cells).
+        If `Positions` give another start than the centre, all of them start there, and from rest
+        they have one path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.

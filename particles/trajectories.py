@@ -13,7 +13,7 @@ import numpy as np
 
 from particles.checks import check_positive, check_whole, refuse
 from particles.compiled.decorators import kernel
-from particles.configuration import Plan, follow_tracers
+from particles.configuration import Plan, follow_tracers, start_places
 from particles.grid.blocks import make, place
 from particles.grid.build import build
 from particles.grid.cells import EMPTY, SLOTS, Cells
@@ -40,7 +40,8 @@ class Trajectory(Value):
     """The path of one tracer: straight from each place to the next, or nearly so in a field.
 
     times (n,) in d/U: of the start, of each collision and of the end. places (n, dimension) in d,
-    from the start. speeds (n - 1,) in U: between two places.
+    from the start, or, of tracers that begin at rest among disks, from the start of the first one.
+    speeds (n - 1,) in U: between two places.
     """
 
     times: np.ndarray
@@ -89,8 +90,13 @@ def _curves(plan: Plan, configuration: int, until: float) -> list[Trajectory]:
         refuse("until", None, "in a field it is needed where the run has no output times")
     times = np.linspace(0.0, until, CURVE_POINTS)
     asked = replace(plan, times=times, observables=frozenset({"positions", "velocities"}))
-    found = follow_tracers(asked, configuration, build(plan.medium, _seed(plan), configuration))
-    places = np.moveaxis(found.raw["positions"], 1, 0) * plan.medium.diameter
+    cells = build(plan.medium, _seed(plan), configuration)
+    found = follow_tracers(asked, configuration, cells)
+    places = np.moveaxis(found.raw["positions"], 1, 0)
+    free = start_places(plan, configuration, cells, 0, plan.tracers)
+    if cells is not None and len(free):
+        places = places + (free[:, None, :2] * cells.side + free[:, None, 2:])
+    places = places * plan.medium.diameter
     speeds = np.linalg.norm(np.moveaxis(found.raw["velocities"], 1, 0), axis=-1)
     made = []
     for where, speed in zip(places, speeds, strict=True):

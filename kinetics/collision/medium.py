@@ -232,10 +232,13 @@ class MediumLaw(CollisionLaw):
         # ln of the left-hand side is convex in p, and negative at p = 0: Newton's method
         p = 0.0
         for _ in range(_SWEEPS):
-            power = np.exp(-p * q.log_loss) * q.weight
-            mean, slope = float(power.sum()), -float(power @ q.log_loss)
-            log_size = math.log(largest) - p * loss + math.log1p(mean)
-            step = log_size / (slope / (1.0 + mean) - loss)
+            top = max(0.0, -p * float(q.log_loss.max()))  # e near 0: s^p alone would overflow
+            tilted = np.exp(-p * q.log_loss - top) * q.weight
+            log_mean = top + math.log(tilted.sum())
+            lost = float(tilted @ q.log_loss / tilted.sum())
+            log_sum = float(np.logaddexp(0.0, log_mean))  # of 1 + E[s^p]
+            log_size = math.log(largest) - p * loss + log_sum
+            step = log_size / (-lost * math.exp(log_mean - log_sum) - loss)
             p -= step
             if abs(step) < 1e-9 * abs(p):
                 break

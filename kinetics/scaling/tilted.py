@@ -165,9 +165,10 @@ def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, flo
     up, down = np.cumsum(rho[:50]), -np.cumsum(rho[50:])
     # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
     right = float(np.min((up + depth + 5.0) / (n * stride)))
-    if math.isfinite(law.lowest_power):
-        # the tilted density is e^((theta - lowest power) x) there
-        return -(depth + 2.0) / (theta - law.lowest_power), right, deviation
+    if not down_at.size:
+        # the tilted density is e^((theta - lowest power) x) there; below e = 1e-200 as at e = 0
+        lowest = law.lowest_power if math.isfinite(law.lowest_power) else -1.0
+        return -(depth + 2.0) / (theta - lowest), right, deviation
     left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
     return left, right, deviation
 

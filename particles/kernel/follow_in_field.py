@@ -7,9 +7,8 @@ from math import copysign, sqrt
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from particles.compiled.decorators import inlined, kernel
+from particles.compiled.decorators import called, inlined, kernel
 from particles.events import is_collapsing
 from particles.grid.blocks import is_missing, supply
 from particles.grid.cells import Cells
@@ -28,13 +27,13 @@ def _note_passage(lane: Any, lasts: float, field: float, side: float, kept: Kept
     """Note when x first has the value depth, if it comes to it on this piece of the parabola."""
     if kept.passages[lane.tracer] == np.inf:
         towards = copysign(1.0, field)
-        left = towards * (kept.depth - (lane.i * side + lane.x))
+        left = towards * (kept.depth - in_field.come_along(lane, lane.x, side))
         reaches = time_to_reach(left, towards * lane.vx, abs(field)) if left > 0.0 else 0.0
         if reaches <= lasts:
             kept.passages[lane.tracer] = lane.time + reaches
 
 
-@njit(error_model="numpy")
+@called
 def _after_short_flight(
     lane: Any, before: tuple[float, float], cells: Cells, law: tuple[float, float], field: float
 ) -> int:
@@ -79,7 +78,7 @@ def follow_in_field(
     caught = 0
     for a in range(active):
         launch(lanes[a], start, records, a)
-        in_field.begin(lanes[a], keys, n)
+        in_field.begin(lanes[a], keys, n, start.places)
     while active:
         for a in range(active):
             lane = lanes[a]
@@ -151,7 +150,7 @@ def follow_in_field(
             finish(lane, status, records)
             if launched < start.n:
                 launch(lane, start, records, launched)
-                in_field.begin(lane, keys, n)
+                in_field.begin(lane, keys, n, start.places)
                 launched += 1
                 a += 1
             else:

@@ -20,11 +20,19 @@ from particles.kernel.parabola import length_of, time_to_reach
 
 
 @inlined
-def begin(lane: Any, keys: np.ndarray, n: int) -> None:
-    """Put a tracer at the centre of the middle cell, with its initial velocity."""
+def begin(lane: Any, keys: np.ndarray, n: int, places: np.ndarray) -> None:
+    """Put a tracer where it starts, with its initial velocity; places: of `Start`."""
     middle = n // 2
-    lane.stored_i = lane.stored_j = middle
-    lane.cell = place(0, 0) if is_unbounded(keys) else middle * n + middle
+    lane.from_i = lane.from_j = 0
+    lane.from_x = lane.from_y = 0.0
+    if places.shape[0]:
+        lane.from_i, lane.from_j = int(places[lane.tracer, 0]), int(places[lane.tracer, 1])
+        lane.from_x, lane.from_y = places[lane.tracer, 2], places[lane.tracer, 3]
+    lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
+    lane.stored_i, lane.stored_j = middle + lane.i, middle + lane.j
+    lane.cell = lane.stored_i * n + lane.stored_j
+    if is_unbounded(keys):
+        lane.cell = place(lane.i, lane.j)
     lane.vx, lane.vy = lane.start_vx, lane.start_vy
     lane.before = APART
     begin_flight(lane)
@@ -40,7 +48,14 @@ def begin_flight(lane: Any) -> None:
 @inlined
 def note_place(lane: Any, side: float) -> None:
     """Write down the place of a lane as seen from the start of its path."""
-    lane.flight_x, lane.flight_y = lane.i * side + lane.x, lane.j * side + lane.y
+    lane.flight_x = come_along(lane, lane.x, side)
+    lane.flight_y = (lane.j - lane.from_j) * side + (lane.y - lane.from_y)
+
+
+@inlined
+def come_along(lane: Any, x: float, side: float) -> float:
+    """Return how far along the field a place of this x in the cell of a lane is from its start."""
+    return (lane.i - lane.from_i) * side + (x - lane.from_x)
 
 
 @inlined
@@ -75,6 +90,17 @@ def _meet(lane: Any, cx: float, cy: float, field: float, limit: float) -> float:
 
 
 @inlined
+def _distance2(dx: float, dy: float, ex: float, ey: float, per: float) -> float:
+    """Return the square of the distance of a place (dx, dy) to the chord from 0 to (ex, ey).
+
+    per: one over the square of the chord's length. As in `compiled.slots.near_chord`.
+    """
+    part = min(max((dx * ex + dy * ey) * per, 0.0), 1.0)
+    px, py = dx - part * ex, dy - part * ey
+    return px * px + py * py
+
+
+@inlined
 def next_contact(
     lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
     field: float,
@@ -100,11 +126,14 @@ def next_contact(
         mask >>= 1
         slot += 1
     node = head[cell]
+    per = 1.0 / max(ex * ex + ey * ey, 1e-300)
     while node >= 0:
         cx, cy = nodes[node, 0], nodes[node, 1]
-        t = _meet(lane, cx, cy, field, first)
-        if t < NEVER:
-            found, first, meets_x, meets_y = t, t, cx, cy
+        # Not for a disk that the plane has removed, which is at EMPTY: its quartic overflows.
+        if _distance2(cx - x, cy - y, ex, ey, per) <= reach * reach:
+            t = _meet(lane, cx, cy, field, first)
+            if t < NEVER:
+                found, first, meets_x, meets_y = t, t, cx, cy
         node = links[node]
     lane.contact, lane.meets_x, lane.meets_y = found, meets_x, meets_y
 

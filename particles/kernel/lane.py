@@ -73,11 +73,18 @@ LANE_AMONG_DISKS_IN_FIELD = record_type(
             "first_vx", "lasted",       # velocity along x where the flight began; time since then
             "vx", "vy",
             "meets_x", "meets_y",       # the disk of the next contact, from the cell's centre
+            "from_x", "from_y",         # where the path began, from the centre of its cell
         ),
-        np.int64: ("before", "crossed"),  # whether it is on the disk `struck`; walls crossed since
+        np.int64: (
+            "before", "crossed",        # whether it is on the disk `struck`; walls crossed since
+            "from_i", "from_j",         # the cell where the path began, from the middle one
+        ),
     },
     _FIELDS,
 )  # fmt: skip
+
+
+AT_THE_CENTRE = np.empty((0, 4))
 
 
 class Start(NamedTuple):
@@ -86,6 +93,7 @@ class Start(NamedTuple):
     first: number of the first one. given (n, dimension): initial velocities in U, or
     (0, dimension) to draw n of them. restitution, tangential: what a collision leaves of the normal
     and of the tangential velocity. most: the largest number of collisions, 0 for no limit.
+    places (n, 4): where they start, of `grid.free_places`, or (0, 4): at the centre.
     """
 
     first: int
@@ -97,6 +105,7 @@ class Start(NamedTuple):
     restitution: float
     tangential: float
     most: int
+    places: np.ndarray = AT_THE_CENTRE
 
 
 @inlined

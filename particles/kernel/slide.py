@@ -9,13 +9,13 @@ from math import atan2, copysign, cos, sin, sqrt
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from particles.compiled.decorators import called
 from particles.grid.blocks import is_missing, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
 from particles.kernel.contact_in_field import TANGENT
-from particles.kernel.in_field import note_place
+from particles.kernel.in_field import come_along, note_place
 from particles.kernel.in_plane import enter
 from particles.kernel.lane import RUNNING
 from particles.kernel.records import QUEUE, Records
@@ -36,7 +36,7 @@ BISECTIONS = 200
 REACHED, TURNED, ENDED = range(3)
 
 
-@njit(error_model="numpy")
+@called
 def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
     """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms."""
     phi, sine, cosine = work[0], work[1], work[2]
@@ -51,7 +51,7 @@ def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
         sine[k + 1], cosine[k + 1] = s / (k + 1), c / (k + 1)
 
 
-@njit(error_model="numpy")
+@called
 def at(work: np.ndarray, t: float) -> tuple[float, float]:
     """Return the angle and its derivative after a time t."""
     angle, along = work[0, ORDER], 0.0
@@ -61,7 +61,7 @@ def at(work: np.ndarray, t: float) -> tuple[float, float]:
     return angle, along
 
 
-@njit(error_model="numpy")
+@called
 def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
     """Return when the angle (kind 0), its derivative (1) or its cosine (2) has a value.
 
@@ -86,7 +86,7 @@ def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
     return high
 
 
-@njit(error_model="numpy")
+@called
 def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
     angle, along = at(work, t)
     if kind == 2:
@@ -94,7 +94,7 @@ def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
     return (along if kind == 1 else angle) - value
 
 
-@njit(error_model="numpy")
+@called
 def _put(lane: Any, angle: float, along: float) -> None:
     """Give a lane its place and velocity on disk `struck`."""
     nx, ny = cos(angle), sin(angle)
@@ -103,21 +103,21 @@ def _put(lane: Any, angle: float, along: float) -> None:
     lane.vx, lane.vy = -along * ny, along * nx
 
 
-@njit(error_model="numpy")
+@called
 def _note_passage(
     lane: Any, work: np.ndarray, lasts: float, kept: Kept, towards: float, side: float
 ) -> None:
     """Note when x first has the value depth, if it comes to it in this step."""
     if not kept.passages.size or kept.passages[lane.tracer] < np.inf:
         return
-    height = kept.depth - (lane.i * side + lane.struck_x)
+    height = kept.depth - come_along(lane, lane.struck_x, side)
     if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
         begun = towards * (cos(work[0, 0]) - height) >= 0.0
         after = 0.0 if begun else when(work, lasts, height, 2)
         kept.passages[lane.tracer] = lane.time + after
 
 
-@njit(error_model="numpy")
+@called
 def roll(lane: Any, left: float, field: float, side: float, records: Records, kept: Kept) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
     times, queue, queued = records.times, records.queue, records.queued
@@ -156,7 +156,7 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
             return outcome
 
 
-@njit(error_model="numpy")
+@called
 def slide(
     lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records, kept: Kept
 ) -> int:

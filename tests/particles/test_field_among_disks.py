@@ -107,7 +107,9 @@ def test_elastic_tracers_keep_their_energy_over_1e4_collisions() -> None:
     assert abs(np.diff(energy, axis=0)).max() < 1e-9
 
 
-@pytest.mark.parametrize("medium", [HardDisks(0.1, 400), Poisson(0.1, box=None)])
+@pytest.mark.parametrize(
+    "medium", [HardDisks(0.1, 400), Poisson(0.1, box=None), HardDisks(0.2, box=None)]
+)
 def test_a_weak_field_gives_the_run_without_field(medium: HardDisks | Poisson) -> None:
     arguments = dict(
         restitution=0.8, times=[1.0, 4.0, 9.0], media=2, tracers=50,

@@ -1,0 +1,87 @@
+"""From rest among disks: every tracer begins at a place of its own."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from particles import Ensemble, HardDisks, Poisson, Positions, simulate
+from particles.configuration import start_places
+from particles.grid.build import build
+from particles.media import Medium
+from particles.trajectories import scatterers
+
+
+def released(medium: Medium, media: int, tracers: int, last: float = 20.0) -> Ensemble:
+    return simulate(
+        medium, 0.7, "rest", [last], media=media, tracers=tracers, seed=3, field=1.0,
+        observables=["positions", "finals"],
+    )  # fmt: skip
+
+
+def test_tracers_of_one_configuration_spread_as_those_of_different_ones_do() -> None:
+    media, tracers = 150, 30
+    run = released(HardDisks(0.04, 4000), media, tracers)
+    z = run.positions[0, :, 0].reshape(media, tracers)
+    within = z.var(axis=1, ddof=1).mean()
+    between = tracers * z.mean(axis=1).var(ddof=1)
+    # Of independent tracers the ratio is 1, with this standard deviation; of one path, infinite.
+    sigma = np.sqrt(2 / (media - 1) + 2 / (media * (tracers - 1)))
+    assert abs(between / within - 1) < 4 * sigma
+
+
+@pytest.mark.parametrize(
+    "medium",
+    [
+        Poisson(0.2, 400, diameter=2.0),
+        HardDisks(0.3, 400),
+        pytest.param(HardDisks(0.1, box=None), marks=pytest.mark.slow),  # it takes long to compile
+    ],
+)
+def test_tracers_begin_at_free_places_all_over_the_box(medium: HardDisks | Poisson) -> None:
+    n = 400
+    plan = released(medium, 1, n, 0.1).plan
+    cells = build(medium, np.uint64(plan.seed), 0)
+    own = start_places(plan, 0, cells, 0, n)
+    assert np.array_equal(start_places(plan, 0, cells, 30, 9), own[30:39])
+    assert not own[0].any()
+    places = own[:, :2] * cells.side + own[:, 2:]
+    # The means of x/L and of its square, L the side; five standard deviations.
+    share = places[1:] / (cells.side * (cells.n or 128))
+    assert abs(share).max() < 0.505
+    np.testing.assert_allclose(share.mean(axis=0), 0.0, atol=5 / np.sqrt(12 * n))
+    np.testing.assert_allclose((share**2).mean(axis=0), 1 / 12, atol=5 / np.sqrt(180 * n))
+    d = medium.diameter
+    near = places[abs(own[:, :2]).max(axis=1) < 12] * d
+    disks = scatterers(plan, 0, near.min(axis=0) - 2 * d, near.max(axis=0) + 2 * d)
+    assert disks is not None
+    assert len(near) > 10
+    assert cKDTree(disks).query(near)[0].min() > d * (1 - 1e-12)
+
+
+def test_the_first_tracer_is_the_one_that_is_released_alone() -> None:
+    alone, together = (released(HardDisks(0.1, 400), 3, n) for n in (1, 4))
+    assert np.array_equal(alone.finals, together.finals[::4])
+
+
+@pytest.mark.parametrize(("start", "paths"), [(None, 8), ((3.0, 4.0), 1)])
+def test_among_given_positions_a_start_that_is_given_is_kept(
+    start: tuple[float, float] | None, paths: int
+) -> None:
+    positions = np.random.default_rng(1).uniform(0.0, 40.0, (80, 2))
+    for place in ((20.0, 20.0), (3.0, 4.0)):
+        positions = positions[np.hypot(*(positions - place).T) > 1]
+    run = released(Positions(positions, 40.0, start=start), 1, 8)
+    assert len(np.unique(run.positions[0], axis=0)) == paths
+
+
+def test_paths_begin_where_their_tracers_do_and_enter_no_disk() -> None:
+    run = released(HardDisks(0.16, 400), 1, 6)
+    found = run.trajectories(6)
+    cells = build(run.plan.medium, np.uint64(run.plan.seed), 0)
+    own = start_places(run.plan, 0, cells, 0, 6)
+    places = np.array([path.places[0] for path in found])
+    np.testing.assert_allclose(places, own[:, :2] * cells.side + own[:, 2:], atol=1e-12)
+    every = np.concatenate([path.places for path in found])
+    disks = scatterers(run.plan, 0, every.min(axis=0) - 2, every.max(axis=0) + 2)
+    assert disks is not None
+    assert cKDTree(disks).query(every)[0].min() > 1 - 1e-12
