@@ -180,7 +180,7 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
 
 
 def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
-    """Finite densities are solved for averages over time only, and only without a field."""
+    """Finite densities have no averages after N collisions, and no field."""
     at_a_density, numbers = isinstance(law, MediumLaw), checked["collision_numbers"]
     if at_a_density and checked["field"]:
         refuse("field", checked["field"], "it is available for scatterers='dilute' only")
