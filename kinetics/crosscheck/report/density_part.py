@@ -82,7 +82,8 @@ def _text(part: DensityPart, cases: Sequence[Case]) -> list[str]:
     ]  # fmt: skip
     return paragraphs(
         "density.txt.j2", "explanation", by_case=by_case, places=part.places, early=early,
-        settled=SETTLED, dilute=DILUTE, path=PATH, leading=LEADING, first=FIRST, fitted=FITTED, percent=_percent,
+        settled=SETTLED, dilute=DILUTE, path=PATH, leading=LEADING, first=FIRST, fitted=FITTED,
+        percent=_percent,
     )  # fmt: skip
 
 
