@@ -21,7 +21,11 @@ DIRECTED = AngularHarmonics(
 
 @pytest.mark.parametrize(
     ("e", "n", "scatterers"),
-    [(0.7, 0.04, "hard disks"), (0.3, 0.02, "overlapping"), (0.95, 0.1, "hard disks")],
+    [
+        (0.7, 0.04, "hard disks"),
+        pytest.param(0.3, 0.02, "overlapping", marks=pytest.mark.slow),
+        (0.95, 0.1, "hard disks"),
+    ],
 )
 def test_its_moments_are_the_averages(e: float, n: float, scatterers: str) -> None:
     """Those come from the backward equation, which has a discretisation of its own."""
