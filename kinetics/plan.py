@@ -24,6 +24,8 @@ from kinetics.status import PlanStep
 
 SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
+# Against hard disks: see `kinetics.collision.medium`
+_LOW_SPEEDS = "; the speed density is less certain below 0.4 of the thermal speed"
 _SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may not be below zero
 
 
@@ -68,7 +70,7 @@ def limits(averages: Averages, profiles: Mapping[int, Profile] | None = None) ->
         first = averages.times[0] / averages.mean_free_path
     found = averages.law.density_theory(first)[1]
     if profiles and averages.law.returns(0)[0]:
-        found += _negative_density(averages, profiles[0])
+        found += _LOW_SPEEDS + _negative_density(averages, profiles[0])
     return found
 
 

@@ -344,15 +344,15 @@ class Solution(SolutionTable, Value):
     def position_tail(self, scaled_radii: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """How the density p = G(R)/(2 pi R) in the plane falls at R: its exponent and its rate.
 
-        In space p = G(R)/(4 pi R^2).
-        Both of shape (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the exponent is n: 2 for a
-        Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and the rate -d ln p/dR.
-        Tracers that have not collided are left out. NaN where p is below its error. Raises
-        InputError as :meth:`scaled_position_density` does.
+        In space p = G(R)/(4 pi R^2). Shapes (n_times, n_R), for R > 0. With p ~ exp(-(R/b)^n) the
+        exponent is n: 2 for a Gaussian, 1 for an exponential. It is d ln(ln(p(0)/p(R)))/d ln R, and
+        the rate -d ln p/dR. Tracers that have not collided are left out. NaN where p is below its
+        error. Raises InputError as :meth:`scaled_position_density` does, and at a finite density.
         """
         found, x = self._position(), not_negative_line("scaled_radii", scaled_radii)
-        exponent = np.full((self.times.size, x.size), np.nan)
-        rate = np.full_like(exponent, np.nan)
+        if self.scene.law.returns(0)[0]:
+            refuse("scatterers", self.scene.scatterers, "p(0) is infinite: some come straight back")
+        exponent, rate = np.full((2, self.times.size, x.size), np.nan)
         for i, root in enumerate(found.root_mean_square):
             if root == 0.0:
                 continue

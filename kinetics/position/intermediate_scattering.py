@@ -19,6 +19,7 @@ from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
+from kinetics.position.returned import density_at_origin
 from kinetics.position.scattering import most_at_once, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.position.waves import Waves
@@ -182,6 +183,14 @@ class Scattering:
             v = np.exp(x[part] - s)
             out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
         return out
+
+    def mean_at_origin(self) -> FloatArray:
+        """Density of the returned at the origin, see `returned.density_at_origin`, (n_times,)."""
+        speeds = points_of(self.state, 1.0, 1e-9)
+        with np.errstate(over="ignore"):
+            path = np.exp(self.log_stretch(np.arange(self.times.size))[:, None] + speeds.x)
+        found = density_at_origin(self.law, path.ravel()).reshape(path.shape)
+        return np.asarray(found @ speeds.weight)
 
     def _collided(self, waves: Waves, x: FloatArray) -> FloatArray:
         """The part of a_0 of those that have collided, at X = x: (n_x, n_k)."""

@@ -52,6 +52,7 @@ _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they a
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
 _BEYOND = 2.0  # what they miss beyond the panels, over what they miss in the last of them
+_BEYOND_RETURNED = 8.0  # the same among scatterers that are met again, where F falls as 1/K
 _FALL = 0.25  # it falls as K^-4 at least
 
 
@@ -134,6 +135,9 @@ class _Sweep:
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
         self._solved_error = np.zeros(width.size)
+        self._at_origin = None
+        if system.law.returns(0)[0] and not self.sharp:
+            self._at_origin = system.mean_at_origin()
         speeds = points_of(system.state, 1.0, 1e-3)
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
@@ -259,8 +263,11 @@ class _Sweep:
         stopped = law.restitution == 0.0
         if high < (_POWERS_OF_STOPPED if stopped else _POWERS) * begin:
             return None, largest
-        tail, left = fit_tail(k, f, begin, law.dimension, 0 if stopped else 1)
-        return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
+        returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
+        first = 0 if stopped or returned else 1
+        tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
+        beyond = _BEYOND_RETURNED if returned else _BEYOND
+        return (tail, beyond * left) if left < _BETTER * largest else (None, largest)
 
 
 def _end(panel: WavePanel, time: int, least: float) -> float:

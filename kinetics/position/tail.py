@@ -2,8 +2,10 @@
 
 Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
 displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
-leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. The end of F is fitted by terms
-whose transforms are known, so that the transform needs no large k.
+leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. At a finite density tracers that
+are thrown straight back come through the origin again: in the plane F then falls as 1/k, with a
+factor that is known (`kinetics.position.returned`). The end of F is fitted by terms whose
+transforms are known, so that the transform needs no large k.
 """
 
 from __future__ import annotations
@@ -39,24 +41,39 @@ class PowerTail(Value):
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3
-    first : j_0: 1, and 0 for tracers that collisions may stop
+    first : j_0: 1, and 0 where collisions may stop tracers or throw them straight back
+    returned : factor of (K^2 + scale^2)^(-1/2), which stands besides; 0 in space
     """
 
     coefficients: FloatArray
     scale: float
     dimension: int = 2
     first: int = 1
+    returned: float = 0.0
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
         terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, self.first)
-        return np.asarray(terms @ self.coefficients)
+        return np.asarray(terms @ self.coefficients + self.returned / np.hypot(k, self.scale))
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
         d, count = self.dimension, self.coefficients.size
         parts = origin_transforms(self.scale * rho, count, kind, d, self.first)
-        return np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
+        found = np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
+        if self.returned:
+            found = found + self.returned * _transform_of_returned(rho, self.scale, kind)
+        return found
+
+
+def _transform_of_returned(rho: FloatArray, scale: float, kind: int) -> FloatArray:
+    """Integral over all K of (K^2 + scale^2)^(-1/2), of a kind of `radial_waves`, in the plane."""
+    near = np.maximum(rho, 1e-12)
+    with np.errstate(under="ignore"):
+        fall = np.exp(-scale * near)
+    if kind == 1:
+        return np.asarray(-np.expm1(-scale * near) / (scale * near))
+    return np.asarray(fall / near if kind == 0 else fall * (scale + 1.0 / near) / near)
 
 
 def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 1) -> FloatArray:
@@ -118,24 +135,31 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
 
 
 def fit_tail(
-    k: FloatArray, f: FloatArray, scale: float, dimension: int, first: int = 1
+    k: FloatArray,
+    f: FloatArray,
+    scale: float,
+    dimension: int,
+    first: int = 1,
+    returned: float = 0.0,
 ) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin, ``first`` which they are. The error is seen in the upper
-    part of the range, after a fit to the lower 60 %; it is infinite where there are too few points.
+    ``scale`` is where the powers begin, ``first`` which they are, ``returned`` the factor of 1/K.
+    The error is seen in the upper part of the range, after a fit to the lower 60 %; it is infinite
+    where there are too few points.
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
     most = TERMS + 1 - first
     if np.count_nonzero(below) < most + 1:
-        return PowerTail(np.zeros(0), scale, dimension, first), np.inf
+        return PowerTail(np.zeros(0), scale, dimension, first, returned), np.inf
+    falling = f - returned / np.hypot(k, scale) if returned else f
 
     def fit(used: NDArray[np.bool_], terms: int) -> PowerTail:
         """Least squares of the errors relative to the first power."""
         weight = k[used] ** (dimension + first)
         columns = origin_terms(k[used] / scale, terms, dimension, first)
-        found = np.linalg.lstsq(columns * weight[:, None], f[used] * weight, rcond=1e-13)
-        return PowerTail(np.asarray(found[0]), scale, dimension, first)
+        found = np.linalg.lstsq(columns * weight[:, None], falling[used] * weight, rcond=1e-13)
+        return PowerTail(np.asarray(found[0]), scale, dimension, first, returned)
 
     # the error of one number of terms may vanish by accident: a mean over three of them
     missed = [

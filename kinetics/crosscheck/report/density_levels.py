@@ -5,14 +5,18 @@ The levels go from the paper's equation, in which no scatterer is met a second t
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kinetics.collision import law_in_medium
 from kinetics.crosscheck.report.case import Array, Case, Measured
-from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
+from kinetics.crosscheck.report.observables import (
+    bin_density,
+    cooling_rate_between,
+    msd_slope_between,
+)
 from kinetics.crosscheck.report.settings import ReportSettings
 
 if TYPE_CHECKING:
@@ -26,6 +30,7 @@ ORDER_OF = {LEADING: "leading", FIRST: "first", FITTED: "second"}
 """The `density_order` of a Scene."""
 OBSERVABLES = ("thermal_speed", "cooling_rate", "msd", "msd_slope", "kurtosis")
 AVERAGES = ("thermal_speed", "msd", "kurtosis")
+_PLACE = 1e-4  # rtol of G(R): a hundredth of the errors of its bins
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,38 @@ class Prediction:
         """What this level changes of the one before it, as a ratio less 1."""
         before = LEVELS[LEVELS.index(level) - 1]
         return self.theory[level] / self.theory[before] - 1.0
+
+
+@dataclass(frozen=True)
+class PlacePrediction:
+    """G(R) of the hard disks of one restitution at the last time, beside two of the levels.
+
+    chi_square: by level (DILUTE and FITTED), the squares of the deviations over the standard
+    errors, summed over `bins` bins of R in which the errors are below a third.
+    """
+
+    restitution: float
+    time: float
+    bins: int
+    chi_square: dict[str, float]
+
+
+def place_predictions(cases: Sequence[Case], settings: ReportSettings) -> list[PlacePrediction]:
+    """G(R) of every case; hard disks and theory are each scaled with their own <r^2>."""
+    found = []
+    for case in cases:
+        disks, edges, times = case.hard.position, case.position_edges, case.times[-1:]
+        sure = disks.value > 3.0 * disks.error
+        outputs, rtol = ("msd", "position_density"), max(settings.position_rtol, _PLACE)
+        density, e = settings.number_density, case.restitution
+        theory = replace(case, position=solution(e, density, times, outputs, FITTED, rtol=rtol))
+        off = {
+            level: ((disks.value - bin_density(of, edges)) / disks.error)[sure]
+            for level, of in ((DILUTE, case), (FITTED, theory))
+        }
+        chi_square = {level: float(values @ values) for level, values in off.items()}
+        found.append(PlacePrediction(e, float(times[0]), int(sure.sum()), chi_square))
+    return found
 
 
 def predictions(cases: Sequence[Case], settings: ReportSettings) -> list[Prediction]:

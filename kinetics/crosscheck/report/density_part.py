@@ -14,7 +14,9 @@ from kinetics.crosscheck.report.density_levels import (
     LEADING,
     LEVELS,
     PATH,
+    PlacePrediction,
     Prediction,
+    place_predictions,
     predictions,
 )
 from kinetics.crosscheck.report.density_scan import ReturnScan, figures, gather_returns
@@ -28,6 +30,7 @@ class DensityPart:
     """All that is in the part."""
 
     predictions: list[Prediction]
+    places: list[PlacePrediction]
     scan: ReturnScan
 
 
@@ -38,7 +41,11 @@ def gather_density_part(
     if settings.number_density > HIGHEST_DENSITY:
         return None
     (case,) = (case for case in cases if case.restitution == scans.density.restitution)
-    return DensityPart(predictions(cases, settings), gather_returns(case, scans.density, settings))
+    return DensityPart(
+        predictions=predictions(cases, settings),
+        places=place_predictions(cases, settings),
+        scan=gather_returns(case, scans.density, settings),
+    )
 
 
 def add_density_part(
@@ -54,6 +61,7 @@ def add_density_part(
             asdict(row) | {"off": {level: asdict(row.off(level)) for level in LEVELS}}
             for row in part.predictions
         ],
+        "places": [asdict(row) for row in part.places],
         "scan": asdict(part.scan),
     }
     more = plain({"finite_density": own, "figures": document["figures"] | figures(part.scan)})
@@ -73,8 +81,9 @@ def _text(part: DensityPart, cases: Sequence[Case]) -> list[str]:
         if case.times[-1] < SETTLED * case.kinetic.scene.mean_free_path
     ]  # fmt: skip
     return paragraphs(
-        "density.txt.j2", "explanation", by_case=by_case, early=early, settled=SETTLED,
-        dilute=DILUTE, path=PATH, leading=LEADING, first=FIRST, fitted=FITTED, percent=_percent,
+        "density.txt.j2", "explanation", by_case=by_case, places=part.places, early=early,
+        settled=SETTLED, dilute=DILUTE, path=PATH, leading=LEADING, first=FIRST, fitted=FITTED,
+        percent=_percent,
     )  # fmt: skip
 
 

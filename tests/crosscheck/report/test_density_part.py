@@ -18,6 +18,7 @@ from kinetics.crosscheck.report.density_levels import (
     LEVELS,
     PATH,
     Prediction,
+    place_predictions,
     predictions,
     solution,
 )
@@ -104,6 +105,28 @@ def test_predictions_are_compared_with_the_disks_of_the_case(
     assert found["thermal_speed"].theory[FIRST] < found["thermal_speed"].theory[DILUTE]
 
 
+def test_places_of_the_disks_are_compared_with_both_equations(
+    make_case: MakeCase, settings: ReportSettings
+) -> None:
+    case = make_case()
+    (found,) = place_predictions([case], settings)
+    scene = Scene(
+        0.7, 0.04, times=case.times[-1:], outputs=("msd", "position_density"),
+        scatterers="hard disks",
+    )  # fmt: skip
+    theory = solve(scene, rtol=1e-4)
+    root = np.sqrt(theory.msd[0])
+    widths = np.diff(case.position_edges)
+    density = theory.position_fraction(case.position_edges * root)[0] / widths
+    at_theory = Measured(density, case.hard.position.error)
+    hard = replace(case.hard, position=at_theory)
+    (same,) = place_predictions([replace(case, hard=hard)], settings)
+    assert same.chi_square[FITTED] < 0.01
+    assert same.chi_square[DILUTE] > 10.0
+    assert found.chi_square[FITTED] > 10.0
+    assert 0 < found.bins <= widths.size
+
+
 def test_deviations_and_changes_are_ratios_less_one() -> None:
     theory = dict(zip(LEVELS, (100.0, 80.0, 60.0, 66.0, 63.0), strict=True))
     row = Prediction(0.7, "msd", 1.0, theory, Measured(np.asarray(66.0), np.asarray(3.0)))
@@ -162,6 +185,7 @@ def test_the_page_has_every_level_and_the_figures(
     row = next(r for r in document["finite_density"]["rows"] if r["observable"] == "msd")
     off = 100 * row["off"][FITTED]["value"]
     assert f"which leaves {off:+.1f} ±" in document["finite_density"]["text"][0]
+    assert document["finite_density"]["text"][-1].startswith("e = 0.7: G(R) of hard disks at t =")
     assert "30 l/U" not in " ".join(document["finite_density"]["text"])
 
 

@@ -164,7 +164,7 @@ def test_the_tail_keeps_its_power_and_has_the_rate_of_the_new_h() -> None:
         ({"scatterers": "hard disks", "dimension": 3}, "smooth disks in the plane only"),
         ({"scatterers": "hard disks", "tangential_restitution": 0.9}, "in the plane only"),
         ({"scatterers": "hard disks", "density_order": "third"}, "density_order: got 'third'"),
-        ({"scatterers": "overlapping", "outputs": ("position_density",)}, "'dilute' only"),
+        ({"scatterers": "overlapping", "collision_numbers": [1.0]}, "'dilute' only"),
     ],
 )
 def test_what_is_not_derived_is_refused(arguments: dict[str, Any], says: str) -> None:

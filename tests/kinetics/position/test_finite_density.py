@@ -1,13 +1,15 @@
-"""F(k, t) among scatterers that are met again, by other routes."""
+"""F(k, t) and G(R) among scatterers that are met again, by other routes."""
 
 import math
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from scipy.special import j0
+from scipy.special import j0, k0
 
-from kinetics import Beam, CollisionLaw, Scene, solve
+from kinetics import Beam, CollisionLaw, InputError, Scene, SolverStatus, solve
+from kinetics.position.returned import density_at_origin
+from kinetics.position.tail import PowerTail
 from tests.references.returning_flights import returning_flights
 
 
@@ -50,14 +52,16 @@ def test_elastic_tracers_of_one_speed_obey_a_matrix(n: float) -> None:
 def test_random_flights_have_these_waves() -> None:
     e, n, time = 0.5, 0.04, 2.0
     eps = 2 * e / (1 + e) * n * math.log(1 / n)
-    flights = returning_flights(e, eps, time, 300_000, 6)
+    flights = returning_flights(e, eps, time, 120_000, 6)
     path = 1.0 / (2.0 * n)
     k = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
     medium = {"scatterers": "overlapping", "density_order": "leading"}
     pulls = []
     for arguments in (medium, {}):
         scene = Scene(e, n, times=[time * path], outputs="intermediate_scattering", **arguments)
-        for wave, f in zip(k, solve(scene).intermediate_scattering(k / path)[0], strict=True):
+        for wave, f in zip(
+            k, solve(scene, rtol=1e-6).intermediate_scattering(k / path)[0], strict=True
+        ):
             found, error = flights.mean(j0(wave * abs(flights.place)))
             pulls.append((found - f) / error)
     assert max(map(abs, pulls[:5])) < 3.5
@@ -83,3 +87,73 @@ def test_a_direction_of_the_wave_vector_and_a_low_density() -> None:
     change = np.abs(dense - dilute).max()
     assert 0.1 * n < change < 3.0 * n * math.log(1.0 / n)
     assert np.abs(dense.imag).max() > 0.1
+
+
+def test_chains_of_bounces_straight_back_cross_the_origin() -> None:
+    """One, two and three bounces, of which two have one free path left: an integral over it."""
+    e, n = 0.6, 1e-3
+    law = Scene(e, n, times=[1.0], scatterers="overlapping", density_order="leading").law
+    eps = 2 * e / (1 + e) * n * math.log(1 / n)
+    for path in (0.2, 2.0, 8.0):
+        once = eps * math.exp(-2 * e * path / (1 + e)) / (1 + e)
+        back, half = np.linspace(0.0, path, 200_001), 1.0 / (1.0 - e * e)
+        last = half * (path - (1.0 + e) * back)  # the flight after the second bounce
+        first = path - back - last
+        open_ = (last >= 0.0) & (first >= 0.0)
+        weight = np.where(open_, np.exp(-first - e * back - e * e * last), 0.0)
+        twice = eps**2 * e * half * np.trapezoid(weight, back)
+        found = density_at_origin(law, np.array([path]))[0]
+        assert found == pytest.approx(once + twice, rel=30 * eps**2)
+        assert abs(found / once - 1.0) > 2e-4
+
+
+def test_transforms_of_the_tail_are_each_others_slopes() -> None:
+    tail = PowerTail(np.array([0.7, -0.3, 0.2, 0.5]), 1.3, 2, first=0, returned=0.4)
+    only = PowerTail(np.array([1.0]), 1.0, 2, first=0)  # 1/(1 + K^2)
+    rho, h = np.array([0.2, 1.0, 3.0]), 1e-5
+    assert only.transform(rho, 0) == pytest.approx(k0(rho), rel=1e-13)
+    high, low = tail.transform(rho + h, 0), tail.transform(rho - h, 0)
+    assert tail.transform(rho, 2) == pytest.approx((low - high) / (2 * h), rel=1e-8)
+    inside = [(rho + s) * tail.transform(rho + s, 1) for s in (-h, h)]
+    density = (inside[1] - inside[0]) / (2 * h)
+    assert rho * tail.transform(rho, 0) == pytest.approx(density, rel=1e-8)
+
+
+@pytest.mark.parametrize(("e", "n", "t"), [(0.7, 0.04, 100.0), (0.4, 0.02, 3000.0)])
+def test_the_density_has_its_moments(e: float, n: float, t: float) -> None:
+    scene = Scene(
+        e, n, times=[t], scatterers="hard disks", outputs=("msd", "kurtosis", "position_density")
+    )
+    solution = solve(scene, rtol=1e-4)
+    assert solution.status is SolverStatus.CONVERGED
+    edges = np.linspace(0.0, 12.0, 401)
+    node, weight = np.polynomial.legendre.leggauss(4)
+    half = 0.5 * (edges[1] - edges[0])
+    x = (edges[:-1, None] + half * (1.0 + node)).ravel()
+    g = solution.scaled_position_density(x)[0] * np.tile(half * weight, 400)
+    assert [g.sum(), g @ x**2] == pytest.approx([1.0, 1.0], abs=3e-5)
+    assert g @ x**4 == pytest.approx(solution.kurtosis[0], rel=2e-3)
+    # those thrown straight back to the origin
+    assert 0.0 < solution.position_density([1e-6])[0, 0] < 1e-2
+    with pytest.raises(InputError, match="come straight back"):
+        solution.position_tail([1.0])
+
+
+def test_random_flights_have_this_density_of_the_displacement() -> None:
+    e, n, time = 0.5, 0.04, 2.0
+    eps = 2 * e / (1 + e) * n * math.log(1 / n)
+    flights = returning_flights(e, eps, time, 120_000, 8)
+    path = 1.0 / (2.0 * n)
+    edges = np.array([0.01, 0.1, 0.2, 0.4, 0.6, 0.9, 1.3, 1.8, 2.6])
+    medium = {"scatterers": "overlapping", "density_order": "leading"}
+    pulls = []
+    for arguments in (medium, {}):
+        scene = Scene(e, n, times=[time * path], outputs="position_density", **arguments)
+        shares = solve(scene, rtol=3e-3).position_fraction(edges * path)[0]
+        for low, high, share in zip(edges[:-1], edges[1:], shares, strict=True):
+            r = abs(flights.place)
+            found, error = flights.mean((r > low) & (r < high))
+            pulls.append((found - share) / error)
+    count = edges.size - 1
+    assert max(map(abs, pulls[:count])) < 3.5
+    assert max(map(abs, pulls[count:])) > 6.0  # the dilute one is another
