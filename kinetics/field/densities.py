@@ -304,7 +304,7 @@ def solve_densities(
         found = _tried(fine)
         peak = np.maximum(np.abs(found).max(axis=1), 1e-300)[:, None]
         error = float(np.max(np.abs(found - values) / peak))
-        if fine.rays is None:
+        if not fine.is_sharp and fine.rays is None:
             error *= (best.resolution.harmonics / resolution.harmonics) ** 5
         if not error < least:
             break
