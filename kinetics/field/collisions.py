@@ -35,10 +35,9 @@ def collision_matrices(
     factor = q.weight * np.exp(np.minimum(power * q.log_loss, _LARGEST))
     kept = factor * np.array([q.harmonic(m) for m in harmonics])
     gone = factor * np.array([q.harmonic_loss(m) for m in harmonics])
-    gone -= q.weight * np.expm1(
-        np.minimum(power * q.log_loss, _LARGEST)
-    )  # of 1 - s^-power cos(m chi)
-    change = np.expm1(q.log_loss if forwards else -q.log_loss)
+    # of 1 - s^-power cos(m chi)
+    gone -= q.weight * np.expm1(np.minimum(power * q.log_loss, _LARGEST))
+    change = np.expm1(np.minimum(q.log_loss, _LARGEST) if forwards else -q.log_loss)
     out = np.zeros((highest + 1, panels.size, panels.size))
     for own, part in enumerate(panels.parts):
         v = panels.speeds[part]

@@ -16,19 +16,18 @@ from importlib.resources import files
 from typing import Any
 
 from numba import njit
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 
 from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
-# Python and C call kernels only: without an entry for them, and the conversion of all arguments
-# that it begins with, the other functions are compiled in two thirds of the time.
-_CALLED: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
-_OPTIONS: Any = _CALLED | {"forceinline": True}
+_OPTIONS: Any = {"error_model": "numpy", "forceinline": True}
 _KERNEL: Any = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
-called = njit(**_CALLED)
-inlined = njit(**_OPTIONS)
+# Interpreted where Python calls them. So they are compiled without an entry for Python, which would
+# begin with the conversion of all arguments and take a third of the time.
+called = register_jitable(error_model="numpy")
+inlined = register_jitable(**_OPTIONS)
 
 
 def by_dimension(plane: Any, space: Any) -> Callable:

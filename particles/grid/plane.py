@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import int64, njit, uint64
 
-from particles.compiled.decorators import called, kernel
+from particles.compiled.decorators import kernel
 from particles.streams import CELLS, bits, mix, open_stream, to_unit
 
 # Odd numbers without a pattern: the fractional parts of sqrt(2) and sqrt(3).
@@ -164,7 +164,7 @@ def is_clear(law: Law, p: int, q: int, x: float, y: float) -> bool:
     return ox * ox + oy * oy >= 1.0
 
 
-@called
+@njit(error_model="numpy")  # it calls itself
 def is_kept(
     law: Law, counts: Counts, region: tuple[int, int], x: float, y: float, turn: float
 ) -> bool:

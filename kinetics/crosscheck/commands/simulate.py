@@ -120,10 +120,10 @@ def simulate(
 
     times = options.times_until(times, until)
     check_files()
-    for_others = output is not None and output.suffix.lower() == ".h5md"
+    h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
     names = options.names_in(observables)
-    if for_others and output is not None:
-        names = _for_h5md(output, names, arguments)
+    if h5md is not None:
+        names = _for_h5md(h5md, names, arguments)
     described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
 
@@ -138,14 +138,14 @@ def simulate(
             scatterers,
             times=times or None,
             observables=names or None,
-            output=None if for_others else output,
+            output=output if h5md is None else None,
             progress=show,
             **arguments,
         )
     if picture is not None:
         write_picture(run, picture)
-    if for_others and output is not None:
-        run.write_h5md(output)
+    if h5md is not None:
+        run.write_h5md(h5md)
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
         options.print_json(_document(run, kind, arguments))

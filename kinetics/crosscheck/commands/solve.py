@@ -137,18 +137,16 @@ def solve(
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
-    over_time = not scaled and not field_steady
-    if not over_time:
-        mode = "--scaled" if scaled else "--field-steady"
-        options.refuse_given([*_OVER_TIME, "field_steady"] if scaled else _OVER_TIME, mode)
-    if not scaled and not over_time:
-        options.refuse_given(MEDIUM, "--field-steady")
+    mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
+    if mode:
+        also = ("field_steady",) if scaled else MEDIUM
+        options.refuse_given((*_OVER_TIME, *also), mode)
     if output is not None:
         check_output(output)
     system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
-        rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
+        rtol = 1e-6 if (radii or system["field"]) and not mode else 1e-10
     law = {name: system[name] for name in LAW}
     if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
         raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")

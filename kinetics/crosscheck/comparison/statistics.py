@@ -185,10 +185,3 @@ def of_the_worst(sigmas: Array) -> ChiSquare:
     p_value = min(1.0, float(erfc(largest / np.sqrt(2))) * sigmas.size)
     value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2
     return ChiSquare(value, 1, p_value, None, largest**2)
-
-
-def gaussian_sigmas(p_value: float) -> float:
-    """Two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
-    from scipy.special import ndtri
-
-    return 0.0 if p_value >= 1 else float(-ndtri(max(p_value, 1e-300) / 2))

@@ -166,7 +166,7 @@ def estimated(
     k = at.index
     corrected = corrected_sigmas(at.sigmas, groups, at.looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
-    scale = 1 + expected if observable == "a2" else np.abs(expected)
+    scale = scale_of(observable, expected)
     seen = ((np.abs(value - expected) + TWO_SIDED * error) / scale)[usable]
     where: dict[str, Any] = {name: float(every[k]) for name, every in places.items()}
     row = Row(
@@ -179,19 +179,19 @@ def estimated(
     return [row]
 
 
-def scale_of(observable: str, theory: float) -> float:
+def scale_of(observable: str, theory: Any) -> Any:
     """What deviations are relative to: |theory|, but 1 + a2 = <c^4>/2 for a2."""
     return 1 + theory if observable == "a2" else abs(theory)
 
 
 def relative(observable: str, value: float, theory: float) -> float:
     """The relative deviation of a value from the theory."""
-    return (value - theory) / scale_of(observable, theory)
+    return float((value - theory) / scale_of(observable, theory))
 
 
 def relative_error(row: Mapping[str, Any]) -> float:
     """The standard error of a row of the document, relative as its deviation is; in percent."""
-    return 100 * float(row["error"] or 0) / scale_of(row["observable"], row["theory"])
+    return float(100 * (row["error"] or 0) / scale_of(row["observable"], row["theory"]))
 
 
 def counts(rows: Sequence[Row]) -> dict[str, int]:

@@ -78,7 +78,7 @@ def gather_case(
     hard = _followed(hard_medium, e, times, seed + 1, settings, **counts)
     path = float(hard.mean_free_path.value)
     if not np.isfinite(path):
-        refuse("final_times", last, f"no tracer among {name} has collided by then, some must")
+        refuse("until", last, f"no tracer among {name} has collided by then, some must")
     thinner = 1 / (2 * path) / half_cross_section(settings.dimension)
     rescaled = solution(law, thinner, times, OUTPUTS, settings.rtol)
     return Case(

@@ -75,12 +75,12 @@ class ReportSettings:
         times = self.final_times or tuple(
             PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in restitutions
         )
-        times = tuple(check_positive("final_times", t) for t in times)
+        times = tuple(check_positive("until", t) for t in times)
         if len(times) == 1:
             times *= len(restitutions)
         if len(times) != len(restitutions):
             raise InputError(
-                f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
+                f"until: got {len(times)} for {len(restitutions)} restitutions; "
                 "there must be one for each"
             )
         object.__setattr__(self, "restitutions", restitutions)

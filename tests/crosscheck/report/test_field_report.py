@@ -190,7 +190,7 @@ def test_nothing_but_tables_scrolls_sideways(
     path.write_text(page, encoding="utf-8")
     seen = browser.visit(path, width, {"wide": "document.documentElement.scrollWidth"})
     assert seen.complaints == []
-    assert seen.requests == [path.resolve().as_uri()]
+    assert [r for r in seen.requests if not r.startswith("data:")] == [path.resolve().as_uri()]
     assert seen.answers["wide"] <= width
 
 
