@@ -38,9 +38,9 @@ _MADE_OF = {
     "velocity_tensor": ("v^2", "v^2 cos 2", "v_x v_y"),
     "displacement_tensor": ("x", "y", "x^2", "y^2", "x y"),
 }
-# Errors of the finer of two solutions in units of their difference: as seen against finer ones, for
-# starts of few harmonics, along rays, and for starts with directions whose harmonics are solved
-_GAIN, _GAIN_RAYS, _GAIN_DIRECTED = 0.5, 0.3, 2.0
+# Errors of the finer of two solutions in units of their difference: the difference itself for
+# starts of few harmonics; along rays, and for starts with directions, as seen against finer ones
+_GAIN, _GAIN_RAYS, _GAIN_DIRECTED = 1.0, 0.3, 2.0
 
 
 @one_blas_thread

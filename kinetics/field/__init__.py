@@ -12,9 +12,11 @@ the chain. Then `steady` solves for the steady state and the dispersion about it
 and harmonics of `resolution`, and `solution` holds the answer of `solve_field`. Over time,
 `backward` takes averages from step to step by the rule of `radau`, and `evolution` averages them
 over an initial state (`starts`), one of few directions through `first_collision`;
-`kinetics.in_field` makes the outputs of a scene of them.
+`kinetics.in_field` makes the outputs of a scene of them. `forward` takes a density from step to
+step, `last_flight` makes the density at one velocity of it, `collided_once` is a closed form for
+starts of sharp velocities, and `densities` joins these to the densities of a scene.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
 all rooms. Begin with `steady.py`,
-over time with `evolution.py`.
+over time with `evolution.py` and `densities.py`.
 """

@@ -18,7 +18,11 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.field.backward import ALL
-from kinetics.field.collided_once import once_collided, once_collided_by_speed
+from kinetics.field.collided_once import (
+    once_collided,
+    once_collided_by_speed,
+    once_collided_isotropic,
+)
 from kinetics.field.evolution import reached_speed
 from kinetics.field.first_collision import Rays, angular, free_way
 from kinetics.field.forward import ForwardField
@@ -29,6 +33,7 @@ from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.directed import Beam
+from kinetics.states.isotropic import Rest
 from kinetics.states.state import State
 
 _RATIO = 4.0  # of the ends of a panel, up to an eighth of the highest speed
@@ -177,9 +182,27 @@ class FieldDensities:
         """f at the i-th time and velocities (n,), in sqrt(g l); without sharp velocities."""
         time = float(self.times[i])
         found = self.flights.density(time, along, across) + self._uncollided_at(time, along, across)
-        if self.rays is not None:
-            found += once_collided(self.rays, self._e, self.law.dimension, time, along, across)
+        if self.rays is None:
+            return found
+        if self._rings is None:
+            return found + once_collided(
+                self.rays, self._e, self.law.dimension, time, along, across
+            )
+        for speed, weight in zip(*self._rings, strict=True):
+            found += weight * once_collided_isotropic(speed, self._e, time, along, across)
         return found
+
+    @cached_property
+    def _rings(self) -> tuple[FloatArray, FloatArray] | None:
+        """Speeds of rays of all directions in the plane, and their shares; None for others."""
+        if self.rays is None or self.law.dimension == 3 or self.state.highest_harmonic != 0:
+            return None
+        if isinstance(self.state, Rest):
+            return None
+        speed = np.round(np.hypot(self.rays.along, self.rays.across), 12)
+        speeds, which = np.unique(speed, return_inverse=True)
+        shares = np.bincount(which, self.rays.weight)
+        return np.asarray(speeds, dtype=float), np.asarray(shares, dtype=float)
 
     def by_speed(self, i: int, v: FloatArray) -> FloatArray:
         """The density of the speed at the i-th time and speeds (n,)."""
@@ -281,7 +304,7 @@ def solve_densities(
         found = _tried(fine)
         peak = np.maximum(np.abs(found).max(axis=1), 1e-300)[:, None]
         error = float(np.max(np.abs(found - values) / peak))
-        if fine.rays is None:
+        if not fine.is_sharp and fine.rays is None:
             error *= (best.resolution.harmonics / resolution.harmonics) ** 5
         if not error < least:
             break

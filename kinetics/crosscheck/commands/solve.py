@@ -37,6 +37,8 @@ _OVER_TIME = (
     "collision_numbers", "wave_numbers",
 )  # fmt: skip
 """Options that mean nothing where no scene is solved over time."""
+_IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))
+"""Averages that are solved with --field."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
@@ -85,7 +87,7 @@ _points = partial(click.option, type=options.Numbers(), default="")
     "--field",
     type=float,
     default=0.0,
-    help="A uniform acceleration along x, in U^2/d: averages over time with it.",
+    help="A uniform acceleration along x, in U^2/d: averages, and f(v) with --speeds, with it.",
 )
 @click.option(
     "--field-steady",
@@ -102,7 +104,7 @@ _points = partial(click.option, type=options.Numbers(), default="")
     "--outputs",
     default="thermal_speed,a2,msd",
     help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
-    f"{', '.join(FIELD_OUTPUTS)}.",
+    f"{', '.join(_IN_FIELD)}.",
 )
 @_points("--speeds", help="v in U at which to print f(v).")
 @_points("--radii", help="R at which to print G(R), commas.")
@@ -178,7 +180,7 @@ def solve_document(
     from kinetics import solve as solve_scene
     from kinetics.validation import not_negative, one_of, refuse
 
-    known = FIELD_OUTPUTS if system.get("field") else HEADS
+    known = _IN_FIELD if system.get("field") else HEADS
     names = [one_of("outputs", name, known) for name in options.names_in(outputs)]
     if not names:
         refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
@@ -202,6 +204,8 @@ def solve_document(
     for name, at in asked.items():
         found[name] = at
         found[_DENSITY_AT[name]] = getattr(solution, _DENSITY_AT[name])(at)
+    if system.get("field") and "speed_density" in found:
+        found["uncollided"] = solution.uncollided
     collision_numbers = system.get("collision_numbers", ())
     if collision_numbers:
         after = solution.by_collision

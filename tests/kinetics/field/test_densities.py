@@ -9,7 +9,12 @@ import pytest
 
 from kinetics import Beam, CollisionLaw, InputError, Scene, load, solve, solve_field
 from kinetics.field.backward import backward_panels
-from kinetics.field.collided_once import once_collided, once_collided_by_speed
+from kinetics.field.collided_once import (
+    _of_one,
+    once_collided,
+    once_collided_by_speed,
+    once_collided_isotropic,
+)
 from kinetics.field.collisions import collision_matrices, gain_matrices
 from kinetics.field.densities import FieldDensities
 from kinetics.field.first_collision import Rays
@@ -102,6 +107,21 @@ def test_those_that_have_collided_once(dimension: int) -> None:
     assert found == pytest.approx(float(chance @ (np.exp(-way) @ q.weight)), rel=2e-3)
 
 
+def test_once_collided_from_all_directions() -> None:
+    """Against sums over many directions: of the start in the plane, of turns in space."""
+    velocity = np.array([0.3, -0.4, 1.0]), np.array([0.2, 0.1, 0.5])
+    angle = (np.arange(800) + 0.5) * (2.0 * math.pi / 800)
+    many = Rays(np.cos(angle), np.sin(angle), np.full(800, 1.0 / 800), False)
+    expected = once_collided(many, 0.7, 2, 1.2, *velocity)
+    found = once_collided_isotropic(1.0, 0.7, 1.2, *velocity)
+    assert found == pytest.approx(expected, rel=1e-2)
+    ring = Rays(np.array([0.4]), np.array([0.6]), np.ones(1), True)
+    # a start turned about the field is a velocity turned: sqrt(p^2 + q^2 - 2 p q cos) apart
+    start = 0.4, 0.6 * np.cos(angle[None]), 0.36
+    turned = _of_one(start, 0.7, 3, 1.2, *velocity).mean(axis=1)
+    assert once_collided(ring, 0.7, 3, 1.2, *velocity) == pytest.approx(turned, rel=1e-2)
+
+
 def test_no_density_where_one_collision_does_not_take() -> None:
     """Nobody has gained more than the field gives, and those at the free fall are left out."""
     rays = Rays(np.zeros(1), np.zeros(1), np.ones(1), True)
@@ -147,7 +167,7 @@ def test_a_solution_with_densities_is_a_value(tmp_path: Path) -> None:
     v = np.array([0.5, 1.0, 2.0])
     assert again == solution
     assert np.array_equal(again.speed_density(v), solution.speed_density(v))
-    assert again.to_dataframe("speed_density").shape[0] > 0
+    assert again.to_dataframe("speed_density", speeds=v).shape[0] == 3
     assert solution.plan[1].part == "densities"
     with pytest.raises(InputError, match="field"):
         solution.velocity_component_density(v)
