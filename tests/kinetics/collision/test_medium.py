@@ -131,7 +131,13 @@ def test_dilute_is_the_default_to_the_same_bits() -> None:
     )
 
 
-@pytest.mark.parametrize(("e", "n"), [(0.9, 0.1), (0.7, 0.04), (0.5, 0.1), (0.3, 0.02)])
+@pytest.mark.parametrize(
+    ("e", "n"),
+    [
+        (0.9, 0.1), (0.3, 0.02),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.7, 0.04), (0.5, 0.1))),
+    ],
+)  # fmt: skip
 def test_the_discretised_scaling_state_meets_the_closed_form(e: float, n: float) -> None:
     medium = {"scatterers": "overlapping", "number_density": n}
     exact, found = ScalingSolution(e, **medium), solve_scaled(e, **medium)
@@ -286,7 +292,7 @@ def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e:
     assert np.all(found["dilute"][0][2:] < -9.0)
 
 
-@pytest.mark.parametrize("e", [0.4, 0.8, 1.0])
+@pytest.mark.parametrize("e", [0.4, 1.0, pytest.param(0.8, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("real", [True, False])
 def test_no_bounce_beyond_the_widest_impact_parameter_comes_back(e: float, real: bool) -> None:
     random = np.random.default_rng(3)

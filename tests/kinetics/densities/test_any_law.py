@@ -233,7 +233,10 @@ def test_both_methods_agree(name: str) -> None:
         assert np.max(np.abs(a - b)) < (1e-9 + other.error_estimate) * a.max()
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow if n == "sticking disks" else ()) for n in LAWS],
+)
 def test_rough_starts_keep_mass_and_sign(name: str) -> None:
     law = LAWS[name]
     solution = solved(law, [0.0, 0.7, 20.0], 1e-3, initial=TABLE)

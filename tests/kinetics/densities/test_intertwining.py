@@ -65,7 +65,9 @@ def test_random_scission() -> None:
 
 
 @pytest.mark.parametrize("m", [0, 1, 4])
-@pytest.mark.parametrize("e", [0.0, 0.4, 0.85, 0.97])
+@pytest.mark.parametrize(
+    "e", [0.0, 0.85, *(pytest.param(e, marks=pytest.mark.slow) for e in (0.4, 0.97))]
+)
 def test_as_in_steps(e: float, m: int) -> None:
     """A complex harmonic, of both methods; they share the window and nothing else."""
     law, rtol = CollisionLaw(e), 1e-9

@@ -33,7 +33,9 @@ def test_gaussian_at_the_start(e: float) -> None:
     assert np.max(np.abs(found[0] - exact)) < 1e-7
 
 
-@pytest.mark.parametrize("e", [0.3, 0.7, 0.95])
+@pytest.mark.parametrize(
+    "e", [0.7, *(pytest.param(e, marks=pytest.mark.slow) for e in (0.3, 0.95))]
+)
 def test_normalised_with_half_the_energy(e: float) -> None:
     """The integral is 1 and <v_x^2> = <v^2>/2, at every time."""
     solution = solve(scene(e, [0.0, 4.0]), rtol=1e-8)
@@ -144,7 +146,7 @@ def test_gaussian_at_the_start_in_space(e: float) -> None:
     assert np.max(np.abs(found[0] - exact)) < 1e-8
 
 
-@pytest.mark.parametrize("e", [0.3, 0.9])
+@pytest.mark.parametrize("e", [0.9, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_normalised_with_a_third_of_the_energy_in_space(e: float) -> None:
     solution = solve(in_space(e, [0.0, 4.0, 1e12]), rtol=1e-8)
     node, weight = np.polynomial.legendre.leggauss(8)

@@ -161,7 +161,9 @@ def test_densities_as_functions_and_as_states_are_the_same(formulas: ModuleType)
     np.testing.assert_array_equal(one.speed_density(v), other.speed_density(v))
 
 
-@pytest.mark.parametrize("e", [0.0, 0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize(
+    "e", [0.0, 0.9, *(pytest.param(e, marks=pytest.mark.slow) for e in (0.5, 0.7, 0.99))]
+)
 def test_nodes_that_are_given_are_judged_by_twice_as_many(e: float) -> None:
     # 256 nodes at e = 0.7 were 40 times worse than asked, with an estimate below it; 4096 at
     # e = 0.9 were refused

@@ -103,7 +103,7 @@ def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
         assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
 
 
-@pytest.mark.parametrize("initial", ["rest", "gaussian"])
+@pytest.mark.parametrize("initial", ["rest", pytest.param("gaussian", marks=pytest.mark.slow)])
 def test_rtol_is_met(initial: str) -> None:
     times = [0.3, 1.0, 3.0, 10.0]
     fine = solve(scene(times, 0.08, initial=initial), rtol=1e-6)
@@ -152,7 +152,10 @@ def test_a_start_close_to_rest_is_rest() -> None:
     assert np.all(cold.mean_velocity == rest.mean_velocity)
 
 
-@pytest.mark.parametrize("initial", ["gaussian", Beam(2.0, "monoenergetic"), "rest"])
+@pytest.mark.parametrize(
+    "initial",
+    ["rest", *(pytest.param(s, marks=pytest.mark.slow) for s in ("gaussian", Beam(2.0)))],
+)
 def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
     """Averages that nobody asks for are not solved."""
     times = [0.1, 1.0, 3.0]
