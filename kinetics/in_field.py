@@ -22,6 +22,7 @@ from kinetics.status import PlanStep, explain, status_of
 _ATTEMPTS = 5
 _ALWAYS = 3  # so many attempts, and more as long as they have at most _MOST harmonics
 _MOST = 65
+_FAR = 0.1  # two solutions so far apart: finer ones, which take ever longer, do not reach rtol
 # A start is at rest if its velocities are below this, times rtol and the first time. Of isotropic
 # starts below the root of rtol: they change averages by the square of their velocities.
 _AT_REST = 0.1
@@ -118,7 +119,7 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
         if error >= least or not error < 1.0:
             break  # steps of many harmonics may be unstable: the solution before is better
         best, least = fine, error
-        if error <= rtol:
+        if error <= rtol or error > _FAR:
             break
         coarse = fine
     return best, least
