@@ -1,4 +1,4 @@
-"""Scenes with a field: averages over time, and the outputs that are made of them."""
+"""Scenes with a field: averages and densities of the velocity over time."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 
 from kinetics.errors import InputError, short
 from kinetics.field.backward import ALL, needed_for
+from kinetics.field.densities import SceneDensities
 from kinetics.field.evolution import Evolution, scales
 from kinetics.field.resolution import TimeResolution
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.outputs import FIELD_OUTPUTS
+from kinetics.outputs import DENSITIES
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import PlanStep, explain, status_of
@@ -26,6 +27,7 @@ _FAR = 0.1  # two solutions so far apart: finer ones, which take ever longer, do
 # A start is at rest if its velocities are below this, times rtol and the first time. Of isotropic
 # starts below the root of rtol: they change averages by the square of their velocities.
 _AT_REST = 0.1
+_DENSITIES = {"speed_density", "velocity_density"}
 _MADE_OF = {
     "thermal_speed": ("v^2",),
     "temperature": ("v^2",),
@@ -61,15 +63,21 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
         )
     fine, error = _solved(scene, rtol, speed, times)
     errors, allowed = {"averages": error}, {"averages": rtol}
+    densities = None
+    if set(scene.outputs) & _DENSITIES:
+        densities = SceneDensities(
+            scene.law, scene.state, np.asarray(scene.times), (speed, time), rtol
+        )
+        errors[DENSITIES], allowed[DENSITIES] = densities.error_estimate, rtol
     resolution, values = fine.resolution, _outputs(fine.values, scene, speed, path)
     panels = fine.equation.panels
-    return Solution(
+    solution = Solution(
         scene=scene,
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
         message=explain(errors, allowed),
-        error_estimate=errors["averages"],
+        error_estimate=max(errors.values()),
         plan=(
             PlanStep(
                 "averages in a field",
@@ -79,6 +87,7 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
                 f"sqrt(g l), {fine.steps} steps of time; the start {_followed(fine.start)}; "
                 f"a solution with fewer of each differs so little that the error is {error:.1e}",
             ),
+            _densities_step(densities),
         ),
         stats={
             "harmonics": resolution.harmonics,
@@ -89,6 +98,30 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
         _profiles={},
         _displacement=None,
         _typical_speed=speed * np.sqrt(fine.values[:, ALL.index("v^2")]),
+    )
+    if densities is not None:
+        solution.keep_in_field(densities)
+    return solution
+
+
+def _densities_step(found: SceneDensities | None) -> PlanStep:
+    """How the densities were solved."""
+    if found is None:
+        return PlanStep(DENSITIES, False, "not asked for")
+    one = found.densities
+    panels = one.equation.panels
+    apart = "tracers that have not collided are in closed form"
+    if one.is_sharp:
+        apart = "tracers that have not collided are left out"
+    if one.rays is not None:
+        apart += ", those that have collided once in closed form"
+    return PlanStep(
+        DENSITIES,
+        True,
+        f"harmonics 0 to {one.equation.highest}, {panels.size} speeds up to {panels.highest:.3g} "
+        f"sqrt(g l), {one.steps} steps of time, and an integral over the last free flight; "
+        f"{apart}; from a solution with fewer of each the error is "
+        f"{found.error_estimate:.1e} of the maximum",
     )
 
 
@@ -134,7 +167,7 @@ def _evolution(
     small = math.sqrt(rtol) if scene.state.highest_harmonic == 0 else rtol
     if start.highest < _AT_REST * small * min(1.0, float(times[0])):
         start = Start.rest()
-    asked = [name for output in scene.outputs for name in _MADE_OF[output]]
+    asked = [name for output in scene.outputs for name in _MADE_OF.get(output, ())]
     return Evolution(scene.law, start, times, resolution, needed_for(asked, start.is_symmetric))
 
 
@@ -169,7 +202,7 @@ def _outputs(values: FloatArray, scene: Scene, speed: float, path: float) -> dic
         "displacement_tensor": path**2
         * (squares - displacement[:, :, None] * displacement[:, None, :]),
     }
-    return {name: found[name] for name in FIELD_OUTPUTS if name in scene.outputs}
+    return {name: found[name] for name in found if name in scene.outputs}
 
 
 def _vector(x: FloatArray, y: FloatArray, dimension: int) -> FloatArray:

@@ -226,6 +226,8 @@ FIELD_OUTPUTS: dict[str, Output] = {
         "mean_velocity",
         "velocity_tensor",
         "displacement_tensor",
+        "speed_density",
+        "velocity_density",
     )
 }
 """The same for scenes with a field, which `kinetics.in_field` solves."""

@@ -24,6 +24,7 @@ from kinetics.status import PlanStep
 
 SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
+_SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may not be below zero
 
 
 def make_plan(
@@ -61,11 +62,30 @@ def _scatterers_step(averages: Averages) -> tuple[PlanStep, ...]:
     return (PlanStep(SCATTERERS, True, level),) if level else ()
 
 
-def limits(averages: Averages) -> str:
+def limits(averages: Averages, profiles: Mapping[int, Profile] | None = None) -> str:
     """Where the theory of a finite density is not to be trusted; empty where nothing is to say."""
     with np.errstate(over="ignore"):
         first = averages.times[0] / averages.mean_free_path
-    return averages.law.density_theory(first)[1]
+    found = averages.law.density_theory(first)[1]
+    if profiles and averages.law.returns(0)[0]:
+        found += _negative_density(averages, profiles[0])
+    return found
+
+
+def _negative_density(averages: Averages, profile: Profile) -> str:
+    """Where the speed density is below zero, as its operator allows; empty where it is not."""
+    lowest, highest = 0.0, 0.0
+    for i, log_unit in enumerate(averages.log_reference):
+        f = profile.at(i, np.exp(log_unit) * _SPEEDS).real
+        share = f / max(float(f.max()), 1e-300)
+        lowest = min(lowest, float(share.min()))
+        highest = max(highest, float(_SPEEDS[share < -averages.rtol].max(initial=0.0)))
+    if highest == 0.0:
+        return ""
+    return (
+        f"; the speed density is negative, by up to {-lowest:.0e} of its maximum, at speeds below "
+        f"{highest:.2g} of the thermal one: what slow tracers do is beyond the theory"
+    )
 
 
 def _asked_step(step: str, outputs: Iterable[str], reason: str) -> PlanStep:

@@ -17,7 +17,7 @@ from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
-from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS, POSITION
 from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
@@ -52,7 +52,7 @@ class Scene(Value):
         ``Solution.by_collision`` gives, shape (n_collisions,)
     scatterers : "dilute" (the paper's equation, in which no scatterer is met again), "overlapping"
         (placed independently) or "hard disks": the equation to the first order in the density, up
-        to number_density * diameter^2 = 0.3, for averages among smooth disks
+        to number_density * diameter^2 = 0.3, among smooth disks. Position densities need "dilute"
     density_order : of the theory for those two: "leading" (n ln n, n = number_density diameter^2),
         "first" (n) or "second" (with a fitted term (n ln n)^2); see `kinetics.collision.medium`
     field : a uniform acceleration along +x, in U^2/d, 0 or more. With a field ``initial`` may be
@@ -189,7 +189,7 @@ def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
     if numbers.size and at_a_density:
         refuse("collision_numbers", numbers, "they are available for scatterers='dilute' only")
     for name in checked["outputs"]:
-        if at_a_density and OUTPUTS[name].values is None:
+        if at_a_density and OUTPUTS[name].step in (POSITION,):
             refuse("outputs", name, "it is available for scatterers='dilute' only")
 
 

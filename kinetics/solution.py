@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import html
+import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +23,7 @@ from kinetics.averaging import (
     solved_averages,
 )
 from kinetics.densities.harmonic import Profile, angular_function
-from kinetics.densities.marginal import component_density, component_density_in_space
+from kinetics.densities.marginal import component_densities
 from kinetics.errors import InputError
 from kinetics.frozen import read_only
 from kinetics.moments.by_collision import ByCollision
@@ -45,7 +46,9 @@ from kinetics.validation import (
 )
 from kinetics.values import Value
 
-_FASTEST = 1e100  # in typical speeds: no tracer is as fast
+if TYPE_CHECKING:
+    from kinetics.field.densities import SceneDensities
+
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
@@ -104,8 +107,8 @@ class Solution(SolutionTable, Value):
     def _shown(self) -> list[tuple[str, str, str]]:
         """Name, shape and unit of every array, and of every output that is a method."""
         found = [(name, str(a.shape), UNITS.get(name, "1")) for name, a in self.values.items()]
-        for name in () if self.scene.field else self.scene.outputs:
-            if OUTPUTS[name].values is None:
+        for name in self.scene.outputs:
+            if name in OUTPUTS and OUTPUTS[name].values is None:
                 shape = f"({', '.join(OUTPUTS[name].shape)})"
                 unit = OUTPUTS[name].unit_in(self.scene.dimension)
                 found.append((name, shape.replace("n_times", str(self.times.size)), unit))
@@ -224,7 +227,12 @@ class Solution(SolutionTable, Value):
         see :attr:`uncollided`. The error is at most rtol of the maximum for v above 1e-2 of the
         thermal speed; at lower speeds that holds for the density of ln v. Raises InputError for v
         negative or not finite, or if "speed_density" was not among the outputs.
+
+        With a field tracers of sharp velocities (rest, one speed, a Beam, samples) are left out as
+        long as they have not collided; what the error is relative to is `error_estimate`.
         """
+        if self.scene.field:
+            return self._in_field.speed_density(speeds(v))
         return np.asarray(self._speed_profile().continuous(speeds(v)).real)
 
     @property
@@ -232,8 +240,11 @@ class Solution(SolutionTable, Value):
         """Share of tracers in the delta peak of a monoenergetic start, shape (n_times,).
 
         For e < 1 these are the tracers that have not collided; at e = 1 they are all tracers. It is
-        zero for other starts, whose uncollided tracers are part of :meth:`speed_density`.
+        zero for other starts, whose uncollided tracers are part of :meth:`speed_density`. With a
+        field it is the share of those that fall freely with one of a few velocities.
         """
+        if self.scene.field:
+            return read_only(self._in_field.uncollided)
         peak = self._speed_profile().peak_weight
         return np.zeros(self.times.shape) if peak is None else read_only(peak.real)
 
@@ -243,49 +254,47 @@ class Solution(SolutionTable, Value):
         The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
         ones. As a function of c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure
         ``scalev``; its integral over v_x is 1. In space it is one component of three.
-        Raises InputError as :meth:`speed_density` does (v_x may be negative).
+        Raises InputError as :meth:`speed_density` does (v_x may be negative), and with a field.
         """
-        profile = self._speed_profile()
+        self._require_no_field()
         x = np.abs(finite_line("v_x", v_x))
-        out = np.empty((self.times.size, x.size))
-        for i in range(self.times.size):
-            unit = float(self._typical_speed[i])
-            near = np.minimum(x, _FASTEST * unit)
-            if self.scene.dimension == 3:
-
-                def in_space(v: FloatArray, i: int = i) -> FloatArray:
-                    return np.asarray(profile.at(i, v).real)
-
-                out[i] = component_density_in_space(in_space, near, unit)
-                continue
-
-            def plane(v: FloatArray, i: int = i, unit: float = unit) -> FloatArray:
-                # times the square of a typical speed, or it overflows late
-                return np.asarray(profile.at(i, v).real * unit * (unit / v) / (2.0 * np.pi))
-
-            out[i] = component_density(plane, near, unit) / unit / unit
-        if profile.peak_speed is not None and profile.peak_weight is not None:
-            shape = _component_of_one_speed(x, profile.peak_speed, self.scene.dimension)
-            out += profile.peak_weight.real[:, None] * shape
-        return out
+        return component_densities(
+            self._speed_profile(), x, np.asarray(self._typical_speed), self.scene.dimension
+        )
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
 
-        The sum of the harmonics up to ``scene.harmonics``; integral of f v dv dphi is 1. In space
-        phi is the angle to the x axis, about which f is symmetric: the density is in 1/U^3, and
-        the integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks in the speed are left out; v
-        must be above 0. Raises InputError for bad v or phi, or if "velocity_density" was not among
-        the outputs.
+        The sum of the harmonics up to ``scene.harmonics``, with a field of all; integral of
+        f v dv dphi is 1. In space phi is the angle to the x axis, about which f is symmetric: the
+        density is in 1/U^3, and the integral of 2 pi f v^2 sin(phi) dv dphi is 1. Delta peaks are
+        left out; v must be above 0. Raises InputError for bad v or phi, or if "velocity_density"
+        was not among the outputs.
         """
         v_, phi_ = speeds(v, zero_allowed=False), finite_line("phi", phi)
         self._require("velocity_density")
+        if self.scene.field:
+            return self._in_field.velocity_density(v_, phi_)
         law = self.scene.law
         out = np.zeros((self.times.size, v_.size, phi_.size))
         for m, profile in self._profiles.items():
             turn = angular_function(m, phi_, law.dimension)
             out += (profile.continuous(v_)[:, :, None] * turn).real
         return out / (law.unit_surface * v_[:, None] ** (law.dimension - 1))
+
+    @cached_property
+    def _in_field(self) -> SceneDensities:
+        """Solved again where it was not kept, as after loading from a file."""
+        from kinetics.field.densities import SceneDensities
+
+        self._require("speed_density", "velocity_density")
+        scene, path = self.scene, self.scene.mean_free_path
+        units = (math.sqrt(scene.field * path), math.sqrt(path / scene.field))
+        return SceneDensities(scene.law, scene.state, self.times, units, self.rtol)
+
+    def keep_in_field(self, densities: SceneDensities) -> None:
+        """Keep the densities in a field; they are no part of the value."""
+        self.__dict__["_in_field"] = densities
 
     # -- position -----------------------------------------------------------------------------
 
@@ -389,11 +398,3 @@ class Solution(SolutionTable, Value):
     def _speed_profile(self) -> Profile:
         self._require("speed_density", "velocity_density")
         return self._profiles[0]
-
-
-def _component_of_one_speed(x: FloatArray, speed: float, dimension: int) -> FloatArray:
-    """Density at |v_x| = x of velocities of one speed and any direction, in 1/U, shape of x."""
-    if dimension == 3:
-        return np.where(x < speed, 0.5 / speed, 0.0)
-    room = speed**2 - np.minimum(x, 2.0 * speed) ** 2
-    return np.where(room > 0.0, 1.0 / (np.pi * np.sqrt(np.where(room > 0, room, 1.0))), 0)

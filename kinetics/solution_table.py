@@ -71,9 +71,9 @@ class SolutionTable(Tabular):
 
     def _densities(self, only: str | None) -> list[str]:
         """The outputs that are functions of more than the time, or the one that is needed."""
-        if self.scene.field or only == ROWS or only in self.values:
+        if only == ROWS or only in self.values:
             return []
-        outputs = [name for name in self.scene.outputs if OUTPUTS[name].values is None]
+        outputs = [name for name in self.scene.outputs if name in _POINTS]
         needed = _MADE_WITH.get(only or "", only)
         return [needed] if needed in outputs else outputs
 
@@ -109,6 +109,7 @@ class SolutionTable(Tabular):
             return speeds(v)
         low, high = _TYPICAL_SPEEDS
         usual = self._typical_speed
+        usual = usual[usual > 0.0] if np.any(usual > 0.0) else np.ones(1)  # at rest it is 0
         return np.geomspace(low * usual.min(), high * usual.max(), _SPEEDS)
 
     def _of_position_density(self: Any, r: ArrayLike | None, scaled: ArrayLike | None) -> Any:

@@ -81,7 +81,7 @@ def solve(
         rtol=rtol,
         values=values,
         status=status_of(errors, allowed),
-        message=explain(errors, allowed, nodes) + limits(averages),
+        message=explain(errors, allowed, nodes) + limits(averages, profiles),
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),

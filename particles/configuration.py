@@ -224,6 +224,8 @@ def _follow_block(
         given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
     if plan.rest:
         given = np.zeros((n, dimension))
+    given = given.view()
+    given.flags.writeable = False  # as those of a plan are: for numba that is another type
     start = lane.Start(
         first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
         plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,

@@ -13,6 +13,23 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).with_name("references")))
 
 
+# The first test compiles nearly all kernels while another process derives and solves: two processes
+# that came to the same kernel at the same time would both compile it. Short tests come last.
+ORDER = [
+    "tests/particles/kernel/test_interpreted.py", "tests/derivations", "tests/kinetics",
+    "tests/fuzz", "tests/particles", "tests/crosscheck", "tests",
+]  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Sort the tests by ORDER."""
+
+    def rank(item: pytest.Item) -> int:
+        return next(k for k, start in enumerate(ORDER) if item.nodeid.startswith(start))
+
+    items.sort(key=rank)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """The tests of a file run in one process, which prepares what they share once.
@@ -20,6 +37,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     So do all of the derivations, which share 15 s of algebra.
     """
     from xdist.scheduler import LoadFileScheduling
+
+    config.option.loadscopereorder = False  # in the order above, not the files of most tests first
 
     class ByFile(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:

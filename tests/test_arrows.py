@@ -44,7 +44,7 @@ ROOMS: dict[str, set[str]] = {
     "averaging": BASE | {"moments", "outputs", "scene"},
     "plan": {"moments", "densities", "position", "outputs", "status"},
     "solution_table": BASE | QUESTION | {"moments"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "solution_table"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "field", "solution_table"},
     "in_field": BASE | {"states", "field", "status", "outputs", "scene", "solution"},
     "solver": BASE | VELOCITY | QUESTION | {"position", "solution", "in_field"},
 }

@@ -50,9 +50,9 @@ BAD_INPUT = [
     (["report", "--number-density", "0"], ["number_density", "0"]),
     (["report", "--number-density", "nan"], ["number_density", "nan"]),
     (["report", "--number-density", "0.9"], ["number_density", "0.9"]),
-    (["report", "-t", "-5"], ["final_times", "-5"]),
-    (["report", "-t", "inf"], ["final_times", "inf"]),
-    (["report", "-t", "5", "-t", "6"], ["final_times", "2", "4"]),
+    (["report", "-t", "-5"], ["until", "-5"]),
+    (["report", "-t", "inf"], ["until", "inf"]),
+    (["report", "-t", "5", "-t", "6"], ["until", "2", "4"]),
     (["report", "--media", "1"], ["media", "1"]),
     (["report", "--count", "0"], ["count", "0"]),
     (["report", "--tracers", "0"], ["tracers", "0"]),
@@ -322,7 +322,10 @@ def test_progress_is_shown_on_a_terminal_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)],
+)
 def test_an_interrupted_report_leaves_nothing(
     tmp_path: Path, number: signal.Signals, status: int
 ) -> None:

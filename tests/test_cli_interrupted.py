@@ -79,7 +79,7 @@ def wait_for_line(run: Running) -> None:
     time.sleep(0.2)
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("workers", ["2", pytest.param("1", marks=pytest.mark.slow)])
 def test_while_tracers_are_followed_for_hours(
     workers: str, how: tuple[signal.Signals, int], tmp_path: Path
 ) -> None:

@@ -76,7 +76,10 @@ def test_a_killed_run_is_resumed_to_the_same_bits(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.slow)],
+)
 def test_an_interrupted_run_leaves_its_file_alone(
     tmp_path: Path, number: signal.Signals, status: int
 ) -> None:

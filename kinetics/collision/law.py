@@ -328,6 +328,14 @@ class CollisionLaw:
         """eps and x of returns to the scatterer before (`MediumLaw.returns`); none here."""
         return 0.0, 0.0
 
+    def met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
+        """lambda_m at z with returns to the scatterer before, from that without; shape of z."""
+        return rate
+
+    def taylor_met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
+        """The same for Taylor coefficients of lambda_m at z, each of the shape of z."""
+        return rate
+
     def density_theory(self, first: float) -> tuple[str, str]:
         """In words: its level, and what averages from this time (in l/U) on lack; none here."""
         return "", ""

@@ -232,10 +232,13 @@ class MediumLaw(CollisionLaw):
         # ln of the left-hand side is convex in p, and negative at p = 0: Newton's method
         p = 0.0
         for _ in range(_SWEEPS):
-            power = np.exp(-p * q.log_loss) * q.weight
-            mean, slope = float(power.sum()), -float(power @ q.log_loss)
-            log_size = math.log(largest) - p * loss + math.log1p(mean)
-            step = log_size / (slope / (1.0 + mean) - loss)
+            top = max(0.0, -p * float(q.log_loss.max()))  # e near 0: s^p alone would overflow
+            tilted = np.exp(-p * q.log_loss - top) * q.weight
+            log_mean = top + math.log(tilted.sum())
+            lost = float(tilted @ q.log_loss / tilted.sum())
+            log_sum = float(np.logaddexp(0.0, log_mean))  # of 1 + E[s^p]
+            log_size = math.log(largest) - p * loss + log_sum
+            step = log_size / (-lost * math.exp(log_mean - log_sum) - loss)
             p -= step
             if abs(step) < 1e-9 * abs(p):
                 break
@@ -243,23 +246,29 @@ class MediumLaw(CollisionLaw):
 
     def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
         """lambda(z) of the medium, shape of z; without checks of the range."""
-        return self._met_again(z, super().decay_symbol(z), 0)
+        return self.met_again(z, super().decay_symbol(z), 0)
 
     def harmonic_decay_rate(self, p: ArrayLike, m: int) -> Any:
         """lambda_m(p) of the medium: see :meth:`CollisionLaw.harmonic_decay_rate`."""
         if m == 0:
             return self.decay_rate(p)
         rate = np.asarray(super().harmonic_decay_rate(p, m))
-        return self._met_again(np.asarray(p), rate, m)[()]
+        return self.met_again(np.asarray(p), rate, m)[()]
 
-    def _met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
+    def met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
+        """lambda_m of the medium at z from that of one collision, shape of z."""
         eps, loss = self.returns(m)
         return np.asarray(rate / (1.0 + eps * np.exp(-loss * z) * rate))
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
-        """Taylor coefficients of lambda at z: those of one collision, over those of 1 + ..."""
+        """Taylor coefficients of lambda at z, of the medium."""
         rate = [super().decay_symbol(z), *super().decay_taylor(z, orders)[1:]]
-        eps, loss = self.returns(0)
+        return self.taylor_met_again(z, rate, 0)
+
+    def taylor_met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
+        """Those of one collision, over those of 1 + eps (-1)^m e^z lambda_m(z)."""
+        eps, loss = self.returns(m)
+        orders = len(rate)
         back = [eps * np.exp(-loss * z)]
         for n in range(1, orders):
             back.append(back[-1] * (-loss / n))

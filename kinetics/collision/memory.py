@@ -23,7 +23,7 @@ from kinetics.numerics import FloatArray
 SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
 _RARE = 0.01  # bounces of so small a weight, that lose more than all others, do not count there
-_LARGEST_LOSS = 40.0
+_LARGEST_LOSS, _ROUNDING = 40.0, 40.0
 _LINES = (0.0, -0.3, -0.6, -0.9)  # real parts at which the size of lambda is scanned
 _CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
 _AT_ONCE = 1_000_000  # exponentials in one piece of the scan
@@ -46,23 +46,27 @@ def oscillations(law: CollisionLaw, highest: float, m: int = 0) -> tuple[complex
     if not law.has_atoms:
         highest = min(highest, _CONTINUOUS)
     q = law.quadrature_for(highest, m)
-    turned = q.weight * q.harmonic(m) if m else q.weight
-    order = np.argsort(q.log_loss)
-    loss, beyond = q.log_loss[order], np.cumsum(q.weight[order][::-1])[::-1]
-    # at Re z = -1 a bounce counts s^-1 times its weight; where s is continuous, its density is less
+    # at Re z = -1 a bounce counts s^-1 times its weight; what is rounding even there is left out
+    counts = np.log(np.maximum(q.weight, 1e-300)) + np.minimum(q.log_loss, _LARGEST_LOSS)
+    kept = counts > counts.max() - _ROUNDING
+    log_loss, weight = q.log_loss[kept], q.weight[kept]
+    turned = weight * q.harmonic(m)[kept] if m else weight
+    order = np.argsort(log_loss)
+    loss, beyond = log_loss[order], np.cumsum(weight[order][::-1])[::-1]
+    # where s is continuous, its density is less
     counts = beyond > _RARE * (np.exp(-loss) if law.has_atoms else 1.0)
     largest = min(max(1.0, float(loss[counts].max())), _LARGEST_LOSS)
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
-    pieces = np.array_split(k, 1 + k.size * q.weight.size // _AT_ONCE)
+    pieces = np.array_split(k, 1 + k.size * weight.size // _AT_ONCE)
     found: dict[tuple[float, float], complex] = {}
     for real in _LINES:
-        weight = turned * np.exp(np.minimum(-real * q.log_loss, _LARGEST_LOSS))
+        tilted = turned * np.exp(np.minimum(-real * log_loss, _LARGEST_LOSS))
         size = np.concatenate(
-            [abs(1.0 - np.exp(1j * np.multiply.outer(x, q.log_loss)) @ weight) for x in pieces]
+            [abs(1.0 - np.exp(1j * np.multiply.outer(x, log_loss)) @ tilted) for x in pieces]
         )
         least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
         for start in [*k[least], *([0.0] if m else [])]:
-            z = _zero_near(turned, q.log_loss, complex(real, -start))
+            z = _zero_near(turned, log_loss, complex(real, -start))
             if z is None or not -SLOW < z.real < _SAME or abs(z) < _SAME:
                 continue
             decays = m > 0 and abs(z.imag) < _SAME

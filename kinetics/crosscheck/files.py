@@ -3,7 +3,7 @@
 import contextlib
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 
@@ -28,8 +28,17 @@ def require_writable_folder(folder: Path) -> None:
         ) from None
 
 
-def require_folder_of(file: Path) -> None:
-    """Raise ValueError unless this file could be made in its folder, which must be there."""
+def require_file(option: str, file: Path, endings: Collection[str] = ()) -> None:
+    """Raise ValueError, naming the option, unless this file could be made in its folder.
+
+    Asked before long work starts. The folder must be there; endings: those that are allowed.
+    """
+    if not file.name or (endings and file.suffix.lower() not in endings):
+        what = f"end in {', '.join(endings)}" if endings else "be the name of a file"
+        raise ValueError(f"{option}: got {str(file)!r}; it must {what}")
+    if file.exists() and not file.is_file():
+        kind = "folder" if file.is_dir() else "device"
+        raise ValueError(f"{option}: got {str(file)!r}; it is a {kind}, it must be a file")
     if not file.parent.exists():
         raise ValueError(_missing(file, file.parent))
     require_writable_folder(file.parent)

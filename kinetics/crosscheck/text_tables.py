@@ -1,5 +1,6 @@
-"""Tables of plain text for the terminal."""
+"""Paragraphs and tables of plain text for the terminal."""
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -16,6 +17,11 @@ def written(number: float, digits: int = 6) -> str:
 def figure(value: Any) -> str:
     """A value with its digits if it is a number that is not whole, else as text."""
     return written(value, 13) if isinstance(value, float) else str(value)
+
+
+def wrapped(text: str) -> str:
+    """A paragraph in lines of WIDTH columns at most."""
+    return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:

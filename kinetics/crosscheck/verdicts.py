@@ -107,12 +107,18 @@ def corrected_sigmas(sigmas: float, groups: float, trials: int) -> float:
 
     0 where the corrected p-value reaches 1.
     """
-    from scipy.special import betainc, ndtri
+    from scipy.special import betainc
 
     freedom = groups - 1
-    p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2))) * trials
-    # Below 1e-300 doubles end: 37 sigma is then a lower bound.
-    return 0.0 if p >= 1 else float(-ndtri(max(p, 1e-300) / 2))
+    p = float(betainc(freedom / 2, 0.5, freedom / (freedom + sigmas**2)))
+    return gaussian_sigmas(p * trials)
+
+
+def gaussian_sigmas(p_value: float) -> float:
+    """Two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
+    from scipy.special import ndtri
+
+    return 0.0 if p_value >= 1 else float(-ndtri(max(p_value, 1e-300) / 2))
 
 
 def chance(sigmas: float) -> float:

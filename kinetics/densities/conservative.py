@@ -48,6 +48,8 @@ _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the ax
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
 _DEEPEST = 40.0  # -ln s of the deepest bounce in the estimate of the work
+# Returns to the scatterer before reach far down: the products that a transform costs for each node.
+_TRANSFORMED = 300.0
 _MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
 
 
@@ -194,7 +196,10 @@ def _choose_nodes(
     count = math.ceil(span / spacing) + 3
     cooling = _SWEEPS * (1.0 + math.log1p(path * math.exp(top))) / law.mean_log_loss
     sweeps = min(cooling, path * math.exp(min(top, 700.0 - math.log(max(path, 1.0)))))
-    reach = min(float(law.quadrature.log_loss.max()), _DEEPEST) / spacing + 2.0
+    deepest = min(float(law.quadrature.log_loss.max()), _DEEPEST)
+    reach = deepest / spacing + 2.0
+    if law.returns(0)[0]:
+        reach = max(reach, _TRANSFORMED)
     work = sweeps * min(count, _DEEPEST / spacing) * min(reach, count)
     # one empty node above the fastest tracers
     return _Nodes(top - spacing * (count - 2), spacing, count), work
@@ -215,10 +220,11 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
     early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
     paths = times[:early] / mean_free_path
     path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
-    if peaks and law.has_atoms:
+    if peaks and (law.has_atoms or law.returns(0)[0]):
         raise InputError(
-            "initial: from sharp speeds, bounces that take single shares of the speed (samples, or "
-            "et = e) make delta peaks and no density; give a SpeedTable, or ask for averages"
+            "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
+            "et = e, or straight back to the scatterer before, at a finite density) make delta "
+            "peaks and no density; give a SpeedTable, or ask for averages"
         )
     axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
     if work > _MOST_WORK:

@@ -117,7 +117,9 @@ def _moved(law: CollisionLaw, spacing: float) -> tuple[float, float]:
     q, shares = law.quadrature, bounce_kernel(law, spacing, 0)
     moved = spacing * np.arange(shares.size)
     bias = abs(float(shares @ moved - q.weight @ q.log_loss))
-    return bias, abs(float(shares @ moved**2 - q.weight @ q.log_loss**2))
+    # returns to the scatterer before leave the mean as it is
+    square = q.weight @ q.log_loss**2 + 2.0 * law.returns(0)[0] * law.mean_log_loss**2
+    return bias, abs(float(shares @ moved**2 - square))
 
 
 def moment_error(averages: Averages, profile: Profile) -> float:

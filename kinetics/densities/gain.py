@@ -58,21 +58,23 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     if m:
         on_axis = on_axis + (1.0 - turned) @ (weight[:, None] * powers)
     rate = rate + on_axis
+    below_top = law.met_again(steps - 1j * k[:, None], rate, m)
     if m == 0:
         lowest = np.ones(k.size, dtype=complex)
-        lowest[1:] = -1j * k[1:] * law.mean_log_loss / rate[1:, 0]
+        lowest[1:] = -1j * k[1:] * law.mean_log_loss / below_top[1:, 0]
     else:
-        lowest = rate[0, 0] / rate[:, 0]
-    below = lowest * np.prod(rate[0, 1:-1] / rate[:, 1:-1], axis=1)
+        lowest = below_top[0, 0] / below_top[:, 0]
+    below = lowest * np.prod(below_top[0, 1:-1] / below_top[:, 1:-1], axis=1)
     # the integral of ln lambda from N up to N + z, and corrections at its end
     half = np.multiply.outer(xi, 0.5 * step * node)
     short = 2.0 * np.sin(half) * (np.sin(half) - 1j * np.cos(half))  # 1 - s^d
     along = (real + 1j * imag)[:-1] + (weight * turned * powers[:, -1]) @ short + on_axis[-1]
+    along = law.met_again(_TOP - 1j * (k[:-1, None] + step * node), along, m)
     integral = np.zeros(k.size, dtype=complex)
     integral[1:] = -1j * step * np.cumsum(np.log(along) @ between)
     # lambda' = -E[s^z (-xi)], and so on, s^z = 1 - (1 - s^z)
     slopes = slopes - factors[:, -orders.size :].sum(axis=0)
-    end = taylor_of_log([rate[:, -1], *slopes.T])
+    end = taylor_of_log(law.taylor_met_again(_TOP - 1j * k, [rate[:, -1], *slopes.T], m))
     return np.asarray(log_growth(integral, [c[0] for c in end], end) + np.log(below))
 
 

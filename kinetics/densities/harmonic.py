@@ -147,6 +147,8 @@ def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatA
     """
     law, rtol = asked.law, asked.rtol
     saturated = -math.log(law.mean_log_loss) + math.log(1.0 / rtol) + _SURE
+    if law.returns(0)[0]:
+        return tau.size  # in a medium the scaling state is not known at low speeds
     for z, size in memory_of(law, asked.state, speeds):
         saturated = max(saturated, time_to_forget(z, size * math.exp(_SURE) / rtol))
     return int(np.searchsorted(tau, saturated))

@@ -250,7 +250,7 @@ def _judged(
         shift=found.moved - problem.log_unit,
         end=right + found.grid.spacing,
         resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
-        filled=_FILLED if m == 0 and math.isfinite(law.lowest_power) else 0.0,
+        filled=_FILLED if m == 0 and law.reaches_rest else 0.0,
         at_rest=_at_rest(problem) if m == 0 else None,
     )
     ends = max(_ends(values, 0.0 if m == 0 else LEAST_MAXIMUM), found.cut_off)
@@ -268,7 +268,8 @@ def _at_rest(problem: _Problem) -> float | None:
     Tracers come to v in proportion to the density of the speed ratio at s = 0, which vanishes where
     E[s^p] exists down to p = -2 (spheres, and et = 0).
     """
-    if not -math.inf < problem.asked.law.lowest_power < -1.0:
+    law = problem.asked.law
+    if not (law.reaches_rest and law.lowest_power < -1.0):
         return None
     with np.errstate(all="ignore"):
         found = float(np.real(problem.start(np.zeros(1)))[0])

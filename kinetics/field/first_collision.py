@@ -21,6 +21,7 @@ from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.quadrature import LogMeasure
 
 _LONGEST_WAY = 40.0  # one in e^40 flies farther without a collision
+_STRAIGHT = 1e-15  # components across a velocity that are rounding
 _POINTS = 12  # Gauss points of an interval of the time of the first collision
 _LONGEST = 1.5  # interval of that time, in units of the longest flight over 9
 _INDEX = {name: i for i, name in enumerate(ALL)}
@@ -71,7 +72,7 @@ class Rays:
         """Length of the free path after these times, shape of time, (n_rays,) or (n_rays, n)."""
         extra = (1,) * (np.ndim(time) - 1)
         a, q = self.along.reshape(-1, *extra), self.across.reshape(-1, *extra)
-        return _way(a, q, time)
+        return free_way(a, q, time)
 
     @property
     def longest(self) -> FloatArray:
@@ -84,18 +85,19 @@ class Rays:
         return high
 
 
-def _way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
+def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
     """Integral over the time of the speed |(a + time, q)|, without cancellation."""
     u = a + time
     first, last = np.hypot(a, q), np.hypot(u, q)
+    is_straight = np.abs(q) <= _STRAIGHT * np.abs(a)
     with np.errstate(divide="ignore", invalid="ignore"):
         gained = np.where(first + last > 0.0, time * (u + a) / (first + last), 0.0)
         nearest = np.where(a > 0.0, first + a, q * q / (first - a))
         turned = q * q * np.log1p((time + gained) / nearest)
-    turned = np.where(q == 0.0, 0.0, turned)
-    straight = np.where((q == 0.0) & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
+    turned = np.where(is_straight | (q == 0.0), 0.0, turned)
+    straight = np.where(is_straight & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
     bent = 0.5 * (time * last + a * gained + turned)
-    return np.where((q == 0.0) & (a < 0.0), straight, bent)
+    return np.where(is_straight & (a < 0.0), straight, bent)
 
 
 def _fewer(v: FloatArray, w: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
@@ -221,7 +223,9 @@ class FirstCollisions:
         inside = np.unique(inside[(inside > 1e-14 * longest) & (inside < longest)])
         tau, w = panels_between(np.concatenate([[0.0], inside, [longest]]), _POINTS)
         rate = np.hypot(a + tau, q)
-        return tau, self.rays.weight[ray] * w * rate * np.exp(-_way(np.array(a), np.array(q), tau))
+        return tau, self.rays.weight[ray] * w * rate * np.exp(
+            -free_way(np.array(a), np.array(q), tau)
+        )
 
     def _falling(self, ray: NDArray[np.intp], tau: FloatArray) -> tuple[FloatArray, ...]:
         """Speed, cosine and sine of the angle to the field after free falls."""

@@ -58,6 +58,13 @@ class RadauRule:
                 found.append((complex(value), share[i], 2.0 * vectors[:, i]))
         return found
 
+    @cached_property
+    def source_rows(self) -> list[ComplexArray]:
+        """What a source at the stages, (stages,), has of each of the modes."""
+        values, vectors = self._spectrum
+        inverse = np.linalg.inv(vectors)
+        return [inverse[int(np.argmin(np.abs(values - value)))] for value, _, _ in self.modes]
+
     def rows(self, local: FloatArray) -> FloatArray:
         """Interpolation from the points to local times (n,) in units of the step."""
         weights = barycentric_weights(4.0 * self.points)

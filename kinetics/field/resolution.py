@@ -45,6 +45,13 @@ class TimeResolution:
         nodes = math.ceil(1.5 * digits + 1.0)
         return cls(max(nodes, 6), harmonics, 0.6 * 10 ** (-digits / 6.0), rtol)
 
+    @classmethod
+    def for_densities(cls, rtol: float) -> TimeResolution:
+        """A first one for densities: what M harmonics leave of them falls as M^-7."""
+        digits = -math.log10(max(rtol, 1e-12))
+        harmonics = 2 * math.ceil(7.0 * 10.0 ** ((digits - 6.0) / 7.0)) + 1
+        return cls(max(math.ceil(1.5 * digits + 1.0), 6), max(harmonics, 7), 0.1, 0.2 * rtol)
+
     def finer(self) -> TimeResolution:
         """With half as many harmonics again, some more nodes and shorter steps."""
         harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)

@@ -55,9 +55,14 @@ class Scatterer(NamedTuple):
     dimension: int
 
     @property
+    def smooth(self) -> bool:
+        """Whether it leaves the tangential velocity unchanged."""
+        return self.tangential_restitution == 1.0
+
+    @property
     def smooth_disk(self) -> bool:
         """Whether it is the scatterer of the paper."""
-        return self.tangential_restitution == 1.0 and self.dimension == 2
+        return self.smooth and self.dimension == 2
 
     def singular_radii(self, T: float) -> tuple[float, ...]:
         """R at which P_1 is not smooth, 0 and T among them."""

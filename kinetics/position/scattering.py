@@ -31,6 +31,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts
 from kinetics.position.coupled_harmonics import eliminate, iterate
 from kinetics.position.directions import coupling
+from kinetics.position.returned import Returned
 from kinetics.position.waves import Waves, carried, series_sum, together
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
@@ -168,6 +169,10 @@ class Sweep:
                 powers = many.weight * ratio ** np.arange(_TERMS + 1)[:, None]
             for m, harmonic in enumerate(many.each_harmonic(top)):
                 self._far[:, m] = powers @ harmonic / self._coupling[m]
+        self._returned: Returned | None = None
+        if law.returns(0)[0]:
+            self._returned = Returned(law, rule, self._loss, self._coupling)
+            self._loss = self._returned.loss
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -175,32 +180,32 @@ class Sweep:
         gain, recent = self._near_gain(tolerance)
         reach = gain.shape[2] // n
         series = self._coefficients()
-        far = series * self._far[:, :, None]
-        # (panels, m, nodes, n_k): the products with the kernels are over whole blocks then
+        collided = self._collided(series)
+        far = collided * self._far[:, :, None]
+        # what collisions act on, (panels, m, nodes, n_k): the products with the kernels are over
+        # whole blocks then
         table = np.zeros((reach + min(count, _PANELS), self.top + 1, n, size))
-        table[:reach] = self._below(series, reach)
+        table[:reach] = self._below(collided, reach)
         largest = np.zeros(reach + count)  # of each panel
         largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
         known = series_sum(series, np.exp(np.array([self.start])))[0]
-        done, ended = count, False
+        values: list[FloatArray] = []
+        ended = False
         used, systems, left_out = 0, 0, np.zeros(count)
         for j in range(count):
             if reach + j == table.shape[0]:
                 table = np.concatenate([table, np.zeros_like(table)])
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
-            drive = np.zeros((used + 1, n, size))
-            if reach:
-                below = np.moveaxis(table[j : j + reach, : used + 1], 0, 1)
-                below = below.reshape(used + 1, reach * n, size)
-                drive = rate[:, None] * (gain[: used + 1] @ below)
-            if self._far.any():
-                come = series_sum(far[:, : used + 1], self._far_ratio * rate)
-                drive += rate[:, None] * np.moveaxis(come, 1, 0)
+            drive = self._drive(gain, table[j : j + reach, : used + 1], far[:, : used + 1], rate)
             found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
-            table[reach + j, : used + 1] = found
-            known = table[reach + j, :, -1]
+            panel = table[reach + j]
+            panel[: used + 1] = found
+            known = panel[:, -1].copy()
+            values.append(panel[: kept + 1].copy())
+            if self._returned is not None:
+                panel[: used + 1] = self._returned.collided(found)
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
             left_out[j] = miss if kept else miss**2
@@ -210,23 +215,54 @@ class Sweep:
                 recent @ largest[reach + j + 1 - recent.size : reach + j + 1]
                 < _NEGLIGIBLE * tolerance
             ):
-                done, ended = j + 1, True
+                ended = True
                 break
-        values = table[reach : reach + done, : kept + 1].copy()
-        last = self._last_coefficients(values)
-        errors = together(last) + left_out[:done]
-        errors = carried(errors, largest[reach : reach + done])
+        last = self._last_coefficients(np.array(values))
+        errors = together(last) + left_out[: j + 1]
+        errors = carried(errors, largest[reach : reach + j + 1])
         return Waves(
             self.wave_numbers,
             self.rule,
             self.start,
-            values,
+            np.array(values),
             series[:, : kept + 1].copy(),
             ended,
             float(last.max()) + float(left_out.max()),
             errors,
             systems,
         )
+
+    def _drive(
+        self, gain: FloatArray, below: FloatArray, far: FloatArray, rate: FloatArray
+    ) -> FloatArray:
+        """What drives a panel over the coupling, (m, nodes, n_k), with T = rate at its nodes.
+
+        below : the panels that the gain comes from, (reach, m, nodes, n_k)
+        far : coefficients of what comes from farther down, (terms, m, n_k)
+        """
+        reach, used, n, size = below.shape
+        drive = np.zeros((used, n, size))
+        if reach:
+            below = np.moveaxis(below, 0, 1).reshape(used, reach * n, size)
+            drive = rate[:, None] * (gain[:used] @ below)
+        if self._far.any():
+            come = series_sum(far, self._far_ratio * rate)
+            drive += rate[:, None] * np.moveaxis(come, 1, 0)
+        if self._returned is not None:
+            drive = rate[:, None] * self._returned.drive(drive / rate[:, None])
+        return drive
+
+    def _collided(self, series: FloatArray) -> FloatArray:
+        """Coefficients of T^j in what collisions act on: a_m, or b of `returned`."""
+        if self._returned is None:
+            return series
+        powers = np.arange(_TERMS + 1.0)
+        loss = np.stack([self.law.harmonic_decay_rate(powers, m) for m in range(self.top + 1)])
+        psi = -loss.T[:, :, None] * series
+        self._returned.start(self._below(psi, self._returned.reach))
+        back = np.array([self.law.returns(m)[0] for m in range(self.top + 1)])
+        back = back * np.exp(-powers * self.law.returns(0)[1])[:, None]
+        return np.asarray(series + back[:, :, None] * psi)
 
     def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
         """The gain from the panels that matter, and the shares of the collisions out of each.
@@ -242,6 +278,7 @@ class Sweep:
         q = self.law.quadrature_for(float(_TERMS), self.top)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
         loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
+        loss = np.stack([self.law.met_again(np.arange(_TERMS), r, m) for m, r in enumerate(loss)])
         loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0

@@ -240,9 +240,9 @@ class _Sweep:
                 return None, ended
             flights = self.once.flights[time][self.once.shares[time] > 0.0]
             # several have more functions than the data determine
-            if flights.size > 1 or not self.once.scatterer.smooth_disk:
+            if flights.size > 1 or not self.once.scatterer.smooth:
                 return None, ended
-            front, left = fit_fronts(k, f, self.once.restitution, flights)
+            front, left = fit_fronts(k, f, self.once.restitution, flights, self.once.dimension)
             left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
             return (front, left) if left < ended else (None, ended)
         if self.sharp:

@@ -31,11 +31,16 @@ _DIFFERENCE = 0.2  # deviations, for derivatives of ln A that choose the line: c
 # Where g is a power of speed low down, lines closer to the lowest power would need ever more
 # samples; the lowest line loses e^(0.25 |x|), 2e4 at v t = 1e-17 l.
 _LOWEST_LINE = 0.25
+_NEARLY_ELASTIC = 1e-8  # share of energy lost
 _MOST_SAMPLES = 2000  # of a line: never reached
 
 
 def log_second_moment(law: CollisionLaw) -> float:
     """ln A(2) = ln(kappa/lambda(1)) < ln 2: nearly the variance of x where that is small."""
+    if law.energy_loss < _NEARLY_ELASTIC:
+        # kappa - lambda(1) = E[xi^2]/2 + what returns add, xi = -ln s: else only rounding is left
+        q, kappa = law.quadrature, law.mean_log_loss
+        return float(q.weight @ q.log_loss**2) / (2.0 * kappa) + law.returns(0)[0] * kappa
     return math.log(law.mean_log_loss / float(law.decay_rate(1.0)))
 
 

@@ -72,6 +72,7 @@ def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
     zero = z == 0.0
     safe = np.where(zero, 1.0, z)
     decay = -np.expm1(-np.multiply.outer(safe, q.log_loss)) @ q.weight
+    decay = law.met_again(safe, decay, 0)
     return np.asarray(np.where(zero, 0.0, np.log(law.mean_log_loss * safe / decay)))
 
 
@@ -102,7 +103,7 @@ def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray
 
 
 def harmonic_symbol(law: CollisionLaw, z: NDArray[Any], m: int) -> NDArray[Any]:
-    """1 - E[s^z cos(m chi)], shape of z (n,)."""
+    """1 - E[s^z cos(m chi)], or that of the medium, shape of z (n,)."""
     q = law.quadrature_for(float(np.abs(z).max()), m)
     power = np.exp(-np.multiply.outer(z, q.log_loss))
-    return np.asarray(1.0 - power @ (q.weight * q.harmonic(m)))
+    return law.met_again(z, np.asarray(1.0 - power @ (q.weight * q.harmonic(m))), m)

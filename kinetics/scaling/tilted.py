@@ -165,9 +165,10 @@ def window_of(law: CollisionLaw, theta: float, depth: float) -> tuple[float, flo
     up, down = np.cumsum(rho[:50]), -np.cumsum(rho[50:])
     # a density of x falls as e^-(e^x) there: its own factor e^x is allowed for
     right = float(np.min((up + depth + 5.0) / (n * stride)))
-    if math.isfinite(law.lowest_power):
-        # the tilted density is e^((theta - lowest power) x) there
-        return -(depth + 2.0) / (theta - law.lowest_power), right, deviation
+    if not down_at.size:
+        # the tilted density is e^((theta - lowest power) x) there; below e = 1e-200 as at e = 0
+        lowest = law.lowest_power if math.isfinite(law.lowest_power) else -1.0
+        return -(depth + 2.0) / (theta - lowest), right, deviation
     left = float(np.max(-(down + depth) / (n[: down.size] * stride)))
     return left, right, deviation
 
@@ -217,7 +218,8 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     turns[:] = np.exp(-1j * k[1] * q.log_loss)[:, None]
     turns[:, 0] = 1.0
     power = weights @ np.cumprod(turns, axis=1, out=turns)
-    return np.asarray(np.log((1.0 - power) / (law.mean_log_loss * z)))
+    decay = law.met_again(z, 1.0 - power, 0)
+    return np.asarray(np.log(decay / (law.mean_log_loss * z)))
 
 
 def _span(rtol: float, margin: float) -> float:

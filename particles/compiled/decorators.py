@@ -1,4 +1,4 @@
-"""How functions are compiled: `inlined` into those that call them, or a `kernel` kept on disk.
+"""How functions are compiled: `inlined` into kernels, `called` by them, or a `kernel` kept on disk.
 
 The steps of a tracer come `by_dimension`: one event loop serves the plane and space, and is
 compiled for either with the steps of that dimension in it.
@@ -16,14 +16,18 @@ from importlib.resources import files
 from typing import Any
 
 from numba import njit
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 
 from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
 _OPTIONS: Any = {"error_model": "numpy", "forceinline": True}
-inlined = njit(**_OPTIONS)
+_KERNEL: Any = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+# Interpreted where Python calls them. So they are compiled without an entry for Python, which would
+# begin with the conversion of all arguments and take a third of the time.
+called = register_jitable(error_model="numpy")
+inlined = register_jitable(**_OPTIONS)
 
 
 def by_dimension(plane: Any, space: Any) -> Callable:
@@ -64,6 +68,6 @@ class _Cache(Cache):
 
 def kernel(function: Callable) -> Any:
     """Compile a function that Python calls: it runs without the GIL and is kept on disk."""
-    compiled: Any = njit(nogil=True, error_model="numpy")(function)
+    compiled: Any = njit(**_KERNEL)(function)
     # The same function again: nothing is compiled (NUMBA_DISABLE_JIT).
     return compiled if compiled is function else keep(compiled, _Cache)

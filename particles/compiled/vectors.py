@@ -21,7 +21,7 @@ from numba.extending import intrinsic
 from particles.compiled import slots as loop
 from particles.compiled.cache import keep
 from particles.compiled.slots import SLOTS
-from particles.events import GRAZING, NEVER
+from particles.events import GRAZING, NEVER, contact, contact_in_space
 
 _DOUBLE = ir.DoubleType()
 _INT32 = ir.IntType(32)
@@ -208,6 +208,11 @@ def _all(slots, cell, x, y, ux, uy):  # type: ignore[no-untyped-def]
     space = _strike_in_space(slots, cell, x, y, 0.5 * x, 0.6 * ux, 0.6 * uy, 0.8)
     near = _near_chord(slots, cell, x, y, 3.0 * ux, 3.0 * uy, 1.5)
     return _strike(slots, cell, x, y, ux, uy), _crowd(slots, cell, x, y), space, near
+
+
+# `check` runs them in every process that imports the kernels; compiling them takes half a second.
+for _function in (contact, contact_in_space):
+    keep(_function)
 
 
 def check() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 from numba import int64, njit
 from numba.extending import overload
 
+from particles.compiled.decorators import called
 from particles.compiled.search import SLOTS, crowd
 from particles.grid.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
 from particles.grid.plane import (
@@ -116,7 +117,7 @@ def make(cells: Cells, cell: int, i: int, j: int) -> None:
         _settle(cells, n_pairs, first, i, j)
 
 
-@njit(error_model="numpy")
+@called
 def _draw(law: Law, counts: Counts, draft: np.ndarray, i: int, j: int) -> tuple[int, int]:
     """Draw the candidates in and around block (i, j).
 
@@ -158,7 +159,7 @@ def _draw(law: Law, counts: Counts, draft: np.ndarray, i: int, j: int) -> tuple[
     return drawn, fringe
 
 
-@njit(error_model="numpy")
+@called
 def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
     """Find the pairs of candidates that are nearer to each other than 1; return their number.
 
@@ -203,7 +204,7 @@ def _pair_all(cells: Cells, drawn: int, fringe: int, first: int) -> int:
     return n_pairs
 
 
-@njit(error_model="numpy")
+@called
 def _pair(draft: np.ndarray, pairs: np.ndarray, n_pairs: int, one: int, other: int) -> int:
     """Insert a pair in the order of the later one's turn; return the number of pairs."""
     earlier, later = one, other
@@ -211,13 +212,13 @@ def _pair(draft: np.ndarray, pairs: np.ndarray, n_pairs: int, one: int, other: i
         earlier, later = other, one
     at = n_pairs
     while at > 0 and draft[pairs[at - 1, 1], _TURN] > draft[later, _TURN]:
-        pairs[at] = pairs[at - 1]
+        pairs[at, 0], pairs[at, 1] = pairs[at - 1, 0], pairs[at - 1, 1]
         at -= 1
     pairs[at, 0], pairs[at, 1] = earlier, later
     return n_pairs + 1
 
 
-@njit(error_model="numpy")
+@called
 def _settle(cells: Cells, n_pairs: int, first: int, i: int, j: int) -> None:
     """Go through the pairs in order; refuse each later candidate whose earlier one is kept."""
     law, counts, draft, pairs = cells.law, cells.counts, cells.draft, cells.pairs
@@ -247,7 +248,7 @@ def _settle(cells: Cells, n_pairs: int, first: int, i: int, j: int) -> None:
                 _remove(cells, first + a * _ACROSS + b, own_x, own_y)
 
 
-@njit(error_model="numpy")
+@called
 def _remove(cells: Cells, cell: int, x: float, y: float) -> None:
     """Remove the scatterer at exactly (x, y) from a cell that may list it; its slot stays free."""
     slots, links, nodes = cells.slots, cells.links, cells.nodes

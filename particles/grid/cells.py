@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from particles.compiled.decorators import inlined
+from particles.compiled.decorators import called, inlined
 from particles.compiled.slots import SLOTS
 from particles.grid.plane import (
     Counts,
@@ -195,7 +195,7 @@ def _reaches(x: float, y: float, half: float) -> bool:
     return gap_x * gap_x + gap_y * gap_y <= 1.0 + 1e-9
 
 
-@njit(error_model="numpy")
+@called
 def insert(cells: Cells, i: int, j: int, x: float, y: float, spare: int) -> int:
     """List a scatterer at (x, y) from the centre of cell (i, j) of a box wherever it reaches.
 

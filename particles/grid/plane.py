@@ -164,7 +164,7 @@ def is_clear(law: Law, p: int, q: int, x: float, y: float) -> bool:
     return ox * ox + oy * oy >= 1.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy")  # it calls itself
 def is_kept(
     law: Law, counts: Counts, region: tuple[int, int], x: float, y: float, turn: float
 ) -> bool:

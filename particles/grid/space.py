@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numba import int64, njit, uint64
+from numba.extending import overload
 
 from particles.compiled.decorators import inlined, kernel
 from particles.compiled.slots import SLOTS
@@ -180,6 +181,18 @@ def place(i: int, j: int, k: int) -> int:
     """Return where the window stores cell (i, j, k); cells less than its width apart differ."""
     inside = 2**WINDOW - 1
     return (((i & inside) << WINDOW | (j & inside)) << WINDOW) | (k & inside)
+
+
+def supply(keys: np.ndarray, cells: Cells, i: int, j: int, k: int) -> None:
+    """Draw cell (i, j, k) of unbounded space; nothing is compiled for a box."""
+    make(cells, i, j, k)
+
+
+@overload(supply, inline="always")
+def _compiled_supply(keys, cells, i, j, k):  # type: ignore[no-untyped-def]
+    if keys.dtype == int64:
+        return lambda keys, cells, i, j, k: make(cells, i, j, k)
+    return lambda keys, cells, i, j, k: None
 
 
 @njit(error_model="numpy")

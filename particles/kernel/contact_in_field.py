@@ -17,6 +17,7 @@ from math import sqrt
 
 from numba import njit
 
+from particles.compiled.decorators import called
 from particles.events import NEVER
 
 # A step of the time that is this small in proportion is rounding.
@@ -27,7 +28,7 @@ MOST_STEPS = 10_000  # two in the mean; up to some hundreds for contacts that gr
 APART, STRUCK, TANGENT = range(3)
 
 
-@njit(error_model="numpy")
+@called
 def _next_of_tangent(opening: float, growth: float, field: float, limit: float) -> float:
     """Return the first contact after 0 where P = t^2 (opening + growth t + (field t)^2/4)."""
     inside = growth * growth - field * field * opening

@@ -7,9 +7,8 @@ from math import copysign, sqrt
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from particles.compiled.decorators import inlined, kernel
+from particles.compiled.decorators import called, inlined, kernel
 from particles.events import is_collapsing
 from particles.grid.blocks import is_missing, supply
 from particles.grid.cells import Cells
@@ -34,7 +33,7 @@ def _note_passage(lane: Any, lasts: float, field: float, side: float, kept: Kept
             kept.passages[lane.tracer] = lane.time + reaches
 
 
-@njit(error_model="numpy")
+@called
 def _after_short_flight(
     lane: Any, before: tuple[float, float], cells: Cells, law: tuple[float, float], field: float
 ) -> int:

@@ -188,5 +188,6 @@ def follow_free_paths_in_field(
                 # The last lane, which has not had its turn, takes this one's place.
                 active -= 1
                 lanes[a] = lanes[active]
-                work[:, a] = work[:, active]
+                for row in range(ROWS):  # numba compiles a copy of slices for seconds
+                    work[row, a] = work[row, active]
     enter_queue_in_field(records, sums)

@@ -10,7 +10,7 @@ from particles.compiled.search import SLOTS, strike_in_space
 from particles.events import bounce_in_space, contact_in_space
 from particles.grid.blocks import is_unbounded
 from particles.grid.cells import Cells
-from particles.grid.space import make, place
+from particles.grid.space import place, supply
 from particles.kernel import columns, in_plane
 from particles.kernel.pockets import end_of_bounces
 
@@ -40,7 +40,7 @@ def lacks_cell(lane: Any, keys: np.ndarray) -> bool:
 @inlined
 def make_cell(lane: Any, keys: np.ndarray, cells: Cells) -> None:
     """Make the cell of a lane."""
-    make(cells, lane.i, lane.j, lane.k)
+    supply(keys, cells, lane.i, lane.j, lane.k)
 
 
 @inlined

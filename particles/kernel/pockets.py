@@ -40,6 +40,7 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
+from particles.compiled.decorators import called
 from particles.events import GRAZING
 from particles.grid.cells import Cells
 
@@ -51,7 +52,7 @@ MOST_BOUNCES = 10_000  # more are taken for infinitely many
 LEAVES, FOR_EVER, RESTS = range(3)
 
 
-@njit(error_model="numpy")
+@called
 def end_of_bounces(
     cells: Cells,
     cell: int,
@@ -76,7 +77,7 @@ def end_of_bounces(
     return last, ratio
 
 
-@njit(error_model="numpy")
+@called
 def walls_near(
     slots: np.ndarray, head: int, links: np.ndarray, nodes: np.ndarray,
     place: tuple[float, float, float], found: np.ndarray,
@@ -96,7 +97,7 @@ def walls_near(
     return n
 
 
-@njit(error_model="numpy")
+@called
 def _add(
     place: tuple[float, float, float], centre: tuple[float, float, float], found: np.ndarray, n: int
 ) -> int:
@@ -186,7 +187,7 @@ def last_bounces(
     return RESTS, (ux, uy, uz), 0.0
 
 
-@njit(error_model="numpy")
+@called
 def _along_edge(
     one: tuple[float, float, float],
     other: tuple[float, float, float],
@@ -207,7 +208,7 @@ def _along_edge(
     return (tx / size, ty / size, tz / size), abs(along)
 
 
-@njit(error_model="numpy")
+@called
 def _gap_of_others(
     walls: np.ndarray, one: int, other: int, direction: tuple[float, float, float]
 ) -> float:

@@ -5,9 +5,8 @@ from math import floor, log, log2
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from particles.compiled.decorators import by_dimension, inlined
+from particles.compiled.decorators import by_dimension, called, inlined
 from particles.events import NEVER
 from particles.kernel import columns
 
@@ -171,7 +170,7 @@ def _third_in_space(row: Any) -> tuple[float, float, float]:
 _third_coordinates = by_dimension(_third, _third_in_space)
 
 
-@njit(error_model="numpy")
+@called
 def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue

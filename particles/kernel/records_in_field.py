@@ -3,9 +3,8 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from particles.compiled.decorators import by_dimension, inlined
+from particles.compiled.decorators import by_dimension, called, inlined
 from particles.kernel.records import Records, enter_queue
 
 
@@ -72,7 +71,7 @@ def _add_space(row: Any, sums: np.ndarray) -> float:
 _add = by_dimension(_add_plane, _add_space)
 
 
-@njit(error_model="numpy")
+@called
 def enter_queue_in_field(records: Records, sums: np.ndarray) -> None:
     """Enter the states that wait in all sums; empty the queue.
 

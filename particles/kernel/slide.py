@@ -9,8 +9,8 @@ from math import atan2, copysign, cos, sin, sqrt
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from particles.compiled.decorators import called
 from particles.grid.blocks import is_missing, supply
 from particles.grid.cells import Cells
 from particles.kernel import columns
@@ -36,7 +36,7 @@ BISECTIONS = 200
 REACHED, TURNED, ENDED = range(3)
 
 
-@njit(error_model="numpy")
+@called
 def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
     """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms."""
     phi, sine, cosine = work[0], work[1], work[2]
@@ -51,7 +51,7 @@ def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
         sine[k + 1], cosine[k + 1] = s / (k + 1), c / (k + 1)
 
 
-@njit(error_model="numpy")
+@called
 def at(work: np.ndarray, t: float) -> tuple[float, float]:
     """Return the angle and its derivative after a time t."""
     angle, along = work[0, ORDER], 0.0
@@ -61,7 +61,7 @@ def at(work: np.ndarray, t: float) -> tuple[float, float]:
     return angle, along
 
 
-@njit(error_model="numpy")
+@called
 def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
     """Return when the angle (kind 0), its derivative (1) or its cosine (2) has a value.
 
@@ -86,7 +86,7 @@ def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
     return high
 
 
-@njit(error_model="numpy")
+@called
 def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
     angle, along = at(work, t)
     if kind == 2:
@@ -94,7 +94,7 @@ def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
     return (along if kind == 1 else angle) - value
 
 
-@njit(error_model="numpy")
+@called
 def _put(lane: Any, angle: float, along: float) -> None:
     """Give a lane its place and velocity on disk `struck`."""
     nx, ny = cos(angle), sin(angle)
@@ -103,7 +103,7 @@ def _put(lane: Any, angle: float, along: float) -> None:
     lane.vx, lane.vy = -along * ny, along * nx
 
 
-@njit(error_model="numpy")
+@called
 def _note_passage(
     lane: Any, work: np.ndarray, lasts: float, kept: Kept, towards: float, side: float
 ) -> None:
@@ -117,7 +117,7 @@ def _note_passage(
         kept.passages[lane.tracer] = lane.time + after
 
 
-@njit(error_model="numpy")
+@called
 def roll(lane: Any, left: float, field: float, side: float, records: Records, kept: Kept) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
     times, queue, queued = records.times, records.queue, records.queued
@@ -156,7 +156,7 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
             return outcome
 
 
-@njit(error_model="numpy")
+@called
 def slide(
     lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records, kept: Kept
 ) -> int:

@@ -19,8 +19,7 @@ v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide 
 from math import acos, asin, atan2, copysign, cos, pi, sqrt
 from typing import Any
 
-from numba import njit
-
+from particles.compiled.decorators import called
 from particles.compiled.search import SLOTS
 from particles.events import bounce
 from particles.grid.cells import Cells
@@ -36,7 +35,7 @@ FALLS, SLIDES, RESTS = range(3)
 LEAVES, WALL, CORNER = range(3)
 
 
-@njit(error_model="numpy")
+@called
 def is_sliding(
     normal: tuple[float, float], velocity: tuple[float, float], leaving: float, field: float
 ) -> bool:
@@ -53,7 +52,7 @@ def is_sliding(
     return leaving == 0.0 and field * vx < 0.0 and pressing > -SMALL * abs(field)
 
 
-@njit(error_model="numpy")
+@called
 def is_trap(one: tuple[float, float], other: tuple[float, float], field: float) -> bool:
     """Tell whether -g is between the two normals of a corner."""
     (ax, ay), (bx, by) = one, other
@@ -62,7 +61,7 @@ def is_trap(one: tuple[float, float], other: tuple[float, float], field: float) 
     return -field * by * turn > 0.0 and field * ay * turn > 0.0
 
 
-@njit(error_model="numpy")
+@called
 def end_in_corner(
     lane: Any, one: tuple[float, float], other: tuple[float, float], law: tuple[float, float],
     field: float,
@@ -105,7 +104,7 @@ def end_in_corner(
     return FALLS, on_other
 
 
-@njit(error_model="numpy")
+@called
 def _listed(
     cells: Cells, cell: int, slot: int, node: int
 ) -> tuple[float, float, int, int]:  # fmt: skip
@@ -115,7 +114,7 @@ def _listed(
     return cells.nodes[node, 0], cells.nodes[node, 1], slot, cells.links[node]
 
 
-@njit(error_model="numpy")
+@called
 def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     """Return (whether there is one, centre) of a disk near a lane, besides that struck last."""
     found, at_x, at_y, least = False, 0.0, 0.0, 1.0 + NEAR
@@ -131,7 +130,7 @@ def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     return found, at_x, at_y
 
 
-@njit(error_model="numpy")
+@called
 def settle(
     lane: Any, cx: float, cy: float, law: tuple[float, float], field: float
 ) -> int:  # fmt: skip
@@ -155,14 +154,14 @@ def settle(
     return outcome
 
 
-@njit(error_model="numpy")
+@called
 def _ahead(angle: float, now: float, way: float) -> float:
     """Return how far an angle is ahead, the way (+1 or -1) that a tracer slides."""
     left = way * (angle - now) % (2.0 * pi)
     return 0.0 if left > 2.0 * pi - BACK else left
 
 
-@njit(error_model="numpy")
+@called
 def wall_ahead(
     lane: Any, side: float, now: float, way: float
 ) -> tuple[float, int, int]:  # fmt: skip
@@ -187,7 +186,7 @@ def wall_ahead(
     return left, di, dj
 
 
-@njit(error_model="numpy")
+@called
 def disk_ahead(
     lane: Any, cells: Cells, now: float, way: float
 ) -> tuple[float, float, float]:  # fmt: skip
@@ -210,7 +209,7 @@ def disk_ahead(
     return left, at_x, at_y
 
 
-@njit(error_model="numpy")
+@called
 def leaving_ahead(now: float, along: float, way: float, field: float) -> float:
     """Return the angle to where the disk curves away from under a tracer.
 

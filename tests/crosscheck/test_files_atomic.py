@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kinetics.crosscheck import files
-from kinetics.crosscheck.files import require_folder_of, require_writable_folder, write_together
+from kinetics.crosscheck.files import require_file, require_writable_folder, write_together
 
 
 def test_files_are_written_into_a_new_folder(tmp_path: Path) -> None:
@@ -112,5 +112,14 @@ def test_a_folder_in_one_that_is_not_there_is_refused_with_the_way_out(tmp_path:
     with pytest.raises(ValueError, match=r"make it first: mkdir -p .*a$"):
         require_writable_folder(tmp_path / "a" / "b")
     with pytest.raises(ValueError, match=r"make it first: mkdir -p .*a$"):
-        require_folder_of(tmp_path / "a" / "b.csv")
+        require_file("output", tmp_path / "a" / "b.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["", "x.txt", "folder.csv", "missing/x.csv"])
+def test_a_file_that_cannot_be_made_is_refused_by_its_option(tmp_path: Path, name: str) -> None:
+    (tmp_path / "folder.csv").mkdir()
+    file = tmp_path / name if name else Path(name)
+    with pytest.raises(ValueError, match="output"):
+        require_file("output", file, (".csv",))
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.csv"]

@@ -117,7 +117,8 @@ REFUSED = {
         ["-e", "1.5"], ["--count", "0"], ["--media", "1"], ["--rtol", "2"], ["-t", "-1"],
         ["-o", "data.csv"], ["--figures", "gif"], ["--number-density", "9"], ["--seed", "x"],
     ],
-    "derive": [["--only", "x" * 500], ["--only", "no"], ["--latex", "data.csv/x"], ["--latex", ""]],
+    "derive": [["--only", "x" * 500], ["--only", "no"], ["--latex", "data.csv/x"],
+               ["--only", "sonine9", "--latex", ""]],
     "bench": [["--case", "x"], ["-o", "data.csv"]],
     "stress": [["--group", "x"], ["-o", "data.csv/x"]],
 }  # fmt: skip
@@ -133,7 +134,7 @@ def refused(draw: Any) -> list[str]:
     return [name, *words, *draw(st.sampled_from(REFUSED[name]))]
 
 
-@examples(70)
+@examples(50)
 def test_solve(tries: int) -> None:
     fuzz(check_command, SOLVE | SCALED, tries)
 
@@ -143,7 +144,7 @@ def test_radii(tries: int) -> None:
     fuzz(check_command, RADII, tries)
 
 
-@examples(60)
+@examples(84)
 def test_simulate(tries: int) -> None:
     fuzz(check_command, SIMULATE, tries)
 

@@ -30,7 +30,7 @@ DATA = st.fixed_dictionaries(
 )
 
 
-@examples(8)
+@examples(6)
 def test_comparisons(tries: int) -> None:
     fuzz(check_comparison, DATA, tries)
 

@@ -76,7 +76,7 @@ RUNS = st.fixed_dictionaries(
 )
 
 
-@examples(60)
+@examples(90)
 def test_runs(tries: int) -> None:
     fuzz(check_run, RUNS, tries)
 

@@ -25,7 +25,7 @@ LAWS = st.fixed_dictionaries(
 )
 
 
-@examples(60)
+@examples(90)
 def test_the_averages_of_a_collision(tries: int) -> None:
     fuzz(_law, LAWS, tries)
 

@@ -170,12 +170,12 @@ DENSITIES = scenes(st.lists(st.sampled_from(DENSE), min_size=1, max_size=1))
 POSITIONS = scenes(st.sampled_from(sorted(LATE)))
 
 
-@examples(101)
+@examples(50)
 def test_averages(tries: int) -> None:
     fuzz(check_scene, AVERAGES, tries)
 
 
-@examples(25)
+@examples(14)
 def test_densities(tries: int) -> None:
     fuzz(check_scene, DENSITIES.map(_loose), tries)
 
@@ -303,6 +303,7 @@ def _check_methods(solution: Solution, asked: dict[str, Any]) -> None:
         densities = [solution.speed_density, solution.velocity_component_density]
         shares = result_or_refusal(lambda: solution.uncollided)
         assert np.all((shares >= 0.0) & (shares <= 1.0 + 1e-12))
+        _check_speeds(solution, shares)
     if "velocity_density" in outputs:
         densities = [lambda v: solution.velocity_density(v, v)]
     if "position_density" in outputs:
@@ -316,6 +317,19 @@ def _check_methods(solution: Solution, asked: dict[str, Any]) -> None:
     for density in densities:
         found = result_or_refusal(density, points)
         assert found is None or np.all(np.isfinite(found)), found
+
+
+def _check_speeds(solution: Solution, uncollided: Any) -> None:
+    """The density of the speed is not negative, and its integral is 1, within its error."""
+    error = max(solution.rtol, solution.error_estimate)
+    # from 1e-6 to 30 typical speeds, as a density of ln v
+    x = np.linspace(math.log(1e-6), math.log(30.0), 2000)
+    for k, unit in enumerate(solution._typical_speed):
+        values = np.exp(x) * unit * solution.speed_density(np.exp(x) * unit)[k]
+        assert np.all(values >= -1.5 * error * values.max()), (values.min(), values.max(), error)
+        mass = np.trapezoid(values, x) + uncollided[k]
+        if not isinstance(solution.scene.state, (SpeedSamples, VelocitySamples)):  # no steps
+            assert abs(mass - 1.0) <= 0.01 + 10.0 * error, (mass, error)
 
 
 def _check_saved(solution: Solution) -> None:

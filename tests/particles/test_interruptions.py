@@ -62,6 +62,7 @@ for _ in range({times}):
 def test_a_configuration_that_never_ends_is_not_waited_for() -> None:
     code = """
 from particles import Poisson, simulate
+simulate(Poisson(0.1, 100), 1.0, times=[1.0], media=1, tracers=1, workers=1)
 print("begun", flush=True)
 simulate(Poisson(0.1, 100), 1.0, times=[1e12], media=1, tracers=50, workers=1)
 """
@@ -71,7 +72,7 @@ simulate(Poisson(0.1, 100), 1.0, times=[1e12], media=1, tracers=50, workers=1)
     )  # fmt: skip
     assert process.stdout is not None
     process.stdout.readline()
-    time.sleep(4)
+    time.sleep(1)  # the kernels are there
     assert process.poll() is None
     began = time.monotonic()
     process.send_signal(signal.SIGINT)

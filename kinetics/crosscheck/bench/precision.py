@@ -34,6 +34,7 @@ from kinetics.crosscheck.bench.methods import (
     TIGHTEST,
 )
 from kinetics.crosscheck.bench.record import PRECISION, Record
+from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
 
@@ -159,12 +160,10 @@ def interpolated(exact: Any) -> Callable[[FloatArray], FloatArray]:
 
 def vdf_error(run: Any, vdf: Callable[[FloatArray], FloatArray]) -> float:
     """Error of F(c) from the speed histogram of a run at its only time."""
-    x, w = np.polynomial.legendre.leggauss(6)
 
-    def shares(c: FloatArray) -> FloatArray:
-        half = 0.5 * np.diff(c)
-        points = 0.5 * (c[:-1] + c[1:])[:, None] + half[:, None] * x
-        return np.asarray(half * ((2.0 * math.pi * points * vdf(points)) @ w))
+    def shares(edges: FloatArray) -> FloatArray:
+        c, weight = panels_between(edges, 6)
+        return np.asarray((2.0 * math.pi * c * vdf(c) * weight).reshape(-1, 6).sum(axis=1))
 
     speeds = (SCALED_SPEEDS[0], SCALED_SPEEDS[-1])
     unit = run.thermal_speed.value[0]

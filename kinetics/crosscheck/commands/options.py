@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 MOST_NUMBERS = 100_000  # of one range
 
@@ -27,11 +30,26 @@ class Numbers(click.ParamType):
         """The numbers, or click's complaint that names the option and the text."""
         if isinstance(value, tuple):
             return value
+        if not value.strip():
+            return ()
         try:
-            return tuple(x for part in value.split(",") if part.strip() for x in _numbers(part))
+            return tuple(x for part in value.split(",") for x in _numbers(part))
         except ValueError:
             what = "it must be numbers separated by commas, or a range such as 1:1e6:50"
             self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
+
+
+class OutputPath(click.Path):
+    """A path to write to. The empty text, as of a variable that is not set, is refused."""
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The path, or click's complaint that names the option."""
+        if value == "":
+            self.fail("'' is no path; it must name a file or a folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+output_path = OutputPath(path_type=Path)
 
 
 def _numbers(part: str) -> tuple[float, ...]:
@@ -85,10 +103,29 @@ def names_in(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
+def given(names: Iterable[str]) -> list[str]:
+    """Those of the parameters that stand on the command line, as their options are written."""
+    context = click.get_current_context()
+    return [
+        parameter.opts[-1]
+        for name in names
+        for parameter in context.command.params
+        if parameter.name == name
+        and context.get_parameter_source(name) is not ParameterSource.DEFAULT
+    ]
+
+
+def refuse_given(names: Iterable[str], beside: str) -> None:
+    """Raise click.UsageError if one of the parameters was given, which mean nothing `beside`."""
+    for option in given(names):
+        raise click.UsageError(f"{option}: not with {beside}")
+
+
 def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
     """The times of --times, or of --until in its place. Raises ValueError for one not above 0."""
     if until is None:
         return times
+    refuse_given(["times"], "--until, which stands in its place")
     if not 0.0 < until < math.inf:
         raise ValueError(f"until: got {until:g}; it must be a finite time above 0")
     return _numbers(f"{until / 1e3!r}:{until!r}:31")

@@ -14,15 +14,12 @@ ENDINGS = (".csv", ".nc", ".h5")
 
 def check_output(path: Path) -> None:
     """Raise an error, before any work, for a file that cannot be written or is of another kind."""
-    from kinetics.crosscheck.files import require_folder_of
+    from kinetics.crosscheck.files import require_file
 
-    if path.suffix not in ENDINGS:
-        kinds = ".csv (a table), .nc (netCDF, needs xarray) or .h5 (for kinetics.load)"
-        raise InputError(f"output: got {path.name!r}; it must end in {kinds}")
+    require_file("output", path, ENDINGS)
     if path.suffix == ".nc" and find_spec("xarray") is None:
         how = "python -m pip install 'inelastic-lorentz[xarray]'"
         raise InputError(f"output: .nc needs xarray, which is not installed: {how}")
-    require_folder_of(path)
 
 
 def write_result(result: Any, path: Path, points: dict[str, Any], wide: Collection[str]) -> None:

@@ -19,16 +19,12 @@ _TRACERS, _DOTS_PER_INCH = 8, 160
 
 def check_files() -> None:
     """Raise ValueError, before any work, for files of this command that cannot be made."""
-    from kinetics.crosscheck.files import require_folder_of
+    from kinetics.crosscheck.files import require_file
 
     options = click.get_current_context().params
-    output, picture = options["output"], options["picture"]
-    if output is not None and not output.parent.exists():
-        require_folder_of(output)
-    if picture is not None:
-        if picture.suffix not in PICTURES:
-            raise ValueError(f"picture = {picture.name!r}: must end in {', '.join(PICTURES)}")
-        require_folder_of(picture)
+    for name, endings in (("output", ()), ("picture", PICTURES)):
+        if options[name] is not None:
+            require_file(name, options[name], endings)
 
 
 def write_picture(run: Ensemble, path: Path) -> None:

@@ -8,20 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kinetics.crosscheck.commands.options import (
-    UNITS,
-    density_option,
-    json_option,
-    names_in,
-    print_json,
-    restitution_option,
-    seed_option,
-    tangential_option,
-    times_option,
-    times_until,
-    until_option,
-    workers_option,
-)  # fmt: skip
+from kinetics.crosscheck.commands import options
 from kinetics.crosscheck.commands.run_files import (
     check_files,
     saying_how_to_go_on,
@@ -51,7 +38,7 @@ _ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
 _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension")
 
 
-@click.command(epilog=UNITS, short_help="Follow particles from collision to collision.")
+@click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
 @click.option(
     "--medium",
     type=click.Choice(
@@ -60,9 +47,9 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
     default="hard-disks",
     help="Disks or spheres that do not overlap, that may, or none: random free paths.",
 )  # fmt: skip
-@restitution_option
-@tangential_option
-@density_option
+@options.restitution_option
+@options.tangential_option
+@options.density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
 @click.option(
     "--box", type=click.Choice(["periodic", "none"]), default="periodic",
@@ -91,8 +78,8 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
     help="Uniform acceleration along +x in U^2/d; not among spheres.",
 )  # fmt: skip
 @click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
-@times_option
-@until_option
+@options.times_option
+@options.until_option
 @click.option(
     "--observables", default="", metavar="NAMES",
     help="What to save beside the averages, separated by commas: speed_histogram, "
@@ -100,19 +87,19 @@ _OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension"
     "velocities, finals.",
 )  # fmt: skip
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="HDF5",
+    "-o", "--output", type=options.output_path, metavar="HDF5",
     help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
     "for other programs, written at the end.",
 )  # fmt: skip
 @click.option(
-    "--picture", type=click.Path(path_type=Path), metavar="FILE",
+    "--picture", type=options.output_path, metavar="FILE",
     help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
     ".svg or .pdf.",
 )  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
-@seed_option
-@workers_option
-@json_option
+@options.seed_option
+@options.workers_option
+@options.json_option
 def simulate(
     until: float | None,
     picture: Path | None,
@@ -131,12 +118,12 @@ def simulate(
 
     import particles
 
-    times = times_until(times, until)
+    times = options.times_until(times, until)
     check_files()
-    for_others = output is not None and output.suffix.lower() == ".h5md"
-    names = names_in(observables)
-    if for_others and output is not None:
-        names = _for_h5md(output, names, arguments)
+    h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
+    names = options.names_in(observables)
+    if h5md is not None:
+        names = _for_h5md(h5md, names, arguments)
     described = {name: arguments.pop(name) for name in _OF_THE_MEDIUM}
     scatterers = make_medium(number_density, **described)
 
@@ -151,17 +138,17 @@ def simulate(
             scatterers,
             times=times or None,
             observables=names or None,
-            output=None if for_others else output,
+            output=output if h5md is None else None,
             progress=show,
             **arguments,
         )
     if picture is not None:
         write_picture(run, picture)
-    if for_others and output is not None:
-        run.write_h5md(output)
+    if h5md is not None:
+        run.write_h5md(h5md)
     if as_json:
         kind = described["medium"] if described["positions"] is None else "positions"
-        print_json(_document(run, kind, arguments))
+        options.print_json(_document(run, kind, arguments))
     else:
         click.echo(_table(run))
         ends = _ends_of(run).items()
@@ -200,9 +187,7 @@ def _for_h5md(output: Path, names: tuple[str, ...], arguments: dict[str, Any]) -
     if arguments["resume"]:
         raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
     if output.exists():
-        raise ValueError(f"output = {str(output)!r}: exists")
-    if not output.absolute().parent.is_dir():
-        raise ValueError(f"output = {str(output)!r}: its folder does not exist")
+        raise ValueError(f"output: got {str(output)!r}; it exists, and nothing is overwritten")
     return tuple(dict.fromkeys((*names, "positions", "velocities")))
 
 

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import textwrap
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from kinetics.crosscheck.commands.field import field_document, field_text
-from kinetics.crosscheck.commands.options import (
-    UNITS,
-    Numbers,
-    density_option,
-    json_option,
-    names_in,
-    print_json,
-    restitution_option,
-    tangential_option,
-    times_option,
-    times_until,
-    until_option,
-)  # fmt: skip
+from kinetics.crosscheck.commands import options
 from kinetics.crosscheck.commands.result_files import check_output, write_result
 from kinetics.crosscheck.commands.start import initial_state
+from kinetics.crosscheck.commands.states import scaled_state, state_text, steady_state
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
 
 LAW = ("restitution", "tangential_restitution", "dimension")
@@ -43,20 +32,27 @@ _DENSITY_AT = {
     "wave_numbers": "intermediate_scattering",
 }
 """Points -> the density that is asked for at them."""
+_OVER_TIME = (
+    "times", "until", "initial", "speed", "direction", "field", "outputs", "speeds", "radii",
+    "collision_numbers", "wave_numbers",
+)  # fmt: skip
+"""Options that mean nothing where no scene is solved over time."""
 BY_COLLISION = ("thermal_speed", "a2", "msd")
 """Those that are printed by collision number as well."""
 
+_points = partial(click.option, type=options.Numbers(), default="")
 
-@click.command(epilog=UNITS, short_help="Solve the kinetic equation.")
-@restitution_option
-@tangential_option
+
+@click.command(epilog=options.UNITS, short_help="Solve the kinetic equation.")
+@options.restitution_option
+@options.tangential_option
 @click.option(
     "--dimension",
     type=int,
     default=2,
     help="3: spheres; number densities are then in d^-3.",
 )
-@density_option
+@options.density_option
 @click.option(
     "--initial",
     default="gaussian",
@@ -80,8 +76,8 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     default="second",
     help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
 )
-@times_option
-@until_option
+@options.times_option
+@options.until_option
 @click.option(
     "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
 )
@@ -96,10 +92,8 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     is_flag=True,
     help="Solve the steady state in a uniform field: drift and dispersion, in units of g and l.",
 )
-@click.option(
+@_points(
     "--field-units",
-    type=Numbers(),
-    default="",
     metavar="G,D,RHO",
     help="With --field-steady, also in your units: the acceleration, the diameter and the density "
     "of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.",
@@ -110,24 +104,22 @@ BY_COLLISION = ("thermal_speed", "a2", "msd")
     help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
     f"{', '.join(FIELD_OUTPUTS)}.",
 )
-@click.option("--speeds", type=Numbers(), default="", help="v in U at which to print f(v).")
-@click.option("--radii", type=Numbers(), default="", help="R at which to print G(R), commas.")
-@click.option(
-    "--collision-numbers", type=Numbers(), default="", help="N at which to print averages, commas."
-)
-@click.option("--wave-numbers", type=Numbers(), default="", help="k in 1/d at which to print F.")
+@_points("--speeds", help="v in U at which to print f(v).")
+@_points("--radii", help="R at which to print G(R), commas.")
+@_points("--collision-numbers", help="N at which to print averages, commas.")
+@_points("--wave-numbers", help="k in 1/d at which to print F.")
 @click.option(
     "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
 )
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=options.output_path,
     metavar="FILE",
     help="Write the result here: .csv (a row for each time), .nc (netCDF) or .h5 (for "
     "kinetics.load).",
 )
-@json_option
+@options.json_option
 def solve(
     scaled: bool,
     field_steady: bool,
@@ -143,25 +135,25 @@ def solve(
     **system: Any,
 ) -> None:
     """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
+    mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
+    if mode:
+        also = ("field_steady",) if scaled else MEDIUM
+        options.refuse_given((*_OVER_TIME, *also), mode)
     if output is not None:
         check_output(output)
-    if until is not None or not system["times"]:
-        system["times"] = times_until(system["times"], until)
+    system["times"] = options.times_until(system["times"], until)
     asked: dict[str, Any] = {}
-    over_time = not scaled and not field_steady
     if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
-        rtol = 1e-6 if (radii or system["field"]) and over_time else 1e-10
+        rtol = 1e-6 if (radii or system["field"]) and not mode else 1e-10
     law = {name: system[name] for name in LAW}
-    if field_units and (not field_steady or len(field_units) != 3):
-        raise click.UsageError("--field-units takes three numbers, with --field-steady")
+    if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
+        raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
     if field_steady:
-        if scaled:
-            raise click.UsageError("give --scaled or --field-steady, not both")
-        result, found, text = *field_document(law, field_units, rtol), field_text
+        result, found, text = *steady_state(law, field_units, rtol), state_text
     elif scaled:
         if system["scatterers"] != "dilute":
             law |= {name: system[name] for name in MEDIUM}
-        result, found, text = *scaled_document(law, rtol), scaled_text
+        result, found, text = *scaled_state(law, rtol), state_text
     else:
         points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
         asked = {name: at for name, at in points.items() if at}
@@ -170,34 +162,9 @@ def solve(
     if output is not None:
         write_result(result, output, asked, [_DENSITY_AT[name] for name in asked])
     if as_json:
-        print_json(found)
+        options.print_json(found)
     else:
         click.echo(text(found))
-
-
-def scaled_document(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
-    """The result of the scaled equation and its JSON document: h, a2, moments <c> to <c^6>."""
-    from kinetics import solve_scaled
-
-    state = solve_scaled(**law, rtol=rtol)
-    return state, {
-        **law,
-        "cooling_rate": state.cooling_rate,
-        "a2": state.a2,
-        "moments": {str(p): state.moment(p) for p in range(1, 7)},
-        "error_estimate": state.error_estimate,
-        "nodes": state.nodes,
-        "status": state.status.name.lower(),
-    }
-
-
-def scaled_text(found: dict[str, Any]) -> str:
-    """The same, one line for each figure."""
-    from kinetics.crosscheck.text_tables import figure
-
-    lines = [f"{name:22} {figure(value)}" for name, value in found.items() if name != "moments"]
-    lines += [f"<c^{p}>{'':18}{figure(value)}" for p, value in found["moments"].items()]
-    return "\n".join(lines)
 
 
 def solve_document(
@@ -212,7 +179,7 @@ def solve_document(
     from kinetics.validation import not_negative, one_of, refuse
 
     known = FIELD_OUTPUTS if system.get("field") else HEADS
-    names = [one_of("outputs", name, known) for name in names_in(outputs)]
+    names = [one_of("outputs", name, known) for name in options.names_in(outputs)]
     if not names:
         refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
     for name, at in asked.items():  # refused before minutes of work

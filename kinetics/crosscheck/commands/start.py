@@ -56,4 +56,6 @@ def _columns(path: Path) -> tuple[list[float], list[float]]:
                 raise InputError(f"initial: {what}") from None
             continue
         found.append((speed, density))
+    if len(found) < 2:
+        raise InputError(f"initial: {path} has {len(found)} rows of two numbers; it must have two")
     return [v for v, _ in found], [f for _, f in found]

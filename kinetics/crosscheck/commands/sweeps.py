@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import click
+
+from kinetics.crosscheck.commands.options import output_path
 
 
 class Report(Protocol):
@@ -31,10 +34,28 @@ def output_option(names: str) -> Any:
     return click.option(
         "-o",
         "--output",
-        type=click.Path(path_type=Path),
+        type=output_path,
         default=None,
         help=f"Folder for {names}. [default: none is written]",
     )
+
+
+@contextmanager
+def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
+    """A function tell(name, total) for the beginning of each part of long work.
+
+    It moves a bar on standard error, if that is a terminal.
+    """
+    from tqdm import tqdm
+
+    with tqdm(total=total, file=sys.stderr, disable=None, leave=False) as bar:
+
+        def tell(name: str, total: int | None = None) -> None:
+            bar.total = total or bar.total
+            bar.set_description(name, refresh=False)
+            bar.update(1)
+
+        yield tell
 
 
 def run_and_write(run: Callable[[Callable[..., None]], R], output: Path | None, as_json: bool) -> R:
@@ -43,19 +64,11 @@ def run_and_write(run: Callable[[Callable[..., None]], R], output: Path | None, 
     run is called with the function tell(name, total) that it calls as each of its parts starts.
     Raises ValueError, before the run, for a folder that cannot be written.
     """
-    from tqdm import tqdm
-
     from kinetics.crosscheck.files import require_writable_folder, write_together
 
     if output is not None:
         require_writable_folder(output)
-    with tqdm(file=sys.stderr, disable=None, leave=False) as bar:
-
-        def tell(name: str, total: int) -> None:
-            bar.total = total
-            bar.set_description(name, refresh=False)
-            bar.update(1)
-
+    with progress() as tell:
         report = run(tell)
     click.echo(report.to_json() if as_json else report.markdown(), nl=False)
     if output is not None:

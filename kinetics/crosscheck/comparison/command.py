@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from kinetics.crosscheck.commands.options import json_option, output_path
+
 COLUMNS = (
     "DATA is .csv, .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where known, tracer "
     "and medium (the configuration of scatterers), one row for each tracer at each time; or with "
@@ -85,7 +87,7 @@ FORMATS = ("pdf", "png", "svg")
     help="Names of columns in the files, as in time=t_sim,tracer=id.",
 )  # fmt: skip
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), default=None, metavar="PAGE.html",
+    "-o", "--output", type=output_path, default=None, metavar="PAGE.html",
     help="Write the page here, and beside it a .json file with every number in it.",
 )  # fmt: skip
 @click.option(
@@ -97,7 +99,7 @@ FORMATS = ("pdf", "png", "svg")
     help="End with exit status 1 where data and equation differ (unclear: also where a difference "
     "is possible).",
 )  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 def compare(
     data: tuple[Path, ...],
     speed_unit: str,
@@ -149,7 +151,9 @@ def _speed_unit(text: str) -> float | str:
     try:
         return float(text)
     except ValueError:
-        raise click.BadParameter(f"{text!r}: it must be a number, or data") from None
+        raise click.BadParameter(
+            f"{text!r}: it must be a number, or data", param_hint="'--speed-unit'"
+        ) from None
 
 
 if __name__ == "__main__":

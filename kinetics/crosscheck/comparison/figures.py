@@ -13,8 +13,7 @@ from kinetics.crosscheck.comparison.theory import (
     solved_averages,
     system_of,
 )
-from kinetics.crosscheck.report.figures import Data, axis, series
-from kinetics.crosscheck.report.templates import paragraphs
+from kinetics.crosscheck.report.figures import Data, axis, figure, series
 
 _POINTS = 60
 """Of the theory's lines, for a page that is some 500 pixels wide."""
@@ -45,12 +44,7 @@ def figures_of(both: DataAndTheory, explained: Any = None) -> dict[str, Data]:
     return figures
 
 
-def _figure(block: str, x: Data, y: Data, lines: list[Data], **values: Any) -> Data:
-    title, description = paragraphs("comparison.txt.j2", block, **values)
-    return {"title": title, "description": description, "x": x, "y": y, "series": lines}
-
-
-_TIME = axis("time $t$", "d/U", "log")
+_TIME, _SENTENCES = axis("time $t$", "d/U", "log"), "comparison.txt.j2"
 
 
 def _over_time(both: DataAndTheory, i: int, theory: tuple[Any, Any], explained: Any) -> Data:
@@ -70,7 +64,7 @@ def _over_time(both: DataAndTheory, i: int, theory: tuple[Any, Any], explained: 
     if explained is not None:
         lines.append(series("best explanation", times[shown], explained[i, shown]))
     y = axis(observable.symbol, observable.unit, scale)
-    made = _figure("over_time", _TIME, y, lines, title=observable.name)
+    made = figure("over_time", _TIME, y, lines, _SENTENCES, title=observable.name)
     ratio = _over_theory(both, i, explained)
     return made if ratio is None else made | {"ratio": ratio}
 
@@ -100,7 +94,7 @@ def _sigmas(both: DataAndTheory) -> Data:
         if np.any(shown):
             z, group = both.difference[i, shown] / both.error[i, shown], name.replace("_", " ")
             lines.append(series("data", times[shown], z, np.ones(z.size), group=group))
-    return _figure("sigmas", _TIME, axis("difference / standard error"), lines)
+    return figure("sigmas", _TIME, axis("difference / standard error"), lines, _SENTENCES)
 
 
 def _density(name: str, histograms: list[Any]) -> Data:
@@ -118,4 +112,4 @@ def _density(name: str, histograms: list[Any]) -> Data:
         lines.append(series("data", middle[shown], value[shown], error[shown], group=group))
     _, _, what, label, unit, scale = OBSERVABLES[name]
     x, y = axis(label, unit, scale), axis("density", f"1/{unit}", scale)
-    return _figure("density", x, y, lines, what=what, least=LEAST_EXPECTED)
+    return figure("density", x, y, lines, _SENTENCES, what=what, least=LEAST_EXPECTED)

@@ -26,7 +26,6 @@ from kinetics.crosscheck.comparison.sample import Sample
 from kinetics.crosscheck.comparison.statistics import (
     ChiSquare,
     effective_groups,
-    gaussian_sigmas,
     hotelling,
     most_freedom,
     of_the_worst,
@@ -38,6 +37,7 @@ from kinetics.crosscheck.verdicts import (
     Verdict,
     chance,
     corrected_sigmas,
+    gaussian_sigmas,
     judge_sigmas,
 )
 from kinetics.errors import InputError, short

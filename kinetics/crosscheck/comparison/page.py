@@ -2,7 +2,6 @@
 tables for the terminal.
 """
 
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,18 +9,15 @@ from typing import Any
 from markupsafe import Markup
 
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES, Comparison, said
-from kinetics.crosscheck.files import require_writable_folder
+from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.report.equations import comparison_equations
-from kinetics.crosscheck.report.figures import figure_file, svg
+from kinetics.crosscheck.report.figures import figure_files, svg
 from kinetics.crosscheck.report.templates import environment, number, numeral
-from kinetics.crosscheck.text_tables import aligned
+from kinetics.crosscheck.text_tables import aligned, wrapped
 from kinetics.crosscheck.verdicts import EXPLAINED, WORDS
 from kinetics.errors import InputError
 
 Plain = Mapping[str, Any]
-
-WIDTH = 100
-"""Columns of a terminal that the tables fit."""
 
 PARAMETERS = {
     "restitution": "restitution e",
@@ -35,14 +31,10 @@ def prepare(output: Path, data: Sequence[Path]) -> None:
 
     Or that would take the place of the data.
     """
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"output: got {str(output)!r}; it must be a file .html")
-    for path in (output, _json_path(output)):
-        if path.is_dir():
-            raise InputError(f"output: {str(path)!r} is a folder; it must be a file .html")
+    for path, endings in ((output, (".html", ".htm")), (_json_path(output), (".json",))):
+        require_file("output", path, endings)
         if any(path.resolve() == other.resolve() for other in data):
             raise InputError(f"output: {str(path)!r} is one of the data; they are never changed")
-    require_writable_folder(output.parent)
 
 
 def files_of(
@@ -53,10 +45,7 @@ def files_of(
         _json_path(output).name: result.to_json(),
         output.name: render(result, _json_path(output).name),
     }
-    for name, data in result.figures.items():
-        for kind in dict.fromkeys(formats):
-            files[f"{output.stem}-{name}.{kind}"] = figure_file(name, data, kind)
-    return files
+    return files | figure_files(result.figures, output.stem, formats)
 
 
 def _json_path(output: Path) -> Path:
@@ -173,11 +162,11 @@ def parameter_text(parameter: Plain) -> str:
 def tables(result: Comparison) -> str:
     """The answer, parameters, tests, averages over time, odd bins, and explanations.
 
-    Lines of WIDTH columns at most.
+    Lines of `text_tables.WIDTH` columns at most.
     """
     document = result.document()
-    parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
-    told = [_wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
+    parts = [wrapped(result.summary), *(wrapped(f"note: {text}") for text in result.warnings)]
+    told = [wrapped(f"{name}: {parameter_text(p)}") for name, p in document["parameters"].items()]
     told.append(f"start: {result.initial}")
     made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
     told.append(f"errors: {made}")
@@ -197,14 +186,10 @@ def tables(result: Comparison) -> str:
         text += f"\n({hidden} bins of densities that agree are left out; --json has them)"
     parts.append(text)
     parts += [
-        _wrapped(f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}")
+        wrapped(f"{item.name} ({OUTCOMES[item.outcome]}): {item.text}")
         for item in result.explanations
     ]
     return "\n\n".join(parts)
-
-
-def _wrapped(text: str) -> str:
-    return textwrap.fill(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _table(names: Sequence[str], heads: Sequence[str], lines: Iterable[Mapping[str, str]]) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck.comparison import theory
 from kinetics.crosscheck.comparison.data_and_theory import NO_SPREAD, histogram_times
 from kinetics.crosscheck.comparison.fit import (
     SECOND_MOMENTS,
@@ -26,19 +27,6 @@ from kinetics.crosscheck.comparison.judging import compare
 from kinetics.crosscheck.comparison.result import Comparison
 from kinetics.crosscheck.comparison.sample import R2, X2, N, Sample
 from kinetics.crosscheck.comparison.statistics import errors, hotelling
-from kinetics.crosscheck.comparison.theory import (
-    AVERAGES,
-    DENSITY_RTOL,
-    DISPLACEMENT,
-    DISPLACEMENT_RTOL,
-    SPEED,
-    Expectation,
-    SampledStart,
-    System,
-    names_for,
-    solved,
-    solved_averages,
-)
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
 
@@ -209,27 +197,27 @@ def compare_sample(
         values = dict(zip(found.names, found.values, strict=True))
         restitution = float(values["restitution"]) if restitution is None else restitution
         path = float(np.exp(values["log_path"])) if path is None else path
-    system = System(restitution, path, start, sample.law)
-    solution = solved_averages(system, sample.times, names_for(sample.law))
+    system = theory.System(restitution, path, start, sample.law)
+    solution = theory.solved_averages(system, sample.times, theory.names_for(sample.law))
     rows = sample.law.smooth_disks and not sample.tabulated
     densities = _densities(system, sample) if rows else {}
     return compare(solution, sample, explain, densities, found)
 
 
-def _densities(system: System, sample: Sample) -> "dict[str, Solution]":
+def _densities(system: theory.System, sample: Sample) -> "dict[str, Solution]":
     """The densities by name, that of the displacement at late times and from a named start."""
     from kinetics import SolverStatus
 
     times = sample.times[histogram_times(sample)]
     found = {}
     if times.size:
-        found[SPEED] = solved(system, times, (SPEED,), DENSITY_RTOL)
+        found[theory.SPEED] = theory.solved(system, times, (theory.SPEED,), theory.DENSITY_RTOL)
     late = times[times > COLLISIONS_BEFORE * system.free_path][-DISPLACEMENT_TIMES:]
     # From hundreds of single speeds it would take long.
-    if late.size and not isinstance(system.start, SampledStart):
-        known = solved(system, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+    if late.size and not isinstance(system.start, theory.SampledStart):
+        known = theory.solved(system, late, (theory.DISPLACEMENT,), theory.DISPLACEMENT_RTOL)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
-            found[DISPLACEMENT] = known
+            found[theory.DISPLACEMENT] = known
     return found
 
 
@@ -258,7 +246,7 @@ def _start(sample: Sample, initial: str) -> Any:
             "initial: in a field it must be rest, gaussian or monoenergetic; the speeds at time 0 "
             "are none of these"
         )
-    return SampledStart(sample.start)
+    return theory.SampledStart(sample.start)
 
 
 def gaussian_p_value(sample: Sample) -> float:
@@ -268,7 +256,7 @@ def gaussian_p_value(sample: Sample) -> float:
     """
     if sample.start is not None and sample.start.squares.size < 2:
         return 0.0
-    expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
+    expectation = theory.Expectation(sample.at([0]), ("thermal_speed", "a2"))
     data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])
     return 0.0 if result is None else result.p_value
@@ -283,20 +271,20 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
         unknowns.append(Unknown("log_path", -20.0, float(np.log(_LONGEST_PATH))))
     words = {"restitution": "restitution", "log_path": "number density"}
     wanted = " and ".join(words[one.name] for one in unknowns)
-    expectation = Expectation(sample, AVERAGES)
+    expectation = theory.Expectation(sample, theory.AVERAGES)
     groups = sample.groups
     spread = errors(expectation.replicates)
     with np.errstate(invalid="ignore"):
         usable = (spread > NO_SPREAD * np.abs(expectation.values)) & np.isfinite(spread)
     usable &= sample.times > 0  # the start does not depend on what is looked for
-    components = components_of(AVERAGES, usable, sample, len(unknowns))
+    components = components_of(theory.AVERAGES, usable, sample, len(unknowns))
     if components.tested.size < len(unknowns) or groups < len(unknowns) + 3:
         raise InputError(
             f"data: {wanted} cannot be found in so few times and groups "
             f"({groups} groups); give --restitution and --number-density"
         )
 
-    def model_of(expectation: Expectation) -> Model:
+    def model_of(expectation: theory.Expectation) -> Model:
         def model(at: Array) -> tuple[Array, Array]:
             e = float(at[0]) if restitution is None else restitution
             length = float(np.exp(at[-1])) if path is None else path
@@ -311,8 +299,8 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
         if restitution is None:
             starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
     if components.logarithms:  # without the others, which cost more, until the place is known
-        second = Expectation(sample, SECOND_MOMENTS)
-        mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
+        second = theory.Expectation(sample, SECOND_MOMENTS)
+        mine = usable[np.isin(theory.AVERAGES, SECOND_MOMENTS)]
         only = components_of(SECOND_MOMENTS, mine, sample, len(unknowns))
         near = fit(unknowns, model_of(second), (second.values, second.replicates), only, starts)
         starts = starts if near is None else [near.values.tolist()]

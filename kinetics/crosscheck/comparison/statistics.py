@@ -11,6 +11,7 @@ chi-square that has the p-value of T^2, so that value, degrees of freedom and p 
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,31 +135,28 @@ _SMALLEST_LOG = -600.0
 
 def _log_betainc(a: float, b: float, x: float) -> float:
     """Logarithm of the regularised incomplete beta function, also where it is below 1e-308."""
-    from scipy.special import betainc, betaln
+    from scipy.special import betainc
 
     found = float(betainc(a, b, x))
     if found > np.exp(_SMALLEST_LOG):
         return float(np.log(found))
-    # The series in x begins with 1 + x (a + b)/(a + 1), and x is tiny here unless a is large.
-    term, total, k = 1.0, 1.0, 0
-    while term > 1e-12 * total and k < 10_000:
-        term *= x * (a + b + k) / (a + 1 + k)
-        total += term
-        k += 1
-    return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(total))
+    import mpmath
+
+    return float(mpmath.log(mpmath.betainc(a, b, 0, x, regularized=True)))
 
 
 def _inverse_log_gammaincc(s: float, log_q: float) -> float:
     """The z at which log Q(s, z) is log_q, Q the regularised upper incomplete gamma function."""
-    from scipy.special import gammainccinv, gammaln
+    from scipy.special import gammainccinv
 
     if log_q > _SMALLEST_LOG:
         return float(gammainccinv(s, np.exp(log_q)))
-    z = -log_q
-    for _ in range(60):  # Q = z^(s-1) e^-z / Gamma(s) (1 + (s-1)/z + (s-1)(s-2)/z^2 + ...)
-        more = (s - 1) / z * (1 + (s - 2) / z)
-        z = -log_q - float(gammaln(s)) + (s - 1) * np.log(z) + np.log1p(more)
-    return float(z)
+    import mpmath
+
+    def above(z: Any) -> Any:
+        return mpmath.log(mpmath.gammainc(s, z, regularized=True)) - log_q
+
+    return float(mpmath.findroot(above, -log_q))
 
 
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
@@ -187,10 +185,3 @@ def of_the_worst(sigmas: Array) -> ChiSquare:
     p_value = min(1.0, float(erfc(largest / np.sqrt(2))) * sigmas.size)
     value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2
     return ChiSquare(value, 1, p_value, None, largest**2)
-
-
-def gaussian_sigmas(p_value: float) -> float:
-    """Two-sided Gaussian sigmas of a p-value; 0 from 1 on, 37 where doubles end."""
-    from scipy.special import ndtri
-
-    return 0.0 if p_value >= 1 else float(-ndtri(max(p_value, 1e-300) / 2))

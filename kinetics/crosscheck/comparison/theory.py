@@ -21,6 +21,7 @@ from kinetics.crosscheck.comparison.sample import (
     X,
 )
 from kinetics.errors import InputError
+from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
@@ -244,11 +245,9 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
         return np.append(shares, max(1 - shares.sum(), 0.0))
     pieces = 1 if solution.scene.state.smooth else 12
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
-    node, gauss = np.polynomial.legendre.leggauss(3)
-    half = np.diff(fine)[:, None] / 2
-    x = fine[:-1, None] + half * (node + 1)
-    values = np.asarray(solution.speed_density(x.ravel())[index]).reshape(x.shape)
-    shares = np.maximum((values * gauss * half).sum(axis=1), 0.0).reshape(-1, pieces).sum(axis=1)
+    x, weight = panels_between(fine, 3)
+    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
+    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
     peak = float(solution.uncollided[index])
     if peak > 0:  # tracers of a start with one speed that have not collided
         speed = float(getattr(solution.scene.state, "speed", 1.0))

@@ -18,7 +18,8 @@ Begin with `report.py`, which calls the others in this order:
 - `citations`: the paper's equations by their numbers
 - `templates`, `page`: sentences and the HTML page, whose prose stands in `../templates`
 
-The report of tracers in a uniform field (`lorentz report --field`) has files of its own, of which
-`field_report.py` comes first: `field_settings`, `field_runs`, `field_limits`, `field_rows`,
-`field_figures`, `field_drawing`, `field_page` and `field_command`.
+The report of tracers in a uniform field (`lorentz report --field`) shares rows, figures and the
+frame of the document (`frame`) with it, and has files of its own, of which `field_report.py` comes
+first: `field_settings`, `field_runs`, `field_density`, `field_limits`, `field_rows`,
+`field_figures` and `field_page`.
 """

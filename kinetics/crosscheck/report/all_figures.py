@@ -2,45 +2,29 @@
 
 from collections.abc import Callable, Sequence
 
+from kinetics.crosscheck.report import displacement_figures as place
 from kinetics.crosscheck.report import scan_figures
+from kinetics.crosscheck.report import velocity_figures as velocity
 from kinetics.crosscheck.report.case import Case, Scans
-from kinetics.crosscheck.report.displacement_figures import (
-    inelasticposi,
-    kurtosis,
-    msd_ratio,
-    msd_slope,
-    msdtheory,
-    soninediffuse,
-    tail_exponent,
-)
 from kinetics.crosscheck.report.figure_lines import Results
 from kinetics.crosscheck.report.figures import Data
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.report.velocity_figures import (
-    a2,
-    approach,
-    cooling_rate,
-    hetomu2,
-    inverse_speed,
-    scalev,
-    sign,
-    v0re,
-    vdf_tail,
-)
 
 _PAPER: tuple[Callable[[Results], Data], ...] = (
-    v0re, hetomu2, msdtheory, inelasticposi, scalev, sign, soninediffuse
+    velocity.v0re, velocity.hetomu2, place.msdtheory, place.inelasticposi, velocity.scalev,
+    velocity.sign, place.soninediffuse,
 )  # fmt: skip
 _OTHERS: tuple[Callable[[Results], Data], ...] = (
-    cooling_rate, inverse_speed, a2, approach, vdf_tail, msd_slope, kurtosis, tail_exponent
+    velocity.cooling_rate, velocity.inverse_speed, velocity.a2, velocity.approach,
+    velocity.vdf_tail, place.msd_slope, place.kurtosis, place.tail_exponent,
 )  # fmt: skip
 PAPER_FIGURES = tuple(make.__name__ for make in _PAPER)
 """Names of the figures that are the paper's, by its labels."""
-_ELASTIC = (inelasticposi, kurtosis, tail_exponent)
+_ELASTIC = (place.inelasticposi, place.kurtosis, place.tail_exponent)
 """Those that the elastic gas has."""
 _OF_ANY_LAW: dict[str, Callable[[Results], Data]] = {
-    "position": inelasticposi,
-    "vdf": scalev,
+    "position": place.inelasticposi,
+    "vdf": velocity.scalev,
     **{make.__name__.replace("_", "-"): make for make in _OTHERS},
 }
 """Figures of scatterers that are not smooth disks, by name; they have no formula of the paper."""
@@ -60,10 +44,10 @@ def all_figures(
     figures = {
         name: make(results)
         for name, make in chosen.items()
-        if make in _ELASTIC or (results.printed if make is soninediffuse else results.cooling)
+        if make in _ELASTIC or (results.printed if make is place.soninediffuse else results.cooling)
     }
     if settings.is_papers_law and results.dense_cases:
-        figures["msd-ratio"] = msd_ratio(results)
+        figures["msd-ratio"] = place.msd_ratio(results)
     if scans is not None:
         figures["density"] = scan_figures.density(scans.density)
         figures["traps"] = scan_figures.traps(scans.traps)

@@ -1,5 +1,6 @@
 """What the methods give for one restitution, as plain arrays, before anything is compared."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,12 @@ class Measured:
 
     def __getitem__(self, where: Any) -> "Measured":
         return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
+
+    @staticmethod
+    def joined(parts: Iterable[Any]) -> "Measured":
+        """Several estimates of one shape as one, along a new first axis."""
+        known = list(parts)
+        return Measured(np.array([p.value for p in known]), np.array([p.error for p in known]))
 
 
 @dataclass(frozen=True)

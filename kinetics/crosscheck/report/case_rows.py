@@ -110,14 +110,14 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
             case.times, solution.thermal_speed, case.early, settings.half_rate
         )
 
-    solved = numerical(case, name, solver, exact, settings.rtol)
+    solved = numerical(e, name, solver, exact, settings.rtol)
     if not settings.is_papers_law:
         return [solved, *_particles(case, name, rate, note)]
     fitted = float(sonine.cooling_rate_fitted(e))
     return [
         solved,
-        approximation(case, name, "Sonine", float(sonine.cooling_rate(e)), exact),
-        approximation(case, name, PAPER_FIT, fitted, exact),
+        approximation(case.restitution, name, "Sonine", float(sonine.cooling_rate(e)), exact),
+        approximation(case.restitution, name, PAPER_FIT, fitted, exact),
         *_particles(case, name, rate, note),
         *statistical(case, name, case.hard, fitted, PAPER_FIT, "the paper's own claim"),
     ]
@@ -128,10 +128,10 @@ def _a2(case: Case, settings: ReportSettings) -> list[Row]:
     if case.exact is None:
         return rows
     exact, solver = (state.a2 for state in case.scaling_state)
-    rows = [numerical(case, "a2", solver, exact, settings.rtol), *rows]
+    rows = [numerical(case.restitution, "a2", solver, exact, settings.rtol), *rows]
     if settings.is_papers_law:
         printed = float(sonine.a2(case.restitution))
-        rows.insert(1, approximation(case, "a2", "Sonine", printed, exact))
+        rows.insert(1, approximation(case.restitution, "a2", "Sonine", printed, exact))
     return rows
 
 
@@ -142,7 +142,7 @@ def _scaled_vdf(case: Case, settings: ReportSettings) -> list[Row]:
     exact, solver = (np.asarray(state.vdf(centres)) for state in case.scaling_state)
     k = int(np.argmax(np.abs(solver - exact)))
     deviation = float((solver[k] - exact[k]) / np.max(exact))
-    row = numerical(case, name, float(solver[k]), float(exact[k]), settings.rtol)
+    row = numerical(case.restitution, name, float(solver[k]), float(exact[k]), settings.rtol)
     row = replace(
         row, deviation=deviation, verdict=judge_numerical(deviation, settings.rtol),
         c=float(centres[k]), looks=len(centres),
@@ -180,8 +180,12 @@ def _msd(case: Case, settings: ReportSettings) -> list[Row]:
     at_end: dict[str, Any] = {"against": KINETIC, "time": last}
     late = np.where(np.arange(times.size) >= case.early, walk, np.nan)
     return [
-        approximation(case, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note),
-        approximation(case, "msd", "Sonine", printed, theory, **at_end, note="eq. (C9)"),
+        approximation(
+            case.restitution, "msd", PAPER_FIT, float(walk[-1]), theory, **at_end, note=note
+        ),
+        approximation(
+            case.restitution, "msd", "Sonine", printed, theory, **at_end, note="eq. (C9)"
+        ),
         *statistical(case, "msd", case.hard, late, PAPER_FIT, claim),
         *_particles(case, "msd"),
     ]
@@ -200,8 +204,8 @@ def _msd_slope(case: Case, settings: ReportSettings) -> list[Row]:
         return rows
     walk, printed = printed_msd_slopes(case.restitution, settings.number_density)
     return [
-        approximation(case, name, PAPER_FIT, walk, exact, note=limit),
-        approximation(case, name, "Sonine", printed, exact, note=limit),
+        approximation(case.restitution, name, PAPER_FIT, walk, exact, note=limit),
+        approximation(case.restitution, name, "Sonine", printed, exact, note=limit),
         *rows,
     ]
 
@@ -212,8 +216,8 @@ def _kurtosis(case: Case, settings: ReportSettings) -> list[Row]:
         return rows
     note = "eq. (53) has 4 at every time; a Gaussian has 2, which is the limit of late times"
     printed = approximation(
-        case, "kurtosis", "paper's integral", PAPER_KURTOSIS, float(case.kinetic.kurtosis[-1]),
-        KINETIC, time=float(case.times[-1]), note=note,
+        case.restitution, "kurtosis", "paper's integral", PAPER_KURTOSIS,
+        float(case.kinetic.kurtosis[-1]), KINETIC, time=float(case.times[-1]), note=note,
     )  # fmt: skip
     return [printed, *rows]
 
@@ -237,7 +241,7 @@ def _position(case: Case, settings: ReportSettings) -> list[Row]:
             printed = form(r)
             k = int(np.argmax(np.abs(np.log(printed / density))))
             row = approximation(
-                case, "position", source, float(printed[k]), float(density[k]), KINETIC,
+                case.restitution, "position", source, float(printed[k]), float(density[k]), KINETIC,
                 time=float(case.times[-1]), note=note + ", at its worst", distance=float(r[k]),
             )  # fmt: skip
             rows.append(row)

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import os
-import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import click
 
-from kinetics.crosscheck.commands.options import (
-    UNITS,
-    density_option,
-    json_option,
-    print_json,
-    seed_option,
-    tangential_option,
-    workers_option,
-)  # fmt: skip
+from kinetics.crosscheck.commands import options
+from kinetics.crosscheck.commands.sweeps import progress
 
 
-@click.command(epilog=UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts.")
+@click.command(
+    epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
+)
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), default=Path("lorentz-report"),
+    "-o", "--output", type=options.output_path, default=Path("lorentz-report"),
     help="Folder for report.html and report.json.",
 )  # fmt: skip
 @click.option("--quick", is_flag=True, help="A tenth of the samples.")
@@ -41,11 +36,11 @@ from kinetics.crosscheck.commands.options import (
     help="Last time in d/U: once for all, or once per restitution. "
     "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
 )  # fmt: skip
-@tangential_option
+@options.tangential_option
 @click.option(
     "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
 )
-@density_option
+@options.density_option
 @click.option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
 @click.option("--media", type=int, default=100, help="Configurations of them.")
 @click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
@@ -57,16 +52,14 @@ from kinetics.crosscheck.commands.options import (
     "--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
     help="Write each figure as a file beside the page; may be repeated.",
 )  # fmt: skip
-@seed_option
-@workers_option
-@json_option
+@options.seed_option
+@options.workers_option
+@options.json_option
 def report(
     output: Path,
     quick: bool,
     in_field: bool,
     figures: tuple[str, ...],
-    restitutions: tuple[float, ...],
-    final_times: tuple[float, ...],
     as_json: bool,
     **system: Any,
 ) -> None:
@@ -80,39 +73,42 @@ def report(
     """
     # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if in_field:
-        from kinetics.crosscheck.report.field_command import report_in_field
-
-        system["restitutions"], system["final_times"] = restitutions, final_times
-        report_in_field(output, quick, figures, as_json, system)
-        return
     from kinetics.crosscheck.files import require_writable_folder
-    from kinetics.crosscheck.report.settings import ReportSettings
 
-    settings = ReportSettings(restitutions, final_times, **system)
+    if in_field:
+        from kinetics.crosscheck.report.field_settings import FieldSettings
+
+        settings: Any = FieldSettings(**_of_field(system))
+    else:
+        from kinetics.crosscheck.report.settings import ReportSettings
+
+        settings = ReportSettings(**system)
     if quick:
         settings = settings.quick()
     require_writable_folder(output)
-
-    from tqdm import tqdm
-
-    from kinetics.crosscheck.report import report as work
-    from kinetics.crosscheck.report.page import dimension_table, verdict_table
-
-    stages = work.stages(settings)
-    with tqdm(total=stages, file=sys.stderr, disable=None, leave=False) as bar:
-
-        def tell(stage: str) -> None:
-            bar.set_description(stage, refresh=False)
-            bar.update(1)
-
+    home = "kinetics.crosscheck.report."
+    work = import_module(home + ("field_report" if in_field else "report"))
+    page = import_module(home + ("field_page" if in_field else "page"))
+    with progress(work.stages(settings)) as tell:
         document = work.make_report(settings, tell)
         written = work.write_report(document, output, tell, figures)
     if as_json:
-        print_json(document)
-    else:
-        click.echo(verdict_table(document))
-        if document.get("dimensions"):
-            click.echo(f"\n{dimension_table(document)}")
-        click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+        options.print_json(document)
+        return
+    click.echo(page.text(document))
+    click.echo(f"wrote {' and '.join(str(path) for path in written)}")
+    if "headline" in document:
         click.echo(document["headline"]["line"])
+
+
+_IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
+"""Options of the report on the system that the report in a field has too."""
+
+
+def _of_field(system: dict[str, Any]) -> dict[str, Any]:
+    """The options that the user gave; click.UsageError for those that mean nothing in a field."""
+    options.refuse_given([name for name in system if name not in _IN_FIELD], "--field")
+    asked = {name: system[name] for name in _IN_FIELD if options.given([name])}
+    if "dimension" in asked:
+        asked["dimensions"] = (asked.pop("dimension"),)
+    return asked

@@ -11,7 +11,13 @@ import numpy as np
 
 from kinetics.crosscheck.report.case import Case, Measured, ParticleRun
 from kinetics.crosscheck.report.observables import cooling_rate_between, msd_slope_between
-from kinetics.crosscheck.report.run_methods import GROUPS, OUTPUTS, reduced, solution
+from kinetics.crosscheck.report.run_methods import (
+    OUTPUTS,
+    free_run,
+    reduced,
+    scaling_states,
+    solution,
+)
 from kinetics.crosscheck.report.settings import ReportSettings, half_cross_section
 
 SCATTERERS = {2: "disks", 3: "spheres"}
@@ -51,28 +57,13 @@ def both_dimensions(
 
 def _other(case: Case, settings: ReportSettings) -> tuple[Any, Any, Any, ParticleRun]:
     """Scaling state in closed form and as solved, the equation, and the particles."""
-    from kinetics import ScalingSolution, solve_scaled
-    from particles import BoltzmannGrad, simulate
-
-    law, density = settings.law(case.restitution), settings.number_density
-    exact = scaled = None
-    if not law.is_elastic:
-        exact = ScalingSolution(**law.arguments)
-        scaled = solve_scaled(**law.arguments, rtol=settings.rtol)
-    equation = solution(law, density, case.times, OUTPUTS, settings.rtol)
-    groups = min(GROUPS, settings.free_tracers // 2)
-    run = simulate(
-        BoltzmannGrad(density, dimension=3 if law.dimension == 3 else 2),
-        restitution=case.restitution,
-        tangential_restitution=settings.tangential_restitution,
-        times=case.times,
-        media=groups,
-        tracers=settings.free_tracers // groups,
-        seed=settings.seed + _OTHER_SEED + settings.restitutions.index(case.restitution),
-        workers=settings.workers,
-        observables=("finals",),
-    )
-    return exact, scaled, equation, reduced("Boltzmann-Grad", run, case.early, settings.half_rate)
+    e, times = case.restitution, case.times
+    law = settings.law(e)
+    equation = solution(law, settings.number_density, times, OUTPUTS, settings.rtol)
+    seed = settings.seed + _OTHER_SEED + settings.restitutions.index(e)
+    run = free_run(e, times, seed, settings)
+    particles = reduced("Boltzmann-Grad", run, case.early, settings.half_rate)
+    return *scaling_states(law, settings.rtol).values(), equation, particles
 
 
 def _rows(

@@ -13,7 +13,6 @@ from kinetics.crosscheck.report.figure_lines import (
     TIME,
     Results,
     ends_of,
-    figure,
     level,
     over_equation,
     particles,
@@ -21,7 +20,7 @@ from kinetics.crosscheck.report.figure_lines import (
     small_error,
     solved,
 )
-from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.figures import Data, axis, figure, series
 from kinetics.crosscheck.report.observables import (
     LARGEST_EXPONENT_ERROR,
     band_middles,

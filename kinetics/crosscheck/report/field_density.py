@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetics.crosscheck.report.case import Array, Mask, Measured
-from kinetics.crosscheck.report.field_rows import SOLVER
+from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_runs import FORGOTTEN, LONGER, relaxation_time
 from kinetics.crosscheck.report.field_settings import FieldSettings
-from kinetics.crosscheck.report.observables import contact_value, jackknife_error
-from kinetics.crosscheck.report.row import TWO_SIDED, Row
-from kinetics.crosscheck.verdicts import corrected_sigmas, judge_sigmas
+from kinetics.crosscheck.report.observables import contact_value, jackknife_error, weighted_fit
+from kinetics.crosscheck.report.row import SOLVER, Row, estimated
 
 if TYPE_CHECKING:
     from particles import Ensemble
@@ -25,9 +23,6 @@ HARD_DISKS = "hard disks, extrapolated"
 _DISKS = 10_000  # in the periodic box
 _TIMES = 14  # from the start on, at which the share of trapped tracers is given
 _SEED = 7000  # added to the seed of these runs
-# Of the picture: disks of diameter 1 at this density in a box of this side, in d.
-_PICTURE_DENSITY, _PICTURE_SIDE, _PICTURE_SEED = 0.06, 40.0, 5
-_PICTURE_TIME, _PICTURE_POINTS = 150.0, 1500
 
 
 @dataclass(frozen=True)
@@ -61,25 +56,17 @@ def density_case(restitution: float, settings: FieldSettings) -> DensityCase:
     times = np.unique([*times, first])
     runs = [_among_disks(restitution, rho, times, settings) for rho in settings.densities]
     measured = [moving_drift(run, first, LONGER * first) for run in runs]
-    captured = [captures(run) for run in runs]
     return DensityCase(
         restitution=restitution,
         densities=np.array(settings.densities),
         tracers=runs[0].media * runs[0].tracers,
         groups=runs[0].media,
-        drift=_stacked(measured) / state.drift,
+        drift=Measured.joined(measured) / state.drift,
         path_alone=np.array([contact_value(rho) ** -0.5 for rho in settings.densities]),
-        captures=_stacked(captured),
+        captures=Measured.joined(map(captures, runs)),
         times=times,
-        trapped=Measured(
-            np.array([run.trapped_fraction.value for run in runs]),
-            np.array([run.trapped_fraction.error for run in runs]),
-        ),
+        trapped=Measured.joined(run.trapped_fraction for run in runs),
     )
-
-
-def _stacked(measured: list[Measured]) -> Measured:
-    return Measured(np.array([m.value for m in measured]), np.array([m.error for m in measured]))
 
 
 def _among_disks(
@@ -134,67 +121,12 @@ def extrapolated(case: DensityCase) -> Measured:
     from its dilute limit.
     """
     n = case.densities
-    basis = np.stack([np.ones(n.size), n * np.log(n), n], axis=1) / case.drift.error[:, None]
-    inverse = np.linalg.inv(basis.T @ basis)
-    found = inverse @ basis.T @ (case.drift.value / case.drift.error)
-    return Measured(np.asarray(found[0]), np.asarray(np.sqrt(inverse[0, 0])))
+    return weighted_fit(np.stack([np.ones(n.size), n * np.log(n), n], axis=1), case.drift)[1]
 
 
 def density_row(case: DensityCase) -> Row:
     """Hard disks at vanishing density against the solver."""
     limit = extrapolated(case)
-    value, error = float(limit.value), float(limit.error)
-    sigmas = (value - 1.0) / error
-    corrected = corrected_sigmas(sigmas, case.groups, 1)
-    return Row(
-        "drift_among_disks", case.restitution, "statistical", HARD_DISKS, SOLVER,
-        value, 1.0, value - 1.0, error=error, sigmas=sigmas, corrected_sigmas=corrected,
-        groups=case.groups, verdict=judge_sigmas(corrected),
-        within=abs(value - 1.0) + TWO_SIDED * error,
-    )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Trajectories:
-    """Disks, and tracers that fall among them; lengths in d.
-
-    disks : their centres, (n, 2), the first coordinate along the field
-    paths : of each tracer, (n_times, n_tracers, 2)
-    trapped : whether it is at rest in the end, (n_tracers,)
-    """
-
-    restitution: float
-    number_density: float
-    disks: Array
-    paths: Array
-    trapped: Mask
-
-
-def trajectories(restitution: float) -> Trajectories:
-    """Some tracers that start at one place with different velocities across the field."""
-    from particles import Positions, simulate
-
-    side, path = _PICTURE_SIDE, 0.5 / _PICTURE_DENSITY
-    start = np.array([2.0, side / 2])
-    disks = _placed(start)
-    across = np.linspace(-1.0, 1.0, 6)
-    velocities = np.stack([np.zeros(across.size), across], axis=1)
-    run = simulate(
-        Positions(disks, side, start=(float(start[0]), float(start[1]))), restitution,
-        velocities, np.linspace(0.0, _PICTURE_TIME, _PICTURE_POINTS),
-        media=1, tracers=across.size, field=1.0 / path, workers=1, observables=("positions",),
-    )  # fmt: skip
-    trapped = np.isin(np.arange(across.size), run.statuses.trap_tracers[:, 1])
-    return Trajectories(restitution, _PICTURE_DENSITY, disks, run.positions + start, trapped)
-
-
-def _placed(start: Array) -> Array:
-    """Disks that do not overlap, in a periodic box, none over the start; shape (n, 2)."""
-    rng, side = np.random.default_rng(_PICTURE_SEED), _PICTURE_SIDE
-    found = np.empty((0, 2))
-    while len(found) < _PICTURE_DENSITY * side**2:
-        place = rng.uniform(0.0, side, 2)
-        apart = np.abs(np.vstack([found, start]) - place)
-        if np.hypot(*np.minimum(apart, side - apart).T).min() > 1.0:
-            found = np.vstack([found, place])
-    return found
+    who = (HARD_DISKS, SOLVER)
+    (row,) = estimated(case.restitution, "drift_among_disks", who, limit, 1.0, case.groups)
+    return row

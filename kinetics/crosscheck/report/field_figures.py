@@ -1,137 +1,150 @@
-"""Figures of the report in a uniform field, as the plain lists that the JSON file holds."""
+"""Figures of the report in a uniform field, as the plain lists that the JSON file holds.
+
+The first are of the dilute limit, those whose names begin with "density" of hard disks.
+"""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.case import Array
-from kinetics.crosscheck.report.field_drawing import ACROSS, label, panel
-from kinetics.crosscheck.report.field_limits import (
-    dispersion_near_elastic,
-    drift_constant,
-    drift_near_elastic,
-)
+from kinetics.crosscheck.report.case import Array, Measured
+from kinetics.crosscheck.report.field_density import DensityCase
+from kinetics.crosscheck.report.field_limits import dispersion_near_elastic, drift_near_elastic
 from kinetics.crosscheck.report.field_runs import ApproachCase, SteadyCase, SteadyLine
 from kinetics.crosscheck.report.field_settings import SCATTERERS
-from kinetics.crosscheck.report.figures import Data, axis, series
-from kinetics.crosscheck.report.templates import paragraphs
+from kinetics.crosscheck.report.figures import Data, axis, figure, series
+from kinetics.crosscheck.report.observables import contact_value
 
 _RESTITUTION = axis("restitution $e$", limits=(-0.02, 1.0))
-_TIME = axis("time $t$ / √(l/g)", scale="log", limits=(0.1, 100.0))
+_TIME = axis("time $t$ / √(l/g)", scale="log")
+_DENSITY = "number density $ρ_0 d^2$"
 _FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 200))  # e, ever closer to 1
 _FAR = 0.15  # how far the level of e = 0 is drawn
+_SHOWN = (0.02, 0.04, 0.08)  # densities of which the share of trapped tracers is drawn
+_SENTENCES = "field_figures.txt.j2"
+LIMIT = "limiting law"
 
 
 def field_figures(
-    steady: list[SteadyCase], lines: list[SteadyLine], approach: list[ApproachCase]
+    steady: list[SteadyCase],
+    lines: list[SteadyLine],
+    approach: list[ApproachCase],
+    dense: list[DensityCase],
 ) -> dict[str, Data]:
     """The data of every figure, by name; the main one comes first."""
-    figures = {"drift": drift(steady, lines), "dispersion": dispersion(steady, lines)}
+    figures = {"drift": drift(steady, lines)}
+    for line in lines:
+        name = SCATTERERS[line.dimension]
+        figures[f"dispersion-{name}"] = dispersion(line, _of(steady, line.dimension), name)
     if approach:
-        velocity, square = "$⟨v_z⟩$ / √(gl)", "$⟨v^2⟩$ / gl"
-        figures["velocity-from-rest"] = from_rest(approach, "velocity_from_rest", velocity)
-        figures["square-from-rest"] = from_rest(approach, "square_from_rest", square)
+        figures["velocity-from-rest"] = from_rest(approach, is_drift=True)
+        figures["square-from-rest"] = from_rest(approach, is_drift=False)
+    if dense:
+        figures["density-drift"] = drift_over_density(dense)
+        figures["density-trapped"] = trapped_over_time(dense)
+        figures["density-captures"] = captures_over_density(dense)
     return figures
 
 
-def _figure(name: str, panels: list[Data]) -> Data:
-    """A figure; its title and its description stand in the template."""
-    title, description = paragraphs("field_figures.txt.j2", name)
-    return {"title": title, "description": description, "panels": panels}
-
-
 def drift(steady: list[SteadyCase], lines: list[SteadyLine]) -> Data:
-    """The drift over the restitution with both limits, and particles over solver below."""
-    above, below, labels = [], [series("zero", [0.0, 1.0], [0.0, 0.0])], []
+    """The drift over the restitution with both limits, and particles over the equation below."""
+    above, below = [], [series("zero", [0.0, 1.0], [1.0, 1.0])]
     for line in lines:
         name, d = SCATTERERS[line.dimension], line.dimension
-        above.append(series("limit", _FINE, drift_near_elastic(_FINE, d), group=name))
+        above.append(series(LIMIT, _FINE, drift_near_elastic(_FINE, d), group=name))
         if line.restitutions[0] == 0.0:
-            above.append(series("limit", [0.0, _FAR], [line.drift[0]] * 2, group=name))
-        above.append(series("solver", line.restitutions, line.drift, group=name))
-        constant, side = drift_constant(d), 2 * d - 5  # of spheres above the line, of disks below
-        words = rf"${constant:.4f}\,(1-e^2)^{{1/4}}$"
-        labels.append(label(words, 0.02, constant + 0.05 * side, name))
-        labels.append(label(name, 0.34, _at(line, line.drift, 0.34) + 0.045, name))
-    for d, at, cases in _by_dimension(steady):
-        name = SCATTERERS[d]
-        value, error = _measured(cases, "drift")
-        above.append(series("particles", at, value, error, group=name))
+            above.append(series(LIMIT, [0.0, _FAR], [line.drift[0]] * 2, group=name))
+        above.append(series("kinetic equation", line.restitutions, line.drift, group=name))
+        cases = _of(steady, d)
+        at, measured = _measured(cases, "drift")
+        above.append(points(at, measured, name))
         solved = np.array([case.state.drift for case in cases])
-        shift = 0.004 * (2 * d - 5)  # so that both are seen
-        ratio = 100 * (value / solved - 1)
-        below.append(series("particles", at + shift, ratio, 100 * error / solved, group=name))
-    largest = 1.3 * max(
-        abs(y) + error for s in below[1:] for y, error in zip(s["y"], s["error"], strict=True)
-    )
+        shift = 0.004 * (2 * d - 5)  # so that disks and spheres are both seen
+        below.append(points(at + shift, measured / solved, name))
     y = axis("drift $u$ / √(gl)", limits=(0.0, 1.25))
-    deviation = axis("deviation [%]", limits=(-largest, largest))
-    what = label("particles / solver − 1", 0.02, 0.8 * largest, "")
-    panels = [panel(_RESTITUTION, y, above, labels)]
-    panels.append(panel(_RESTITUTION, deviation, below, [what], 0.42))
-    return _figure("drift", panels)
+    made = figure("drift", _RESTITUTION, y, above, _SENTENCES)
+    return made | {"ratio": {"y": axis("over the equation"), "series": below}}
 
 
-def dispersion(steady: list[SteadyCase], lines: list[SteadyLine]) -> Data:
-    """Both diffusion coefficients over the restitution, in a panel for each dimension."""
-    panels = []
-    for line in lines:
-        name, d = SCATTERERS[line.dimension], line.dimension
-        laws = dispersion_near_elastic(_FINE, d)
-        drawn = [series("limit", _FINE, law, group=name) for law in laws]
-        drawn.append(series("solver", line.restitutions, line.parallel, group=name))
-        drawn.append(series(f"solver{ACROSS}", line.restitutions, line.perpendicular, group=name))
-        for dimension, at, cases in _by_dimension(steady):
-            if dimension == d:
-                value, error = _measured(cases, "diffusion_parallel")
-                drawn.append(series("particles", at, value, error, group=name))
-                value, error = _measured(cases, "diffusion_perpendicular")
-                drawn.append(series(f"particles{ACROSS}", at, value, error, group=name))
-        highest = float(dispersion_near_elastic(0.62, d)[1])
-        labels = [
-            label(name, 0.02, 0.95, name),
-            label("$D_⊥$, across the field", 0.62, highest + 0.07, name, "right"),
-            label("$D_∥$, along the field", 0.62, _at(line, line.parallel, 0.5) - 0.07, name,
-                  "right"),
-        ]  # fmt: skip
-        y = axis("$D$ / √(gl³)", limits=(0.0, 1.05))
-        panels.append(panel(_RESTITUTION, y, drawn, labels, 0.72))
-    return _figure("dispersion", panels)
+def dispersion(line: SteadyLine, cases: list[SteadyCase], scatterers: str) -> Data:
+    """Both diffusion coefficients of one dimension over the restitution."""
+    drawn = []
+    laws = dispersion_near_elastic(_FINE, line.dimension)
+    for law, name in zip(laws, ("parallel", "perpendicular"), strict=True):
+        group = {"parallel": "$D_∥$, along", "perpendicular": "$D_⊥$, across"}[name]
+        drawn.append(series(LIMIT, _FINE, law, group=group))
+        solved = getattr(line, name)
+        drawn.append(series("kinetic equation", line.restitutions, solved, group=group))
+        drawn.append(points(*_measured(cases, f"diffusion_{name}"), group))
+    y = axis("$D$ / √(gl³)", limits=(0.0, 1.05))
+    return figure("dispersion", _RESTITUTION, y, drawn, _SENTENCES, scatterers=scatterers)
 
 
-def from_rest(approach: list[ApproachCase], which: str, head: str) -> Data:
+def from_rest(approach: list[ApproachCase], is_drift: bool) -> Data:
     """Mean velocity or mean square speed over time, from rest."""
-    lines, labels = [], []
+    lines = []
     for case in approach:
-        name, is_drift = SCATTERERS[case.dimension], which == "velocity_from_rest"
+        name = f"{SCATTERERS[case.dimension]}, e = {case.restitution:g}"
         solved = case.drift if is_drift else case.square
         measured = case.measured_drift if is_drift else case.measured_square
         steady = case.state.drift if is_drift else case.state.mean_square_speed
-        lines.append(series("limit", [8.0, 100.0], [steady] * 2, group=name))
-        lines.append(series("solver", case.times, solved, group=name))
-        points = measured[::2]
-        lines.append(series("particles", case.times[::2], points.value, points.error, group=name))
-        labels.append(label(f"{name}, e = {case.restitution:g}", 95.0, steady, name, "right"))
-    top = 1.15 * max(y for line in lines for y in line["y"])
-    for text in labels:
-        text["y"] += 0.03 * top
-    return _figure(which, [panel(_TIME, axis(head, limits=(0.0, top)), lines, labels)])
+        lines.append(series(LIMIT, case.times[[0, -1]], [steady] * 2, group=name))
+        lines.append(series("kinetic equation", case.times, solved, group=name))
+        lines.append(points(case.times[::2], measured[::2], name))
+    y = axis("$⟨v_z⟩$ / √(gl)" if is_drift else "$⟨v^2⟩$ / gl")
+    block = "velocity_from_rest" if is_drift else "square_from_rest"
+    return figure(block, _TIME, y, lines, _SENTENCES)
 
 
-def _at(line: SteadyLine, values: Array, e: float) -> float:
-    """A quantity of the line at another restitution."""
-    return float(np.interp(e, line.restitutions, values))
+def drift_over_density(cases: list[DensityCase]) -> Data:
+    """The drift of tracers while they move, over that of the dilute equation."""
+    last = max(float(case.densities[-1]) for case in cases)
+    fine = np.linspace(0.0, last, 60)
+    alone = [contact_value(float(rho)) ** -0.5 for rho in fine]
+    lines = [series("zero", [0.0, last], [1.0, 1.0]), series("free path alone", fine, alone)]
+    lines += [_of_restitution(case, case.drift) for case in cases]
+    x, y = axis(_DENSITY), axis("$u$ / $u$ of the equation")
+    return figure("density_drift", x, y, lines, _SENTENCES)
 
 
-def _by_dimension(steady: list[SteadyCase]) -> list[tuple[int, Array, list[SteadyCase]]]:
-    """The dimension, the restitutions and the cases of each dimension."""
-    found = []
-    for d in sorted({case.dimension for case in steady}):
-        cases = [case for case in steady if case.dimension == d]
-        found.append((d, np.array([case.restitution for case in cases]), cases))
-    return found
+def trapped_over_time(cases: list[DensityCase]) -> Data:
+    """The share of trapped tracers, at the middle one of the restitutions."""
+    case = cases[len(cases) // 2]
+    lines = [
+        points(case.times, case.trapped[k], f"ρ₀d² = {rho:g}")
+        for k, rho in enumerate(case.densities)
+        if np.any(np.isclose(rho, _SHOWN))
+    ]
+    y = axis("share of trapped tracers")
+    return figure("density_trapped", _TIME, y, lines, _SENTENCES, restitution=case.restitution)
 
 
-def _measured(cases: list[SteadyCase], name: str) -> tuple[Array, Array]:
-    """What the particles of all cases say, and its standard error."""
-    return np.array([c.values[name].value for c in cases]), np.array(
-        [c.values[name].error for c in cases]
-    )
+def captures_over_density(cases: list[DensityCase]) -> Data:
+    """How often tracers are trapped, over the density, on logarithmic axes."""
+    lines = [
+        _of_restitution(case, case.captures, case.captures.value > 2 * case.captures.error)
+        for case in cases
+    ]
+    x, y = axis(_DENSITY, scale="log"), axis("captures per mean free path", scale="log")
+    return figure("density_captures", x, y, lines, _SENTENCES)
+
+
+def _of_restitution(case: DensityCase, measured: Measured, seen: ArrayLike = True) -> Data:
+    """Points over the density, with the colour and the marker of their restitution."""
+    at = np.flatnonzero(np.broadcast_to(seen, case.densities.shape))
+    value, error = measured.value[at], measured.error[at]
+    return series("particles", case.densities[at], value, error, case.restitution)
+
+
+def points(x: Array, measured: Measured, group: str) -> Data:
+    """What particles say, in the colour of a group."""
+    return series("particles", x, measured.value, measured.error, group=group)
+
+
+def _of(steady: list[SteadyCase], dimension: int) -> list[SteadyCase]:
+    return [case for case in steady if case.dimension == dimension]
+
+
+def _measured(cases: list[SteadyCase], name: str) -> tuple[Array, Measured]:
+    """The restitutions of some cases, and what their particles say."""
+    e = np.array([case.restitution for case in cases])
+    return e, Measured.joined(case.values[name] for case in cases)

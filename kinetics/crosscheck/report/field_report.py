@@ -1,28 +1,17 @@
 """The report in a uniform field: theory against particles, as a page and as JSON.
 
-`make_field_report` gives the document, one tree of plain data; `write_field_report` writes it as
-`field.json` and, drawn and set, as `field.html`.
+`make_report` gives the document, one tree of plain data; `write_report` writes it as `field.json`
+and, drawn and set, as `field.html`.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kinetics import __version__
-from kinetics.crosscheck.files import write_together
-from kinetics.crosscheck.report.field_density import (
-    DensityCase,
-    Trajectories,
-    density_case,
-    density_row,
-    trajectories,
-)
-from kinetics.crosscheck.report.field_density_figures import density_figures
-from kinetics.crosscheck.report.field_drawing import drawn
+from kinetics.crosscheck.report.field_density import DensityCase, density_case, density_row
 from kinetics.crosscheck.report.field_figures import field_figures
 from kinetics.crosscheck.report.field_limits import drift_constant, drift_near_elastic
 from kinetics.crosscheck.report.field_page import render_field
@@ -41,21 +30,20 @@ from kinetics.crosscheck.report.field_runs import (
     steady_case,
 )
 from kinetics.crosscheck.report.field_settings import SCATTERERS, FieldSettings
-from kinetics.crosscheck.report.row import counts
+from kinetics.crosscheck.report.frame import Document, frame, write_files
+from kinetics.crosscheck.report.picture import picture_in_field
 from kinetics.crosscheck.report.templates import paragraphs
-from kinetics.crosscheck.strict_json import dumps, plain
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, chance
+from kinetics.crosscheck.strict_json import plain
+from kinetics.crosscheck.verdicts import AGREES_BELOW, chance
 
 SCHEMA = "inelastic-lorentz/field-report/1"
-PICTURE_RESTITUTION = 0.5
-"""Of the trajectories that are drawn."""
 CLOSE = 0.01
 """The drift is reached when the mean velocity stays as close to it as this, relative to it."""
 
-Document = dict[str, Any]
+Progress = Callable[[str], None]
 
 
-def make_field_report(settings: FieldSettings, tell: Callable[[str], None]) -> Document:
+def make_report(settings: FieldSettings, tell: Progress) -> Document:
     """Run solver and particles on the settings and compare them; returns the document.
 
     `tell` is called with the name of each stage when it begins (`stages` counts them).
@@ -74,29 +62,22 @@ def make_field_report(settings: FieldSettings, tell: Callable[[str], None]) -> D
     for e in settings.dense if settings.has_disks else ():
         tell(f"hard disks, e = {e:g}")
         dense.append(density_case(e, settings))
-    picture = trajectories(PICTURE_RESTITUTION) if dense else None
-    return build_document(settings, lines, steady, approach, dense, picture)
+    document = build_document(settings, lines, steady, approach, dense)
+    return document | {"picture": picture_in_field(settings.seed) if dense else None}
 
 
 def stages(settings: FieldSettings) -> int:
-    """How often `make_field_report` reports progress."""
+    """How often `make_report` and `write_report` together report progress."""
     each = 1 + len(settings.restitutions) + len(settings.followed)
-    return len(settings.dimensions) * each + settings.has_disks * len(settings.dense)
+    return 1 + len(settings.dimensions) * each + settings.has_disks * len(settings.dense)
 
 
-def write_field_report(document: Document, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
-    """Write field.html and field.json into the folder, all or nothing; returns the paths.
-
-    `formats` (of "svg", "pdf", "png") adds each figure as a file field-NAME.FORMAT.
-    """
-    files: dict[str, str | bytes] = {
-        "field.json": dumps(document),
-        "field.html": render_field(document),
-    }
-    for name, data in document["figures"].items():
-        for kind in dict.fromkeys(formats):
-            files[f"field-{name}.{kind}"] = drawn(data, kind)
-    return write_together(folder, files)
+def write_report(
+    document: Document, folder: Path, tell: Progress, formats: Sequence[str] = ()
+) -> list[Path]:
+    """Write field.html, field.json and figures in these formats; see `frame.write_files`."""
+    tell("writing")
+    return write_files(document, "field", render_field(document), folder, formats)
 
 
 def build_document(
@@ -105,47 +86,26 @@ def build_document(
     steady: list[SteadyCase],
     approach: list[ApproachCase],
     dense: list[DensityCase],
-    picture: Trajectories | None,
 ) -> Document:
-    """The tree of plain data that both files are made from; a picture where there are disks."""
+    """The tree of plain data that both files are made from."""
     rows = all_rows(steady, approach) + [FieldRow(2, density_row(case)) for case in dense]
-    figures = field_figures(steady, lines, approach)
-    if picture is not None:
-        figures |= density_figures(dense, picture)
-    compared = sum(item.row.kind == "statistical" for item in rows)
     document: Document = plain(
         {
             "schema": SCHEMA,
+            **frame([item.row for item in rows]),
             "title": _sentences("title")[0],
             "findings": findings(lines, approach, dense, rows),
             "units": _sentences("units")[0],
-            "software": _versions(),
-            "settings": settings.described(),
-            "verdicts": {word.value: text for word, text in MEANING.items()},
-            "verdict_counts": counts([item.row for item in rows]),
-            "multiple_comparisons": paragraphs(
-                "report.txt.j2",
-                "multiple_comparisons",
-                rows=compared,
-                below=AGREES_BELOW,
-                above=DIFFERS_ABOVE,
-                chance_below=chance(AGREES_BELOW),
-                chance_above=chance(DIFFERS_ABOVE),
-            )[0],
+            "settings": asdict(settings),
             "rows": [{"dimension": item.dimension, **asdict(item.row)} for item in rows],
             "lines": [asdict(line) for line in lines],
             "steady": [_steady(case) for case in steady],
             "approach": [_approach(case) for case in approach],
             "dense": [asdict(case) for case in dense],
-            "figures": figures,
+            "figures": field_figures(steady, lines, approach, dense),
         }
     )
     return document
-
-
-def _versions() -> dict[str, str]:
-    names = ("numpy", "scipy", "numba", "matplotlib")
-    return {"inelastic-lorentz": __version__} | {name: version(name) for name in names}
 
 
 def _sentences(block: str, **values: Any) -> list[str]:

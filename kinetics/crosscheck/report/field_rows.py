@@ -5,21 +5,20 @@ Rows are those of `row`, here with g = l = 1 as units and times in sqrt(l/g).
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_limits import dispersion_near_elastic, drift_near_elastic
 from kinetics.crosscheck.report.field_runs import ApproachCase, SteadyCase
-from kinetics.crosscheck.report.row import EXACT, TWO_SIDED, Names, Row
-from kinetics.crosscheck.verdicts import (
-    corrected_sigmas,
-    judge_approximation,
-    judge_numerical,
-    judge_sigmas,
-    worst,
+from kinetics.crosscheck.report.row import (
+    EXACT,
+    SOLVER,
+    Names,
+    Row,
+    approximation,
+    estimated,
+    numerical,
 )
 
-SOLVER, PARTICLES, LIMIT = "solver", "Boltzmann-Grad", "limit e → 1"
+PARTICLES, LIMIT = "Boltzmann-Grad", "limit e → 1"
 NEARLY_ELASTIC = 0.9
 """The limiting laws are compared from this restitution on."""
 
@@ -67,15 +66,13 @@ def all_rows(steady: list[SteadyCase], approach: list[ApproachCase]) -> list[Fie
 
 def rows_of_steady(case: SteadyCase) -> list[Row]:
     """Of the steady state: averages, dispersion, exact relations, and the limiting laws."""
-    rows = [
-        statistical(case, name, case.values[name], float(getattr(case.state, name)), SOLVER)
-        for name in AVERAGES
-    ]
-    exact = exact_relations(case)
-    for name, (value, theory) in exact.items():
-        rows.append(_numerical(case, name, value, theory))
+    rows = []
+    for name in AVERAGES:
+        rows += statistical(case, name, case.values[name], float(getattr(case.state, name)))
+    for name, (value, theory) in exact_relations(case).items():
+        rows.append(numerical(case.restitution, name, value, theory, case.state.rtol))
         if name in OF_PARTICLES:
-            rows.append(statistical(case, name, case.values[name], theory, EXACT))
+            rows += statistical(case, name, case.values[name], theory, EXACT)
     return rows + _limits(case)
 
 
@@ -103,47 +100,20 @@ def exact_relations(case: SteadyCase) -> dict[str, tuple[float, float]]:
 
 def rows_of_approach(case: ApproachCase) -> list[Row]:
     """Mean velocity and mean square speed over time."""
+    drift, square = case.measured_drift, case.measured_square
     return [
-        statistical(case, "drift_from_rest", case.measured_drift, case.drift, SOLVER, case.times),
-        statistical(
-            case, "square_from_rest", case.measured_square, case.square, SOLVER, case.times
-        ),
+        *statistical(case, "drift_from_rest", drift, case.drift, time=case.times),
+        *statistical(case, "square_from_rest", square, case.square, time=case.times),
     ]
 
 
 def statistical(
-    case: SteadyCase | ApproachCase,
-    observable: str,
-    measured: Measured,
-    theory: float | Array,
-    against: str,
-    times: Array | None = None,
-) -> Row:
+    case: SteadyCase | ApproachCase, name: str, measured: Measured, theory: float | Array,
+    against: str = SOLVER, **places: Array,
+) -> list[Row]:  # fmt: skip
     """What particles measured against the theory; of several times the worst."""
-    value, error, expected = np.broadcast_arrays(
-        *(np.atleast_1d(a) for a in (measured.value, measured.error, theory))
-    )
-    at = worst(value, error, expected)
-    assert at is not None
-    k = at.index
-    corrected = corrected_sigmas(at.sigmas, case.groups, at.looks)
-    seen = (np.abs(value - expected) + TWO_SIDED * error) / np.abs(expected)
-    return Row(
-        observable, case.restitution, "statistical", PARTICLES, against,
-        float(value[k]), float(expected[k]), float(value[k] / expected[k] - 1.0),
-        error=float(error[k]), time=None if times is None else float(times[k]),
-        sigmas=at.sigmas, corrected_sigmas=corrected, looks=at.looks, groups=case.groups,
-        verdict=judge_sigmas(corrected), within=float(np.max(seen)),
-    )  # fmt: skip
-
-
-def _numerical(case: SteadyCase, observable: str, value: float, theory: float) -> Row:
-    """The solver against an exact relation."""
-    deviation, tolerance = value / theory - 1.0, case.state.rtol
-    return Row(
-        observable, case.restitution, "numerical", SOLVER, EXACT, value, theory, deviation,
-        verdict=judge_numerical(deviation, tolerance), note=f"asked for {tolerance:g}",
-    )  # fmt: skip
+    who = (PARTICLES, against)
+    return estimated(case.restitution, name, who, measured, theory, case.groups, "", places)
 
 
 def _limits(case: SteadyCase) -> list[Row]:
@@ -153,18 +123,11 @@ def _limits(case: SteadyCase) -> list[Row]:
         return []
     along, across = dispersion_near_elastic(e, d)
     laws = {
-        "drift": float(drift_near_elastic(e, d)),
-        "diffusion_parallel": float(along),
-        "diffusion_perpendicular": float(across),
+        "drift": drift_near_elastic(e, d),
+        "diffusion_parallel": along,
+        "diffusion_perpendicular": across,
     }
-    rows = []
-    for name, value in laws.items():
-        theory = float(getattr(state, name))
-        deviation = value / theory - 1.0
-        rows.append(
-            Row(
-                name, e, "approximation", LIMIT, SOLVER, value, theory, deviation,
-                verdict=judge_approximation(deviation),
-            )
-        )  # fmt: skip
-    return rows
+    return [
+        approximation(e, name, LIMIT, float(value), float(getattr(state, name)), SOLVER)
+        for name, value in laws.items()
+    ]

@@ -1,10 +1,10 @@
 """What a report on tracers in a uniform field is asked for."""
 
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from kinetics import CollisionLaw
-from kinetics.validation import check_restitution, check_rtol, refuse, whole_number
+from kinetics.crosscheck.report.settings import check_counts, checked_restitutions
+from kinetics.validation import check_rtol, refuse
 
 SCATTERERS = {2: "disks", 3: "spheres"}
 APPROACH = (0.5, 0.9)
@@ -59,9 +59,7 @@ class FieldSettings:
     workers: int | None = None
 
     def __post_init__(self) -> None:
-        restitutions = tuple(check_restitution(e) for e in self.restitutions or RESTITUTIONS)
-        if len(set(restitutions)) != len(restitutions):
-            refuse("restitutions", restitutions, "each may stand only once")
+        restitutions = checked_restitutions(self.restitutions or RESTITUTIONS)
         if max(restitutions) == 1.0:
             allowed = "each must be below 1: elastic tracers reach no steady state in a field"
             refuse("restitutions", restitutions, allowed)
@@ -75,10 +73,7 @@ class FieldSettings:
             CollisionLaw(0.5, 1.0, dimension)
         check_rtol(self.rtol)
         check_rtol(self.time_rtol)
-        for name, least in _LEAST.items():
-            whole_number(name, getattr(self, name), least, 2**63)
-        if self.workers is not None:
-            whole_number("workers", self.workers, 1, 2**31)
+        check_counts(self, _LEAST)
 
     @property
     def followed(self) -> tuple[float, ...]:
@@ -89,10 +84,6 @@ class FieldSettings:
     def has_disks(self) -> bool:
         """Whether tracers fall among hard disks too."""
         return 2 in self.dimensions and bool(self.dense)
-
-    def described(self) -> dict[str, Any]:
-        """The settings by name, for the document."""
-        return asdict(self)
 
     def quick(self) -> "FieldSettings":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""

@@ -12,7 +12,6 @@ from kinetics import sonine
 from kinetics.crosscheck.report.case import Array, Case, Mask, Measured
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.report.templates import paragraphs
 
 if TYPE_CHECKING:
     from kinetics import ScalingSolution
@@ -113,12 +112,6 @@ def ends_of(times: Sequence[Array]) -> Array:
 def solved(case: Case) -> Mask:
     """The late times that a figure shows."""
     return np.asarray(case.late.times <= BEYOND_LAST * case.times[-1])
-
-
-def figure(name: str, x: Data, y: Data, lines: Sequence[Data], **values: Any) -> Data:
-    """The data of one figure; `values` fill its title and description, which the template has."""
-    title, description = paragraphs("figures.txt.j2", name.replace("-", "_"), **values)
-    return {"title": title, "description": description, "x": x, "y": y, "series": list(lines)}
 
 
 def restitutions() -> Array:

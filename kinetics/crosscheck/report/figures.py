@@ -19,33 +19,20 @@ Where it helps, a figure has also
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.drawing import draw
 from kinetics.crosscheck.report.layout import arranged
-from kinetics.crosscheck.report.strokes import (
-    COLOURS,
-    CSS_VARIABLE,
-    FAINT,
-    INK,
-    STYLE,
-    legend_entries,
-)
+from kinetics.crosscheck.report.strokes import CSS_VARIABLE, STYLE
+from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import plain
 
 Data = dict[str, Any]
 FigureData = Mapping[str, Any]
-
-__all__ = [
-    "COLOURS", "FAINT", "INK", "STYLE", "Data", "FigureData", "axis", "draw", "embeddable",
-    "figure_file",
-    "legend_entries", "series", "svg",
-]  # fmt: skip
 
 
 def axis(
@@ -81,6 +68,19 @@ def series(
     }
 
 
+def figure(
+    name: str,
+    x: Data,
+    y: Data,
+    lines: Sequence[Data],
+    template: str = "figures.txt.j2",
+    **values: Any,
+) -> Data:
+    """The data of one figure; `values` fill its title and description, which the template has."""
+    title, description = paragraphs(template, name.replace("-", "_"), **values)
+    return {"title": title, "description": description, "x": x, "y": y, "series": list(lines)}
+
+
 def _floats(values: ArrayLike) -> list[float | None]:
     """Floats, and None for what has no finite value: JSON has no NaN."""
     floats: list[float | None] = plain(np.atleast_1d(np.asarray(values, dtype=float)))
@@ -96,7 +96,18 @@ def svg(name: str, data: FigureData) -> str:
     return embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
 
 
-def figure_file(name: str, data: FigureData, kind: str) -> bytes:
+def figure_files(
+    figures: Mapping[str, FigureData], prefix: str, formats: Iterable[str]
+) -> dict[str, bytes]:
+    """Every figure in every format, by the name of its file: PREFIX-NAME.FORMAT."""
+    return {
+        f"{prefix}-{name}.{kind}": figure_file(data, kind)
+        for name, data in figures.items()
+        for kind in dict.fromkeys(formats)
+    }
+
+
+def figure_file(data: FigureData, kind: str) -> bytes:
     """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
     drawn = _drawn(data, kind)
     if kind != "svg":

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from kinetics import sonine
 from kinetics.crosscheck.report.case import Array, Case, Measured
+from kinetics.numerics.gauss import panels_between
 
 if TYPE_CHECKING:
     from kinetics import Solution
@@ -98,11 +99,9 @@ def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array, dimension: int 
     edges (n_bins + 1,); returns (n_bins,), a density in the plane, or in space.
     """
     d = dimension
-    x, w = np.polynomial.legendre.leggauss(8)
-    half = np.diff(edges)[:, None] / 2
-    c = edges[:-1, None] + half * (x + 1)
-    values = np.asarray(vdf(c.ravel())).reshape(c.shape)
-    return np.asarray(np.sum(d * c ** (d - 1) * values * w * half, axis=1) / np.diff(edges**d))
+    c, weight = panels_between(edges, 8)
+    shares = (d * c ** (d - 1) * np.asarray(vdf(c)) * weight).reshape(-1, 8).sum(axis=1)
+    return np.asarray(shares / np.diff(edges**d))
 
 
 def largest_change(case: Case, kinetic: Array) -> float:
@@ -137,6 +136,16 @@ def jackknife_error(replicates: Array) -> Array:
     """Standard error from n >= 2 estimates that each leave out one group, shape (n, ...)."""
     n = len(replicates)
     return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
+
+
+def weighted_fit(basis: Array, measured: Measured) -> tuple[Array, Measured]:
+    """The coefficients (k,) of least squares, and the first one with the error that follows.
+
+    basis (n, k): the functions at the points; measured (n,), its errors above 0.
+    """
+    inverse = np.linalg.pinv(basis / measured.error[:, None])
+    found = inverse @ (measured.value / measured.error)
+    return found, Measured(np.asarray(found[0]), np.asarray(np.linalg.norm(inverse[0])))
 
 
 def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:

@@ -1,6 +1,6 @@
 """The report's document as one HTML page with nothing beside it, and as a table of text."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from markupsafe import Markup
@@ -66,7 +66,7 @@ def render(document: Mapping[str, Any]) -> str:
         figure_groups=_figure_groups(document),
         svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
         equations=report_equations(settings.get("dimension")),
-        matrix=matrix(document),
+        matrix=matrix(document["rows"], restitutions, OBSERVABLES),
         dimensions=dimension_pairs(document),
         is_papers_law="dimension" not in settings,
         observables=_observables(document),
@@ -154,13 +154,18 @@ def _number_table(answer: Mapping[str, Any], restitutions: list[float]) -> list[
     ]
 
 
-def matrix(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The short table: one line per comparison, one cell (or None) per restitution."""
+def matrix(
+    rows: Iterable[Mapping[str, Any]], restitutions: Sequence[float], observables: Iterable[str]
+) -> list[dict[str, Any]]:
+    """The short table: one line per comparison, one cell (or None) per restitution.
+
+    In the order of the observables.
+    """
     lines: dict[tuple[str, str, str], dict[float, Mapping[str, Any]]] = {}
-    for row in document["rows"]:
+    for row in rows:
         key = (row["observable"], row["source"], row["against"])
         lines.setdefault(key, {})[row["restitution"]] = row
-    order, restitutions = list(OBSERVABLES), document["settings"]["restitutions"]
+    order = list(observables)
     return [
         {
             "observable": observable,
@@ -202,6 +207,12 @@ def _dimension_cells(row: Mapping[str, Any]) -> list[str]:
     return [*limits, number(row["value"], row["error"])]
 
 
+def text(document: Mapping[str, Any]) -> str:
+    """What the terminal shows: the verdicts, and disks beside spheres."""
+    parts = verdict_table(document), dimension_table(document)
+    return "\n\n".join(part for part in parts if part)
+
+
 def verdict_table(document: Mapping[str, Any]) -> str:
     """Text for the terminal, of 100 columns at most: one line per comparison, four restitutions."""
     every = document["settings"]["restitutions"]
@@ -216,10 +227,10 @@ _TABLE_LEGEND = (
     "Differences in %. No mark: none seen; ? unclear; ! differs; ~ a formula is off by so much."
 )
 _MARK = {"differs": "!", "unclear": "?", "agrees": " ", "undefined": " "}
-_SHORT = {
+SHORT = {
     "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
     "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
-    "paper's integral": "integral",
+    "paper's integral": "integral", "hard disks, extrapolated": "disks",
 }  # fmt: skip
 """Names where columns are few; "own l": with the mean free path that the same run measured."""
 
@@ -229,11 +240,11 @@ def _verdict_columns(document: Mapping[str, Any], which: range) -> str:
     lines = [["", *(f"e = {every[k]:g}" for k in which)]]
     titles = []
     last = None
-    for line in matrix(document):
+    for line in matrix(document["rows"], every, OBSERVABLES):
         if line["observable"] != last:
             last = line["observable"]
             titles.append((len(lines), OBSERVABLES[last].short))
-        who, against = (_SHORT.get(name, name) for name in line["comparison"].split(" / "))
+        who, against = (SHORT.get(name, name) for name in line["comparison"].split(" / "))
         cells = []
         for k in which:
             row = line["rows"][k]

@@ -7,12 +7,10 @@ lacks.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from kinetics import __version__, sonine
-from kinetics.crosscheck.files import write_together
+from kinetics import sonine
 from kinetics.crosscheck.report.algebra import algebra_process, printed_rows
 from kinetics.crosscheck.report.all_figures import all_figures
 from kinetics.crosscheck.report.case import Case, Scans
@@ -23,7 +21,7 @@ from kinetics.crosscheck.report.claims import claims
 from kinetics.crosscheck.report.density_part import add_density_part, gather_density_part
 from kinetics.crosscheck.report.dimensions import both_dimensions
 from kinetics.crosscheck.report.figure_lines import Results
-from kinetics.crosscheck.report.figures import figure_file
+from kinetics.crosscheck.report.frame import Document, frame, write_files
 from kinetics.crosscheck.report.headline import headline
 from kinetics.crosscheck.report.observables import contact_value
 from kinetics.crosscheck.report.page import render
@@ -34,7 +32,6 @@ from kinetics.crosscheck.report.row import (
     OVER_TIME,
     RESCALED,
     Row,
-    counts,
     relative_error,
 )
 from kinetics.crosscheck.report.run_methods import PAPER_CAP, gather_case
@@ -42,12 +39,11 @@ from kinetics.crosscheck.report.scan_figures import RATIO_NAMES
 from kinetics.crosscheck.report.scans import gather_scans
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
-from kinetics.crosscheck.strict_json import dumps, plain
-from kinetics.crosscheck.verdicts import AGREES_BELOW, DIFFERS_ABOVE, MEANING, WORDS, chance
+from kinetics.crosscheck.strict_json import plain
+from kinetics.crosscheck.verdicts import WORDS
 
 SCHEMA = "inelastic-lorentz/report/1"
 
-Document = dict[str, Any]
 Checks = Sequence[Mapping[str, Any]]
 Progress = Callable[[str], None]
 
@@ -92,20 +88,10 @@ def write_report(
     progress: Progress | None = None,
     formats: Sequence[str] = (),
 ) -> list[Path]:
-    """Write report.html and report.json into the folder, all or nothing; returns the paths.
-
-    `formats` (of "svg", "pdf", "png") adds each figure as a file report-NAME.FORMAT.
-    """
+    """Write report.html, report.json and figures in these formats; see `frame.write_files`."""
     if progress is not None:
         progress("writing")
-    files: dict[str, str | bytes] = {
-        "report.json": dumps(document),
-        "report.html": render(document),
-    }
-    for name, data in document["figures"].items():
-        for kind in dict.fromkeys(formats):
-            files[f"report-{name}.{kind}"] = figure_file(name, data, kind)
-    return write_together(folder, files)
+    return write_files(document, "report", render(document), folder, formats)
 
 
 def build_document(
@@ -121,6 +107,7 @@ def build_document(
     document: Document = plain(
         {
             "schema": SCHEMA,
+            **frame(rows),
             "title": _sentences("title"),
             "summary": _summary(settings, rows, checks),
             "headline": headline(results, rows, steps, checks),
@@ -128,18 +115,7 @@ def build_document(
             "causes": [asdict(step) for step in steps],
             "answers": all_answers(cases, rows, settings),
             "units": _sentences("units", spheres=settings.dimension == 3),
-            "software": _versions(),
             "settings": settings.described(),
-            "verdicts": {word.value: text for word, text in MEANING.items()},
-            "verdict_counts": counts(rows),
-            "multiple_comparisons": _sentences(
-                "multiple_comparisons",
-                rows=sum(row.kind == "statistical" for row in rows),
-                below=AGREES_BELOW,
-                above=DIFFERS_ABOVE,
-                chance_below=chance(AGREES_BELOW),
-                chance_above=chance(DIFFERS_ABOVE),
-            ),
             "findings": _findings(results, scans, rows, steps),
             "rows": [asdict(row) for row in rows],
             "algebra": list(checks),
@@ -154,11 +130,6 @@ def build_document(
 def _sentences(block: str, **values: Any) -> str:
     (text,) = paragraphs("report.txt.j2", block, **values)
     return text
-
-
-def _versions() -> dict[str, str]:
-    names = ("numpy", "scipy", "numba", "sympy", "matplotlib")
-    return {"inelastic-lorentz": __version__} | {name: version(name) for name in names}
 
 
 def _case(case: Case) -> dict[str, Any]:

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.crosscheck.numerals import numeral
-from kinetics.crosscheck.report.case import Case, ParticleRun
+from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
 from kinetics.crosscheck.report.observables import band_middles, middles
 from kinetics.crosscheck.verdicts import (
     Verdict,
@@ -21,7 +22,7 @@ from kinetics.crosscheck.verdicts import (
 
 KINETIC = "kinetic equation"
 RESCALED = "kinetic equation, measured l"
-EXACT = "exact"
+EXACT, SOLVER = "exact", "solver"
 PAPER_FIT = "paper's fit"
 
 
@@ -86,17 +87,17 @@ class Row:
     within: float | None = None
 
 
-def numerical(case: Case, observable: str, value: float, theory: float, tolerance: float) -> Row:
+def numerical(e: float, observable: str, value: float, theory: float, tolerance: float) -> Row:
     """The solver's value against the closed form."""
     deviation = relative(observable, value, theory)
     return Row(
-        observable, case.restitution, "numerical", "solver", EXACT, value, theory, deviation,
+        observable, e, "numerical", SOLVER, EXACT, value, theory, deviation,
         verdict=judge_numerical(deviation, tolerance), note=f"asked for {numeral(tolerance, 'g')}",
     )  # fmt: skip
 
 
 def approximation(
-    case: Case,
+    e: float,
     observable: str,
     source: str,
     value: float,
@@ -107,7 +108,7 @@ def approximation(
     """A printed formula's value against the theory; `where` are `time`, `distance` and `note`."""
     deviation = relative(observable, value, theory)
     return Row(
-        observable, case.restitution, "approximation", source, against, value, theory, deviation,
+        observable, e, "approximation", source, against, value, theory, deviation,
         verdict=judge_approximation(deviation), **where,
     )  # fmt: skip
 
@@ -126,54 +127,71 @@ def statistical(
     that of the difference, since the theory then changes with the run.
     """
     measured = run.vdf if observable == "scaled_vdf" else getattr(run, observable)
-    error = measured.error
     if against == RESCALED:
-        error = case.rescaled_errors.get(observable, error)
+        measured = Measured(measured.value, case.rescaled_errors.get(observable, measured.error))
+    places: dict[str, Array] = {}
+    if observable in OVER_TIME:
+        places["time"] = case.times
+    elif observable == "scaled_vdf":
+        places["c"] = middles(case.speed_edges)
+    elif observable == "position":
+        places["distance"] = middles(case.position_edges)
+    elif observable == "tail_exponent":
+        places["distance"] = band_middles(case.dimension)
+    who = (run.name, against)
+    return estimated(case.restitution, observable, who, measured, theory, run.groups, note, places)
+
+
+def estimated(
+    e: float,
+    observable: str,
+    who: tuple[str, str],
+    measured: Measured,
+    theory: ArrayLike,
+    groups: int,
+    note: str = "",
+    places: Mapping[str, Array] = MappingProxyType({}),
+) -> list[Row]:
+    """The row of an estimate at one or several places: at the worst; see `statistical`.
+
+    who: source and against; groups: independent ones behind the errors; places: "time", "c" or
+    "distance" of each value, (n,).
+    """
     value, error, expected = np.broadcast_arrays(
-        *(np.atleast_1d(a) for a in (measured.value, error, theory))
+        *(np.atleast_1d(a) for a in (measured.value, measured.error, theory))
     )
     at = worst(value, error, expected)
     if at is None:
         return []
     k = at.index
-    where: dict[str, Any] = {}
-    if observable in OVER_TIME:
-        where["time"] = float(case.times[k])
-    elif observable == "scaled_vdf":
-        where["c"] = float(middles(case.speed_edges)[k])
-    elif observable in ("position", "tail_exponent"):
-        bins = middles(case.position_edges)
-        if observable == "tail_exponent":
-            bins = band_middles(case.dimension)
-        where["distance"] = float(bins[k])
-    corrected = corrected_sigmas(at.sigmas, run.groups, at.looks)
+    corrected = corrected_sigmas(at.sigmas, groups, at.looks)
     usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
-    scale = 1 + expected if observable == "a2" else np.abs(expected)
+    scale = scale_of(observable, expected)
     seen = ((np.abs(value - expected) + TWO_SIDED * error) / scale)[usable]
+    where: dict[str, Any] = {name: float(every[k]) for name, every in places.items()}
     row = Row(
-        observable, case.restitution, "statistical", run.name, against,
-        float(value[k]), float(expected[k]),
+        observable, e, "statistical", *who, float(value[k]), float(expected[k]),
         relative(observable, float(value[k]), float(expected[k])),
-        error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=run.groups, note=note,
-        corrected_sigmas=corrected, verdict=judge_sigmas(corrected),
-        within=float(np.max(seen)), **where,
+        error=float(error[k]), sigmas=at.sigmas, looks=at.looks, groups=groups, note=note,
+        corrected_sigmas=corrected, verdict=judge_sigmas(corrected), within=float(np.max(seen)),
+        **where,
     )  # fmt: skip
     return [row]
 
 
-def scale_of(observable: str, theory: float) -> float:
+def scale_of(observable: str, theory: Any) -> Any:
     """What deviations are relative to: |theory|, but 1 + a2 = <c^4>/2 for a2."""
     return 1 + theory if observable == "a2" else abs(theory)
 
 
 def relative(observable: str, value: float, theory: float) -> float:
     """The relative deviation of a value from the theory."""
-    return (value - theory) / scale_of(observable, theory)
+    return float((value - theory) / scale_of(observable, theory))
 
 
 def relative_error(row: Mapping[str, Any]) -> float:
     """The standard error of a row of the document, relative as its deviation is; in percent."""
-    return 100 * float(row["error"] or 0) / scale_of(row["observable"], row["theory"])
+    return float(100 * (row["error"] or 0) / scale_of(row["observable"], row["theory"]))
 
 
 def counts(rows: Sequence[Row]) -> dict[str, int]:

@@ -61,16 +61,7 @@ def gather_case(
     times = output_times(last, settings.n_times)
     early = int(np.searchsorted(times, last / 10))
     seed = settings.seed + 2 * settings.restitutions.index(e)
-    free_medium, hard_medium = _media(settings)
-
-    def particles(medium: "Medium", media: int, tracers: int, seed: int) -> "Ensemble":
-        from particles import simulate
-
-        return simulate(
-            medium, restitution=e, times=times, media=media, tracers=tracers, seed=seed,
-            workers=settings.workers, observables=("finals",),
-            tangential_restitution=settings.tangential_restitution,
-        )  # fmt: skip
+    _, hard_medium = _media(settings)
 
     plan = make_plan(
         hard_medium, e, "gaussian", times, ("finals",), settings.tangential_restitution,
@@ -80,14 +71,14 @@ def gather_case(
     tell(f"e = {e:g}: kinetic equation")
     solved = _solutions(law, times, settings)
     tell(f"e = {e:g}: Boltzmann-Grad particles")
-    groups = min(GROUPS, settings.free_tracers // 2)
-    free = particles(free_medium, groups, settings.free_tracers // groups, seed)
+    free = free_run(e, times, seed, settings)
     name = f"hard {settings.scatterers}"
     tell(f"e = {e:g}: {name}")
-    hard = particles(hard_medium, settings.media, settings.tracers, seed + 1)
+    counts = {"media": settings.media, "tracers": settings.tracers}
+    hard = _followed(hard_medium, e, times, seed + 1, settings, **counts)
     path = float(hard.mean_free_path.value)
     if not np.isfinite(path):
-        refuse("final_times", last, f"no tracer among {name} has collided by then, some must")
+        refuse("until", last, f"no tracer among {name} has collided by then, some must")
     thinner = 1 / (2 * path) / half_cross_section(settings.dimension)
     rescaled = solution(law, thinner, times, OUTPUTS, settings.rtol)
     return Case(
@@ -106,6 +97,25 @@ def gather_case(
     )
 
 
+def free_run(e: float, times: Array, seed: int, settings: ReportSettings) -> "Ensemble":
+    """Tracers of the Boltzmann-Grad limit, in groups for the jackknife."""
+    groups = min(GROUPS, settings.free_tracers // 2)
+    counts = {"media": groups, "tracers": settings.free_tracers // groups}
+    return _followed(_media(settings)[0], e, times, seed, settings, **counts)
+
+
+def _followed(
+    medium: "Medium", e: float, times: Array, seed: int, settings: ReportSettings, **counts: int
+) -> "Ensemble":
+    from particles import simulate
+
+    return simulate(
+        medium, restitution=e, times=times, seed=seed, workers=settings.workers,
+        observables=("finals",), tangential_restitution=settings.tangential_restitution,
+        media=counts["media"], tracers=counts["tracers"],
+    )  # fmt: skip
+
+
 def _media(settings: ReportSettings) -> "tuple[Medium, Medium]":
     """The Boltzmann-Grad limit, and hard disks or spheres."""
     from particles import BoltzmannGrad, HardDisks, HardSpheres
@@ -118,8 +128,6 @@ def _media(settings: ReportSettings) -> "tuple[Medium, Medium]":
 
 def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dict[str, Any]:
     """The kinetic equation and its scaling state, as fields of `Case`."""
-    from kinetics import ScalingSolution, solve_scaled
-
     density, rtol = settings.number_density, settings.rtol
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), LATE_TIMES)
     place = ("msd", "position_density")
@@ -127,9 +135,18 @@ def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dic
         "kinetic": solution(law, density, times, OUTPUTS, rtol),
         "late": solution(law, density, late, LATE_OUTPUTS, rtol),
         "position": solution(law, density, times[-1:], place, settings.position_rtol),
-        "exact": None if law.is_elastic else ScalingSolution(**law.arguments),
-        "scaled": None if law.is_elastic else solve_scaled(**law.arguments, rtol=rtol),
+        **scaling_states(law, rtol),
     }
+
+
+def scaling_states(law: CollisionLaw, rtol: float) -> dict[str, Any]:
+    """The scaling state in closed form and as solved, as fields of `Case`; None if elastic."""
+    from kinetics import ScalingSolution, solve_scaled
+
+    if law.is_elastic:
+        return {"exact": None, "scaled": None}
+    solved = solve_scaled(**law.arguments, rtol=rtol)
+    return {"exact": ScalingSolution(**law.arguments), "scaled": solved}
 
 
 def _of_hard_disks(law: CollisionLaw, times: Array, settings: ReportSettings) -> dict[str, Any]:

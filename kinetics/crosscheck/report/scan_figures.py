@@ -3,8 +3,8 @@
 import numpy as np
 
 from kinetics.crosscheck.report.case import DensityScan, TrapScan
-from kinetics.crosscheck.report.figure_lines import figure, level
-from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.figure_lines import level
+from kinetics.crosscheck.report.figures import Data, axis, figure, series
 
 RATIO_NAMES = {"free_path": "free path", "thermal_speed": "thermal speed", "msd": "⟨r²⟩"}
 

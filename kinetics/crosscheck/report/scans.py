@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
-from kinetics.crosscheck.report.observables import jackknife_error
+from kinetics.crosscheck.report.observables import jackknife_error, weighted_fit
 from kinetics.crosscheck.report.settings import ReportSettings
 
 if TYPE_CHECKING:
@@ -84,19 +84,15 @@ def _density_scan(case: Case, settings: ReportSettings) -> DensityScan:
 def extrapolate(x: Array, measured: Measured, degree: int) -> tuple[Array, Measured]:
     """Weighted polynomial fit, lowest coefficient first, and its value at x = 0 with its error.
 
-    x and `measured` have shape (n,). The error follows from those of the points. Points without a
-    positive error are left out; NaN if fewer than degree + 1 remain.
+    x and `measured` have shape (n,). Points without a positive error are left out; NaN if fewer
+    than degree + 1 remain.
     """
     used = measured.error > 0
     if np.count_nonzero(used) <= degree:
         return np.full(degree + 1, np.nan), Measured(np.asarray(np.nan), np.asarray(np.nan))
-    weight = 1 / measured.error[used]
     scale = np.max(x)
-    basis = np.vander(x[used] / scale, degree + 1, increasing=True) * weight[:, None]
-    inverse = np.linalg.pinv(basis)
-    scaled = inverse @ (measured.value[used] * weight)
-    limit = Measured(scaled[0], np.asarray(np.linalg.norm(inverse[0])))
-    return scaled / scale ** np.arange(degree + 1), limit
+    fit, limit = weighted_fit(np.vander(x[used] / scale, degree + 1, True), measured[used])
+    return fit / scale ** np.arange(degree + 1), limit
 
 
 def _trap_scan(settings: ReportSettings) -> TrapScan:

@@ -1,6 +1,7 @@
 """What a report is asked to compare: the paper's own system unless told otherwise."""
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -24,6 +25,23 @@ _LEAST = {"count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2,
 def half_cross_section(dimension: int) -> float:
     """1/(2 l rho0) in d^(dimension - 1): the diameter of disks, pi/2 for spheres."""
     return 1.0 if dimension == 2 else math.pi / 2
+
+
+def checked_restitutions(values: Iterable[Any]) -> tuple[float, ...]:
+    """Different restitutions from 0 to 1; InputError for others."""
+    restitutions = tuple(check_restitution(e) for e in values)
+    if len(set(restitutions)) != len(restitutions):
+        refuse("restitutions", restitutions, "each may stand only once")
+    return restitutions
+
+
+def check_counts(settings: Any, least: Mapping[str, int]) -> None:
+    """InputError for whole numbers of the settings that are below the least, or too large."""
+    for name, low in least.items():
+        most = 2**31 if name == "free_tracers" else 2**63
+        whole_number(name, getattr(settings, name), low, most)
+    if settings.workers is not None:
+        whole_number("workers", settings.workers, 1, 2**31)
 
 
 @dataclass(frozen=True)
@@ -53,18 +71,16 @@ class ReportSettings:
     dimension: int = 2  # 3: spheres
 
     def __post_init__(self) -> None:
-        restitutions = tuple(check_restitution(e) for e in self.restitutions or PAPER_FINAL_TIME)
-        if len(set(restitutions)) != len(restitutions):
-            refuse("restitutions", restitutions, "each may stand only once")
+        restitutions = checked_restitutions(self.restitutions or PAPER_FINAL_TIME)
         times = self.final_times or tuple(
             PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in restitutions
         )
-        times = tuple(check_positive("final_times", t) for t in times)
+        times = tuple(check_positive("until", t) for t in times)
         if len(times) == 1:
             times *= len(restitutions)
         if len(times) != len(restitutions):
             raise InputError(
-                f"final_times: got {len(times)} for {len(restitutions)} restitutions; "
+                f"until: got {len(times)} for {len(restitutions)} restitutions; "
                 "there must be one for each"
             )
         object.__setattr__(self, "restitutions", restitutions)
@@ -76,10 +92,7 @@ class ReportSettings:
         check_positive("number_density", self.number_density)
         check_rtol(self.rtol)
         check_rtol(self.position_rtol)
-        for name, least in _LEAST.items():
-            whole_number(name, getattr(self, name), least, 2**63)
-        if self.workers is not None:
-            whole_number("workers", self.workers, 1, 2**31)
+        check_counts(self, _LEAST)
 
     def law(self, restitution: float) -> CollisionLaw:
         """The collision law of one restitution."""

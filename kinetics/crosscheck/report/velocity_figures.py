@@ -17,7 +17,6 @@ from kinetics.crosscheck.report.figure_lines import (
     Results,
     ends_of,
     exact_states,
-    figure,
     level,
     over_equation,
     over_restitution,
@@ -26,7 +25,7 @@ from kinetics.crosscheck.report.figure_lines import (
     restitutions,
     solved,
 )
-from kinetics.crosscheck.report.figures import Data, axis, series
+from kinetics.crosscheck.report.figures import Data, axis, figure, series
 from kinetics.crosscheck.report.observables import (
     cooling_rate_between,
     gaussian_vdf,

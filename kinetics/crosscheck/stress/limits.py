@@ -83,15 +83,12 @@ def _mixture(one: CollisionLaw, other: CollisionLaw) -> CollisionLaw:
 
 def scaling(law: Law) -> tuple[float, float, float, float]:
     """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state; not elastic."""
-    law = as_law(law)
-    if law.restitution is not None and law.dimension == 2 and law.tangential_restitution == 1.0:
-        return _of_smooth_disks(law.restitution)
-    return _of_any_law(law)
+    return _scaling(as_law(law))
 
 
 @lru_cache(maxsize=256)
-def _of_any_law(law: CollisionLaw) -> tuple[float, float, float, float]:
-    """The same of any law, by integrals over the impact parameter y from 0 to 1.
+def _scaling(law: CollisionLaw) -> tuple[float, float, float, float]:
+    """The same, by integrals over the impact parameter y from 0 to 1.
 
     s^2 = e^2 + (et^2 - e^2) y^2 and s cos(chi) = -e + (e + et) y^2, y uniform among disks, y^2
     among spheres; sums for a law of samples. The fourth moment is as in any dimension,
@@ -100,7 +97,7 @@ def _of_any_law(law: CollisionLaw) -> tuple[float, float, float, float]:
     import mpmath as mp
 
     d = law.dimension
-    with mp.workdps(40):
+    with mp.workdps(30):
         if law.restitution is None:
             q = law.quadrature
             pairs = list(zip(q.weight, q.ratio, q.cosine, strict=True))
@@ -128,33 +125,6 @@ def _of_any_law(law: CollisionLaw) -> tuple[float, float, float, float]:
         return (
             float(2 * mp.sqrt(kappa * one)),
             float(mp.mpf(6 * d) / (d + 2) * kappa * one / (two * three)),
-            float(kappa),
-            float(2 / (kappa * turn)),
-        )
-
-
-@lru_cache(maxsize=256)
-def _of_smooth_disks(e: float) -> tuple[float, float, float, float]:
-    """The same of smooth disks, 0 <= e < 1.
-
-    With the speed ratio s(y) = sqrt(e^2 + (1-e^2) y^2), y uniform on [0, 1], and
-    lambda(p) = 1 - E[s^p]: h = 2 sqrt(kappa lambda(1)), 1 + a2 = 3 kappa lambda(1)/(lambda(2)
-    lambda(3)) (paper's labels compare2, sonine5), and the slope is 2/(kappa (1 - <cos chi>)), where
-    cos(chi) = (s^2 - e)/((1 - e) s).
-    """
-    import mpmath as mp
-
-    with mp.workdps(60):
-        x = mp.mpf(e)
-        root = mp.sqrt(1 - x * x)
-        inverse = x * mp.acosh(1 / x) / root if e > 0.0 else mp.mpf(0)  # e E[1/s]
-        first = (1 + x * inverse) / 2  # E[s], and E[s^3] = (1 + 3 e^2 E[s])/4
-        one, two, three = 1 - first, 2 * root**2 / 3, 1 - (1 + 3 * x * x * first) / 4
-        turn = 1 - (first - inverse) / (1 - x)
-        kappa = 1 - x * mp.acos(x) / root
-        return (
-            float(2 * mp.sqrt(kappa * one)),
-            float(3 * kappa * one / (two * three)),
             float(kappa),
             float(2 / (kappa * turn)),
         )

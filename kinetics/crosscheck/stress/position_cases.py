@@ -24,7 +24,8 @@ from kinetics.crosscheck.stress.limits import (
     other_laws,
     scaling,
 )
-from kinetics.crosscheck.stress.starts import panels, solve_start, starts
+from kinetics.crosscheck.stress.starts import solve_start, starts
+from kinetics.numerics.gauss import panels_between
 
 
 def position_cases(quick: bool) -> Iterator[Case]:
@@ -118,7 +119,7 @@ def _directed(found: Any, times: Any, slack: float) -> dict[str, tuple[float, fl
 def _density(e: Law, label: str, t: float, rtol: float) -> Outcome:
     """Norm and second moment of G(R), its sign, and its ends."""
     found = solve_start(e, label, [t], ("msd", "position_density"), rtol)
-    r, weight = panels(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
+    r, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
     g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
     front, share = front[share > 0.0], share[share > 0.0]

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.stress.limits import FloatArray, Law, as_law
+from kinetics.numerics.gauss import panels_between
 
+_POINTS = 16  # of Gauss-Legendre in each panel
 NARROW = 1e-3  # deviation of v_y over that of v_x
 
 
@@ -55,7 +57,7 @@ def tail(v: Any) -> Any:
 
 def quadrature(label: str) -> tuple[FloatArray, FloatArray]:
     """Speeds and weights that stand for the start of this name, (n,) each; none of the solver's."""
-    x, w = panels(np.array([-1.0, 0.0, 1.0]))
+    x, w = panels_between(np.array([-1.0, 0.0, 1.0]), _POINTS)
     w *= 1.0 - np.abs(x)  # a triangle
     one, half = (np.ones(1), np.ones(1)), np.array([0.5, 0.5])
     spikes = np.concatenate([1e-150 * (2.0 + x), 2.0 + x])
@@ -66,7 +68,7 @@ def quadrature(label: str) -> tuple[FloatArray, FloatArray]:
         "speeds 1e-100 and 1": lambda: (np.array([1e-100, 1.0]), half),
         "two spikes 1e150 apart": lambda: (spikes, 0.5 * np.tile(w, 2)),
         "narrow triangle": lambda: (1.0 + 1e-6 * x, w),
-        "step": lambda: panels(np.linspace(1.0, 2.0, 5)),
+        "step": lambda: panels_between(np.linspace(1.0, 2.0, 5), _POINTS),
         "uniform from 0": lambda: _logarithmic(-36.0, 0.0, np.ones_like),
         "gaussian": lambda: _logarithmic(-18.0, 2.5, lambda v: v * np.exp(-0.5 * v * v)),
         "two temperatures, 1e-3 and 1": lambda: _logarithmic(-25.0, 2.5, _two_temperatures),
@@ -91,17 +93,10 @@ def _two_temperatures(v: FloatArray) -> FloatArray:
     return np.asarray(v / NARROW * np.exp(-0.5 * a * v * v) * i0e(0.25 * (b - a) * v * v))
 
 
-def panels(edges: FloatArray, points: int = 16) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre nodes and weights between the edges, so many points between two of them."""
-    x, w = np.polynomial.legendre.leggauss(points)
-    half = 0.5 * np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
-
-
 def _logarithmic(
     low: float, high: float, density: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Panels of width 1/2 in ln v."""
-    x, w = panels(np.linspace(low, high, math.ceil(2.0 * (high - low)) + 1))
+    x, w = panels_between(np.linspace(low, high, math.ceil(2.0 * (high - low)) + 1), _POINTS)
     v = np.exp(x)
     return v, w * v * density(v)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Scene, compare, solve
+from kinetics import Scene, solve
+from kinetics.crosscheck import compare
 from kinetics.crosscheck.comparison import finite_density
 from kinetics.crosscheck.comparison.data.ensemble_files import from_ensemble
 from kinetics.crosscheck.comparison.data_and_theory import side_by_side
@@ -41,6 +42,12 @@ def sample_of(scatterers: str, e: float) -> Any:
     return replace(from_ensemble(run_of(scatterers, e)), free=False)
 
 
+@cache
+def compared(scatterers: str, e: float) -> Comparison:
+    """With what the sample says of itself."""
+    return compare_sample(sample_of(scatterers, e))
+
+
 def densities(result: Comparison) -> list[Explanation]:
     return [item for item in result.explanations if item.name == "finite density"]
 
@@ -55,7 +62,7 @@ def densities(result: Comparison) -> list[Explanation]:
     ],
 )
 def test_the_density_is_the_headline(scatterers: str, e: float) -> None:
-    result = compare_sample(sample_of(scatterers, e))
+    result = compared(scatterers, e)
     assert result.verdict == "differs"
     words = f"the finite density of the scatterers ({scatterers}, no fitted number)"
     assert result.summary.startswith(f"They differ; {words} explains it.")
@@ -72,7 +79,7 @@ def test_the_density_is_the_headline(scatterers: str, e: float) -> None:
 
 
 def test_the_text_says_what_is_known_of_the_theory() -> None:
-    (text,) = (item.text for item in densities(compare_sample(sample_of("hard disks", 0.7)))[:1])
+    (text,) = (item.text for item in densities(compared("hard disks", 0.7))[:1])
     assert 'Scene(scatterers="hard disks")' in text
     assert "Nothing is fitted to these data" in text
     dense, dilute = (
@@ -133,20 +140,13 @@ def test_it_is_tried_only_where_the_theory_is_defined() -> None:
 
 def test_the_diameter_of_the_scene_enters_the_density() -> None:
     """Lengths in half a diameter: the same system."""
-    run = run_of("hard disks", 0.7)
-    halves = replace(from_ensemble(run)).rescaled(1.0, 0.5)
+    halves = sample_of("hard disks", 0.7).rescaled(1.0, 0.5)
     scene = Scene(0.7, DENSITY / 4, diameter=2.0, times=halves.times, outputs=AVERAGES)
-    result = compare(run), _compare(solve(scene), halves)
+    result = compared("hard disks", 0.7), compare(solve(scene), halves)
     one, two = (densities(item)[0] for item in result)
     assert two.outcome == "explains"
     assert one.chi_square_after is not None
     assert two.chi_square_after == pytest.approx(one.chi_square_after, rel=1e-3)
-
-
-def _compare(solution: Any, sample: Any) -> Comparison:
-    from kinetics.crosscheck import compare as compare_solution
-
-    return compare_solution(solution, sample)
 
 
 def test_the_speeds_of_the_data_may_be_the_start() -> None:

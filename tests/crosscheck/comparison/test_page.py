@@ -15,9 +15,11 @@ import pytest
 from kinetics import Scene, solve
 from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
+from kinetics.crosscheck.comparison import page
 from kinetics.crosscheck.comparison.page import files_of, render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
-from kinetics.crosscheck.report.figures import INK, figure_file
+from kinetics.crosscheck.report.figures import figure_file
+from kinetics.crosscheck.report.strokes import INK
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([0.0, 2.0, 20.0, 200.0])
@@ -79,16 +81,16 @@ def text(differing: Comparison) -> str:
 
 
 def test_the_page_needs_nothing_beside_it(differing: Comparison, text: str) -> None:
-    page = Page(text)
-    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(page.tags)
-    assert {r.removeprefix("#") for r in page.references} <= set(page.ids)
-    assert all(r.startswith("#") for r in page.references)
-    assert len(page.ids) == len(set(page.ids))
+    found = Page(text)
+    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(found.tags)
+    assert {r.removeprefix("#") for r in found.references} <= set(found.ids)
+    assert all(r.startswith("#") for r in found.references)
+    assert len(found.ids) == len(set(found.ids))
     assert not re.findall(r"https?:|//[a-z]|@import", text)
-    assert page.tags.count("svg") == len(differing.figures) == page.tags.count("figure")
-    assert page.tags.count("title") == 1 + len(differing.figures)  # text alternatives
-    assert page.tags.count("desc") == len(differing.figures)
-    assert page.tags.count("math") == 3
+    assert found.tags.count("svg") == len(differing.figures) == found.tags.count("figure")
+    assert found.tags.count("title") == 1 + len(differing.figures)  # text alternatives
+    assert found.tags.count("desc") == len(differing.figures)
+    assert found.tags.count("math") == 3
 
 
 def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text: str) -> None:
@@ -119,8 +121,8 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
 
 
 def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text: str) -> None:
-    page = Page(text)
-    words = " ".join(page.text.split())
+    found = Page(text)
+    words = " ".join(found.text.split())
     best = differing.explanations[0]
     assert best.outcome == "explains"
     cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
@@ -128,7 +130,7 @@ def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text:
     # the average that fits least leads, with the best explanation over the equation below it
     averages = [t for t in differing.tests if t.time is None]
     least = max(averages, key=lambda t: t.sigmas).observable.replace("_", "-")
-    figures = [i for i in page.ids if i.startswith("figure-")]
+    figures = [i for i in found.ids if i.startswith("figure-")]
     assert figures[0] == f"figure-{least}"
     below = differing.figures[least]["ratio"]["series"]
     assert [s["source"] for s in below] == ["zero", "data", "best explanation"]
@@ -170,7 +172,7 @@ def test_figures_are_files_of_their_own(differing: Comparison) -> None:
             assert root.find("{http://www.w3.org/2000/svg}title") is not None
             assert b"#0a0b" not in data  # the stand-ins of the page's colours
             assert INK.encode() in data
-    again = figure_file("msd", differing.figures["msd"], "pdf")
+    again = figure_file(differing.figures["msd"], "pdf")
     assert again == files["page-msd.pdf"]  # the same data give the same bytes
 
 
@@ -205,6 +207,7 @@ def test_the_command_writes_a_page(
     csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / "new" / "page.html"
+    output.parent.mkdir()
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04"]
     assert main([*arguments, "-o", str(output), "--figures", "png", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -238,12 +241,18 @@ def test_an_ensemble_file_says_what_it_is(
     [
         (["-e", "1.5"], "restitution: got 1.5"),
         (["--number-density", "-1", "-e", "0.7"], "number_density: got -1"),
-        (["--speed-unit", "U"], "it must be a number, or data"),
+        (["--speed-unit", "U"], "'--speed-unit': 'U': it must be a number, or data"),
         (["--speed-unit", "nan"], "speed_unit: got nan"),
+        (["--speed-unit", "1e308"], "it must be a number from 1e-100 to 1e+100"),
+        (["--length-unit", "1e120"], "it must be a number from 1e-100 to 1e+100"),
         (["--diameter", "0"], "diameter: got 0"),
         (["--figures", "pdf"], "they need --output"),
-        (["-o", "page.txt"], "it must be a file .html"),
+        (["--columns", "time=x"], "column 'x' cannot be time and x"),
+        (["--columns", "time=a,time=b"], "'time' stands twice"),
+        (["-o", "page.txt"], "it must end in .html"),
         (["-o", "data.html"], "is a folder"),
+        (["-o", "missing/page.html"], "its folder does not exist"),
+        (["-o", ""], "'--output': '' is no path"),
     ],
 )
 def test_bad_arguments_are_one_line(
@@ -264,6 +273,11 @@ def test_bad_arguments_are_one_line(
     assert [p.name for p in tmp_path.iterdir()] == ["data.html"]
 
 
+def test_one_file_is_not_two_runs(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", str(csv), str(csv)]) == 2
+    assert "stands twice" in capsys.readouterr().err
+
+
 def test_the_output_never_takes_the_place_of_the_data(
     csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -278,6 +292,7 @@ def test_a_failure_leaves_nothing_half_written(
     csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls = []
+    monkeypatch.setattr(page, "files_of", lambda *_: {"page.html": "1", "page.json": "2"})
 
     def fsync(handle: int) -> None:
         calls.append(handle)
@@ -285,7 +300,7 @@ def test_a_failure_leaves_nothing_half_written(
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", fsync)
-    output = tmp_path / "new" / "page.html"
+    output = tmp_path / "page.html"
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
     assert main(arguments) == 2
     assert len(calls) == 2
@@ -293,7 +308,7 @@ def test_a_failure_leaves_nothing_half_written(
 
 
 @pytest.fixture(scope="module")
-def page(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def saved(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "page.html"
     path.write_text(text, encoding="utf-8")
     return path
@@ -302,7 +317,7 @@ def page(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("width", [360, 800, 1400])
 def test_the_page_in_a_browser(
-    page: Path, differing: Comparison, browser: Any, width: int, dark: bool
+    saved: Path, differing: Comparison, browser: Any, width: int, dark: bool
 ) -> None:
     questions = {
         "figures": "document.querySelectorAll('figure svg').length",
@@ -315,9 +330,9 @@ def test_the_page_in_a_browser(
         "maths": "[...document.querySelectorAll('math')].map("
         "m => m.getBoundingClientRect().height)",
     }
-    seen = browser.visit(page, width, questions, dark)
+    seen = browser.visit(saved, width, questions, dark)
     assert seen.complaints == []
-    assert seen.requests == [page.resolve().as_uri()]
+    assert seen.requests == [saved.resolve().as_uri()]
     assert seen.answers["figures"] == len(differing.figures)
     for left, right, across, down in seen.answers["boxes"]:
         assert left >= 0

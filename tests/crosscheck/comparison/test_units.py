@@ -36,7 +36,12 @@ def sample_of(flights: Any, time: float, length: float, speed: float, first: int
 
 @pytest.mark.parametrize(
     ("units", "ratio"),
-    [((1.1, 1, 1), 1 / 1.1), ((1000, 1, 1), 1e-3), ((1, 100, 1), 100), ((1, 1, 3.6), 1 / 3.6)],
+    [
+        ((1.1, 1, 1), 1 / 1.1),
+        ((1, 100, 1), 100),
+        pytest.param((1000, 1, 1), 1e-3, marks=pytest.mark.slow),
+        pytest.param((1, 1, 3.6), 1 / 3.6, marks=pytest.mark.slow),
+    ],
 )
 def test_a_wrong_unit_is_named_and_nothing_else(flights: Any, units: Any, ratio: float) -> None:
     sample = sample_of(flights, *units)
@@ -91,7 +96,10 @@ def test_a_wrong_unit_gives_no_fitted_value(flights: Any) -> None:
 
 @pytest.mark.parametrize(
     ("units", "name", "value"),
-    [((1.1, 1, 1), "time unit", 1.1), ((1, 1.1, 1), "length unit", 1.1)],
+    [
+        ((1.1, 1, 1), "time unit", 1.1),
+        pytest.param((1, 1.1, 1), "length unit", 1.1, marks=pytest.mark.slow),
+    ],
 )
 def test_units_are_hypotheses_where_no_tracer_flies_straight(
     flights: Any, units: Any, name: str, value: float

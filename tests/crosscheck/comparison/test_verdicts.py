@@ -91,6 +91,7 @@ def test_a_restitution_off_by_two_hundredths_is_seen_and_named(truth: float, tol
     # 3.5 sigma: one in 2000 for each of the four
     assert abs(item.value - truth) < 3.5 * item.error
     assert item.error < 0.005
+    assert "traps" not in {item.name for item in result.explanations}
 
 
 @pytest.mark.parametrize("factor", [0.9, pytest.param(1.1, marks=pytest.mark.slow)])
@@ -126,23 +127,18 @@ def test_one_per_cent_of_trapped_tracers_is_seen_and_counted(speed: float) -> No
     assert item.value == pytest.approx(0.01, abs=2e-4)  # the 100 that were stopped
 
 
-def test_traps_are_not_claimed_where_something_else_is_wrong() -> None:
-    sample = sample_of(*drawn(0.7))
-    for told in (
-        compare_sample(sample, 0.72, DENSITY),
-        compare_sample(sample, 0.7, DENSITY, "monoenergetic"),
-    ):
-        assert told.verdict == "differs"
-        assert "traps" not in {item.name for item in told.explanations}
-
-
 @pytest.mark.parametrize(
-    ("truth", "told"), [("gaussian", "monoenergetic"), ("monoenergetic", "gaussian")]
+    ("truth", "told"),
+    [
+        ("gaussian", "monoenergetic"),
+        pytest.param("monoenergetic", "gaussian", marks=pytest.mark.slow),
+    ],
 )
 def test_a_wrong_start_is_seen_and_named(truth: str, told: str) -> None:
     result = compare_sample(sample_of(*drawn(0.7, truth)), 0.7, DENSITY, told)
     assert result.verdict == "differs"
     assert explained(result, "initial speeds").outcome == "explains"
+    assert "traps" not in {item.name for item in result.explanations}
 
 
 def test_the_start_is_read_where_the_data_have_it() -> None:

@@ -1,6 +1,5 @@
 """Tracers in a field among hard disks, as the report reduces them: made-up runs of known truth."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,9 +13,7 @@ from kinetics.crosscheck.report.field_density import (
     density_row,
     extrapolated,
     moving_drift,
-    trajectories,
 )
-from kinetics.crosscheck.report.field_density_figures import density_figures
 from kinetics.crosscheck.verdicts import Verdict
 
 DENSITY = 0.25  # l = 2 d
@@ -78,23 +75,3 @@ def test_the_drift_is_extrapolated_to_no_density() -> None:
     off = density_row(made_up_case(1.0 + 6 * float(found.error)))
     assert off.sigmas == pytest.approx(6.0)
     assert off.verdict is Verdict.DIFFERS
-
-
-def test_paths_are_among_the_disks_and_only_seen_traps_are_marked() -> None:
-    picture = trajectories(0.5)
-    along = np.arange(len(picture.disks))
-    apart = np.abs(picture.disks[:, None] - picture.disks[None])
-    apart = np.hypot(*np.moveaxis(np.minimum(apart, 40.0 - apart), -1, 0))
-    assert np.all(apart[along[:, None] != along] > 1.0)
-    # no centre of a tracer comes nearer than d to that of a disk
-    box = picture.paths.reshape(-1, 1, 2) % 40.0
-    gap = np.abs(box - picture.disks)
-    assert np.hypot(*np.moveaxis(np.minimum(gap, 40.0 - gap), -1, 0)).min() > 1 - 1e-9
-    figure = density_figures([made_up_case()], picture)["trajectories"]
-    (panel,) = figure["panels"]
-    assert len(panel["circles"]) == len(picture.disks) == 96
-    marked = [line for line in panel["series"] if line["source"] == "trapped"]
-    assert 0 < len(marked) <= picture.trapped.sum()
-    far = replace(picture, paths=picture.paths + 100.0)
-    (panel,) = density_figures([made_up_case()], far)["trajectories"]["panels"]
-    assert not [line for line in panel["series"] if line["source"] == "trapped"]

@@ -13,10 +13,18 @@ from matplotlib.figure import Figure
 
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
 from kinetics.crosscheck.report.case import Case, Scans
-from kinetics.crosscheck.report.figures import COLOURS, FAINT, INK, draw, legend_entries, svg
+from kinetics.crosscheck.report.drawing import draw
+from kinetics.crosscheck.report.figures import svg
 from kinetics.crosscheck.report.layout import _apart, arranged
 from kinetics.crosscheck.report.settings import ReportSettings
-from kinetics.crosscheck.report.strokes import colours_of, stroke_of
+from kinetics.crosscheck.report.strokes import (
+    COLOURS,
+    FAINT,
+    INK,
+    colours_of,
+    legend_entries,
+    stroke_of,
+)
 
 MakeCase = Callable[..., Case]
 

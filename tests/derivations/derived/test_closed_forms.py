@@ -21,8 +21,15 @@ RANDOM = np.random.default_rng(20240607)
 RESTITUTIONS = [float(value) for value in RANDOM.uniform(0.02, 0.98, 20)]
 EXPONENTS = [float(value) for value in RANDOM.uniform(-0.9, 12.0, 20)]
 TOLERANCE = 1e-13  # what the closed forms of the solver promise
+# Of the twenty restitutions five by default, in a test for each or together.
+EACH = pytest.mark.parametrize(
+    "value",
+    [*RESTITUTIONS[:5], *(pytest.param(e, marks=pytest.mark.slow) for e in RESTITUTIONS[5:])],
+)
+MANY = pytest.mark.parametrize("many", [5, pytest.param(20, marks=pytest.mark.slow)])
 
 
+@MANY
 @pytest.mark.parametrize(
     ("closed", "by_quadrature"),
     [
@@ -32,25 +39,27 @@ TOLERANCE = 1e-13  # what the closed forms of the solver promise
         ("mean_cosine", quadrature.mean_cosine_value),
     ],
 )
-def test_closed_forms_meet_quadrature_at_50_digits(closed: str, by_quadrature) -> None:
+def test_closed_forms_meet_quadrature_at_50_digits(closed: str, by_quadrature, many: int) -> None:
     function = sp.lambdify(e, getattr(closed_forms, closed)(), "mpmath")
     with mp.workdps(60):
-        for value in RESTITUTIONS:
+        for value in RESTITUTIONS[:many]:
             exact, measured = function(mp.mpf(value)), by_quadrature(mp.mpf(value))
             assert abs(exact / measured - 1) < mp.mpf(10) ** -50
 
 
-def test_the_hypergeometric_loss_meets_quadrature_at_50_digits() -> None:
+@MANY
+def test_the_hypergeometric_loss_meets_quadrature_at_50_digits(many: int) -> None:
     function = sp.lambdify((p, e), closed_forms.mean_ratio_power(), "mpmath")
     with mp.workdps(60):
-        for order, value in zip(EXPONENTS, RESTITUTIONS, strict=True):
+        for order, value in zip(EXPONENTS[:many], RESTITUTIONS[:many], strict=True):
             exact = 1 - function(mp.mpf(order), mp.mpf(value))
             assert abs(exact / quadrature.loss_value(order, mp.mpf(value)) - 1) < mp.mpf(10) ** -50
 
 
-def test_the_integral_of_the_paper_is_the_bessel_function_at_50_digits() -> None:
+@MANY
+def test_the_integral_of_the_paper_is_the_bessel_function_at_50_digits(many: int) -> None:
     closed = sp.lambdify((R, eta), position.closed_form(), "mpmath")
-    radii, widths = RANDOM.uniform(0.05, 6, 20), RANDOM.uniform(0.1, 2, 20)
+    radii, widths = RANDOM.uniform(0.05, 6, many), RANDOM.uniform(0.1, 2, many)
     with mp.workdps(60):
         for radius, width in zip(map(mp.mpf, radii), map(mp.mpf, widths), strict=True):
             # V = exp(u): the integrand is then even in u about its saddle, for the trapezoid rule
@@ -94,7 +103,7 @@ def relative(number: float, twin: mp.mpf) -> float:
     return abs(float(mp.mpf(float(number)) / twin - 1))
 
 
-@pytest.mark.parametrize("value", RESTITUTIONS)
+@EACH
 def test_the_collision_law_meets_its_twin(value: float) -> None:
     law = CollisionLaw(restitution=value)
     with mp.workdps(40):
@@ -111,7 +120,7 @@ def test_the_collision_law_meets_its_twin(value: float) -> None:
         assert abs(law.mean_cosine - exact_values.mean_cosine(value)) < TOLERANCE
 
 
-@pytest.mark.parametrize("value", RESTITUTIONS)
+@EACH
 def test_the_scaling_solution_meets_its_twin(value: float) -> None:
     exact = ScalingSolution(value)
     with mp.workdps(40):
@@ -124,7 +133,9 @@ def test_the_scaling_solution_meets_its_twin(value: float) -> None:
         assert exact.tail_power == pytest.approx(1 / (1 - value**2) - 2, rel=TOLERANCE)
 
 
-@pytest.mark.parametrize("index", range(0, 20, 3))
+@pytest.mark.parametrize(
+    "index", [0, 9, *(pytest.param(k, marks=pytest.mark.slow) for k in (3, 6, 12, 15, 18))]
+)
 def test_the_moments_meet_their_twin(index: int) -> None:
     value = RESTITUTIONS[index]
     with mp.workdps(30):

@@ -197,3 +197,11 @@ def test_small_restitutions_keep_what_is_promised_and_claim_it(e: float) -> None
             promised = v >= 1e-2 * v0
             assert np.max(np.abs(f - exact)[promised]) <= rtol * exact.max()
             assert np.max(np.abs(f - exact) * v) <= rtol * np.max(exact * v)
+
+
+def test_the_smallest_restitutions_are_as_zero() -> None:
+    v = np.linspace(0.05, 3.0, 30)
+    exact, found = (
+        density(e, [0.5, 1.0, 10.0]).speed_density(v) for e in (0.0, math.nextafter(0.0, 1.0))
+    )
+    assert np.max(np.abs(found - exact)) <= 1e-13

@@ -201,7 +201,7 @@ def test_a_scene_with_a_field_is_a_value(tmp_path: Path) -> None:
         ({"field": math.nan}, "field"),
         ({"field": 0.0, "initial": "rest"}, "give a field"),
         ({"field": 1.0, "outputs": ("kurtosis",)}, "not available with a field"),
-        ({"field": 1.0, "outputs": ("speed_density",)}, "not available with a field"),
+        ({"field": 1.0, "outputs": ("position_density",)}, "not available with a field"),
         ({"outputs": ("displacement_tensor",)}, "not available without a field"),
         ({"field": 1.0, "initial": "fast"}, "initial"),
     ],

@@ -55,23 +55,33 @@ def test_every_power_above_minus_one(p: float, rtol: float) -> None:
 def test_averages_over_a_gaussian_start(p: float) -> None:
     reduced = np.array([0.1, 2.0, 50.0])
     found = solve(Scene(0.0, times=FREE_PATH * reduced), 1e-10).moment(p)
-    with mp.workdps(20):
-        for t, value in zip(reduced, found, strict=True):
-            exact = mp.quad(
-                lambda v, t=t: v ** (1 + p) * mp.exp(-v * v / 2) * one_speed(p, float(v * t)),
-                [0, 0.01, 0.1, 1, 3, 10],
-            )
-            assert value == pytest.approx(float(exact), rel=1e-9, abs=0.0)
+    # v = u^10 makes the integrand smooth at 0
+    x, w = np.polynomial.legendre.leggauss(160)
+    u = 0.5 * (1.0 + x) * 10.0**0.1
+    v = u**10
+    w = 0.5 * 10.0**0.1 * w * 10.0 * u**9 * v ** (1 + p) * np.exp(-0.5 * v * v)
+    for t, value in zip(reduced, found, strict=True):
+        exact = sum(weight * one_speed(p, speed * t) for weight, speed in zip(w, v, strict=True))
+        assert value == pytest.approx(exact, rel=1e-9, abs=0.0)
 
 
-@pytest.mark.parametrize("m", [1, 2, 3, 4, 7])
-@pytest.mark.parametrize("p", [-0.5, -0.9, -0.99])
+@pytest.mark.parametrize(
+    ("p", "m"),
+    [
+        (-0.5, 1), (-0.5, 4), (-0.9, 2), (-0.99, 7),
+        *(
+            pytest.param(p, m, marks=pytest.mark.slow)
+            for p in (-0.5, -0.9, -0.99) for m in (1, 2, 3, 4, 7)
+            if (p, m) not in ((-0.5, 1), (-0.5, 4), (-0.9, 2), (-0.99, 7))
+        ),
+    ],
+)  # fmt: skip
 def test_harmonics_of_a_beam(p: float, m: int) -> None:
     """To rtol of <v^p>; even m keep their sign at s = 0, where chi = pi/2, and odd m vanish."""
     reduced = np.array([0.01, 0.3, 1.0, 10.0, 30.0])
+    exact = np.array([harmonic(p, m, t) for t in reduced])
     for rtol in (1e-6, 1e-11):
         solution = solve(Scene(0.0, times=FREE_PATH * reduced, initial=Beam()), rtol)
-        exact = np.array([harmonic(p, m, t) for t in reduced])
         error = np.abs(solution.harmonic(p, m) - exact) / solution.moment(p)
         assert np.max(error) <= rtol
 

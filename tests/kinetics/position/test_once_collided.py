@@ -17,7 +17,7 @@ from kinetics.position.once_collided import Scatterer, once_collided, once_densi
 from kinetics.states.isotropic import Monoenergetic
 
 FloatArray = NDArray[np.float64]
-PATH = 12.5
+PATH, PATH_IN_SPACE = 12.5, 25.0 / math.pi  # at the number density that is the default
 
 
 def bounce(e: float, y: FloatArray, et: float = 1.0) -> tuple[FloatArray, FloatArray]:
@@ -26,11 +26,17 @@ def bounce(e: float, y: FloatArray, et: float = 1.0) -> tuple[FloatArray, FloatA
     return np.hypot(along, across), np.arctan2(across, along)
 
 
-def one_speed(e: float, *flights: float, rtol: float = 1e-5) -> Solution:
+def one_speed(e: float, *flights: float, rtol: float = 1e-5, dimension: int = 2) -> Solution:
     """G(R) at T = v t/l."""
-    times = PATH * np.array(flights)
-    outputs = ("msd", "position_density")
-    return solve(Scene(e, initial="monoenergetic", times=times, outputs=outputs), rtol=rtol)
+    path = PATH if dimension == 2 else PATH_IN_SPACE
+    scene = Scene(
+        e,
+        initial="monoenergetic",
+        dimension=dimension,
+        times=path * np.array(flights),
+        outputs=("msd", "position_density"),
+    )
+    return solve(scene, rtol=rtol)
 
 
 SMOOTH = [(e, 1.0, 2) for e in (0.0, 1e-3, 0.37, 0.9, 1.0)]
@@ -72,8 +78,18 @@ def test_the_once_collided_against_the_integral_over_their_collision(
     assert np.abs(slope - density).max() < 1e-5 * density.max()
 
 
+def turned(direction: FloatArray, turn: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Unit vectors (n, d) after a deflection; in space about a random axis across them."""
+    if direction.shape[1] == 2:
+        across = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    else:
+        across = np.cross(direction, rng.normal(size=direction.shape))
+        across /= np.linalg.norm(across, axis=1)[:, None]
+    return np.asarray(np.cos(turn)[:, None] * direction + np.sin(turn)[:, None] * across)
+
+
 def twice_or_more(
-    e: float, T: float, edges: FloatArray, count: int
+    e: float, T: float, edges: FloatArray, count: int, dimension: int
 ) -> tuple[FloatArray, FloatArray]:
     """Shares between edges, and their deviations, of tracers with two collisions at least.
 
@@ -81,7 +97,8 @@ def twice_or_more(
     first two collisions are made to happen, and weighed.
     """
     rng = np.random.default_rng(7)
-    place, direction = np.zeros(count, complex), np.ones(count, complex)
+    place = np.zeros((count, dimension))
+    direction = place + np.eye(dimension)[0]
     left, speed, weight = np.full(count, T), np.ones(count), np.ones(count)
     for collision in range(40):
         longest = speed * left  # the path until T
@@ -90,13 +107,16 @@ def twice_or_more(
         path = -np.log1p(-draw * chance) if collision < 2 else -np.log1p(-draw)
         weight = weight * chance if collision < 2 else weight
         path = np.minimum(path, longest)
-        place += path * direction
+        place += path[:, None] * direction
         left = np.where(path < longest, left - path / speed, 0.0)
-        ratio, turn = bounce(e, rng.uniform(-1.0, 1.0, count))
-        speed, direction = speed * ratio, direction * np.exp(1j * turn)
+        y = rng.random(count)
+        ratio, turn = bounce(e, y if dimension == 2 else np.sqrt(y))
+        # to either side in the plane
+        turn = turn * rng.choice([-1.0, 1.0], count)
+        speed, direction = speed * ratio, turned(direction, turn, rng)
         if not left.any():
             break
-    which = np.searchsorted(edges, np.abs(place)) - 1
+    which = np.searchsorted(edges, np.linalg.norm(place, axis=1)) - 1
     inside = (which >= 0) & (which < edges.size - 1)
     first, second = (
         np.bincount(which[inside], weight[inside] ** p, edges.size - 1) / count for p in (1, 2)
@@ -105,26 +125,37 @@ def twice_or_more(
 
 
 @pytest.mark.parametrize(
-    ("e", "T"),
+    ("e", "T", "dimension"),
     [
-        (0.37, 0.3),
+        (0.37, 0.3, 2),
         *(
-            pytest.param(*pair, marks=pytest.mark.slow)
-            for pair in ((0.37, 3.0), (1.0, 1.0), (0.0, 0.5), (0.9, 3.0))
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (
+                (0.37, 3.0, 2),
+                (1.0, 1.0, 2),
+                (0.0, 0.5, 2),
+                (0.9, 3.0, 2),
+                (0.9, 1.0, 3),
+                (0.37, 3.0, 3),
+                (0.0, 0.5, 3),
+            )
         ),
     ],
 )
-def test_all_collisions_against_followed_tracers(e: float, T: float) -> None:
+def test_all_collisions_against_followed_tracers(e: float, T: float, dimension: int) -> None:
     """Shares in bins whose deviations are some 1e-5: with fronts in them, and beside."""
-    found = one_speed(e, T)
-    edges = T * np.array([0.0, 0.1, 0.2, e, 0.35, 0.5, 0.7, 0.8, 0.95, 0.99, 0.999])
+    found = one_speed(e, T, dimension=dimension)
+    edges = T * np.array([0.0, 0.1, 0.2, e, 0.35, 0.5, 0.7, 0.8, 0.95, 0.97, 0.99, 0.999])
     edges = np.unique(edges[edges < T])
-    share, deviation = twice_or_more(e, T, edges, 200_000)
+    share, deviation = twice_or_more(
+        e, T, edges, 200_000 if dimension == 2 else 2_000_000, dimension
+    )
     displacement = found._displacement
     assert displacement is not None
     assert displacement.once is not None
-    once = displacement.once.within(0, PATH * edges)
-    all_others = found.position_fraction(PATH * edges)[0] - np.diff(once)
+    place = displacement.mean_free_path * edges
+    once = displacement.once.within(0, place)
+    all_others = found.position_fraction(place)[0] - np.diff(once)
     assert np.abs((all_others - share) / deviation).max() < 4.0
     assert deviation.max() < 1e-3
 
@@ -186,21 +217,31 @@ def test_the_front_of_two_equal_deflections() -> None:
     assert np.abs(stationary - a).max() < 1e-3
 
 
-def test_tails_are_what_they_were_made_of() -> None:
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_tails_are_what_they_were_made_of(dimension: int) -> None:
     """A sum of the functions is found again, and its transforms are those of its own F."""
     k = np.linspace(10.0, 60.0, 90)
-    shape, _ = fit_fronts(k, np.sin(k) / k**2.5, 0.5, np.array([1.0]))
-    found, left = fit_fronts(k, shape.at(k), 0.5, np.array([1.0]))
+    shape, _ = fit_fronts(k, np.sin(k) / k**2.5, 0.5, np.array([1.0]), dimension)
+    found, left = fit_fronts(k, shape.at(k), 0.5, np.array([1.0]), dimension)
     rho = np.array([0.11, 0.4, 0.63, 0.8])
     assert np.abs(found.transform(rho, 0) - shape.transform(rho, 0)).max() < 1e-3
     assert left < 1e-2
-    inside = shape.transform(rho, 1) * rho
+    element = rho ** (dimension - 1)
     step = 1e-5
-    slope = shape.transform(rho + step, 1) * (rho + step) - shape.transform(rho - step, 1) * (
-        rho - step
+    within = [shape.transform(x, 1) * x ** (dimension - 1) for x in (rho - step, rho + step)]
+    slope = (within[1] - within[0]) / (2.0 * step)
+    assert np.abs(slope / element - shape.transform(rho, 0)).max() < 1e-5
+    ends = shape.transform(rho + step, 0) - shape.transform(rho - step, 0)
+    assert np.abs(ends / (2.0 * step) + shape.transform(rho, 2)).max() < 1e-5
+    # and F is the transform of the density
+    x, w = np.polynomial.legendre.leggauss(400)
+    x, w = (
+        np.sin(0.25 * math.pi * (1.0 + x)),
+        0.25 * math.pi * w * np.cos(0.25 * math.pi * (1.0 + x)),
     )
-    assert np.abs(slope / (2.0 * step) - rho * shape.transform(rho, 0)).max() < 1e-5
-    assert np.all(np.isfinite(inside))
+    waves = j0(np.outer(k, x)) if dimension == 2 else np.sinc(np.outer(k, x) / math.pi)
+    again = waves @ (w * x ** (dimension - 1) * shape.transform(x, 0))
+    assert np.abs(again - shape.at(k)).max() < 1e-4 * np.abs(shape.transform(x, 0)).max()
 
 
 def test_both_ways_to_solve_a_panel_agree() -> None:

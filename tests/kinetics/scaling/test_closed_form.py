@@ -221,3 +221,11 @@ def test_the_narrow_ring_near_the_elastic_limit(gap: float) -> None:
     solved = solve_scaled(1.0 - gap, 1e-10).vdf(c)
     assert float(np.max(np.abs(solved - F))) < (1e-9 + 1e-14 / width) * float(F.max())
     assert exact.vdf(0.5) == exact.vdf(2.0) == 0.0
+
+
+def test_the_restitution_next_to_one_has_a_ring() -> None:
+    # the difference of logarithms that gives its width was 0 there; its width is sqrt(2 (1-e)/5)
+    gap = math.ulp(0.5)
+    width = math.sqrt(0.4 * gap)
+    peak = ScalingSolution(1.0 - gap).vdf(1.0)
+    assert 2.0 * math.pi * width * peak == pytest.approx(1.0 / math.sqrt(2.0 * math.pi), rel=1e-6)

@@ -49,12 +49,11 @@ def events(
 @pytest.mark.parametrize(
     "law",
     [
-        (0.0, 1.0),
         (0.8, 1.0),
         (0.9, 0.4),
         *(
             pytest.param(law, marks=pytest.mark.slow)
-            for law in ((0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0))
+            for law in ((0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0))
         ),
     ],
 )

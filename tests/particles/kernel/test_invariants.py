@@ -26,7 +26,7 @@ def nearest(tree: cKDTree, box: float, places: np.ndarray, k: int = 1) -> tuple:
 @pytest.mark.parametrize(
     ("medium", "restitution"),
     [
-        (HardDisks(0.04, 4000), 0.7),
+        pytest.param(HardDisks(0.04, 4000), 0.7, marks=pytest.mark.slow),
         pytest.param(HardDisks(0.3, 4000), 1.0, marks=pytest.mark.slow),
         pytest.param(Poisson(0.1, 4000), 0.0, marks=pytest.mark.slow),
         (Poisson(0.3, 4000), 0.9),

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.errors import InputError, short
-from kinetics.validation import check_positive, one_of, real_number, refuse
+from kinetics.validation import one_of, real_number, refuse
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
@@ -99,11 +99,11 @@ class Asked:
     def __post_init__(self) -> None:
         one_of("positions", self.positions, POSITIONS)
         if not (isinstance(self.speed_unit, str) and self.speed_unit == "data"):
-            self._check_positive("speed_unit")
-        self._check_positive("diameter")
+            self._check_unit("speed_unit")
+        self._check_unit("diameter")
         for name in ("time_unit", "timestep"):
             if getattr(self, name) is not None:
-                self._check_positive(name)
+                self._check_unit(name)
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
         if self.bin_times is not None:
@@ -111,8 +111,9 @@ class Asked:
             real_number("bin_times", self.bin_times, 0.0, 0.2, allowed)
         object.__setattr__(self, "columns", checked_columns(self.columns or {}))
 
-    def _check_positive(self, name: str) -> None:
-        object.__setattr__(self, name, check_positive(name, getattr(self, name)))
+    def _check_unit(self, name: str) -> None:
+        # a unit enters as its square and its cube, which must be finite
+        object.__setattr__(self, name, real_number(name, getattr(self, name), 1e-100, 1e100))
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -127,6 +128,8 @@ def parsed_columns(text: str) -> dict[str, str]:
         name, equal, theirs = (piece.strip() for piece in part.partition("="))
         if not equal or not theirs:
             raise InputError(f"columns: got {short(part)}; it must be like time=t,tracer=id")
+        if name in found:
+            raise InputError(f"columns: {short(name)} stands twice")
         found[name] = theirs
     return checked_columns(found)
 
@@ -311,7 +314,7 @@ def find_columns(path: Path | str, names: Sequence[str], asked: Asked) -> dict[s
     bare = [split_unit(name)[0] for name in plain]
     if averages := _find_averages(bare, asked):
         return averages
-    found = {}
+    found: dict[str, int] = {}
     for name in (*NUMBERS, *IN_SPACE, *LABELS):
         needed = name in asked.numbers or name in asked.columns
         if name == "z" and not needed:
@@ -327,7 +330,11 @@ def find_columns(path: Path | str, names: Sequence[str], asked: Asked) -> dict[s
             also = f" (as {' and '.join(here)})" if len(here) > 1 else ""
             raise InputError(f"{shown(path)}: column {name!r} stands {count} times{also}")
         if here and here[0] in known:
-            found[name] = known.index(here[0])
+            place = known.index(here[0])
+            if place in found.values():
+                other = next(one for one, taken in found.items() if taken == place)
+                raise InputError(f"{shown(path)}: column {here[0]!r} cannot be {other} and {name}")
+            found[name] = place
         elif needed:
             raise _missing(path, here[0] if here else name, plain, asked)
     return found

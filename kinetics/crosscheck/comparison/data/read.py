@@ -46,6 +46,11 @@ def read_sample(paths: Sequence[Path | Table], show_progress: bool = False, **to
     if not paths:
         raise InputError("data: got no file; at least one is needed")
     asked = Asked(**told)
+    for k, path in enumerate(paths):
+        if isinstance(path, Path) and path in paths[:k]:
+            raise InputError(
+                f"{shown(path)}: stands twice; its tracers would be taken for independent ones"
+            )
     if ensembles := [path for path in paths if isinstance(path, Path) and is_ensemble(path)]:
         if len(paths) > 1:
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")

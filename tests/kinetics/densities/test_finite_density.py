@@ -1,0 +1,119 @@
+"""Densities of the velocity among scatterers that are met again, by other routes."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from kinetics import AngularHarmonics, InputError, Scene, SolverStatus, SpeedTable, solve
+from tests.references.returning_flights import returning_flights
+
+
+def maxwell(v: np.ndarray) -> np.ndarray:
+    return v * np.exp(-0.5 * v**2)
+
+
+DIRECTED = AngularHarmonics(
+    {0: maxwell, 1: lambda v: 0.3 * maxwell(v), 2: lambda v: 0.2 * maxwell(v)}
+)
+
+
+@pytest.mark.parametrize(
+    ("e", "n", "scatterers"),
+    [(0.7, 0.04, "hard disks"), (0.3, 0.02, "overlapping"), (0.95, 0.1, "hard disks")],
+)
+def test_its_moments_are_the_averages(e: float, n: float, scatterers: str) -> None:
+    """Those come from the backward equation, which has a discretisation of its own."""
+    scene = Scene(
+        e, n, initial=DIRECTED, times=np.array([0.5, 3.0, 30.0, 1e4]) / n, harmonics=2,
+        scatterers=scatterers, outputs=("thermal_speed", "velocity_density"),
+    )  # fmt: skip
+    solution = solve(scene)
+    assert solution.status is SolverStatus.CONVERGED
+    x = np.linspace(-25.0, 3.5, 600)
+    v = np.exp(x)
+    for m, powers in ((0, (0.0, 1.0, 2.0)), (1, (1.0,)), (2, (2.0,))):
+        for p in powers:
+            expected, size = solution.harmonic(p, m), solution.moment(p)
+            for i, v0 in enumerate(solution.thermal_speed):
+                f = solution._profiles[m].at(i, v0 * v) * (v0 * v) ** (p + 1.0)
+                found = np.sum(f) * (x[1] - x[0])
+                assert abs(found - expected[i]) < 2e-10 * size[i]
+
+
+def test_the_conservative_method_meets_the_spectral_one() -> None:
+    scene = Scene(
+        0.7, 0.1, initial=DIRECTED, times=[1.0, 20.0, 1e3], harmonics=2,
+        scatterers="hard disks", outputs=("thermal_speed", "velocity_density"),
+    )  # fmt: skip
+    smooth, rough = solve(scene), solve(scene, rtol=1e-3, method="conservative")
+    for i, v0 in enumerate(smooth.thermal_speed):
+        v = v0 * np.geomspace(0.02, 4.0, 100)
+        top = smooth._profiles[0].at(i, v).max()
+        for m in (0, 1, 2):
+            difference = rough._profiles[m].at(i, v) - smooth._profiles[m].at(i, v)
+            assert np.abs(difference).max() < 1e-3 * top
+    # the masses lose energy as the operator does, to rounding of the shares
+    masses = rough._profiles[0].density
+    assert masses.mass.sum(axis=1) == pytest.approx(1.0, abs=1e-13)
+
+
+def test_a_table_of_speeds_keeps_its_averages() -> None:
+    table = SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])
+    scene = Scene(
+        0.5, 0.04, initial=table, times=[5.0, 100.0], scatterers="overlapping",
+        outputs=("speed_density", "thermal_speed"),
+    )  # fmt: skip
+    solution = solve(scene, rtol=3e-4)
+    assert solution.status is SolverStatus.CONVERGED
+    x = np.linspace(-15.0, 1.5, 20001)
+    f = solution.speed_density(np.exp(x))
+    square = (f * np.exp(3.0 * x)).sum(axis=1) * (x[1] - x[0])
+    assert np.sqrt(square) == pytest.approx(solution.thermal_speed, rel=2e-4)
+
+
+def test_random_flights_have_this_speed_density() -> None:
+    e, n, time = 0.5, 0.04, 2.0
+    eps = 2 * e / (1 + e) * n * math.log(1 / n)
+    flights = returning_flights(e, eps, time, 300_000, 5)
+    edges = np.array([0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5])
+    node, weight = np.polynomial.legendre.leggauss(20)
+    medium = {"scatterers": "overlapping", "density_order": "leading"}
+    pulls = []
+    for arguments in (medium, {}):
+        scene = Scene(e, n, times=[time / (2 * n)], outputs="speed_density", **arguments)
+        solution = solve(scene)
+        for low, high in itertools.pairwise(edges):
+            half = 0.5 * (high - low)
+            share = half * float(weight @ solution.speed_density(low + half * (1 + node))[0])
+            found, error = flights.mean((flights.speed > low) & (flights.speed < high))
+            pulls.append((found - share) / error)
+    count = edges.size - 1
+    assert max(map(abs, pulls[:count])) < 3.5
+    assert max(map(abs, pulls[count:])) > 6.0  # the dilute one is another
+
+
+def test_a_low_density_is_the_dilute_gas() -> None:
+    n = 1e-6
+    v = np.linspace(0.02, 3.0, 50)
+    dilute, dense = (
+        solve(Scene(0.6, n, times=[2.0 / n], outputs="speed_density", **more)).speed_density(v)
+        for more in ({}, {"scatterers": "hard disks"})
+    )
+    change = np.abs(dense - dilute).max() / dilute.max()
+    assert 0.1 * n < change < 3.0 * n * math.log(1.0 / n)
+
+
+def test_what_is_not_known_is_said() -> None:
+    scene = Scene(0.3, 0.1, times=[100.0], scatterers="hard disks", outputs="speed_density")
+    solution = solve(scene)
+    assert "the speed density is negative, by up to" in solution.message
+    assert solution.speed_density([0.02 * 2**0.5])[0, 0] != 0.0
+    fine = solve(Scene(0.7, 0.04, times=[5e3], scatterers="hard disks", outputs="speed_density"))
+    assert "negative" not in fine.message
+    sharp = Scene(
+        0.7, times=[1.0], initial="monoenergetic", scatterers="hard disks", outputs="speed_density"
+    )
+    with pytest.raises(InputError, match="straight back to the scatterer before"):
+        solve(sharp)
