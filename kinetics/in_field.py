@@ -155,6 +155,11 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
         if error <= rtol or error > _FAR:
             break
         coarse = fine
+    if best.values[:, ALL.index("v^2")].min() < 0.0:
+        raise InputError(
+            f"initial: speeds up to {best.start.highest:.1e} sqrt(field x mean free path) are lost "
+            "in rounding to <v^2> below 0; give a slower start, or a stronger field"
+        )
     return best, least
 
 
