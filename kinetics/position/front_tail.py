@@ -38,7 +38,8 @@ _CUT = 2  # functions that begin at an inner front end at T as this power of T^2
 _NEAREST = 0.03  # of a front to 0 or 1: nearer ones are not resolved by K T of about 100
 _AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
 # Singular values below one of these shares of the largest are left out: they raise errors of F.
-_SMALLEST = (1e-6, 1e-8, 1e-10, 1e-12)
+# Which is best depends on how far the fronts are apart, over 1/K.
+_SMALLEST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10)
 _ORIGIN = 3.0  # K T from which these fall as powers
 
 
@@ -145,8 +146,13 @@ def _columns(k: FloatArray, e: float, flights: FloatArray, dimension: int) -> Fl
         rho, parts = _table(e, float(T), turns, dimension)
         columns.append(mean_phase(np.outer(k, rho), dimension) @ parts.T)
         if e < _SMALL:
-            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN, dimension))
+            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN, dimension, _first(e)))
     return np.hstack(columns)
+
+
+def _first(e: float) -> int:
+    """Which powers of 1/K tracers leave that a collision has stopped, or nearly: see `tail`."""
+    return 0 if e == 0.0 else 1
 
 
 @lru_cache(maxsize=16)
@@ -208,7 +214,7 @@ def _transforms(rho: FloatArray, T: float, gas: tuple[float, int], kind: int) ->
         parts = (ends[0] - ends[1]) / (2.0 * step)
     if e < _SMALL:
         scale = _ORIGIN / T
-        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind, d)
+        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind, d, _first(e))
         parts = np.concatenate([parts, at_origin * scale ** (d, d - 1, d + 1)[kind]])
     return parts
 

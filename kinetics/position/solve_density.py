@@ -31,8 +31,9 @@ _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 _LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
-# power of `tail` fits. The sweep then ends with the error that it has, after about a second.
-_STOPPING, _MOST_WORK = 2.0, 1.5e8
+# power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
+# sweeps after about ten.
+_STOPPING, _MOST_WORK_OF_STOPPING, _MOST_WORK = 2.0, 1.5e8, 1.2e9
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -44,6 +45,8 @@ _CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.3
 _FOR_DIGIT_OF_FRONTS = 1.7
 _STEP = 1.25  # from the end of one interval to that of the next, at least; twice at most
+# K, as in the next line, for tracers that a collision may have stopped: before, F changes its sign.
+_POWERS_OF_STOPPED = 5.0
 # The four below are measured again by tests/kinetics/measurements/position.py.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -143,6 +146,7 @@ class _Sweep:
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
         stopping = self.system.law.least_loss > _STOPPING
+        most = _MOST_WORK_OF_STOPPING if stopping else _MOST_WORK
         begin = done = self.system.work
         while self.active.size:
             if low >= largest:
@@ -155,7 +159,7 @@ class _Sweep:
             low, high = high, self._judge(high, error)
             last, done = self.system.work - done, self.system.work
             # the next interval is more work than the last one
-            if stopping and done - begin + 2.0 * last > _MOST_WORK:
+            if done - begin + 2.0 * last > most:
                 break
 
     def cut(self) -> FloatArray:
@@ -234,23 +238,28 @@ class _Sweep:
         k, f = _upper(self.panels, time, _FITTED_FRONTS if self.fronts else _FITTED)
         last = _last(self.panels, time)
         if self.fronts:
-            ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
+            turns, d = high * self._flights[time], self.once.dimension
+            # beside the front R = T, at 1/K from it, the waves of all K add up: to so much
+            together = max(1.0, 2.0 / math.pi * turns) ** (0.5 * (d - 1.0))
+            ended = together * float(np.abs(last[-(last.size // 4) - 1 :]).max())
             enough = ended * max(1.0, high * self.width[time]) < self.rtol
-            if enough or high * self._flights[time] < _FIRST_TURNS:
+            if enough or turns < _FIRST_TURNS:
                 return None, ended
             flights = self.once.flights[time][self.once.shares[time] > 0.0]
             # several have more functions than the data determine
             if flights.size > 1 or not self.once.scatterer.smooth:
                 return None, ended
-            front, left = fit_fronts(k, f, self.once.restitution, flights, self.once.dimension)
-            left /= high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
+            front, left = fit_fronts(k, f, self.once.restitution, flights, d)
+            left *= _BEYOND / high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
             return (front, left) if left < ended else (None, ended)
         if self.sharp:
             return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
-        if high < _POWERS * begin:
+        law = self.system.law
+        stopped = law.restitution == 0.0
+        if high < (_POWERS_OF_STOPPED if stopped else _POWERS) * begin:
             return None, largest
-        tail, left = fit_tail(k, f, begin, self.system.law.dimension)
+        tail, left = fit_tail(k, f, begin, law.dimension, 0 if stopped else 1)
         return (tail, _BEYOND * left) if left < _BETTER * largest else (None, largest)
 
 

@@ -1,8 +1,9 @@
 """How F(k, t) ends: the powers of 1/k that the slowest tracers leave.
 
 Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the density of the
-displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. The end of F is fitted
-by terms whose transforms are known, so that the transform needs no large k.
+displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
+leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. The end of F is fitted by terms
+whose transforms are known, so that the transform needs no large k.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 
 @dataclass(frozen=True)
 class PowerTail(Value):
-    """sum_j c_j (q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, q = K/scale, K = k l, d the dimension.
+    """sum_j c_j (q^2 + 1)^(-nu - d/2), nu = (j + j_0)/2, q = K/scale, K = k l, d the dimension.
 
         integral of q J_0(q x) (q^2 + 1)^(-nu - 1) dq = (x/2)^nu K_nu(x)/Gamma(nu + 1)
 
@@ -38,45 +39,50 @@ class PowerTail(Value):
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3
+    first : j_0: 1, and 0 for tracers that collisions may stop
     """
 
     coefficients: FloatArray
     scale: float
     dimension: int = 2
+    first: int = 1
 
     def at(self, k: FloatArray) -> FloatArray:
         """The tail at K = k, shape (n_k,)."""
-        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension)
+        terms = origin_terms(k / self.scale, self.coefficients.size, self.dimension, self.first)
         return np.asarray(terms @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        d = self.dimension
-        parts = origin_transforms(self.scale * rho, self.coefficients.size, kind, d)
+        d, count = self.dimension, self.coefficients.size
+        parts = origin_transforms(self.scale * rho, count, kind, d, self.first)
         return np.asarray(self.coefficients @ parts) * self.scale ** (d, d - 1, d + 1)[kind]
 
 
-def origin_terms(q: FloatArray, count: int, dimension: int) -> FloatArray:
-    """(q^2 + 1)^(-nu - d/2), nu = (1 + j)/2, for j < count: q (n,) gives (n, count)."""
-    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + 1.0 + np.arange(count))))
+def origin_terms(q: FloatArray, count: int, dimension: int, first: int = 1) -> FloatArray:
+    """(q^2 + 1)^(-nu - d/2), nu = (first + j)/2, for j < count: q (n,) gives (n, count)."""
+    return np.asarray((1.0 + q[:, None] ** 2) ** (-0.5 * (dimension + first + np.arange(count))))
 
 
-def origin_transforms(x: FloatArray, count: int, kind: int, dimension: int) -> FloatArray:
+def origin_transforms(
+    x: FloatArray, count: int, kind: int, dimension: int, first: int = 1
+) -> FloatArray:
     """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
     near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
     macdonald = _macdonald(near, count + 2)
     out = np.zeros((count, x.size))
     for j in range(count):
-        nu = 0.5 * (1 + j)
-        part = _share(nu, dimension)
+        twice = first + j  # nu
+        part = _share(0.5 * twice, dimension)
         if kind == 0:
-            out[j] = part * macdonald[j + 2]
+            out[j] = part * macdonald[twice + 1]
         elif kind == 2:
-            out[j] = part * near * macdonald[j]
+            # the slope of K_0 is -K_1
+            out[j] = part * (near * macdonald[twice - 1] if twice else macdonald[3] / near)
         elif dimension == 2:
-            out[j] = (1.0 - part * macdonald[j + 4]) / np.maximum(x, near)
+            out[j] = (1.0 - part * macdonald[twice + 3]) / np.maximum(x, near)
     if kind == 1 and dimension == 3:
-        return _within_in_space(x, count)
+        return _within_in_space(x, count, first)
     return out
 
 
@@ -87,12 +93,12 @@ def _share(nu: float, dimension: int) -> float:
     return 1.0 / (2.0**nu * math.sqrt(math.pi) * math.gamma(nu + 1.5))
 
 
-def _within_in_space(x: FloatArray, count: int) -> FloatArray:
+def _within_in_space(x: FloatArray, count: int, first: int) -> FloatArray:
     """1/x^2 times the integral of x^2 times kind 0 from 0 to x, which has no closed form."""
     near = np.clip(x, 0.0, _GONE)
     edges = np.union1d(np.append(np.linspace(0.0, _GONE, 2 * int(_GONE) + 1), _TOWARDS_ZERO), near)
     node, weight = panels_between(edges, _POINTS)
-    parts = origin_transforms(node, count, 0, 3) * (weight * node**2)
+    parts = origin_transforms(node, count, 0, 3, first) * (weight * node**2)
     sums = np.cumsum(parts.reshape(count, edges.size - 1, _POINTS).sum(axis=2), axis=1)
     sums = np.concatenate([np.zeros((count, 1)), sums], axis=1)
     return sums[:, np.searchsorted(edges, near)] / np.maximum(x, 1e-12) ** 2
@@ -111,26 +117,29 @@ def _macdonald(x: FloatArray, highest: int) -> list[FloatArray]:
     return found
 
 
-def fit_tail(k: FloatArray, f: FloatArray, scale: float, dimension: int) -> tuple[PowerTail, float]:
+def fit_tail(
+    k: FloatArray, f: FloatArray, scale: float, dimension: int, first: int = 1
+) -> tuple[PowerTail, float]:
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
-    ``scale`` is where the powers begin. The error is seen in the upper part of the range, after a
-    fit to the lower 60 %; it is infinite where there are too few points.
+    ``scale`` is where the powers begin, ``first`` which they are. The error is seen in the upper
+    part of the range, after a fit to the lower 60 %; it is infinite where there are too few points.
     """
     below = k < k.min() + 0.6 * (k.max() - k.min())
-    if np.count_nonzero(below) < TERMS + 1:
-        return PowerTail(np.zeros(0), scale, dimension), np.inf
+    most = TERMS + 1 - first
+    if np.count_nonzero(below) < most + 1:
+        return PowerTail(np.zeros(0), scale, dimension, first), np.inf
 
     def fit(used: NDArray[np.bool_], terms: int) -> PowerTail:
         """Least squares of the errors relative to the first power."""
-        weight = k[used] ** (dimension + 1)
-        columns = origin_terms(k[used] / scale, terms, dimension)
+        weight = k[used] ** (dimension + first)
+        columns = origin_terms(k[used] / scale, terms, dimension, first)
         found = np.linalg.lstsq(columns * weight[:, None], f[used] * weight, rcond=1e-13)
-        return PowerTail(np.asarray(found[0]), scale, dimension)
+        return PowerTail(np.asarray(found[0]), scale, dimension, first)
 
     # the error of one number of terms may vanish by accident: a mean over three of them
     missed = [
-        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (TERMS - 2, TERMS - 1, TERMS)
+        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (most - 2, most - 1, most)
     ]
     left = math.sqrt(max(missed[:2])) * math.sqrt(max(missed[1:]))
-    return fit(k > 0.0, TERMS), left
+    return fit(k > 0.0, most), left

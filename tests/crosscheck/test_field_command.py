@@ -2,11 +2,12 @@
 
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from kinetics import solve_field
+from kinetics import load, solve_field
 from kinetics.cli import main
 
 RTOL = ["--rtol", "1e-4"]
@@ -68,3 +69,12 @@ def test_averages_over_time(capsys: pytest.CaptureFixture[str]) -> None:
 def test_refusals(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
     assert main(["solve", *arguments]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", ["x.h5", "X.H5"])
+def test_the_ending_of_a_file_may_be_in_capitals(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
+) -> None:
+    assert main(["solve", "--times", "1", *RTOL, "--output", str(tmp_path / name)]) == 0
+    assert load(tmp_path / name).scene.restitution == 0.7
+    capsys.readouterr()

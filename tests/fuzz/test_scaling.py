@@ -35,7 +35,7 @@ def _law(asked: dict[str, Any]) -> None:
     if law is None:
         return
     assert 0.0 <= law.mean_log_loss <= 1.0 + 1e-12
-    assert -1 / 3 - 1e-12 <= law.mean_cosine <= 0.5
+    assert -1 / 3 - 1e-12 <= law.mean_cosine <= 0.5 + 1e-12
     mean = result_or_refusal(law.mean_speed_ratio_power, asked["p"])
     rate = result_or_refusal(law.decay_rate, asked["p"])
     decay = result_or_refusal(law.harmonic_decay_rate, asked["p"], asked["m"])

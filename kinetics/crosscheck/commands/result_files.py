@@ -17,7 +17,7 @@ def check_output(path: Path) -> None:
     from kinetics.crosscheck.files import require_file
 
     require_file("output", path, ENDINGS)
-    if path.suffix == ".nc" and find_spec("xarray") is None:
+    if path.suffix.lower() == ".nc" and find_spec("xarray") is None:
         how = "python -m pip install 'inelastic-lorentz[xarray]'"
         raise InputError(f"output: .nc needs xarray, which is not installed: {how}")
 
@@ -30,9 +30,9 @@ def write_result(result: Any, path: Path, points: dict[str, Any], wide: Collecti
     """
     from kinetics.crosscheck.files import write_together
 
-    if path.suffix == ".h5":
+    if path.suffix.lower() == ".h5":
         result.save(path)
-    elif path.suffix == ".nc":
+    elif path.suffix.lower() == ".nc":
         made = result.to_xarray(**points).to_netcdf(engine="scipy")
         write_together(path.parent, {path.name: bytes(made)})
     else:

@@ -38,7 +38,7 @@ def write_picture(run: Ensemble, path: Path) -> None:
     FigureCanvasAgg(figure)
     run.plot_trajectories(min(_TRACERS, run.tracers), ax=figure.subplots())
     file = io.BytesIO()
-    figure.savefig(file, format=path.suffix[1:], dpi=_DOTS_PER_INCH, bbox_inches="tight")
+    figure.savefig(file, format=path.suffix[1:].lower(), dpi=_DOTS_PER_INCH, bbox_inches="tight")
     write_together(path.parent, {path.name: file.getvalue()})
 
 

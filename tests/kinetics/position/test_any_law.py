@@ -223,6 +223,48 @@ def test_powers_have_these_transforms(dimension: int, kind: int) -> None:
     assert np.allclose(tail.transform(rho, kind), expected, rtol=1e-6, atol=1e-7)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_power_that_stopped_tracers_leave(dimension: int) -> None:
+    """(q^2 + 1)^(-d/2) is the transform of K_0(x), and 2/pi of it in space."""
+    from scipy.special import k0
+
+    tail = PowerTail(np.array([1.0]), 1.0, dimension, 0)
+    r, step = np.array([0.05, 0.4, 2.0]), 1e-5
+    expected = k0(r) * (1.0 if dimension == 2 else 2.0 / math.pi)
+    assert np.allclose(tail.transform(r, 0), expected, rtol=1e-13)
+    slope = (tail.transform(r + step, 0) - tail.transform(r - step, 0)) / (2.0 * step)
+    assert np.allclose(tail.transform(r, 2), -slope, rtol=1e-6)
+    within = [tail.transform(x, 1) * x ** (dimension - 1) for x in (r - step, r + step)]
+    assert np.allclose((within[1] - within[0]) / (2.0 * step), expected * r ** (dimension - 1))
+    assert tail.at(np.array([3.0]))[0] == pytest.approx(10.0 ** (-0.5 * dimension))
+
+
+@pytest.mark.parametrize(("dimension", "t", "rtol"), [(2, 100.0, 1e-5), (3, 8.0, 1e-4)])
+def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
+    dimension: int, t: float, rtol: float
+) -> None:
+    """At e = 0 the fit without their power of 1/K took K to 40 and more, and up to minutes."""
+    scene = Scene(0.0, dimension=dimension, times=[t], outputs=("msd", "position_density"))
+    found = solve(scene, rtol=rtol)
+    assert found.status is SolverStatus.CONVERGED
+    assert found._displacement is not None
+    assert found._displacement.panels[-1].high < 15.0
+    edges = np.sqrt(found.msd[0]) * np.concatenate([[0.0], np.geomspace(1e-4, 20.0, 80)])
+    r, w = bins(edges)
+    assert abs(found.position_density(r)[0] @ w - 1.0) < rtol
+    assert abs(found.position_density(r)[0] @ (w * r**2) / found.msd[0] - 1.0) < 10.0 * rtol
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("dimension", "t"), [(2, 100.0), (3, 30.0)])
+def test_stopped_tracers_to_the_accuracy_asked_for(dimension: int, t: float) -> None:
+    scene = Scene(0.0, dimension=dimension, times=[t], outputs=("position_density",))
+    R = np.linspace(0.02, 6.0, 300)
+    best = solve(scene, rtol=1e-6).scaled_position_density(R)
+    for rtol in (1e-4, 1e-5):
+        assert np.abs(solve(scene, rtol=rtol).scaled_position_density(R) - best).max() < rtol
+
+
 def test_the_tail_in_space_is_found_again() -> None:
     k = np.linspace(3.0, 30.0, 60)
     exact = PowerTail(0.5 ** np.arange(6.0), 1.0, 3)

@@ -179,6 +179,26 @@ def test_what_is_claimed_is_reached() -> None:
         assert np.sqrt(found.msd[0]) * np.abs(apart).max() < rtol
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("e", "T", "dimension"), [(0.37, 10.0, 2), (0.9, 1.0, 3)])
+def test_an_error_that_is_not_small_is_estimated_beside_the_fronts_too(
+    e: float, T: float, dimension: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Against the same with twice the wave numbers, from 1/K on from the fronts."""
+    found = one_speed(e, T, dimension=dimension)
+    monkeypatch.setattr("kinetics.position.solve_density._LARGEST_TURNS", 200.0)
+    monkeypatch.setattr("kinetics.position.solve_density._LARGEST_OF_PEAKS", 1.0)
+    best = one_speed(e, T, rtol=1e-7, dimension=dimension)
+    x = np.linspace(0.01, 0.99, 300)
+    fronts = [1.0, *(front[0] for front in inner_fronts(e, dimension))]
+    x = x[np.min([np.abs(x - a) for a in fronts], axis=0) > 0.01]
+    r = T * x * (PATH if dimension == 2 else PATH_IN_SPACE)
+    apart = found.position_density(r) - best.position_density(r)
+    estimate = found.stats["position_density_error"]
+    assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
+    assert np.sqrt(found.msd[0]) * np.abs(apart).max() < estimate
+
+
 def test_asking_for_too_much_ends_and_says_so() -> None:
     little, much = one_speed(0.37, 3.0, rtol=1e-5), one_speed(0.37, 3.0, rtol=1e-8)
     for found in (little, much):

@@ -46,11 +46,6 @@ def read_sample(paths: Sequence[Path | Table], show_progress: bool = False, **to
     if not paths:
         raise InputError("data: got no file; at least one is needed")
     asked = Asked(**told)
-    for k, path in enumerate(paths):
-        if isinstance(path, Path) and path in paths[:k]:
-            raise InputError(
-                f"{shown(path)}: stands twice; its tracers would be taken for independent ones"
-            )
     if ensembles := [path for path in paths if isinstance(path, Path) and is_ensemble(path)]:
         if len(paths) > 1:
             raise InputError(f"{shown(ensembles[0])}: an Ensemble file must be the only file")
@@ -105,6 +100,7 @@ class _Files:
         first = next(self._pieces(), None)
         if first is not None and isinstance(first[1], Averages):
             return self._table()
+        self._check_once()
         by_tracer = "tracer" if "tracer" in self._labels else "row"
         grouping = "medium" if "medium" in self._labels else by_tracer
         positions = self._asked.positions
@@ -135,6 +131,12 @@ class _Files:
             warnings.append(said("survivors", count=count, most=most, time=sample.times[last]))
         law = Law(dimension=self._asked.dimension or 2)
         return replace(sample, law=law, warnings=sample.warnings + tuple(warnings))
+
+    def _check_once(self) -> None:
+        for k, path in enumerate(self._paths):
+            if isinstance(path, Path) and path in self._paths[:k]:
+                why = "its tracers would be taken for independent ones"
+                raise InputError(f"{shown(path)}: stands twice; {why}")
 
     def _table(self) -> Sample:
         """The sample of a table of averages."""
