@@ -23,6 +23,7 @@ from kinetics.status import PlanStep, explain, status_of
 _ATTEMPTS = 5
 _ALWAYS = 3  # so many attempts, and more as long as they have at most _MOST harmonics
 _MOST = 65
+_FAR = 0.1  # two solutions so far apart: finer ones, which take ever longer, do not reach rtol
 # A start is at rest if its velocities are below this, times rtol and the first time. Of isotropic
 # starts below the root of rtol: they change averages by the square of their velocities.
 _AT_REST = 0.1
@@ -151,9 +152,14 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
         if error >= least or not error < 1.0:
             break  # steps of many harmonics may be unstable: the solution before is better
         best, least = fine, error
-        if error <= rtol:
+        if error <= rtol or error > _FAR:
             break
         coarse = fine
+    if best.values[:, ALL.index("v^2")].min() < 0.0:
+        raise InputError(
+            f"initial: speeds up to {best.start.highest:.1e} sqrt(field x mean free path) are lost "
+            "in rounding to <v^2> below 0; give a slower start, or a stronger field"
+        )
     return best, least
 
 

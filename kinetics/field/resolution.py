@@ -13,6 +13,7 @@ from kinetics.field.panels import SpeedPanels
 _RATIO = 5.0
 _DECAY = (math.sqrt(_RATIO) + 1.0) ** 2 / (_RATIO - 1.0)
 _BEST = 1e-12  # accuracy for which panels are made at first
+_ACCURATE = 1e-10  # rtol at which panels for more than that are enough at low e
 _FEWEST = 4  # nodes of a panel
 _TOP_PANELS = 2  # where f falls
 SMALL_RATIO = 1e-3  # speed ratio below which averages of v^-2 are not resolved
@@ -72,8 +73,15 @@ class Resolution:
 
     @classmethod
     def first(cls, law: CollisionLaw, rtol: float) -> Resolution:
-        """Speeds that serve most laws; the error estimates see what they miss."""
-        return cls((1.0 if smallest_ratio(law) > 0.2 else 0.1) * max(rtol, _BEST))
+        """Speeds that serve most laws; the error estimates see what they miss.
+
+        At low e coarse panels miss more than they are made for, and fine ones a hundredth of it;
+        but not where a bounce may nearly stop a tracer.
+        """
+        s, rtol = smallest_ratio(law), max(rtol, _BEST)
+        if s > 0.2:
+            return cls(rtol)
+        return cls((5.0 if rtol <= _ACCURATE and not 0.0 < s < SMALL_RATIO else 0.1) * rtol)
 
     def finer_speeds(self) -> Resolution:
         """With panels for a tenth of the error."""

@@ -30,6 +30,7 @@ _STEEPEST = 70.0  # f falls no faster than v^-70 where it counts
 # M is found on few speeds: what another continuation changes hardly depends on them
 _COARSE, _COARSER = 1e-4, 1e-3  # the latter for an rtol above 1e-7
 _TRIED = (11, 15, 19, 23, 27, 31, 39, 47, 63, 79, 95, 127)
+_FALL = 7.0  # what harmonics up to M miss falls about as M^-7, or faster
 _ATTEMPTS = 3
 _ROUNDING = 1e-13  # what elimination loses
 _CAUTION = 2.0  # times what other continuations change: they may agree by accident
@@ -37,11 +38,8 @@ _CAUTION = 2.0  # times what other continuations change: they may agree by accid
 
 def find_steady_state(law: CollisionLaw, rtol: float) -> SteadyState:
     """The steady state with as many harmonics and panels as rtol needs, or with the most tried."""
-    first = 2.0 * (1.5 - math.log10(rtol))  # fewer are never enough
-    tried = [m for m in _TRIED if m >= min(first, 23.0)]
-    coarse = _COARSE if rtol < 1e-7 else _COARSER
-    enough = (m for m in tried if _harmonics_miss(law, m, coarse) <= rtol)
-    resolution = replace(Resolution.first(law, rtol), harmonics=next(enough, _TRIED[-1]))
+    harmonics = _harmonics_for(law, rtol)
+    resolution = replace(Resolution.first(law, rtol), harmonics=harmonics)
     best = SteadyState(law, resolution)
     for _ in range(_ATTEMPTS - 1):
         if best.speed_error <= rtol:
@@ -52,6 +50,19 @@ def find_steady_state(law: CollisionLaw, rtol: float) -> SteadyState:
             break
         best = finer
     return best
+
+
+def _harmonics_for(law: CollisionLaw, rtol: float) -> int:
+    """The first M tried that serves rtol, but for those that others show to be too few."""
+    coarse = _COARSE if rtol < 1e-7 else _COARSER
+    needed = min(2.0 * (1.5 - math.log10(rtol)), 23.0)  # fewer are never enough
+    for m in _TRIED[:-1]:
+        if m >= needed:
+            missed = _harmonics_miss(law, m, coarse)
+            if missed <= rtol:
+                return m
+            needed = max(m + 1.0, m * (missed / rtol) ** (1.0 / _FALL))
+    return _TRIED[-1]
 
 
 def _harmonics_miss(law: CollisionLaw, highest: int, coarse: float) -> float:

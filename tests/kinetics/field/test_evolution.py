@@ -2,12 +2,13 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics import Beam, CollisionLaw, InputError, Scene, load, solve, solve_field
+from kinetics import Beam, CollisionLaw, InputError, Scene, in_field, load, solve, solve_field
 from kinetics.field.backward import ALL, BackwardField, backward_panels, needed_for
 from kinetics.field.evolution import Evolution, scales
 from kinetics.field.first_collision import Rays
@@ -309,3 +310,14 @@ def test_radau_rule() -> None:
     local = np.linspace(0.0, 1.0, 7)
     assert rule.rows(local) @ rule.points**5 == pytest.approx(local**5, abs=1e-13)
     assert rule.roughness(rule.points**4) == pytest.approx(0.0, abs=1e-13)
+
+
+def test_a_start_of_which_nothing_is_left_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = SimpleNamespace(
+        values=-np.ones((1, len(ALL))),
+        start=SimpleNamespace(highest=1e6, measures=[0.0], rays=None),
+    )
+    monkeypatch.setattr(in_field, "_evolution", lambda *_: lost)
+    scene = Scene(0.0, times=[1.0], outputs=("mean_velocity", "thermal_speed"), field=0.01)
+    with pytest.raises(InputError, match=r"^initial: speeds up to 1.0e\+06 .* give a slower start"):
+        solve(scene)

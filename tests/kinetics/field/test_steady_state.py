@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kinetics import CollisionLaw, FieldState, InputError, load, solve_field
+from kinetics.field import steady
 from kinetics.field.averages import SteadyAverages
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -269,3 +270,20 @@ def test_a_state_is_a_value(tmp_path: Path) -> None:
     parts = [step.part for step in state.plan]
     assert parts == ["angular harmonics", "speeds", "dispersion"]
     assert state.stats["nodes"] > 0
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 30.0, 3e3])
+def test_the_search_for_the_harmonics_skips_those_that_are_too_few(
+    monkeypatch: pytest.MonkeyPatch, size: float
+) -> None:
+    asked = []
+
+    def miss(law: CollisionLaw, highest: int, coarse: float) -> float:
+        asked.append(highest)
+        return size * highest**-7.0
+
+    monkeypatch.setattr(steady, "_harmonics_miss", miss)
+    found = steady._harmonics_for(CollisionLaw(0.0), 1e-10)
+    enough = [m for m in steady._TRIED if m >= 23 and size * m**-7.0 <= 1e-10]
+    assert found == next(iter(enough), steady._TRIED[-1])
+    assert len(asked) <= 2
