@@ -38,7 +38,10 @@ REACHED, TURNED, ENDED = range(3)
 
 @called
 def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
-    """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms."""
+    """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms.
+
+    field: 1 or -1. Times are in sqrt(d/g), in which no power of a strong field overflows.
+    """
     phi, sine, cosine = work[0], work[1], work[2]
     phi[0], phi[1] = angle, along
     sine[0], cosine[0] = sin(angle), cos(angle)
@@ -105,16 +108,17 @@ def _put(lane: Any, angle: float, along: float) -> None:
 
 @called
 def _note_passage(
-    lane: Any, work: np.ndarray, lasts: float, kept: Kept, towards: float, side: float
+    lane: Any, work: np.ndarray, lasts: float, kept: Kept, field: float, side: float
 ) -> None:
     """Note when x first has the value depth, if it comes to it in this step."""
     if not kept.passages.size or kept.passages[lane.tracer] < np.inf:
         return
     height = kept.depth - come_along(lane, lane.struck_x, side)
+    towards = copysign(1.0, field)
     if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
         begun = towards * (cos(work[0, 0]) - height) >= 0.0
         after = 0.0 if begun else when(work, lasts, height, 2)
-        kept.passages[lane.tracer] = lane.time + after
+        kept.passages[lane.tracer] = lane.time + after / sqrt(abs(field))
 
 
 @called
@@ -123,29 +127,33 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
     times, queue, queued = records.times, records.queue, records.queued
     work = np.empty((3, ORDER + 1))
     angle = atan2(lane.normal_y, lane.normal_x)
-    along = lane.normal_x * lane.vy - lane.normal_y * lane.vx
-    way = copysign(1.0, along if along != 0.0 else -field * lane.normal_y)
-    last, step = angle + way * left, STEP / sqrt(abs(field))
+    pace, towards = (
+        sqrt(abs(field)),
+        copysign(1.0, field),
+    )  # from here on in sqrt(g d) and sqrt(d/g)
+    along = (lane.normal_x * lane.vy - lane.normal_y * lane.vx) / pace
+    way = copysign(1.0, along if along != 0.0 else -towards * lane.normal_y)
+    last = angle + way * left
     while True:
         if lane.output == times.size and times.size > 0:
             return ENDED
-        expand(angle, along, field, work)
-        lasts, outcome, after = step, -1, at(work, step)
+        expand(angle, along, towards, work)
+        lasts, outcome, after = STEP, -1, at(work, STEP)
         if way * after[1] < 0.0:
             lasts, outcome = when(work, lasts, 0.0, 1), TURNED
             after = at(work, lasts)[0], 0.0
         if way * (after[0] - last) >= 0.0:
             lasts, outcome = when(work, lasts, last, 0) if left > 0.0 else 0.0, REACHED
             after = last, at(work, lasts)[1]
-        due = lane.output < times.size and lane.time + lasts >= lane.next_output
+        due = lane.output < times.size and lane.time + lasts / pace >= lane.next_output
         if due:
-            lasts, outcome = max(lane.next_output - lane.time, 0.0), -1
+            lasts, outcome = max(lane.next_output - lane.time, 0.0) * pace, -1
             after = at(work, lasts)
-        _note_passage(lane, work, lasts, kept, copysign(1.0, field), side)
+        _note_passage(lane, work, lasts, kept, field, side)
         lane.travelled += abs(after[0] - angle)
-        lane.time += lasts
+        lane.time += lasts / pace
         angle, along = after
-        _put(lane, angle, along)
+        _put(lane, angle, along * pace)
         if due:
             note_place(lane, side)
             if queued[0] == QUEUE:
