@@ -293,6 +293,7 @@ def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_pa
     assert all(a == b for a, b in same)
 
 
+@pytest.mark.slow
 def test_a_report_without_a_cooling_restitution(tmp_path: Path) -> None:
     output = tmp_path / "out"
     assert cli.main(["report", "-o", str(output), "-e", "1", *TINY]) == 0

@@ -177,6 +177,7 @@ def test_the_moments_that_a_reference_misses() -> None:
     assert found == pytest.approx(dict.fromkeys(names, 0.01), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_rows_of_the_distribution() -> None:
     kept = position.density_reference(0.9, 1000.0, 1e-7)
     works = position.distribution(0.9, 1000.0, kept, ONCE)
@@ -210,6 +211,7 @@ def test_the_kept_kurtosis_and_the_solver_agree(e: float, start: str) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", methods.OTHER_LAWS)
 def test_other_laws_have_rows_with_their_own_references(name: str) -> None:
     law = methods.OTHER_LAWS[name]
@@ -239,6 +241,7 @@ def test_the_cost_of_other_laws_is_compared_with_that_of_smooth_disks() -> None:
 # -- cost, skipping, particles ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cost_and_skipping_have_rows_of_the_displacement() -> None:
     rows = measure(cost.works(cost.displacements(), ONCE), ONCE)
     settings = {(r.problem, r.setting) for r in rows}

@@ -192,6 +192,7 @@ def test_a_case_that_dies_is_a_failed_row(monkeypatch: Any) -> None:
     assert "dies" in found.records[0].note
 
 
+@pytest.mark.slow
 def test_the_solver_reaches_what_is_asked_in_a_process_of_its_own() -> None:
     stages: list[tuple[str, int]] = []
     found = run_bench(quick=True, cases=["accuracy"], progress=lambda *told: stages.append(told))

@@ -115,6 +115,7 @@ def test_a_wrong_restitution_among_hard_disks_is_not_explained_by_the_density() 
     assert {item.outcome for item in densities(result)} <= {"in part", "does not"}
 
 
+@pytest.mark.slow
 def test_it_is_tried_only_where_the_theory_is_defined() -> None:
     sample = sample_of("hard disks", 0.7)
 
@@ -138,6 +139,7 @@ def test_it_is_tried_only_where_the_theory_is_defined() -> None:
     assert "compared with simulations up to n = 0.1 only" in beyond
 
 
+@pytest.mark.slow
 def test_the_diameter_of_the_scene_enters_the_density() -> None:
     """Lengths in half a diameter: the same system."""
     halves = sample_of("hard disks", 0.7).rescaled(1.0, 0.5)
@@ -149,6 +151,7 @@ def test_the_diameter_of_the_scene_enters_the_density() -> None:
     assert two.chi_square_after == pytest.approx(one.chi_square_after, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_speeds_of_the_data_may_be_the_start() -> None:
     """Speeds that were drawn from a Gaussian: nearly its theory, in the medium too."""
     run = simulate(

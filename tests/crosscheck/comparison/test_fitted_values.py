@@ -65,6 +65,7 @@ def scaled(truth: Any) -> Any:
     return lambda at: (truth * np.exp(at[0]), truth * np.exp(at[0]))
 
 
+@pytest.mark.slow
 def test_logarithms_take_the_bias_away() -> None:
     """Fitted as they are, averages give a scale that is too small: theirs is -0.20 here."""
     right, wrong = skewed_pulls(logarithms=True), skewed_pulls(logarithms=False)

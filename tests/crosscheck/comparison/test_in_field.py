@@ -28,6 +28,7 @@ def arrays_of(run: Any) -> dict[str, Any]:
     return {"times": run.times, "positions": run.positions, "velocities": run.velocities}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_averages_are_those_of_the_run(dimension: int) -> None:
     """From the sums of a run, from its stored rows, and from arrays, those of the ensemble."""

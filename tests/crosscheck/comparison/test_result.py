@@ -29,6 +29,7 @@ def result() -> Comparison:
     return compare_data(run_of(), number_density=0.06)
 
 
+@pytest.mark.slow
 def test_equal_data_give_equal_values(result: Comparison) -> None:
     again = compare_data(run_of(), number_density=0.06)
     assert again == result

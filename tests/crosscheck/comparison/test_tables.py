@@ -92,6 +92,7 @@ def test_fitted_values_have_the_errors_of_the_worst_correlation(table: dict[str,
         assert abs(found[name].value - truth) < found[name].error
 
 
+@pytest.mark.slow
 def test_finite_density_stands_first(table: dict[str, Any]) -> None:
     times = np.array([30.0, 100.0, 300.0, 1000.0])
     dense = solve(

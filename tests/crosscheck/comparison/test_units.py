@@ -80,6 +80,7 @@ def test_si_units_are_hinted_at(flights: Any, units: Any) -> None:
     assert result.summary.startswith("A unit is wrong: speeds at the first time are ")
 
 
+@pytest.mark.slow
 def test_a_forgotten_diameter_is_hinted_at(flights: Any) -> None:
     sample = sample_of(flights, 0.002, 0.002, 1)
     result = compare_sample(sample, 0.7, 0.04 / 0.002**2)

@@ -141,6 +141,7 @@ def test_a_wrong_start_is_seen_and_named(truth: str, told: str) -> None:
     assert "traps" not in {item.name for item in result.explanations}
 
 
+@pytest.mark.slow
 def test_the_start_is_read_where_the_data_have_it() -> None:
     times, positions, velocities = drawn(0.7, "monoenergetic", start=True)
     found = compare_sample(sample_of(times, positions, velocities), 0.7, DENSITY)
@@ -154,6 +155,7 @@ def test_the_start_is_read_where_the_data_have_it() -> None:
     assert explained(wrong, "initial speeds").outcome == "explains"
 
 
+@pytest.mark.slow
 def test_a_start_of_no_name_is_taken_from_the_data() -> None:
     """Speeds evenly spread from 0.5 to 1.5 U: the theory moves with the sample that it is from."""
     rng = np.random.default_rng(3)
@@ -220,6 +222,7 @@ def test_hard_disks_show_their_density() -> None:
     assert result.grouping == "medium"
 
 
+@pytest.mark.slow
 def test_what_is_not_told_is_found() -> None:
     sample = sample_of(*drawn(0.7))
     for told in ({}, {"restitution": 0.7}, {"number_density": DENSITY}):

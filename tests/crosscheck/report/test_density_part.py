@@ -140,6 +140,7 @@ def test_the_elastic_gas_has_no_cooling(make_case: MakeCase, settings: ReportSet
     assert [row.observable for row in found] == ["msd", "msd_slope", "kurtosis"]
 
 
+@pytest.mark.slow
 def test_runs_that_remember_more_spread_less(part: DensityPart, scans: Scans) -> None:
     scan = part.scan
     known, everything = scan.remembered, scan.all_remembered

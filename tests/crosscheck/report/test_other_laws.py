@@ -42,6 +42,7 @@ def document(case: Case, rows: list[Row]) -> dict[str, Any]:
     return document | plain({"dimensions": beside})
 
 
+@pytest.mark.slow
 def test_solver_and_particles_agree_and_no_printed_formula_is_compared(rows: list[Row]) -> None:
     assert {row.kind for row in rows} == {"numerical", "statistical"}
     strict = [row for row in rows if row.source in ("solver", "Boltzmann-Grad")]

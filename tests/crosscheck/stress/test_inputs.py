@@ -188,6 +188,7 @@ RESTITUTIONS = st.one_of(
 SPEEDS = np.array([1.0, 2.0, 4.0, 4.5826])
 
 
+@pytest.mark.slow
 @few(max_examples=40)
 @given(
     e=RESTITUTIONS,

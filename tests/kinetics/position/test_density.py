@@ -229,6 +229,7 @@ def test_many_wave_numbers_are_those_of_few(initial: Any) -> None:
     assert np.abs(many[:, ::20] - few).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_the_error_of_a_density_is_within_what_was_asked_and_not_far_below() -> None:
     r = np.linspace(0.0, 6.0, 200)
     for e, t, initial in ((0.9, 1000.0, "gaussian"), (0.7, 500.0, "monoenergetic")):
@@ -263,6 +264,7 @@ def test_a_front_and_a_continuous_part_make_the_whole() -> None:
     assert np.all(found.position_density([130.0])[1] == 0.0)
 
 
+@pytest.mark.slow
 def test_samples_have_fronts_and_tables_do_not() -> None:
     samples = density(0.5, [50.0], SpeedSamples([0.5, 1.0, 2.0]), rtol=1e-3)
     assert samples.ballistic_front[0].tolist() == [[25.0, 50.0, 100.0]]

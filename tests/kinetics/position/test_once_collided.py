@@ -160,6 +160,7 @@ def test_all_collisions_against_followed_tracers(e: float, T: float, dimension: 
     assert deviation.max() < 1e-3
 
 
+@pytest.mark.slow
 def test_a_second_time_changes_nothing() -> None:
     alone, both = one_speed(0.37, 0.3), one_speed(0.37, 0.3, 3.0)
     r = PATH * np.linspace(0.01, 0.29, 30)

@@ -200,6 +200,7 @@ def test_plane_and_box_agree(kind: type) -> None:
         assert np.all(abs(a.value - b.value) < 3.5 * np.hypot(a.error, b.error)), name
 
 
+@pytest.mark.slow
 def test_mean_free_path_of_hard_disks_is_santalos() -> None:
     # pi A_free / perimeter: what a tracer's centre is free to visit, over the length of its border,
     # both of this configuration. Disks of radius 1 around the scatterers, by a fine grid of angles

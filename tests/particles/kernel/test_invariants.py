@@ -112,6 +112,7 @@ def test_elastic_energy_after_a_million_collisions() -> None:
     assert np.all(abs(speeds**2 - 1) < 1e-12)
 
 
+@pytest.mark.slow
 def test_without_restitution_no_digit_is_lost_after_1e5_collisions() -> None:
     # e = 0: -ln s of a collision is exponential with mean 1 (y uniform), so after N collisions
     # -ln v is N +- sqrt(N); v reaches exp(-1e5), far below the smallest double. Y = v t just after

@@ -78,6 +78,7 @@ def test_no_memory_is_the_boltzmann_grad_limit(e: float) -> None:
         assert np.all(abs(a.value - b.value) < 3.5 * sigma), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("e", [0.5, 1.0])
 def test_a_whole_memory_is_a_poisson_medium(e: float) -> None:
     """Also against the unbounded plane, whose scatterers are drawn by their places."""
