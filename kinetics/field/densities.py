@@ -9,6 +9,7 @@ form as well.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
@@ -34,8 +35,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.directed import Beam
 from kinetics.states.isotropic import Rest
-from kinetics.states.state import State
+from kinetics.states.state import SpeedFunction, State
 
+_Density = Callable[[FloatArray, FloatArray], FloatArray]
 _RATIO = 4.0  # of the ends of a panel, up to an eighth of the highest speed
 _TOP = 8.0
 _ROUGH = 10.0  # what steps may miss of the mass of a panel, in units of their accuracy
@@ -216,14 +218,16 @@ class FieldDensities:
             out += once_collided_by_speed(self.rays, self._e, d, time, v)
         return out
 
-    def _mean(self, v: FloatArray, angle: FloatArray, w: FloatArray, density: object) -> FloatArray:
+    def _mean(
+        self, v: FloatArray, angle: FloatArray, w: FloatArray, density: _Density
+    ) -> FloatArray:
         """Integral of a density over all directions, times v^(d-1)."""
         d = self.law.dimension
         share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
         along, across = np.outer(v, np.cos(angle)).ravel(), np.outer(v, np.sin(angle)).ravel()
-        found = density(along, across)  # type: ignore[operator]
+        found = density(along, across)
         if self.equation.families == 2:
-            found = 0.5 * (found + density(along, -across))  # type: ignore[operator]
+            found = 0.5 * (found + density(along, -across))
         return np.asarray(found.reshape(v.size, -1) @ share * v ** (d - 1))
 
     @property
@@ -260,15 +264,17 @@ class FieldDensities:
                 out += cos_part * even[m] + sin_part * odd[m]
         return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
 
-    def _values(self, profile: object, m: int, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _values(
+        self, profile: SpeedFunction, m: int, v: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """f_m of cos(m phi) and of sin(m phi), or of P_m, at speeds in sqrt(g l)."""
         d = self.law.dimension
-        found = np.asarray(profile(v / self.speed)) / self.speed  # type: ignore[operator]
+        found = np.asarray(profile(v / self.speed)) / self.speed
         share = (1.0 if m == 0 else 2.0) if d == 2 else 2.0 * m + 1.0
         found = share * found / (self.law.unit_surface * v ** (d - 1))
         return np.real(found), -np.imag(found)
 
-    def _profile(self, profile: object, m: int) -> FloatArray:
+    def _profile(self, profile: SpeedFunction, m: int) -> FloatArray:
         """The same on the polynomials of the panels, (2, size): projected, with its kinks."""
         panels, d = self.equation.panels, self.law.dimension
         kinks = self.speed * np.asarray(self.state.kinks)

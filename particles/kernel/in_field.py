@@ -13,6 +13,7 @@ from particles.compiled.decorators import inlined
 from particles.compiled.search import SLOTS, near_chord
 from particles.events import NEVER, bounce
 from particles.grid.blocks import is_unbounded, place
+from particles.grid.cells import EMPTY
 from particles.kernel.contact_in_field import APART, STRUCK, TANGENT, contact_in_field
 from particles.kernel.in_plane import enter
 from particles.kernel.lane import AT_REST
@@ -90,17 +91,6 @@ def _meet(lane: Any, cx: float, cy: float, field: float, limit: float) -> float:
 
 
 @inlined
-def _distance2(dx: float, dy: float, ex: float, ey: float, per: float) -> float:
-    """Return the square of the distance of a place (dx, dy) to the chord from 0 to (ex, ey).
-
-    per: one over the square of the chord's length. As in `compiled.slots.near_chord`.
-    """
-    part = min(max((dx * ex + dy * ey) * per, 0.0), 1.0)
-    px, py = dx - part * ex, dy - part * ey
-    return px * px + py * py
-
-
-@inlined
 def next_contact(
     lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
     field: float,
@@ -126,11 +116,9 @@ def next_contact(
         mask >>= 1
         slot += 1
     node = head[cell]
-    per = 1.0 / max(ex * ex + ey * ey, 1e-300)
     while node >= 0:
         cx, cy = nodes[node, 0], nodes[node, 1]
-        # Not for a disk that the plane has removed, which is at EMPTY: its quartic overflows.
-        if _distance2(cx - x, cy - y, ex, ey, per) <= reach * reach:
+        if cx != EMPTY:  # a disk that the plane has removed; its quartic would overflow
             t = _meet(lane, cx, cy, field, first)
             if t < NEVER:
                 found, first, meets_x, meets_y = t, t, cx, cy
