@@ -21,7 +21,7 @@ _FALL = 5.0  # power of 1/m by which harmonics of the gain fall
 _CONTINUED = 2  # they are continued to 2 M
 _SEEN = 0.1  # of the first panel: slower tracers are not resolved
 _LAST_PAIR = 4.0  # by how much more than the last two harmonics may be missing
-_LOOKED_AT = 100  # velocities of which the uncertainty is found
+_LOOKED_AT = 60  # velocities of which the uncertainty is found, and as many again
 _LONG_AGO = 1e300  # the time of the steady state
 
 
@@ -56,7 +56,8 @@ class SteadyDensity:
     def __call__(self, along: FloatArray, across: FloatArray) -> tuple[FloatArray, float]:
         """f at velocities (n,) in sqrt(g l), and how much of it is uncertain at most."""
         found = self._flights.density(_LONG_AGO, along, across)
-        close = np.argsort(np.abs(across))[:_LOOKED_AT]  # to the ray, and to rest
+        order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
+        close = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
         unsure = np.abs(self._unsure.density(_LONG_AGO, along[close], across[close]))
         unseen = (np.abs(across) <= self._slowest) & (along >= 0.0)
         if self._slowest == 0.0:

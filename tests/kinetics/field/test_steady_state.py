@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, load, solve_field
 from kinetics.field import steady
@@ -220,6 +221,8 @@ def test_density_where_bounces_stop_a_tracer() -> None:
     with pytest.warns(ToleranceWarning, match="vdf"):
         close = state.vdf([1.0], [1e-6, 1e-4, 1e-2])[0]
     assert np.all(np.diff(close) < 0.0)
+    with pytest.warns(ToleranceWarning, match="vdf"):
+        assert state.plot("vdf", ax=Figure().subplots()).lines
     with pytest.warns(ToleranceWarning, match="vdf"):
         solve_field(1e-12, rtol=1e-6).vdf([1.0], [0.0])
 
