@@ -9,9 +9,9 @@ import numpy as np
 
 from kinetics.errors import InputError, short
 from kinetics.field.backward import ALL, needed_for
-from kinetics.field.densities import SceneDensities
 from kinetics.field.evolution import Evolution, scales
 from kinetics.field.resolution import TimeResolution
+from kinetics.field.scene_densities import SceneDensities
 from kinetics.field.starts import Start
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread

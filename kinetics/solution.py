@@ -47,7 +47,7 @@ from kinetics.validation import (
 from kinetics.values import Value
 
 if TYPE_CHECKING:
-    from kinetics.field.densities import SceneDensities
+    from kinetics.field.scene_densities import SceneDensities
 
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
@@ -252,15 +252,15 @@ class Solution(SolutionTable, Value):
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
 
         The error is 1e-8 of the maximum for smooth densities, and a percent near the steps of rough
-        ones. As a function of c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure
-        ``scalev``; its integral over v_x is 1. In space it is one component of three.
-        Raises InputError as :meth:`speed_density` does (v_x may be negative), and with a field.
+        ones. With c_x = v_x/v0 it is the marginal F(c_x) of the paper's figure ``scalev``; its
+        integral is 1. With a field it is the component along it, and sharp starts are refused, by
+        an InputError; others as for :meth:`speed_density`.
         """
-        self._require_no_field()
-        x = np.abs(finite_line("v_x", v_x))
-        return component_densities(
-            self._speed_profile(), x, np.asarray(self._typical_speed), self.scene.dimension
-        )
+        x = finite_line("v_x", v_x)
+        if self.scene.field:
+            return self._in_field.component_density(x)
+        typical, d = np.asarray(self._typical_speed), self.scene.dimension
+        return component_densities(self._speed_profile(), np.abs(x), typical, d)
 
     def velocity_density(self, v: ArrayLike, phi: ArrayLike) -> FloatArray:
         """f(v, phi), the density in the velocity plane, shape (n_times, n_v, n_phi), in 1/U^2.
@@ -285,7 +285,7 @@ class Solution(SolutionTable, Value):
     @cached_property
     def _in_field(self) -> SceneDensities:
         """Solved again where it was not kept, as after loading from a file."""
-        from kinetics.field.densities import SceneDensities
+        from kinetics.field.scene_densities import SceneDensities
 
         self._require("speed_density", "velocity_density")
         scene, path = self.scene, self.scene.mean_free_path

@@ -15,7 +15,7 @@ and harmonics of `resolution`, `steady_density` makes the density at one velocit
 over an initial state (`starts`), one of few directions through `first_collision`;
 `kinetics.in_field` makes the outputs of a scene of them. `forward` takes a density from step to
 step, `last_flight` makes the density at one velocity of it, `collided_once` is a closed form for
-starts of sharp velocities, and `densities` joins these to the densities of a scene.
+starts of sharp velocities, `densities` joins these, and `scene_densities` has those of a scene.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
 all rooms. Begin with `steady.py`,

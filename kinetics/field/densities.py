@@ -49,9 +49,7 @@ _FLIGHT = 6.0  # mean free paths of a last flight, beyond ln(1/rtol)
 _ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
 _ANGLE_POINTS = 6
 _CLOSE_ANGLES = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
-_TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
-_TRIED_ANGLES = np.array([0.05, 0.5, 1.3, 2.2, 3.0])
-_ATTEMPTS = 3
+_ACROSS = 2.0 ** np.arange(-6.0, 1.0)  # of the highest speed: intervals across the field
 
 
 def density_panels(highest: float, lowest: float, nodes: int) -> SpeedPanels:
@@ -218,6 +216,25 @@ class FieldDensities:
             out += once_collided_by_speed(self.rays, self._e, d, time, v)
         return out
 
+    def by_component(self, i: int, along: FloatArray) -> FloatArray:
+        """The density of the velocity along the field at the i-th time; without sharp velocities.
+
+        Raises InputError for starts along rays: what has collided once is not smooth.
+        """
+        if self.is_sharp or self.rays is not None:
+            raise InputError(
+                "velocity_component_density: in a field it is available for smooth starts that "
+                "are not slow against sqrt(field x mean free path)"
+            )
+        edges = self.equation.panels.highest * np.concatenate([[0.0], _ACROSS])
+        across, w = panels_between(edges, 2 * _ANGLE_POINTS)
+        share = 2.0 * w if self.law.dimension == 2 else 2.0 * math.pi * across * w
+        velocity = np.repeat(along, across.size), np.tile(across, along.size)
+        found = self.at(i, *velocity)
+        if self.equation.families == 2:
+            found = 0.5 * (found + self.at(i, velocity[0], -velocity[1]))
+        return np.asarray(found.reshape(along.size, -1) @ share)
+
     def _mean(
         self, v: FloatArray, angle: FloatArray, w: FloatArray, density: _Density
     ) -> FloatArray:
@@ -289,93 +306,3 @@ class FieldDensities:
             every = np.array(self._values(profile, m, v)) @ weight
             out[:, part] = every / (panels.weights[part] * panels.speeds[part] ** (d - 1))
         return out
-
-
-def solve_densities(
-    law: CollisionLaw, state: State, speed: float, times: FloatArray, rtol: float
-) -> tuple[FieldDensities, float]:
-    """The densities, ever more finely resolved until two solutions agree; and their error.
-
-    The error is the difference of two solutions, the largest of all times and of velocities of all
-    directions, relative to the largest density of each time. For smooth starts it is multiplied by
-    the fifth power of the ratio of their harmonics: the gain falls as m^-5, because f_m falls as
-    m^-3 and collisions spread directions. For sharp starts the difference itself is the error.
-    """
-    resolution = TimeResolution.for_densities(rtol)
-    best = FieldDensities(law, state, speed, times, resolution)
-    values, least = _tried(best), math.inf
-    for _ in range(_ATTEMPTS):
-        resolution = resolution.finer()
-        fine = FieldDensities(law, state, speed, times, resolution)
-        found = _tried(fine)
-        peak = np.maximum(np.abs(found).max(axis=1), 1e-300)[:, None]
-        error = float(np.max(np.abs(found - values) / peak))
-        if not fine.is_sharp and fine.rays is None:
-            error *= (best.resolution.harmonics / resolution.harmonics) ** 5
-        if not error < least:
-            break
-        best, values, least = fine, found, error
-        if error <= rtol or fine.rays is not None:
-            break
-    return best, least
-
-
-def _tried(densities: FieldDensities) -> FloatArray:
-    """f at a few velocities of each time, shape (n_times, n)."""
-    out = []
-    for i, t in enumerate(densities.times):
-        fall = min(float(t), 1.0)  # of the size of the speeds that the field makes
-        scale = math.hypot(densities.usual, fall)
-        v, angle = np.meshgrid(scale * _TRIED_SPEEDS, _TRIED_ANGLES)
-        sign = np.where(
-            np.arange(angle.size) % 2, 1.0, -1.0 if densities.equation.families == 2 else 1.0
-        )
-        along, across = (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel() * sign
-        out.append(densities.at(i, along, across))
-    return np.array(out)
-
-
-class SceneDensities:
-    """The densities of a scene with a field, at speeds in U.
-
-    Parameters
-    ----------
-    law, state, rtol : as in `solve_densities`
-    times : in d/U, shape (n_times,)
-    units : sqrt(g l) in U and sqrt(l/g) in d/U
-    """
-
-    def __init__(
-        self,
-        law: CollisionLaw,
-        state: State,
-        times: FloatArray,
-        units: tuple[float, float],
-        rtol: float,
-    ) -> None:
-        self.unit, time = units
-        found = solve_densities(law, state, 1.0 / self.unit, times / time, rtol)
-        self.densities, self.error_estimate = found
-
-    @property
-    def uncollided(self) -> FloatArray:
-        """See `FieldDensities`."""
-        return self.densities.uncollided
-
-    def speed_density(self, v: FloatArray) -> FloatArray:
-        """In 1/U at all times, shape (n_times, n_v)."""
-        count, one = self.densities.times.size, self.densities.by_speed
-        return np.array([one(i, v / self.unit) for i in range(count)]) / self.unit
-
-    def velocity_density(self, v: FloatArray, phi: FloatArray) -> FloatArray:
-        """In U^-d at all times, shape (n_times, n_v, n_phi)."""
-        count, d = self.densities.times.size, self.densities.law.dimension
-        # each angle to the field once, of both signs if f is not symmetric about it
-        turned = np.arctan2(np.sin(phi), np.cos(phi))
-        if self.densities.equation.families == 1:
-            turned = np.abs(turned)
-        angle, where = np.unique(np.round(turned, 14), return_inverse=True)
-        along = np.outer(v / self.unit, np.cos(angle)).ravel()
-        across = np.outer(v / self.unit, np.sin(angle)).ravel()
-        found = np.array([self.densities.at(i, along, across) for i in range(count)])
-        return found.reshape(count, v.size, angle.size)[:, :, where] / self.unit**d

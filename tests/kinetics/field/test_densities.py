@@ -86,6 +86,8 @@ def test_from_rest_the_uncollided_are_apart() -> None:
     state = solve_field(0.7, rtol=1e-4)
     steady = state.vdf(v, [0.5, 2.0])
     late = solution.velocity_density(v, [0.5, 2.0])[2]
+    with pytest.raises(InputError, match="smooth starts"):
+        solution.velocity_component_density([0.1])
     assert late == pytest.approx(steady, abs=0.01 * steady.max())
 
 
@@ -161,7 +163,7 @@ def test_densities_of_rough_scatterers_from_rest_are_refused() -> None:
 
 
 def test_a_solution_with_densities_is_a_value(tmp_path: Path) -> None:
-    solution = solve(scene([0.5], outputs=("speed_density",)), rtol=0.1)
+    solution = solve(scene([0.5], outputs=("speed_density", "mean_velocity")), rtol=0.1)
     solution.save(tmp_path / "field.h5")
     again = load(tmp_path / "field.h5")
     v = np.array([0.5, 1.0, 2.0])
@@ -169,6 +171,8 @@ def test_a_solution_with_densities_is_a_value(tmp_path: Path) -> None:
     assert np.array_equal(again.speed_density(v), solution.speed_density(v))
     assert again.to_dataframe("speed_density", speeds=v).shape[0] == 3
     assert solution.plan[1].part == "densities"
-    with pytest.raises(InputError, match="field"):
-        solution.velocity_component_density(v)
+    v, w = panels_between(np.linspace(-7.0, 7.0, 8), 6)
+    f = solution.velocity_component_density(v)[0]
+    assert f @ w == pytest.approx(1.0, abs=1e-3)
+    assert f @ (w * v) == pytest.approx(solution.mean_velocity[0, 0], abs=1e-3)
     assert Rest() != solution.scene.state
