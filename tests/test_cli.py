@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -320,38 +319,6 @@ def test_progress_is_shown_on_a_terminal_only(tmp_path: Path) -> None:
     assert "/20" in shown
     assert json.loads(done.stdout)["tracers"] == 100
     assert run(*arguments, cwd=tmp_path).stderr == ""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
-@pytest.mark.parametrize(
-    ("number", "status"),
-    [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)],
-)
-def test_an_interrupted_report_leaves_nothing(
-    tmp_path: Path, number: signal.Signals, status: int
-) -> None:
-    process = subprocess.Popen(
-        # More configurations than could be finished before the signal comes.
-        [sys.executable, "-m", "kinetics.cli", "report", "--media", "1000000"],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        # a shell that runs the tests in the background makes them, and children, ignore SIGINT
-        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
-    )
-    try:
-        time.sleep(3)
-        assert process.poll() is None
-        os.kill(process.pid, number)
-        out, err = process.communicate(timeout=60)
-    finally:
-        process.kill()
-        process.communicate()
-    # click ends the line that a terminal shows ^C on
-    assert (process.returncode, out, err.strip()) == (status, "", "")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
