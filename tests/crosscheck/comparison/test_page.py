@@ -5,12 +5,12 @@ import os
 import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pages import Page, check_alone, check_in_browser
 
 from kinetics import Scene, solve
 from kinetics.cli import main
@@ -56,24 +56,6 @@ def differing() -> Comparison:
     return compare(solve(Scene(0.75, 0.06, times=TIMES, outputs=outputs), rtol=1e-6), run_of())
 
 
-class Page(HTMLParser):
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.references: list[str] = []
-        self.ids: list[str] = []
-        self.text = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.references += [v or "" for k, v in attrs if k in ("href", "src", "srcset", "action")]
-        self.ids += [v or "" for k, v in attrs if k == "id"]
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 @pytest.fixture(scope="module")
 def text(differing: Comparison) -> str:
     """Drawn once: that takes most of the time of these tests."""
@@ -81,16 +63,7 @@ def text(differing: Comparison) -> str:
 
 
 def test_the_page_needs_nothing_beside_it(differing: Comparison, text: str) -> None:
-    found = Page(text)
-    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(found.tags)
-    assert {r.removeprefix("#") for r in found.references} <= set(found.ids)
-    assert all(r.startswith("#") for r in found.references)
-    assert len(found.ids) == len(set(found.ids))
-    assert not re.findall(r"https?:|//[a-z]|@import", text)
-    assert found.tags.count("svg") == len(differing.figures) == found.tags.count("figure")
-    assert found.tags.count("title") == 1 + len(differing.figures)  # text alternatives
-    assert found.tags.count("desc") == len(differing.figures)
-    assert found.tags.count("math") == 3
+    assert check_alone(text, len(differing.figures)).tags.count("math") == 3
 
 
 def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text: str) -> None:
@@ -99,7 +72,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
     document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
     assert document == differing.document()
     assert document["schema"] == "inelastic-lorentz/comparison/1"
-    text = " ".join(Page(text).text.split())
+    text = Page(text).words
     wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
     for row in document["rows"]:
         assert wanted <= set(row)
@@ -122,7 +95,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
 
 def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text: str) -> None:
     found = Page(text)
-    words = " ".join(found.text.split())
+    words = found.words
     best = differing.explanations[0]
     assert best.outcome == "explains"
     cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
@@ -319,37 +292,4 @@ def saved(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_in_a_browser(
     saved: Path, differing: Comparison, browser: Any, width: int, dark: bool
 ) -> None:
-    questions = {
-        "figures": "document.querySelectorAll('figure svg').length",
-        "boxes": "[...document.querySelectorAll('figure svg')].map(s => {"
-        "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})",
-        "wide": "document.documentElement.scrollWidth",
-        "paths": "[...document.querySelectorAll('figure svg')].map("
-        "s => s.querySelectorAll('path').length)",
-        "background": "getComputedStyle(document.body).backgroundColor",
-        "maths": "[...document.querySelectorAll('math')].map("
-        "m => m.getBoundingClientRect().height)",
-    }
-    seen = browser.visit(saved, width, questions, dark)
-    assert seen.complaints == []
-    assert seen.requests == [saved.resolve().as_uri()]
-    assert seen.answers["figures"] == len(differing.figures)
-    for left, right, across, down in seen.answers["boxes"]:
-        assert left >= 0
-        assert right <= width + 0.5
-        assert across > 300 or across > 0.8 * width
-        assert down > 200
-    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
-    assert min(seen.answers["paths"]) > 5
-    assert min(seen.answers["maths"]) > 10
-    dark_paper = seen.answers["background"] == "rgb(20, 23, 27)"
-    assert dark_paper is dark
-
-
-def test_the_browser_sees_errors_and_requests(browser: Any, tmp_path: Path) -> None:
-    """The check itself can fail."""
-    path = tmp_path / "bad.html"
-    path.write_text("<img src='http://127.0.0.1:9/x.png'><script>nothing()</script>")
-    seen = browser.visit(path, 400, {})
-    assert any("127.0.0.1" in request for request in seen.requests)
-    assert any("nothing is not defined" in text for text in seen.complaints)
+    check_in_browser(browser, saved, len(differing.figures), width, dark)
