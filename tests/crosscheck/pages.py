@@ -13,7 +13,8 @@ QUESTIONS = {
     "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})",
     "paths": "[...document.querySelectorAll('figure svg')].map("
     "s => s.querySelectorAll('path').length)",
-    "maths": "[...document.querySelectorAll('.equation math')].map(m => m.getBoundingClientRect().height)",
+    "maths": "[...document.querySelectorAll('.equation math')].map("
+    "m => m.getBoundingClientRect().height)",
     "wide": "document.documentElement.scrollWidth",
     "background": "getComputedStyle(document.body).backgroundColor",
 }
