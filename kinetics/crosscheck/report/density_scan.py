@@ -86,18 +86,14 @@ def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> R
         number_density=own,
         samples=scan.samples,
         densities=scan.densities,
-        points={"hard disks": scan.ratios["msd"], "overlapping": _joined(overlapping)},
+        points={"hard disks": scan.ratios["msd"], "overlapping": Measured.joined(overlapping)},
         grid=grid,
         curves=curves,
         memories=np.array(MEMORIES),
-        remembered=_joined(forgetful[:-1]),
+        remembered=Measured.joined(forgetful[:-1]),
         all_remembered=forgetful[-1],
         expected=float(at_own[0]),
     )
-
-
-def _joined(points: list[Measured]) -> Measured:
-    return Measured(np.array([p.value for p in points]), np.array([p.error for p in points]))
 
 
 def _ratio(

@@ -1,9 +1,7 @@
 """The page, the JSON and the figures of a comparison, and the command that writes them."""
 
 import json
-import os
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,11 +13,8 @@ from pages import Page, check_alone, check_in_browser
 from kinetics import Scene, solve
 from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
-from kinetics.crosscheck.comparison import page
-from kinetics.crosscheck.comparison.page import files_of, render
+from kinetics.crosscheck.comparison.page import render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
-from kinetics.crosscheck.report.figures import figure_file
-from kinetics.crosscheck.report.strokes import INK
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([0.0, 2.0, 20.0, 200.0])
@@ -128,25 +123,6 @@ def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
     text = render(evil, EVIL)
     assert "<script" not in text
     assert Page(text).text.count(EVIL) >= 6
-
-
-def test_figures_are_files_of_their_own(differing: Comparison) -> None:
-    differing = replace(differing, figures={"msd": differing.figures["msd"]})
-    files = files_of(differing, Path("out/page.html"), ("svg", "pdf", "png", "svg"))
-    assert set(files) == {"page.html", "page.json"} | {
-        f"page-{name}.{kind}" for name in differing.figures for kind in ("svg", "pdf", "png")
-    }
-    for name, content in files.items():
-        data = content if isinstance(content, bytes) else content.encode()
-        starts = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
-        assert data.startswith(starts.get(name.rsplit(".", 1)[1], b""))
-        if name.endswith(".svg"):
-            root = ElementTree.fromstring(data)
-            assert root.find("{http://www.w3.org/2000/svg}title") is not None
-            assert b"#0a0b" not in data  # the stand-ins of the page's colours
-            assert INK.encode() in data
-    again = figure_file(differing.figures["msd"], "pdf")
-    assert again == files["page-msd.pdf"]  # the same data give the same bytes
 
 
 def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -259,25 +235,6 @@ def test_the_output_never_takes_the_place_of_the_data(
     assert main(["compare", str(data), "-o", str(tmp_path / "page.html")]) == 2
     assert "is one of the data" in capsys.readouterr().err
     assert data.read_bytes() == csv.read_bytes()
-
-
-def test_a_failure_leaves_nothing_half_written(
-    csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls = []
-    monkeypatch.setattr(page, "files_of", lambda *_: {"page.html": "1", "page.json": "2"})
-
-    def fsync(handle: int) -> None:
-        calls.append(handle)
-        if len(calls) == 2:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", fsync)
-    output = tmp_path / "page.html"
-    arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
-    assert main(arguments) == 2
-    assert len(calls) == 2
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.fixture(scope="module")

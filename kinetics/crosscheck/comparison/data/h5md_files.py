@@ -110,14 +110,20 @@ def _is_own(parent: Any, name: str, kind: type) -> bool:
     )
 
 
-def _dataset(where: str, parent: Any, name: str) -> Any:
-    """A dataset of numbers in this file; InputError for anything else."""
+def is_own_array(parent: Any, name: str) -> bool:
+    """Whether a group has this dataset, with all of its data, in its own file."""
     import h5py
 
-    if _is_own(parent, name, h5py.Dataset):
+    if not _is_own(parent, name, h5py.Dataset):
+        return False
+    return not parent[name].is_virtual and not parent[name].external
+
+
+def _dataset(where: str, parent: Any, name: str) -> Any:
+    """A dataset of numbers in this file; InputError for anything else."""
+    if is_own_array(parent, name):
         found = parent[name]
-        plain = found.dtype.kind in "iuf" and found.shape is not None
-        if plain and not found.is_virtual and not found.external:
+        if found.dtype.kind in "iuf" and found.shape is not None:
             return found
     raise InputError(f"{where}: {parent.name}/{name} must be numbers in this file")
 

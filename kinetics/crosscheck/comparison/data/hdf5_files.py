@@ -2,13 +2,17 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import h5py
 
 from kinetics.crosscheck.comparison.data.arrays import FRAMES, read_frames, read_pieces
 from kinetics.crosscheck.comparison.data.columns import Asked, Averages, Rows, find_columns
-from kinetics.crosscheck.comparison.data.h5md_files import is_h5md, read_file, unit_of
+from kinetics.crosscheck.comparison.data.h5md_files import (
+    is_h5md,
+    is_own_array,
+    read_file,
+    unit_of,
+)
 
 
 def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
@@ -17,7 +21,7 @@ def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
         if is_h5md(file):
             yield from read_file(path, file, asked)
             return
-        names = [name for name in file if _is_own_dataset(file, name)]
+        names = [name for name in file if is_own_array(file, name)]
         if set(FRAMES) <= set(names):
             yield from read_frames(path, {name: file[name] for name in FRAMES})
             return
@@ -25,10 +29,3 @@ def read(path: Path, asked: Asked) -> Iterator[Rows | Averages]:
         columns = {name: file[names[place]] for name, place in found.items()}
         units = {name: unit_of(column) for name, column in columns.items()}
         yield from read_pieces(path, columns, units)
-
-
-def _is_own_dataset(file: Any, name: str) -> bool:
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        return False
-    dataset = file[name]
-    return isinstance(dataset, h5py.Dataset) and not dataset.is_virtual and not dataset.external
