@@ -232,5 +232,3 @@ def test_no_medium_is_measured_twice(effort: Effort) -> None:
     found = [name for name, _ in throughput.media(effort)]
     assert len(found) == len(set(found))
     assert {medium.dimension for _, medium in throughput.media(effort)} == {2, 3}
-    # rough scatterers beside the same smooth ones
-    assert {name for name, _ in throughput.rough_media()} <= set(found)

@@ -234,13 +234,13 @@ def test_frames_are_read_in_pieces(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch, moments: Any
 ) -> None:
     """Pieces of any size give the same sums."""
-    from kinetics.crosscheck.comparison.data import arrays, h5md_files
+    from kinetics.crosscheck.comparison.data import arrays, hdf5_files
     from kinetics.crosscheck.comparison.data.columns import Asked, read_rows
 
     for name in WRITERS:
         WRITERS[name](tmp_path / name, run)
     whole = {name: read_sample([tmp_path / name], timestep=STEP) for name in WRITERS}
-    for module in (frames, arrays, h5md_files):
+    for module in (frames, arrays, hdf5_files):
         monkeypatch.setattr(module, "PIECE", 70)
     for name in WRITERS:
         pieces = list(read_rows(tmp_path / name, Asked(timestep=STEP)))
