@@ -49,7 +49,7 @@ class _Random:
     diameter: float = 1.0
     box: Literal["periodic"] | None = "periodic"
     overlapping: ClassVar[bool]
-    listed: ClassVar[float] = LISTED  # of a periodic box; for the benchmark, which varies it
+    listed: ClassVar[float] = LISTED  # of a periodic box; kernel_speed.py varies it
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)

@@ -90,6 +90,15 @@ def test_while_tracers_are_followed_for_hours(
     assert os.listdir(tmp_path) == ["a.h5"]
 
 
+def test_while_a_report_is_made(how: tuple[signal.Signals, int], tmp_path: Path) -> None:
+    """It has a child process, and leaves no file."""
+    # more configurations than could be finished before the signal comes
+    run = Running(tmp_path, "report", "--media", "1000000")
+    time.sleep(3)
+    check_end(run, how)
+    assert os.listdir(tmp_path) == []
+
+
 def test_while_kernels_are_compiled(how: tuple[signal.Signals, int], tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     cache = tmp_path / "cache"
