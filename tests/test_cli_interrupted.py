@@ -52,7 +52,10 @@ class Running:
             time.sleep(0.01)
 
 
-@pytest.fixture(params=SIGNALS, ids=["SIGINT", "SIGTERM"])
+# Both signals have one handler; by default SIGTERM is sent in tests/test_cli_simulate.py only.
+@pytest.fixture(
+    params=[SIGNALS[0], pytest.param(SIGNALS[1], marks=pytest.mark.slow)], ids=["SIGINT", "SIGTERM"]
+)
 def how(request: pytest.FixtureRequest) -> Iterator[tuple[signal.Signals, int]]:
     return request.param
 

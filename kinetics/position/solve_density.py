@@ -28,7 +28,7 @@ from kinetics.states.state import State
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
 # tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
-_LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
+_LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 100.0, 30.0, 25.0
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
 # power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
@@ -239,7 +239,6 @@ class _Sweep:
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | FrontTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
-        k, f = _upper(self.panels, time, _FITTED_FRONTS if self.fronts else _FITTED)
         last = _last(self.panels, time)
         if self.fronts:
             turns, d = high * self._flights[time], self.once.dimension
@@ -249,12 +248,10 @@ class _Sweep:
             enough = ended * max(1.0, high * self.width[time]) < self.rtol
             if enough or turns < _FIRST_TURNS:
                 return None, ended
-            flights = self.once.flights[time][self.once.shares[time] > 0.0]
-            # several have more functions than the data determine
-            if flights.size > 1 or not self.once.scatterer.smooth:
+            if not self.once.scatterer.smooth:
                 return None, ended
-            front, left = fit_fronts(k, f, self.once.restitution, flights, d)
-            left *= _BEYOND / high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
+            flights = self.once.flights[time][self.once.shares[time] > 0.0]
+            front, left = fit_fronts(self.panels, time, flights, self.once.scatterer)
             return (front, left) if left < ended else (None, ended)
         if self.sharp:
             return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
@@ -265,6 +262,7 @@ class _Sweep:
             return None, largest
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         first = 0 if stopped or returned else 1
+        k, f = _upper(self.panels, time, _FITTED)
         tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
         beyond = _BEYOND_RETURNED if returned else _BEYOND
         return (tail, beyond * left) if left < _BETTER * largest else (None, largest)

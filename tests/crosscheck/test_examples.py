@@ -1,4 +1,4 @@
-"""The examples run, and their numbers are right."""
+"""The examples run, and their numbers are right (slow; CI runs them)."""
 
 import runpy
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[2]
 
 
