@@ -26,6 +26,7 @@ SCATTERERS = "scatterers met again"
 NOT_ASKED = "not asked for"
 # Against hard disks: see `kinetics.collision.medium`
 _LOW_SPEEDS = "; the speed density is less certain below 0.4 of the thermal speed"
+_LEAST = -650.0  # of ln(v0/U), v0 the thermal speed
 _SPEEDS = np.geomspace(0.01, 3.0, 50)  # in thermal ones: where a density may not be below zero
 
 
@@ -78,6 +79,8 @@ def _negative_density(averages: Averages, profile: Profile) -> str:
     """Where the speed density is below zero, as its operator allows; empty where it is not."""
     lowest, highest = 0.0, 0.0
     for i, log_unit in enumerate(averages.log_reference):
+        if log_unit < _LEAST:
+            continue  # f itself is larger than the largest number there
         f = profile.at(i, np.exp(log_unit) * _SPEEDS).real
         share = f / max(float(f.max()), 1e-300)
         lowest = min(lowest, float(share.min()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.special import logsumexp
 
 from kinetics.collision import CollisionLaw
 from kinetics.densities.harmonic import (
@@ -76,8 +77,8 @@ def sharing_error(law: CollisionLaw, found: NodeMasses, paths: FloatArray, state
         change[1:-1] = (bias * (1.0 - slowed) + first * slowed) / (2.0 * h) * np.abs(
             mass[2:] - mass[:-2]
         ) + 0.5 * spread / h**2 * np.abs(mass[2:] - 2.0 * mass[1:-1] + mass[:-2])
-        typical = 0.5 * math.log(float(mass @ np.exp(2.0 * (found.x - top))) / mass.sum())
-        v = np.exp(found.x - top - typical)
+        typical = 0.5 * float(logsumexp(2.0 * found.x, b=mass) - math.log(mass.sum()))
+        v = np.exp(np.minimum(found.x - typical, 700.0))  # in their root mean square
         there = v > LOWEST_SPEED
         most = max(float((mass / v)[there].max()), LEAST_MAXIMUM * h)
         error = safe * float((change / v)[there].max()) / most

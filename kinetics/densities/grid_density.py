@@ -60,8 +60,9 @@ class GridDensity(Value):
         # below what is resolved, the slope of ln f that f = g/v has there goes on
         at = np.clip(x[inside], floor, self.end)
         with np.errstate(under="ignore"):
-            fall = np.exp(slope * (x[inside] - at) - (at - shift))
-            out[inside] = self._interpolate(i, at) * fall
+            # by the root twice: 1/v alone may be larger than the largest number
+            root = np.exp(0.5 * (slope * (x[inside] - at) - (at - shift)))
+            out[inside] = self._interpolate(i, at) * root * root
             if self.filled:
                 # from speeds where the error of g, divided by v, is still small
                 edge = math.log(self.filled * self._width(i))
