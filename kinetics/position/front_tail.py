@@ -28,7 +28,7 @@ from kinetics.values import Value
 _POINTS = 12
 _POWER, _LOGARITHMS = 2, 3
 _FITTED = 0.3  # share of K, from above, to which they are fitted
-_SHORTER = 0.75  # share of the panels from which the error is seen
+_SHORTER, _UPPER = 0.75, 0.5  # shares of K, from below and above, from which the error is seen
 
 
 @dataclass(frozen=True)
@@ -62,42 +62,47 @@ def fit_fronts(
     """The tail of F at one of the times, beyond the panels, and what it leaves unknown of F.
 
     The latter is the largest difference of g(r, t) l, over the largest K, from what follows without
-    the upper quarter of the panels, at radii no closer to a front than 1/K. It is infinite where
+    the upper quarter of the panels, or from a fit to the upper half of them. It is infinite where
     there are too few panels.
     """
     high, d = panels[-1].high, scatterer.dimension
     cut = min((panel.low for panel in panels), key=lambda low: abs(low - _SHORTER * high))
     if cut == 0.0:
         return None, math.inf
-    full, trial = (_fitted(panels, time, end, (flights, d)) for end in (high, cut))
-    largest = 0.0
-    for T in flights:
-        rho = T * _places(high * float(T), scatterer)
-        apart = full.transform(rho, 0) - trial.transform(rho, 0)
-        for panel in panels:
-            f = panel.of(time)
-            assert f is not None  # the time is in all of them
-            points = f.size + 8 * math.ceil(T * (panel.high - panel.low) / 8.0)
-            k, weight, values = panel.gauss(f, points)
-            seen = trial.at(k) if panel.low < cut else values
-            missed = weight * radial_measure(k, 0, d) * (seen - full.at(k))
-            apart += radial_waves(np.outer(rho, k), 0, d) @ missed
-        largest = max(largest, float(np.abs(element(rho, d) * apart).max()))
-    return full, largest / high
+    full = _fitted(panels, time, (_FITTED * high, high), (flights, d))
+    ends = (cut, high)
+    trials = [
+        _fitted(panels, time, (low, end), (flights, d))
+        for low, end in zip((_FITTED * cut, _UPPER * high), ends, strict=True)
+    ]
+    rho = np.concatenate([T * _places(high * float(T), scatterer) for T in flights])
+    apart = np.array([full.transform(rho, 0) - trial.transform(rho, 0) for trial in trials])
+    for panel in panels:
+        f = panel.of(time)
+        assert f is not None  # the time is in all of them
+        turns = float(flights.max()) * (panel.high - panel.low)
+        k, weight, values = panel.gauss(f, f.size + 8 * math.ceil(turns / 8.0))
+        waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
+        for one, trial, end in zip(apart, trials, ends, strict=True):
+            one += waves @ ((trial.at(k) if panel.low < end else values) - full.at(k))
+    return full, float(np.abs(element(rho, d) * apart).max()) / high
 
 
 def _fitted(
-    panels: list[WavePanel], time: int, end: float, of: tuple[FloatArray, int]
+    panels: list[WavePanel],
+    time: int,
+    between: tuple[float, float],
+    of: tuple[FloatArray, int],
 ) -> FrontTail:
-    """Through F up to K = end, with errors relative to its power of K.
+    """Through F between two K, with errors relative to its power of K.
 
     of : flights and the dimension
     """
-    flights, dimension = of
+    (flights, dimension), (low, end) = of, between
     used = [panel for panel in panels if panel.low < end]
     k = np.concatenate([panel.nodes for panel in used])
     f = np.concatenate([panel.of(time) for panel in used])
-    k, f = k[k > _FITTED * end], f[k > _FITTED * end]
+    k, f = k[k > low], f[k > low]
     weight = k ** (0.5 * (dimension + 5))
     columns = _columns(k, flights, dimension) * weight[:, None]
     size = np.linalg.norm(columns, axis=0)
@@ -106,14 +111,13 @@ def _fitted(
 
 
 def _places(turns: float, scatterer: Scatterer) -> FloatArray:
-    """Radii over T: between the fronts, and near them, but no closer than 1/turns."""
-    near = 2.0 ** np.arange(4) / turns
+    """Radii over T: everywhere, and near the fronts, to within 1/(8 turns)."""
+    near = 2.0 ** np.arange(-3, 4) / turns
     fronts = scatterer.singular_radii(1.0)
     x = np.concatenate(
         [np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))]
     )
-    far = np.min([np.abs(x - a) for a in fronts if a > 0.0], axis=0) > 0.99 / turns
-    return x[far & (x > 0.0) & (x < 1.0)]
+    return x[(x > 0.01) & (x < 1.0)]
 
 
 def _columns(k: FloatArray, flights: FloatArray, dimension: int) -> FloatArray:

@@ -41,7 +41,8 @@ from kinetics.numerics.gauss import gauss_legendre
 from kinetics.position.directions import mean_phase
 
 _NODES = 24  # of the polynomial between two singular radii
-_IMPACTS, _TIMES, _ARC, _AROUND = 8, 12, 10, 3  # Gauss points between singular places
+_IMPACTS, _TIMES, _ARC, _AROUND = 10, 12, 10, 3  # Gauss points between singular places
+_BESIDE = 0.6  # twice the imaginary part of complex solutions that are felt
 _AWAY = (8.0, 64.0, 512.0)
 _NEAREST = 1e-6  # of two singular radii, over T
 _SOME, _FOR_TURN = 40, 1.4  # Gauss points of a transform, and for each K T
@@ -251,8 +252,10 @@ def _times(each: _First, e: float) -> tuple[FloatArray, FloatArray]:
         root = np.sqrt(np.maximum(discriminant, 0.0))
         q = -0.5 * (b + np.where(b < 0.0, -root, root))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for found in (q / a, left / q):
-                real = (discriminant >= 0.0) & np.isfinite(found)
+            # a pair of complex solutions is felt where it is near a real one
+            beside = (discriminant < 0.0) & (-discriminant < (_BESIDE * a) ** 2)
+            for found in (q / a, np.where(discriminant < 0.0, 0.0, left / q)):
+                real = ((discriminant >= 0.0) | beside) & np.isfinite(found)
                 tau.append(np.clip(np.where(real, found, 0.0), 0.0, 1.0))
     edges = np.sort(np.array(tau).T, axis=1)
     return edges[:, :-1], edges[:, 1:]
