@@ -7,11 +7,13 @@ and K^-4 in space; other fronts are weaker. The end of F is fitted by
 
     (1 - x^2)^2 ln^p(1 - x^2),   x = R/T,   p = 0, 1, 2,
 
-for each speed. These are known in R, so that the transform needs no large K.
+for each speed, and where collisions lose no energy, so that there is no other front, besides with
+the third and the fourth power of 1 - x^2. These are known in R, so that the transform needs no large K.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +28,7 @@ from kinetics.position.wave_panel import WavePanel
 from kinetics.values import Value
 
 _POINTS = 12
-_POWER, _LOGARITHMS = 2, 3
+_LOWEST, _LOGARITHMS = 2, 3  # the first power, and how many logarithms there are with each
 _FITTED = 0.3  # share of K, from above, to which they are fitted
 _SHORTER, _UPPER = 0.75, 0.5  # shares of K, from below and above, from which the error is seen
 
@@ -37,7 +39,7 @@ class FrontTail(Value):
 
     Attributes
     ----------
-    coefficients : shape (3 n_speeds,)
+    coefficients : of the functions of one speed after another, shape (n_functions,)
     flights : T of each speed, shape (n_speeds,)
     dimension : 2 or 3
     """
@@ -48,12 +50,18 @@ class FrontTail(Value):
 
     def at(self, k: FloatArray) -> FloatArray:
         """Its part of F at K = k, shape (n_k,)."""
-        return np.asarray(_columns(k, self.flights, self.dimension) @ self.coefficients)
+        columns = _columns(k, self.flights, self.dimension, self._powers)
+        return np.asarray(columns @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        parts = [_transforms(rho, float(T), self.dimension, kind) for T in self.flights]
+        gas = self.dimension, self._powers
+        parts = [_transforms(rho, float(T), gas, kind) for T in self.flights]
         return np.asarray(self.coefficients @ np.concatenate(parts))
+
+    @property
+    def _powers(self) -> int:
+        return self.coefficients.size // (_LOGARITHMS * self.flights.size)
 
 
 def fit_fronts(
@@ -69,10 +77,10 @@ def fit_fronts(
     cut = min((panel.low for panel in panels), key=lambda low: abs(low - _SHORTER * high))
     if cut == 0.0:
         return None, math.inf
-    full = _fitted(panels, time, (_FITTED * high, high), (flights, d))
+    full = _fitted(panels, time, (_FITTED * high, high), (flights, scatterer))
     ends = (cut, high)
     trials = [
-        _fitted(panels, time, (low, end), (flights, d))
+        _fitted(panels, time, (low, end), (flights, scatterer))
         for low, end in zip((_FITTED * cut, _UPPER * high), ends, strict=True)
     ]
     rho = np.concatenate([T * _places(high * float(T), scatterer) for T in flights])
@@ -92,19 +100,21 @@ def _fitted(
     panels: list[WavePanel],
     time: int,
     between: tuple[float, float],
-    of: tuple[FloatArray, int],
+    of: tuple[FloatArray, Scatterer],
 ) -> FrontTail:
     """Through F between two K, with errors relative to its power of K.
 
-    of : flights and the dimension
+    of : flights, and what the tracers have collided with
     """
-    (flights, dimension), (low, end) = of, between
+    (flights, scatterer), (low, end) = of, between
+    dimension = scatterer.dimension
+    powers = 3 if scatterer.restitution == 1.0 else 1
     used = [panel for panel in panels if panel.low < end]
     k = np.concatenate([panel.nodes for panel in used])
     f = np.concatenate([panel.of(time) for panel in used])
     k, f = k[k > low], f[k > low]
     weight = k ** (0.5 * (dimension + 5))
-    columns = _columns(k, flights, dimension) * weight[:, None]
+    columns = _columns(k, flights, dimension, powers) * weight[:, None]
     size = np.linalg.norm(columns, axis=0)
     found = np.linalg.lstsq(columns / size, f * weight, rcond=1e-9)[0]
     return FrontTail(np.asarray(found / size), flights, dimension)
@@ -120,42 +130,47 @@ def _places(turns: float, scatterer: Scatterer) -> FloatArray:
     return x[(x > 0.01) & (x < 1.0)]
 
 
-def _columns(k: FloatArray, flights: FloatArray, dimension: int) -> FloatArray:
+def _columns(k: FloatArray, flights: FloatArray, dimension: int, powers: int) -> FloatArray:
     """The functions at K = k, shape (n_k, n_functions)."""
     columns = []
     for T in flights:
         turns = 2.0 ** math.ceil(math.log2(max(32.0, float(k.max()) * T)))
-        rho, parts = _table(float(T), turns, dimension)
+        rho, parts = _table(float(T), turns, dimension, powers)
         columns.append(mean_phase(np.outer(k, rho), dimension) @ parts.T)
     return np.hstack(columns)
 
 
 @lru_cache(maxsize=16)
-def _table(T: float, turns: float, dimension: int) -> tuple[FloatArray, FloatArray]:
+def _table(T: float, turns: float, dimension: int, powers: int) -> tuple[FloatArray, FloatArray]:
     """Radii (n,) on [0, T], and weights R^(d-1) times the functions there, (n_functions, n)."""
     rho, weight = panels_between(radial_edges((0.0, T), T, turns), _POINTS)
-    return rho, weight * element(rho, dimension) * _functions(rho / T)
+    return rho, weight * element(rho, dimension) * _functions(rho / T, powers)
 
 
-def _functions(x: FloatArray) -> FloatArray:
+def _functions(x: FloatArray, powers: int) -> FloatArray:
     """The functions of x = R/T, shape (n_functions, n)."""
     inside = x < 1.0
     d = np.where(inside, (1.0 - x) * (1.0 + x), 1.0)
-    return np.array([np.where(inside, d**_POWER * np.log(d) ** p, 0.0) for p in range(_LOGARITHMS)])
+    exponents = itertools.product(range(_LOWEST, _LOWEST + powers), range(_LOGARITHMS))
+    return np.array([np.where(inside, d**nu * np.log(d) ** p, 0.0) for nu, p in exponents])
 
 
-def _transforms(rho: FloatArray, T: float, d: int, kind: int) -> FloatArray:
-    """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`."""
+def _transforms(rho: FloatArray, T: float, gas: tuple[int, int], kind: int) -> FloatArray:
+    """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`.
+
+    gas : the dimension, and how many powers there are
+    """
+    d, powers = gas
     if kind == 0:
-        return _functions(rho / T)
+        return _functions(rho / T, powers)
     if kind == 2:
         step = 1e-5 * T
-        ends = [_functions(np.abs(rho + h) / T) for h in (-step, step)]
+        ends = [_functions(np.abs(rho + h) / T, powers) for h in (-step, step)]
         return np.asarray((ends[0] - ends[1]) / (2.0 * step))
     near = np.clip(rho, 0.0, T)
     edges = np.union1d(radial_edges((0.0, T), T), near)
     x, w = panels_between(edges, _POINTS)
-    parts = (w * element(x, d) * _functions(x / T)).reshape(_LOGARITHMS, -1, _POINTS)
+    parts = (w * element(x, d) * _functions(x / T, powers)).reshape(-1, edges.size - 1, _POINTS)
     sums = np.cumsum(parts.sum(axis=2), axis=1)
-    sums = np.concatenate([np.zeros((_LOGARITHMS, 1)), sums], axis=1)
+    sums = np.concatenate([np.zeros((sums.shape[0], 1)), sums], axis=1)
     return np.asarray(sums[:, np.searchsorted(edges, near)] / np.maximum(element(rho, d), 1e-300))

@@ -183,7 +183,7 @@ def test_what_is_claimed_is_reached() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("e", "T", "dimension"), [(0.37, 10.0, 2), (0.9, 1.0, 3)])
+@pytest.mark.parametrize(("e", "T", "dimension"), [(0.37, 10.0, 2), (0.2, 3.0, 3)])
 def test_an_error_that_is_not_small_is_estimated_beside_the_fronts_too(
     e: float, T: float, dimension: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
