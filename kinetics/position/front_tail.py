@@ -7,8 +7,10 @@ and K^-4 in space; other fronts are weaker. The end of F is fitted by
 
     (1 - x^2)^2 ln^p(1 - x^2),   x = R/T,   p = 0, 1, 2,
 
-for each speed, and where collisions lose no energy, so that there is no other front, besides with
-the third and the fourth power of 1 - x^2. These are known in R, so that the transform needs no large K.
+for each speed. Where collisions lose no energy there is no other front, and the third power of
+1 - x^2 can be told apart too. Where e is small, tracers that a collision has nearly stopped leave
+powers of 1/K besides, as in `tail`. All these are known in R, so that the transform needs no large
+K.
 """
 
 from __future__ import annotations
@@ -24,11 +26,14 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
 from kinetics.position.once_collided import Scatterer, radial_edges
+from kinetics.position.tail import origin_terms, origin_transforms
 from kinetics.position.wave_panel import WavePanel
 from kinetics.values import Value
 
 _POINTS = 12
 _LOWEST, _LOGARITHMS = 2, 3  # the first power, and how many logarithms there are with each
+_AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
+_ORIGIN = 3.0  # K T from which these fall as powers
 _FITTED = 0.3  # share of K, from above, to which they are fitted
 _SHORTER, _UPPER = 0.75, 0.5  # shares of K, from below and above, from which the error is seen
 
@@ -40,28 +45,26 @@ class FrontTail(Value):
     Attributes
     ----------
     coefficients : of the functions of one speed after another, shape (n_functions,)
+    restitution : e
     flights : T of each speed, shape (n_speeds,)
     dimension : 2 or 3
     """
 
     coefficients: FloatArray
+    restitution: float
     flights: FloatArray
     dimension: int = 2
 
     def at(self, k: FloatArray) -> FloatArray:
         """Its part of F at K = k, shape (n_k,)."""
-        columns = _columns(k, self.flights, self.dimension, self._powers)
+        columns = _columns(k, self.flights, self.restitution, self.dimension)
         return np.asarray(columns @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        gas = self.dimension, self._powers
+        gas = self.restitution, self.dimension
         parts = [_transforms(rho, float(T), gas, kind) for T in self.flights]
         return np.asarray(self.coefficients @ np.concatenate(parts))
-
-    @property
-    def _powers(self) -> int:
-        return self.coefficients.size // (_LOGARITHMS * self.flights.size)
 
 
 def fit_fronts(
@@ -107,17 +110,16 @@ def _fitted(
     of : flights, and what the tracers have collided with
     """
     (flights, scatterer), (low, end) = of, between
-    dimension = scatterer.dimension
-    powers = 3 if scatterer.restitution == 1.0 else 1
+    e, dimension = scatterer.restitution, scatterer.dimension
     used = [panel for panel in panels if panel.low < end]
     k = np.concatenate([panel.nodes for panel in used])
     f = np.concatenate([panel.of(time) for panel in used])
     k, f = k[k > low], f[k > low]
     weight = k ** (0.5 * (dimension + 5))
-    columns = _columns(k, flights, dimension, powers) * weight[:, None]
+    columns = _columns(k, flights, e, dimension) * weight[:, None]
     size = np.linalg.norm(columns, axis=0)
     found = np.linalg.lstsq(columns / size, f * weight, rcond=1e-9)[0]
-    return FrontTail(np.asarray(found / size), flights, dimension)
+    return FrontTail(np.asarray(found / size), e, flights, dimension)
 
 
 def _places(turns: float, scatterer: Scatterer) -> FloatArray:
@@ -130,14 +132,26 @@ def _places(turns: float, scatterer: Scatterer) -> FloatArray:
     return x[(x > 0.01) & (x < 1.0)]
 
 
-def _columns(k: FloatArray, flights: FloatArray, dimension: int, powers: int) -> FloatArray:
+def _columns(k: FloatArray, flights: FloatArray, e: float, dimension: int) -> FloatArray:
     """The functions at K = k, shape (n_k, n_functions)."""
     columns = []
     for T in flights:
         turns = 2.0 ** math.ceil(math.log2(max(32.0, float(k.max()) * T)))
-        rho, parts = _table(float(T), turns, dimension, powers)
+        rho, parts = _table(float(T), turns, dimension, _powers(e))
         columns.append(mean_phase(np.outer(k, rho), dimension) @ parts.T)
+        if e < _SMALL:
+            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN, dimension, _first(e)))
     return np.hstack(columns)
+
+
+def _powers(e: float) -> int:
+    """How many powers of 1 - x^2: the coefficients of more are lost among other fronts."""
+    return 2 if e == 1.0 else 1
+
+
+def _first(e: float) -> int:
+    """Which powers of 1/K tracers leave that a collision has stopped, or nearly: see `tail`."""
+    return 0 if e == 0.0 else 1
 
 
 @lru_cache(maxsize=16)
@@ -155,22 +169,28 @@ def _functions(x: FloatArray, powers: int) -> FloatArray:
     return np.array([np.where(inside, d**nu * np.log(d) ** p, 0.0) for nu, p in exponents])
 
 
-def _transforms(rho: FloatArray, T: float, gas: tuple[int, int], kind: int) -> FloatArray:
+def _transforms(rho: FloatArray, T: float, gas: tuple[float, int], kind: int) -> FloatArray:
     """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`.
 
-    gas : the dimension, and how many powers there are
+    gas : e and the dimension
     """
-    d, powers = gas
+    e, d = gas
     if kind == 0:
-        return _functions(rho / T, powers)
-    if kind == 2:
+        parts = _functions(rho / T, _powers(e))
+    elif kind == 1:
+        near = np.clip(rho, 0.0, T)
+        edges = np.union1d(radial_edges((0.0, T), T), near)
+        x, w = panels_between(edges, _POINTS)
+        parts = w * element(x, d) * _functions(x / T, _powers(e))
+        sums = np.cumsum(parts.reshape(-1, edges.size - 1, _POINTS).sum(axis=2), axis=1)
+        sums = np.concatenate([np.zeros((sums.shape[0], 1)), sums], axis=1)
+        parts = sums[:, np.searchsorted(edges, near)] / np.maximum(element(rho, d), 1e-300)
+    else:
         step = 1e-5 * T
-        ends = [_functions(np.abs(rho + h) / T, powers) for h in (-step, step)]
-        return np.asarray((ends[0] - ends[1]) / (2.0 * step))
-    near = np.clip(rho, 0.0, T)
-    edges = np.union1d(radial_edges((0.0, T), T), near)
-    x, w = panels_between(edges, _POINTS)
-    parts = (w * element(x, d) * _functions(x / T, powers)).reshape(-1, edges.size - 1, _POINTS)
-    sums = np.cumsum(parts.sum(axis=2), axis=1)
-    sums = np.concatenate([np.zeros((sums.shape[0], 1)), sums], axis=1)
-    return np.asarray(sums[:, np.searchsorted(edges, near)] / np.maximum(element(rho, d), 1e-300))
+        ends = [_functions(np.abs(rho + h) / T, _powers(e)) for h in (-step, step)]
+        parts = (ends[0] - ends[1]) / (2.0 * step)
+    if e < _SMALL:
+        scale = _ORIGIN / T
+        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind, d, _first(e))
+        parts = np.concatenate([parts, at_origin * scale ** (d, d - 1, d + 1)[kind]])
+    return parts

@@ -42,6 +42,7 @@ from kinetics.position.directions import mean_phase
 
 _NODES = 24  # of the polynomial between two singular radii
 _IMPACTS, _TIMES, _ARC, _AROUND = 10, 12, 10, 3  # Gauss points between singular places
+_NEARLY_ELASTIC = 0.95  # e
 _BESIDE = 0.6  # twice the imaginary part of complex solutions that are felt
 _AWAY = (8.0, 64.0, 512.0)
 _NEAREST = 1e-6  # of two singular radii, over T
@@ -187,14 +188,16 @@ def twice_integral(rho: FloatArray, T: float, e: float, dimension: int) -> Float
     centre = np.hypot(centre_x, centre_y)
     met = (np.abs(centre - middle.x) < radius).reshape(low.shape)
     i, j = np.nonzero(met & (high - low > 1e-12))
-    node, w = _eased(_TIMES)
+    # where hardly any energy is lost, logarithms at the ends stay up to R = T
+    times = _TIMES if e < _NEARLY_ELASTIC else 2 * _TIMES
+    node, w = _eased(times)
     length = (high - low)[i, j][:, None]
     tau = (low[i, j][:, None] + length * node).ravel()
-    first = each.part(np.repeat(i, _TIMES), tau)
+    first = each.part(np.repeat(i, times), tau)
     seen = _on_arc if dimension == 2 else _on_sphere
     flown = np.exp(-T * (1.0 - tau + first.ratio * tau))
     part = (weight[i][:, None] * length * w).ravel() * flown * seen(first, e, T)
-    return np.asarray(T * np.bincount(np.repeat(which[i], _TIMES), part, rho.size))
+    return np.asarray(T * np.bincount(np.repeat(which[i], times), part, rho.size))
 
 
 def _eased(points: int) -> tuple[FloatArray, FloatArray]:

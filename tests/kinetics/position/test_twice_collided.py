@@ -126,7 +126,7 @@ def test_the_front_of_two_equal_deflections() -> None:
 def test_tails_are_what_they_were_made_of(dimension: int) -> None:
     """A sum of the functions is found again, and its transforms are those of its own F."""
     flights = np.array([1.0])
-    shape = FrontTail(np.array([0.3, -0.5, 0.2]), flights, dimension)
+    shape = FrontTail(np.array([0.3, -0.5, 0.2]), 0.5, flights, dimension)
     ends = np.array([0.0, 20.0, 40.0, 55.0, 70.0])
     panels = [
         WavePanel(low, high, np.array([0]), shape.at(points_between(low, high, 40))[None, :])
