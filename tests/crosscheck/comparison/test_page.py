@@ -1,25 +1,19 @@
 """The page, the JSON and the figures of a comparison, and the command that writes them."""
 
 import json
-import os
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pages import Page, check_alone, check_in_browser
 
 from kinetics import Scene, solve
-from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
-from kinetics.crosscheck.comparison import page
-from kinetics.crosscheck.comparison.page import files_of, render
+from kinetics.crosscheck.comparison.page import render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
-from kinetics.crosscheck.report.figures import figure_file
-from kinetics.crosscheck.report.strokes import INK
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([0.0, 2.0, 20.0, 200.0])
@@ -56,24 +50,6 @@ def differing() -> Comparison:
     return compare(solve(Scene(0.75, 0.06, times=TIMES, outputs=outputs), rtol=1e-6), run_of())
 
 
-class Page(HTMLParser):
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.references: list[str] = []
-        self.ids: list[str] = []
-        self.text = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.references += [v or "" for k, v in attrs if k in ("href", "src", "srcset", "action")]
-        self.ids += [v or "" for k, v in attrs if k == "id"]
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 @pytest.fixture(scope="module")
 def text(differing: Comparison) -> str:
     """Drawn once: that takes most of the time of these tests."""
@@ -81,16 +57,7 @@ def text(differing: Comparison) -> str:
 
 
 def test_the_page_needs_nothing_beside_it(differing: Comparison, text: str) -> None:
-    found = Page(text)
-    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(found.tags)
-    assert {r.removeprefix("#") for r in found.references} <= set(found.ids)
-    assert all(r.startswith("#") for r in found.references)
-    assert len(found.ids) == len(set(found.ids))
-    assert not re.findall(r"https?:|//[a-z]|@import", text)
-    assert found.tags.count("svg") == len(differing.figures) == found.tags.count("figure")
-    assert found.tags.count("title") == 1 + len(differing.figures)  # text alternatives
-    assert found.tags.count("desc") == len(differing.figures)
-    assert found.tags.count("math") == 3
+    assert check_alone(text, len(differing.figures)).tags.count("math") == 3
 
 
 def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text: str) -> None:
@@ -99,7 +66,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
     document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
     assert document == differing.document()
     assert document["schema"] == "inelastic-lorentz/comparison/1"
-    text = " ".join(Page(text).text.split())
+    text = Page(text).words
     wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
     for row in document["rows"]:
         assert wanted <= set(row)
@@ -122,7 +89,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
 
 def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text: str) -> None:
     found = Page(text)
-    words = " ".join(found.text.split())
+    words = found.words
     best = differing.explanations[0]
     assert best.outcome == "explains"
     cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
@@ -157,32 +124,9 @@ def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
     assert Page(text).text.count(EVIL) >= 6
 
 
-def test_figures_are_files_of_their_own(differing: Comparison) -> None:
-    differing = replace(differing, figures={"msd": differing.figures["msd"]})
-    files = files_of(differing, Path("out/page.html"), ("svg", "pdf", "png", "svg"))
-    assert set(files) == {"page.html", "page.json"} | {
-        f"page-{name}.{kind}" for name in differing.figures for kind in ("svg", "pdf", "png")
-    }
-    for name, content in files.items():
-        data = content if isinstance(content, bytes) else content.encode()
-        starts = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
-        assert data.startswith(starts.get(name.rsplit(".", 1)[1], b""))
-        if name.endswith(".svg"):
-            root = ElementTree.fromstring(data)
-            assert root.find("{http://www.w3.org/2000/svg}title") is not None
-            assert b"#0a0b" not in data  # the stand-ins of the page's colours
-            assert INK.encode() in data
-    again = figure_file(differing.figures["msd"], "pdf")
-    assert again == files["page-msd.pdf"]  # the same data give the same bytes
-
-
-def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_rows_as_json(csv: Path, lorentz: Any) -> None:
     before = csv.read_bytes()
-    arguments = ["compare", str(csv), "--restitution", "0.75", "--number-density", "0.04", "--json"]
-    assert main(arguments) == 0
-    out = capsys.readouterr()
-    assert out.err == ""
-    document = json.loads(out.out)
+    document = lorentz.json("compare", str(csv), "-e", "0.75", "--number-density", "0.04")
     assert document["verdict"] == "agrees"
     assert document["data"] == {
         "names": ["data.csv"], "samples": 2000, "groups": 40, "grouping": "medium",
@@ -195,22 +139,18 @@ def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixtur
     assert csv.read_bytes() == before
 
 
-def test_the_command_prints_a_table(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["compare", str(csv), "-e", "0.6", "--number-density", "0.04"]) == 0
-    text = capsys.readouterr().out
+def test_the_command_prints_a_table(csv: Path, lorentz: Any) -> None:
+    text = lorentz("compare", str(csv), "-e", "0.6", "--number-density", "0.04")
     assert text.startswith("They differ; e = 0.7")
     assert re.search(r"^thermal_speed +200 .*differs$", text, re.MULTILINE)
     assert "restitution (explains the difference): Another restitution: e = 0.7" in text
 
 
-def test_the_command_writes_a_page(
-    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> None:
     output = tmp_path / "new" / "page.html"
     output.parent.mkdir()
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04"]
-    assert main([*arguments, "-o", str(output), "--figures", "png", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = lorentz.json(*arguments, "-o", str(output), "--figures", "png")
     assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
     assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {p.name for p in output.parent.iterdir()}
@@ -219,21 +159,17 @@ def test_the_command_writes_a_page(
     assert names == {"page.html", "page.json"} | figures
 
 
-def test_an_ensemble_file_says_what_it_is(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_ensemble_file_says_what_it_is(tmp_path: Path, lorentz: Any) -> None:
     path = tmp_path / "run.h5"
     run_of().save(path)
-    assert main(["compare", str(path), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = lorentz.json("compare", str(path))
     assert document["verdict"] == "agrees"
     assert document["parameters"]["restitution"]["value"] == 0.75
     assert document["parameters"]["number_density"]["value"] == 0.04
     damaged = bytearray(path.read_bytes())
     damaged[len(damaged) // 2] ^= 0xFF
     path.write_bytes(bytes(damaged))
-    assert main(["compare", str(path)]) == 2
-    assert re.fullmatch(r"lorentz: .*damaged.*\n", capsys.readouterr().err)
+    assert "damaged" in lorentz.refused("compare", str(path))
 
 
 @pytest.mark.parametrize(
@@ -259,52 +195,28 @@ def test_bad_arguments_are_one_line(
     csv: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    lorentz: Any,
     arguments: list[str],
     message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data.html").mkdir()
-    assert main(["compare", str(csv), *arguments]) == 2
-    out = capsys.readouterr()
-    assert out.out == ""
-    assert out.err.count("\n") == 1
-    assert message in out.err
+    assert message in lorentz.refused("compare", str(csv), *arguments)
     assert [p.name for p in tmp_path.iterdir()] == ["data.html"]
 
 
-def test_one_file_is_not_two_runs(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["compare", str(csv), str(csv)]) == 2
-    assert "stands twice" in capsys.readouterr().err
+def test_one_file_is_not_two_runs(csv: Path, lorentz: Any) -> None:
+    assert "stands twice" in lorentz.refused("compare", str(csv), str(csv))
 
 
 def test_the_output_never_takes_the_place_of_the_data(
-    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    csv: Path, tmp_path: Path, lorentz: Any
 ) -> None:
     data = tmp_path / "page.json"
     data.write_bytes(csv.read_bytes())
-    assert main(["compare", str(data), "-o", str(tmp_path / "page.html")]) == 2
-    assert "is one of the data" in capsys.readouterr().err
+    page = str(tmp_path / "page.html")
+    assert "is one of the data" in lorentz.refused("compare", str(data), "-o", page)
     assert data.read_bytes() == csv.read_bytes()
-
-
-def test_a_failure_leaves_nothing_half_written(
-    csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls = []
-    monkeypatch.setattr(page, "files_of", lambda *_: {"page.html": "1", "page.json": "2"})
-
-    def fsync(handle: int) -> None:
-        calls.append(handle)
-        if len(calls) == 2:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", fsync)
-    output = tmp_path / "page.html"
-    arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
-    assert main(arguments) == 2
-    assert len(calls) == 2
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.fixture(scope="module")
@@ -319,37 +231,4 @@ def saved(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_in_a_browser(
     saved: Path, differing: Comparison, browser: Any, width: int, dark: bool
 ) -> None:
-    questions = {
-        "figures": "document.querySelectorAll('figure svg').length",
-        "boxes": "[...document.querySelectorAll('figure svg')].map(s => {"
-        "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})",
-        "wide": "document.documentElement.scrollWidth",
-        "paths": "[...document.querySelectorAll('figure svg')].map("
-        "s => s.querySelectorAll('path').length)",
-        "background": "getComputedStyle(document.body).backgroundColor",
-        "maths": "[...document.querySelectorAll('math')].map("
-        "m => m.getBoundingClientRect().height)",
-    }
-    seen = browser.visit(saved, width, questions, dark)
-    assert seen.complaints == []
-    assert seen.requests == [saved.resolve().as_uri()]
-    assert seen.answers["figures"] == len(differing.figures)
-    for left, right, across, down in seen.answers["boxes"]:
-        assert left >= 0
-        assert right <= width + 0.5
-        assert across > 300 or across > 0.8 * width
-        assert down > 200
-    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
-    assert min(seen.answers["paths"]) > 5
-    assert min(seen.answers["maths"]) > 10
-    dark_paper = seen.answers["background"] == "rgb(20, 23, 27)"
-    assert dark_paper is dark
-
-
-def test_the_browser_sees_errors_and_requests(browser: Any, tmp_path: Path) -> None:
-    """The check itself can fail."""
-    path = tmp_path / "bad.html"
-    path.write_text("<img src='http://127.0.0.1:9/x.png'><script>nothing()</script>")
-    seen = browser.visit(path, 400, {})
-    assert any("127.0.0.1" in request for request in seen.requests)
-    assert any("nothing is not defined" in text for text in seen.complaints)
+    check_in_browser(browser, saved, len(differing.figures), width, dark)

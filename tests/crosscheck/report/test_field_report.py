@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pages import check_alone, check_in_browser
 
 from kinetics import CollisionLaw, solve_field
-from kinetics.cli import main
 from kinetics.crosscheck.report.case import Measured
 from kinetics.crosscheck.report.field_density import density_case
 from kinetics.crosscheck.report.field_limits import (
@@ -164,9 +164,9 @@ def test_the_document_is_strict_json_with_every_number(
 def test_the_page_needs_nothing_beside_it_and_hides_no_figure(
     document: dict[str, Any], page: str
 ) -> None:
-    assert "http" not in page
     every = document["figures"] | {"picture": document["picture"]}
-    assert page.count("<svg") == len(every) == 9
+    check_alone(page, len(every))
+    assert len(every) == 9
     for name, data in every.items():
         assert f'aria-labelledby="fig-{name}-title fig-{name}-desc"' in page
         assert data["description"][:40] in page
@@ -188,14 +188,11 @@ def test_nothing_but_tables_scrolls_sideways(
 ) -> None:
     path = tmp_path / "field.html"
     path.write_text(page, encoding="utf-8")
-    seen = browser.visit(path, width, {"wide": "document.documentElement.scrollWidth"})
-    assert seen.complaints == []
-    assert [r for r in seen.requests if not r.startswith("data:")] == [path.resolve().as_uri()]
-    assert seen.answers["wide"] <= width
+    check_in_browser(browser, path, 9, width)
 
 
 def test_the_command_writes_both_files(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lorentz: Any
 ) -> None:
     def tiny(settings: FieldSettings) -> FieldSettings:
         return replace(
@@ -204,13 +201,13 @@ def test_the_command_writes_both_files(
 
     monkeypatch.setattr(FieldSettings, "quick", tiny)
     arguments = ["--field", "--quick", "-e", "0.6", "--dimension", "3", "--figures", "png"]
-    assert main(["report", *arguments, "-o", str(tmp_path)]) == 0
+    printed = lorentz("report", *arguments, "-o", str(tmp_path))
+    assert "\nspheres  " in printed
     assert {path.name for path in tmp_path.iterdir()} == {
         "field.html", "field.json", "field-drift.png", "field-dispersion-spheres.png",
     }  # fmt: skip
     settings = json.loads((tmp_path / "field.json").read_text(encoding="utf-8"))["settings"]
     assert (settings["restitutions"], settings["dimensions"]) == ([0.6], [3])
-    assert "\nspheres  " in capsys.readouterr().out
 
 
 def test_every_stage_is_told() -> None:
@@ -239,11 +236,7 @@ def test_every_stage_is_told() -> None:
         (("-t", "5"), "--until"),
     ],
 )
-def test_refusals(
-    arguments: tuple[str, ...], named: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert main(["report", "--field", *arguments, "-o", str(tmp_path / "out")]) == 2
-    complaint = capsys.readouterr().err
-    assert named in complaint
-    assert len(complaint.splitlines()) == 1
+def test_refusals(arguments: tuple[str, ...], named: str, lorentz: Any, tmp_path: Path) -> None:
+    output = str(tmp_path / "out")
+    assert named in lorentz.refused("report", "--field", *arguments, "-o", output)
     assert not (tmp_path / "out").exists()

@@ -165,6 +165,13 @@ def share_that_holds(report: StressReport) -> float:
     return len(met) / len(report.cases)
 
 
+def test_a_part_of_the_quick_cases() -> None:
+    """All of them take half a minute; the continuous integration runs them."""
+    groups = ("scaled equation", "scaled equation, nodes given", "cooling", "starts")
+    report = sweep((*groups, "moments of position"), step=17)
+    assert share_that_holds(report) > 0.8
+
+
 @pytest.mark.slow
 def test_particles_at_their_limits() -> None:
     sweep(("grazing", "corners", "no tracer inside a disk", "thin media"), step=2)
@@ -290,18 +297,11 @@ def test_groups_are_checked(monkeypatch: Any) -> None:
     ],
 )
 def test_wrong_arguments_end_in_one_line_and_status_two(
-    capsys: Any, tmp_path: Any, arguments: list[str], name: str
+    lorentz: Any, tmp_path: Any, arguments: list[str], name: str
 ) -> None:
-    from kinetics import cli
-
     (tmp_path / "file").write_text("")
     given = [a.format(file=tmp_path / "file") for a in arguments]
-    assert cli.main(["stress", "--quick", *given]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.startswith("lorentz: ")
-    assert captured.err.count("\n") == 1
-    assert name in captured.err
+    assert name in lorentz.refused("stress", "--quick", *given)
 
 
 def test_the_command_ends_with_status_one_if_a_case_must_not_be(
