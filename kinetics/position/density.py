@@ -8,8 +8,9 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
 (:mod:`kinetics.position.ballistic_front`), and of a start of few speeds those that have collided
-once (:mod:`kinetics.position.once_collided`) or twice (`twice_collided`). Only the others are transformed: their F falls fast
-in k, until powers of 1/k are left (:mod:`kinetics.position.tail`, `front_tail`).
+once (:mod:`kinetics.position.once_collided`) or twice (`twice_collided`). Only the others are
+transformed: their F falls fast in k, until powers of 1/k are left (:mod:`kinetics.position.tail`,
+`front_tail`).
 """
 
 from __future__ import annotations

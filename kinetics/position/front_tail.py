@@ -73,8 +73,8 @@ def fit_fronts(
     """The tail of F at one of the times, beyond the panels, and what it leaves unknown of F.
 
     The latter is the largest difference of g(r, t) l, over the largest K, from what follows without
-    the upper quarter of the panels, or from a fit to the upper half of them. It is infinite where
-    there are too few panels.
+    the upper quarter of the panels, plus that from a fit to the upper half of them. It is infinite
+    where there are too few panels.
     """
     high, d = panels[-1].high, scatterer.dimension
     cut = min((panel.low for panel in panels), key=lambda low: abs(low - _SHORTER * high))
@@ -96,7 +96,7 @@ def fit_fronts(
         waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
         for one, trial, end in zip(apart, trials, ends, strict=True):
             one += waves @ ((trial.at(k) if panel.low < end else values) - full.at(k))
-    return full, float(np.abs(element(rho, d) * apart).max()) / high
+    return full, float(np.abs(element(rho, d) * apart).max(axis=1).sum()) / high
 
 
 def _fitted(
