@@ -6,7 +6,8 @@
 - `returned`: returns to the scatterer before, at a finite density
 - `density`: g(r, t) as a result; `solve_density`: which wave numbers it takes
 - `tail`, `front_tail`: how F ends in k; `coupled_harmonics`: the linear systems of `scattering`
-- `ballistic_front`, `once_collided`: tracers that have not collided, and that have collided once
+- `ballistic_front`, `once_collided`, `twice_collided`: tracers that have not collided, and that
+  have collided once, and twice
 
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
 Begin with `scattering.py`.

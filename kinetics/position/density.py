@@ -8,8 +8,9 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
 (:mod:`kinetics.position.ballistic_front`), and of a start of few speeds those that have collided
-once (:mod:`kinetics.position.once_collided`). Only the others are transformed: their F falls fast
-in k, until powers of 1/k are left (:mod:`kinetics.position.tail`, `front_tail`).
+once (:mod:`kinetics.position.once_collided`) or twice (`twice_collided`). Only the others are
+transformed: their F falls fast in k, until powers of 1/k are left (:mod:`kinetics.position.tail`,
+`front_tail`).
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Displacement(Value):
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
-    once : the once-collided of a start of few speeds; None in files of version 0.1
+    once : the once-collided, and twice, of a start of few speeds; None in files of version 0.1
     dimension : 2 or 3
     """
 

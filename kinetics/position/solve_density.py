@@ -26,14 +26,15 @@ from kinetics.states.state import State
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
 # to this K and K T for densities.
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
-# Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
-# tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
-_LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 100.0, 30.0, 25.0
+# Starts with fronts, K T: solving for more than _LARGEST_TURNS takes more than a second. The end is
+# fitted from _FIRST_TURNS on; the range of K grows by _LONGEST_TURN.
+_LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 125.0, 30.0, 25.0
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
 # power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
 # sweeps after about ten.
 _STOPPING, _MOST_WORK_OF_STOPPING, _MOST_WORK = 2.0, 1.5e8, 1.2e9
+_OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -134,6 +135,7 @@ class _Sweep:
         self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
+        self.enough = rtol if self.fronts else 2.0 * rtol
         self._solved_error = np.zeros(width.size)
         self._at_origin = None
         if system.law.returns(0)[0] and not self.sharp:
@@ -169,7 +171,7 @@ class _Sweep:
     def cut(self) -> FloatArray:
         """K from which F is tapered where the work was too much, else infinite, (n_times,)."""
         cut = np.full(self.width.shape, np.inf)
-        for i in np.nonzero(self.missed > 2.0 * self.rtol)[0]:
+        for i in np.nonzero(self.missed > self.enough)[0]:
             last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
             if self.tails[i] is None and last:
                 cut[i] = 0.5 * last[-1]
@@ -178,7 +180,8 @@ class _Sweep:
     def _tolerance(self, high: float) -> float:
         """Of F up to K = high."""
         sharp = max(1.0, float(self.width[self.active].max()) * high)
-        return min(self.rtol / sharp, max(_BEST, _CHEAPER * self.rtol) if high < _CHEAP else 1.0)
+        part = _OF_FRONTS * self.rtol if self.fronts else self.rtol
+        return min(part / sharp, max(_BEST, _CHEAPER * self.rtol) if high < _CHEAP else 1.0)
 
     def _judge(self, high: float, error: float) -> float:
         """Which times F has ended for at K = high, and where the next interval ends.
@@ -191,7 +194,7 @@ class _Sweep:
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
-            if self.missed[i] > 2.0 * self.rtol:
+            if self.missed[i] > self.enough:
                 enough = 2.0 * high
                 if self.fronts:
                     enough = min(enough, high + _LONGEST_TURN / self._flights[i])
@@ -201,7 +204,7 @@ class _Sweep:
                     more = (left * share / self.rtol) ** _FALL
                     enough = high * min(2.0, max(_STEP, more))
                 reached = max(reached, enough)
-        self.active = self.active[self.missed[self.active] > 2.0 * self.rtol]
+        self.active = self.active[self.missed[self.active] > self.enough]
         return reached
 
     def _interval(

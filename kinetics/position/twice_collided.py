@@ -41,7 +41,9 @@ from kinetics.numerics.gauss import gauss_legendre
 from kinetics.position.directions import mean_phase
 
 _NODES = 24  # of the polynomial between two singular radii
-_IMPACTS, _TIMES, _ARC, _AROUND = 8, 12, 10, 3  # Gauss points between singular places
+_IMPACTS, _TIMES, _ARC, _AROUND = 10, 12, 10, 3  # Gauss points between singular places
+_NEARLY_ELASTIC = 0.95  # e
+_BESIDE = 0.6  # twice the imaginary part of complex solutions that are felt
 _AWAY = (8.0, 64.0, 512.0)
 _NEAREST = 1e-6  # of two singular radii, over T
 _SOME, _FOR_TURN = 40, 1.4  # Gauss points of a transform, and for each K T
@@ -186,14 +188,16 @@ def twice_integral(rho: FloatArray, T: float, e: float, dimension: int) -> Float
     centre = np.hypot(centre_x, centre_y)
     met = (np.abs(centre - middle.x) < radius).reshape(low.shape)
     i, j = np.nonzero(met & (high - low > 1e-12))
-    node, w = _eased(_TIMES)
+    # where hardly any energy is lost, logarithms at the ends stay up to R = T
+    times = _TIMES if e < _NEARLY_ELASTIC else 2 * _TIMES
+    node, w = _eased(times)
     length = (high - low)[i, j][:, None]
     tau = (low[i, j][:, None] + length * node).ravel()
-    first = each.part(np.repeat(i, _TIMES), tau)
+    first = each.part(np.repeat(i, times), tau)
     seen = _on_arc if dimension == 2 else _on_sphere
     flown = np.exp(-T * (1.0 - tau + first.ratio * tau))
     part = (weight[i][:, None] * length * w).ravel() * flown * seen(first, e, T)
-    return np.asarray(T * np.bincount(np.repeat(which[i], _TIMES), part, rho.size))
+    return np.asarray(T * np.bincount(np.repeat(which[i], times), part, rho.size))
 
 
 def _eased(points: int) -> tuple[FloatArray, FloatArray]:
@@ -251,8 +255,10 @@ def _times(each: _First, e: float) -> tuple[FloatArray, FloatArray]:
         root = np.sqrt(np.maximum(discriminant, 0.0))
         q = -0.5 * (b + np.where(b < 0.0, -root, root))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for found in (q / a, left / q):
-                real = (discriminant >= 0.0) & np.isfinite(found)
+            # a pair of complex solutions is felt where it is near a real one
+            beside = (discriminant < 0.0) & (-discriminant < (_BESIDE * a) ** 2)
+            for found in (q / a, np.where(discriminant < 0.0, 0.0, left / q)):
+                real = ((discriminant >= 0.0) | beside) & np.isfinite(found)
                 tau.append(np.clip(np.where(real, found, 0.0), 0.0, 1.0))
     edges = np.sort(np.array(tau).T, axis=1)
     return edges[:, :-1], edges[:, 1:]
