@@ -39,9 +39,6 @@ _MADE_OF = {
     "velocity_tensor": ("v^2", "v^2 cos 2", "v_x v_y"),
     "displacement_tensor": ("x", "y", "x^2", "y^2", "x y"),
 }
-# Errors of the finer of two solutions in units of their difference: the difference itself for
-# starts of few harmonics; along rays, and for starts with directions, as seen against finer ones
-_GAIN, _GAIN_RAYS, _GAIN_DIRECTED = 1.0, 0.3, 2.0
 
 
 @one_blas_thread
@@ -146,9 +143,7 @@ def _solved(scene: Scene, rtol: float, speed: float, times: FloatArray) -> tuple
         if attempt >= _ALWAYS and resolution.harmonics > _MOST:
             break
         fine = _evolution(scene, rtol, resolution, speed, times)
-        gain = _GAIN if len(fine.start.measures) <= 1 else _GAIN_DIRECTED
-        gain = _GAIN_RAYS if fine.start.rays is not None else gain
-        error = gain * _difference(fine.values, coarse.values)
+        error = _difference(fine.values, coarse.values)
         if error >= least or not error < 1.0:
             break  # steps of many harmonics may be unstable: the solution before is better
         best, least = fine, error

@@ -296,7 +296,7 @@ def _set_scales(ax: Axes, along: Quantity, chosen: Quantity) -> None:
         return
     y = chosen.values[np.isfinite(chosen.values)]
     if chosen.is_density and y.size and y.max() > 0.0:
-        largest = float(np.nanmax(chosen.values))
+        largest = float(y.max())
         ax.set_yscale("log", nonpositive="mask")
         ax.set_ylim(_LOWEST * largest, 3.0 * largest)
     elif y.size and y.min() > 0.0 and y.max() > _DECADES * y.min():

@@ -6,17 +6,15 @@ place of a collision, to the same bits as the run itself. In a field, where path
 places at many times are taken instead.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from particles.checks import check_positive, check_whole, refuse
-from particles.compiled.decorators import kernel
 from particles.configuration import Plan, follow_tracers, start_places
-from particles.grid.blocks import make, place
+from particles.grid.blocks import listed, make_cell
 from particles.grid.build import build
-from particles.grid.cells import EMPTY, SLOTS, Cells
+from particles.grid.cells import Cells
 from particles.grid.equilibrate import centres
 from particles.kernel.columns import (
     COLLISION_CAP,
@@ -180,28 +178,7 @@ def _of_the_plane(cells: Cells, low: np.ndarray, high: np.ndarray) -> np.ndarray
     found = [np.empty((0, 2))]
     for i in range(first[0], last[0] + 1):
         for j in range(first[1], last[1] + 1):
-            cell = _make_cell(cells, i, j)
-            own = [p for p in _listed(cells, cell) if -half <= min(p) and max(p) < half]
+            cell = make_cell(cells, i, j)
+            own = [p for p in listed(cells, cell) if -half <= min(p) and max(p) < half]
             found.append(np.reshape(own, (-1, 2)) + np.array([i, j]) * cells.side)
     return np.concatenate(found)
-
-
-@kernel
-def _make_cell(cells: Cells, i: int, j: int) -> int:
-    """Make one cell of the plane and return where it is stored."""
-    cell = place(i, j)
-    make(cells, cell, i, j)
-    return cell
-
-
-def _listed(cells: Cells, cell: int) -> Iterator[tuple[float, float]]:
-    """Yield the disks that a cell lists, from its centre."""
-    row = cells.slots[cell]
-    for k in range(SLOTS):
-        if row[k] != EMPTY:
-            yield float(row[k]), float(row[SLOTS + k])
-    node = cells.head[cell]
-    while node >= 0:
-        if cells.nodes[node, 0] != EMPTY:
-            yield float(cells.nodes[node, 0]), float(cells.nodes[node, 1])
-        node = cells.links[node]

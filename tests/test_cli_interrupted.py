@@ -52,7 +52,10 @@ class Running:
             time.sleep(0.01)
 
 
-@pytest.fixture(params=SIGNALS, ids=["SIGINT", "SIGTERM"])
+# Both signals have one handler; by default SIGTERM is sent in tests/test_cli_simulate.py only.
+@pytest.fixture(
+    params=[SIGNALS[0], pytest.param(SIGNALS[1], marks=pytest.mark.slow)], ids=["SIGINT", "SIGTERM"]
+)
 def how(request: pytest.FixtureRequest) -> Iterator[tuple[signal.Signals, int]]:
     return request.param
 
@@ -88,6 +91,15 @@ def test_while_tracers_are_followed_for_hours(
     time.sleep(0.5)
     check_end(run, how, saved("0", 3))
     assert os.listdir(tmp_path) == ["a.h5"]
+
+
+def test_while_a_report_is_made(how: tuple[signal.Signals, int], tmp_path: Path) -> None:
+    """It has a child process, and leaves no file."""
+    # more configurations than could be finished before the signal comes
+    run = Running(tmp_path, "report", "--media", "1000000")
+    time.sleep(3)
+    check_end(run, how)
+    assert os.listdir(tmp_path) == []
 
 
 def test_while_kernels_are_compiled(how: tuple[signal.Signals, int], tmp_path: Path) -> None:

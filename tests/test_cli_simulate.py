@@ -1,12 +1,9 @@
 """lorentz simulate: saved runs, media, starts."""
 
 import json
-import os
-import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -33,10 +30,6 @@ def _keep_the_signal_handler() -> object:
     signal.signal(signal.SIGTERM, before)
 
 
-def arrays(path: Path) -> dict[str, bytes]:
-    return {name: array.tobytes() for name, array in Ensemble.load(path).arrays.items()}
-
-
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert cli.main(["simulate", *arguments]) == cli.BAD_INPUT
     out, err = capsys.readouterr()
@@ -44,60 +37,6 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert err.startswith("lorentz: ")
     assert err.count("\n") == 1
     return err
-
-
-RUN = (
-    "-m", "kinetics.cli", "simulate", "--count", "400", "--media", "3000", "--tracers", "5",
-    "-e", "0.9", "--times", "1,1000", "--observables", "free_path_histogram", "--json",
-)  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
-def test_a_killed_run_is_resumed_to_the_same_bits(tmp_path: Path) -> None:
-    command = [sys.executable, *RUN, "--output"]
-    journal = tmp_path / "a.h5.journal"
-    for k in range(3):
-        process = subprocess.Popen(
-            [*command, "a.h5", "--resume"], cwd=tmp_path, stdout=subprocess.DEVNULL
-        )
-        while process.poll() is None and not (journal.exists() and journal.stat().st_size > 200):
-            time.sleep(0.002)
-        time.sleep(0.03 * k)
-        process.send_signal(signal.SIGKILL)
-        assert process.wait() == -signal.SIGKILL, "it had finished: make the run longer"
-    resumed = subprocess.run([*command, "a.h5", "--resume"], cwd=tmp_path, capture_output=True)
-    whole = subprocess.run([*command, "b.h5", "--workers", "1"], cwd=tmp_path, capture_output=True)
-    assert resumed.returncode == whole.returncode == 0
-    assert resumed.stderr == b""
-    assert resumed.stdout == whole.stdout
-    assert arrays(tmp_path / "a.h5") == arrays(tmp_path / "b.h5")
-    assert sorted(os.listdir(tmp_path)) == ["a.h5", "b.h5"]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
-@pytest.mark.parametrize(
-    ("number", "status"),
-    [(signal.SIGTERM, 143), pytest.param(signal.SIGINT, 130, marks=pytest.mark.slow)],
-)
-def test_an_interrupted_run_leaves_its_file_alone(
-    tmp_path: Path, number: signal.Signals, status: int
-) -> None:
-    process = subprocess.Popen(
-        [sys.executable, *RUN, "--media", "1000000", "-o", "a.h5"],
-        cwd=tmp_path, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
-    )  # fmt: skip
-    journal = tmp_path / "a.h5.journal"
-    while process.poll() is None and not (journal.exists() and journal.stat().st_size > 200):
-        time.sleep(0.01)
-    process.send_signal(number)
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == status
-    assert re.search(r"[1-9]\d* of 1000000 configurations are saved in a\.h5; .*--resume", err)
-    assert os.listdir(tmp_path) == ["a.h5"]
-    with pytest.raises(ValueError, match=r"holds [1-9]\d* of 1000000 configurations"):
-        Ensemble.load(tmp_path / "a.h5")
 
 
 def test_the_file_holds_what_python_gives(

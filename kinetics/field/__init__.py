@@ -9,7 +9,8 @@ no parameter but the collision law,
 Angular harmonics about the field turn it into a chain in which each harmonic meets its two
 neighbours only. `panels` discretises the speed, `collisions` the gain on it, `ladder` eliminates
 the chain. Then `steady` solves for the steady state and the dispersion about it, with the panels
-and harmonics of `resolution`, and `solution` holds the answer of `solve_field`. Over time,
+and harmonics of `resolution`, `steady_density` makes the density at one velocity of it, and
+`solution` holds the answer of `solve_field`. Over time,
 `backward` takes averages from step to step by the rule of `radau`, and `evolution` averages them
 over an initial state (`starts`), one of few directions through `first_collision`;
 `kinetics.in_field` makes the outputs of a scene of them. `forward` takes a density from step to

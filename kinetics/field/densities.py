@@ -107,7 +107,7 @@ class FieldDensities:
         panels = density_panels(reach, lowest, self.resolution.nodes)
         self.equation = ForwardField(self.law, panels, top, families)
         flight = math.log(1.0 / self.resolution.rtol) + _FLIGHT
-        self.flights = LastFlights(self.equation, flight)
+        self.flights = LastFlights(panels, d, flight, self.equation.rule.rows)
         self.steps = 0
         self._run(last)
 
@@ -163,7 +163,7 @@ class FieldDensities:
                 h *= 0.5
                 continue
             self.steps += 1
-            self.flights.keep(now, h, stages)
+            self.flights.keep(now, h, self.equation.made(stages))
             now, f = now + h, stages[-1]
             if rough * _SMOOTH < allowed:
                 h *= 2.0

@@ -22,7 +22,7 @@ from kinetics.numerics import FloatArray
 
 _SMOOTH = 64.0  # by which a step may be smoother than is asked before it is doubled
 _STEPS_MISS = 30.0  # rough steps miss less at their ends, by more than this
-_EARLY = 10.0  # see `Evolution._first_step`
+_EARLY = 5.0  # see `Evolution._first_step`
 _EARLIEST = 1e-12  # stands for the time 0
 # A resolution that is too coarse may never be smooth: then steps double to the end, and the other
 # solution, which is compared, says that this one is wrong.

@@ -286,19 +286,25 @@ class FirstCollisions:
 
 
 def angular(
-    cosine: FloatArray, sine: FloatArray, count: int, dimension: int
-) -> tuple[FloatArray, FloatArray]:
+    cosine: FloatArray, sine: FloatArray, count: int, dimension: int, families: int = 2
+) -> tuple[FloatArray, ...]:
     """Harmonics m = 0 ... count - 1 at an angle, even and odd across the field, (count, n) each.
 
-    cos(m phi) and sin(m phi) in the plane, P_m(cos) and P_m^1(cos) in space.
+    cos(m phi) and sin(m phi) in the plane, P_m(cos) and P_m^1(cos) in space; one family: the even.
     """
-    even, odd = np.zeros((count, cosine.size)), np.zeros((count, cosine.size))
-    even[0], even[1], odd[1] = 1.0, cosine, sine
-    for m in range(2, count):
-        if dimension == 2:
-            even[m] = 2.0 * cosine * even[m - 1] - even[m - 2]
-            odd[m] = 2.0 * cosine * odd[m - 1] - odd[m - 2]
-        else:
-            even[m] = ((2 * m - 1) * cosine * even[m - 1] - (m - 1) * even[m - 2]) / m
-            odd[m] = ((2 * m - 1) * cosine * odd[m - 1] - m * odd[m - 2]) / (m - 1)
-    return even, odd
+    zero, one = np.zeros((2, cosine.size))
+    one += 1.0
+    found = []
+    for odd, (first, second) in enumerate(((one, cosine), (zero, sine))[:families]):
+        table = np.empty((count, cosine.size))
+        table[0], table[1] = first, second
+        for m in range(2, count):
+            np.multiply(cosine, table[m - 1], out=table[m])
+            if dimension == 2:
+                table[m] *= 2.0
+                table[m] -= table[m - 2]
+            else:
+                table[m] *= (2 * m - 1) / (m - odd)
+                table[m] -= (m - 1 + odd) / (m - odd) * table[m - 2]
+        found.append(table)
+    return tuple(found)

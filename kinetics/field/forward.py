@@ -92,6 +92,11 @@ class ForwardField:
             for chain in self._chains
         ]
 
+    def made(self, stages: FloatArray) -> FloatArray:
+        """v times what collisions make at the points of a step, of the shape of ``stages``."""
+        made = np.einsum("mij,sfmj->sfmi", self.gain, stages * self.signs)
+        return np.asarray(made * self.panels.speeds)
+
     def roughness(self, stages: FloatArray) -> float:
         """What the polynomial in time of a step leaves out of the mass of a panel."""
         first = [part.start for part in self.panels.parts]

@@ -126,6 +126,11 @@ class SteadyState:
         source = np.zeros((self.highest + 1, self.panels.size))
         return SteadyAverages(self.law, self.panels, self._along.solve(source, 1.0)[0])
 
+    def gained(self, harmonics: FloatArray) -> FloatArray:
+        """v times what collisions make per unit time, of the shape of f_m, (M + 1, size)."""
+        lost = np.einsum("mij,mj->mi", self._collisions, harmonics)
+        return np.asarray(self.panels.speeds**2 * harmonics - lost)
+
     @property
     def speed_error(self) -> float:
         """The largest defect of an exact relation."""

@@ -35,6 +35,7 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
 from kinetics.position.directions import mean_phase
+from kinetics.position.twice_collided import twice_density, twice_scattering, twice_within
 from kinetics.states.state import State
 from kinetics.values import Value
 
@@ -75,7 +76,7 @@ class Scatterer(NamedTuple):
 
 @dataclass(frozen=True)
 class OnceCollided(Value):
-    """The tracers that have collided once, of a start of a few sharp speeds.
+    """The tracers that have collided once, or twice at most, of a start of a few sharp speeds.
 
     Attributes
     ----------
@@ -87,6 +88,7 @@ class OnceCollided(Value):
         shape (n_times, n_speeds)
     tangential_restitution : et
     dimension : 2 or 3
+    twice : whether those that have collided twice are among them
     """
 
     restitution: float
@@ -95,6 +97,7 @@ class OnceCollided(Value):
     shares: FloatArray
     tangential_restitution: float = 1.0
     dimension: int = 2
+    twice: bool = False
 
     @property
     def scatterer(self) -> Scatterer:
@@ -108,10 +111,17 @@ class OnceCollided(Value):
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Their density in 1/d at radii r in d, shape (n_r,)."""
         rho, path = r / self.mean_free_path, self.mean_free_path
-        return self._sum(time, lambda T: once_density(rho, T, self.scatterer) / path, r.shape)
+
+        def density(T: float) -> FloatArray:
+            found = once_density(rho, T, self.scatterer)
+            if self.twice:
+                found = found + twice_density(rho, T, self.restitution, self.dimension)
+            return found / path
+
+        return self._sum(time, density, r.shape)
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers that have collided once and are within r, shape (n_r,)."""
+        """Share of all tracers that are among these and within r, shape (n_r,)."""
         rho = r / self.mean_free_path
 
         def share(T: float) -> FloatArray:
@@ -120,7 +130,10 @@ class OnceCollided(Value):
             x, w = panels_between(edges, _POINTS)
             part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
             sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
-            return np.asarray(sums[np.searchsorted(edges, near)])
+            found = sums[np.searchsorted(edges, near)]
+            if self.twice:
+                found = found + twice_within(near, T, self.restitution, self.dimension)
+            return np.asarray(found)
 
         return self._sum(time, share, r.shape)
 
@@ -132,7 +145,10 @@ class OnceCollided(Value):
             # few different resolutions, so that tables are used again
             turns = 2.0 ** math.ceil(math.log2(max(32.0, highest * T)))
             rho, weight = _table(self.scatterer, T, turns)
-            return mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
+            found = mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
+            if self.twice:
+                found += twice_scattering(wave_numbers, T, self.restitution, self.dimension)
+            return np.asarray(found)
 
         return self._sum(time, transform, wave_numbers.shape)
 
@@ -167,7 +183,7 @@ def once_collided(
     # all speeds or none: what is left is as smooth as the worst of them
     every = seen.all(axis=1, keepdims=True)
     kept = np.where(every, shares, 0.0)
-    return OnceCollided(e, mean_free_path, flights, kept, et, law.dimension)
+    return OnceCollided(e, mean_free_path, flights, kept, et, law.dimension, twice=et == 1.0)
 
 
 def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:

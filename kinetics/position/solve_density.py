@@ -28,7 +28,7 @@ from kinetics.states.state import State
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # Starts with fronts, K T: beyond _LARGEST_TURNS the fit of the end gains little for its time. It is
 # tried from _FIRST_TURNS on, on the upper part of the range of K, which grows by _LONGEST_TURN.
-_LARGEST_TURNS, _FIRST_TURNS, _FITTED_FRONTS, _LONGEST_TURN = 100.0, 30.0, 0.25, 25.0
+_LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 100.0, 30.0, 25.0
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
 # power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
@@ -58,7 +58,7 @@ _POWERS_OF_STOPPED, _NEARLY = 5.0, 0.1
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
-_BEYOND = 2.0  # what the fitted end misses beyond the panels, over what it misses so far ...
+_BEYOND = 2.0  # error of F beyond the panels, over what `fit_tail` says of it ...
 _RETURNED = 4.0  # ... and among scatterers that are met again
 _FALL = 0.125  # what powers miss falls as K^-8 at least
 
@@ -277,7 +277,6 @@ class _Sweep:
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | FrontTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
-        k, f = _upper(self.panels, time, _FITTED_FRONTS if self.fronts else _FITTED)
         last = _last(self.panels, time)
         if self.fronts:
             turns, d = high * self._flights[time], self.once.dimension
@@ -287,12 +286,10 @@ class _Sweep:
             enough = ended * max(1.0, high * self.width[time]) < self.rtol
             if enough or turns < _FIRST_TURNS:
                 return None, ended
-            flights = self.once.flights[time][self.once.shares[time] > 0.0]
-            # several have more functions than the data determine
-            if flights.size > 1 or not self.once.scatterer.smooth:
+            if not self.once.scatterer.smooth:
                 return None, ended
-            front, left = fit_fronts(k, f, self.once.restitution, flights, d)
-            left *= _BEYOND / high  # of F, that changes G(R) by K sqrt(<r^2>) times as much
+            flights = self.once.flights[time][self.once.shares[time] > 0.0]
+            front, left = fit_fronts(self.panels, time, flights, self.once.scatterer)
             return (front, left) if left < ended else (None, ended)
         if self.sharp:
             return None, float(np.abs(last[-(last.size // 4) - 1 :]).max())
@@ -303,6 +300,7 @@ class _Sweep:
             return None, largest
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         first = 0 if stopped or returned or self._slow else 1
+        k, f = _upper(self.panels, time, _FITTED)
         tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
         left *= _RETURNED if returned else _BEYOND
         return (tail, left) if left < _BETTER * largest else (None, largest)

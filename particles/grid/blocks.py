@@ -1,12 +1,13 @@
 """Blocks of the unbounded plane, drawn when a tracer enters them."""
 
+from collections.abc import Iterator
 from math import floor
 
 import numpy as np
 from numba import int64, njit
 from numba.extending import overload
 
-from particles.compiled.decorators import called
+from particles.compiled.decorators import called, kernel
 from particles.compiled.search import SLOTS, crowd
 from particles.grid.cells import BLOCK, EMPTY, WINDOW, Cells, enlist
 from particles.grid.plane import (
@@ -115,6 +116,27 @@ def make(cells: Cells, cell: int, i: int, j: int) -> None:
     if law.hard:
         n_pairs = _pair_all(cells, drawn, fringe, first)
         _settle(cells, n_pairs, first, i, j)
+
+
+@kernel
+def make_cell(cells: Cells, i: int, j: int) -> int:
+    """Make one cell of the plane, for Python; return where it is stored."""
+    cell = place(i, j)
+    make(cells, cell, i, j)
+    return cell
+
+
+def listed(cells: Cells, cell: int) -> Iterator[tuple[float, float]]:
+    """Yield the disks that a cell lists, from its centre."""
+    row = cells.slots[cell]
+    for k in range(SLOTS):
+        if row[k] != EMPTY:
+            yield float(row[k]), float(row[SLOTS + k])
+    node = cells.head[cell]
+    while node >= 0:
+        if cells.nodes[node, 0] != EMPTY:
+            yield float(cells.nodes[node, 0]), float(cells.nodes[node, 1])
+        node = cells.links[node]
 
 
 @called

@@ -1,6 +1,5 @@
 """A made-up case whose truth is known: a Gaussian VDF, a cooling law and an msd by formula."""
 
-import importlib.util
 import math
 import sys
 from collections.abc import Callable, Iterator
@@ -29,6 +28,10 @@ from kinetics.crosscheck.report.observables import (
     msd_slope_between,
 )
 from kinetics.crosscheck.report.settings import ReportSettings
+
+sys.path.insert(0, str(Path(__file__).parent))  # for chromium.py and pages.py
+
+from chromium import Browser, found
 
 TIMES = np.geomspace(1.0, 1000.0, 12)
 EDGES = np.linspace(0.0, 4.0, 21)
@@ -186,17 +189,9 @@ def settings() -> ReportSettings:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    """Debian's Chromium (chromium.py); skips where there is none."""
-    spec = importlib.util.spec_from_file_location(
-        "chromium_of_these_tests", Path(__file__).with_name("chromium.py")
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look for it there
-    spec.loader.exec_module(module)
-    program = module.found()
+    """Debian's Chromium; skips where there is none."""
+    program = found()
     if program is None:
         pytest.skip("no Chromium on PATH")
-    with module.Browser(program) as opened:
+    with Browser(program) as opened:
         yield opened

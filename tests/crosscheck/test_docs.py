@@ -9,7 +9,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "examples" / "docs"
-SLOW = ("how-to.md", "tutorials/data.md", "tutorials/field.md")  # run when the pages are built, too
 
 _spec = importlib.util.spec_from_file_location("cells", DOCS / "_ext" / "cells.py")
 assert _spec is not None
@@ -28,10 +27,8 @@ def _no_window() -> None:
     matplotlib.use("Agg")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in WITH_BLOCKS],
-)
+@pytest.mark.slow  # the same blocks are run when the pages are built
+@pytest.mark.parametrize("name", WITH_BLOCKS)
 def test_a_page_prints_what_it_says(name: str, tmp_path: Path) -> None:
     cells.run_page(DOCS / name, tmp_path)
     figures = re.findall(r"generated/([\w.]+)\)", (DOCS / name).read_text(encoding="utf-8"))

@@ -154,7 +154,7 @@ def test_data_that_cannot_be_compared(tries: int) -> None:
     fuzz(check_command, COMPARE, tries)
 
 
-@examples(40)
+@examples(54)
 def test_what_is_refused(tries: int) -> None:
     fuzz(check_is_refused, refused(), tries)
 

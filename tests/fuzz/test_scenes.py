@@ -170,12 +170,12 @@ DENSITIES = scenes(st.lists(st.sampled_from(DENSE), min_size=1, max_size=1))
 POSITIONS = scenes(st.sampled_from(sorted(LATE)))
 
 
-@examples(50)
+@examples(40)
 def test_averages(tries: int) -> None:
     fuzz(check_scene, AVERAGES, tries)
 
 
-@examples(14)
+@examples(10)
 def test_densities(tries: int) -> None:
     fuzz(check_scene, DENSITIES.map(_loose), tries)
 

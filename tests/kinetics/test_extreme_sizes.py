@@ -1,11 +1,17 @@
-"""Sizes, times and starts at the ends of the doubles: right where the answer is in range."""
+"""Sizes, times and starts at the ends of the doubles: right where the answer is in range.
+
+`lorentz stress` tries many more of them: restitutions, times to 1e300, speeds from 1e-150 to 1e150,
+rough starts, few nodes (kinetics/crosscheck/stress and tests/crosscheck/stress).
+"""
 
 import math
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
-from extreme_starts import DENSITY, cooling_rate, one_line, starts
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from kinetics import (
     Beam,
@@ -16,9 +22,34 @@ from kinetics import (
     SolverStatus,
     SpeedTable,
     solve,
+    solve_scaled,
 )
 
 pytestmark = pytest.mark.usefixtures("no_hang")
+DENSITY = ("speed_density", "thermal_speed")
+
+
+def tail(v: Any) -> Any:
+    """A speed density that falls as v^-6."""
+    return 5 * v * (1 + v**2) ** -3.5
+
+
+def cooling_rate(e: float) -> float:
+    """h, from averages over the impact parameter in many digits."""
+    if e == 0.0:
+        return math.sqrt(2.0)
+    # 1 - e^2 must differ from 1
+    with mp.workdps(50 + int(-2.0 * math.log10(e))):
+        b = mp.sqrt(1 - mp.mpf(e) ** 2)
+        kappa = 1 - e * mp.acos(e) / b
+        first = (1 - mp.mpf(e) ** 2 * mp.atanh(b) / b) / 2
+        return float(2 * mp.sqrt(kappa * first))
+
+
+def one_line(error: InputError) -> None:
+    message = str(error)
+    assert "\n" not in message
+    assert message.split(":")[0].isidentifier(), message
 
 
 @pytest.mark.parametrize(
@@ -145,8 +176,12 @@ def test_densities_of_the_slowest_tracers(e: float, initial: str) -> None:
     Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy for e > 0:
     this one's error, divided by v, may be larger there. At e = 0 it may not.
     """
-    state = starts(1.0)[initial][0]
-    scene = Scene(restitution=e, initial=state, times=[0.5, 30.0, 1e3], outputs=DENSITY)
+    scene = Scene(
+        restitution=e,
+        initial=tail if initial == "tail" else initial,
+        times=[0.5, 30.0, 1e3],
+        outputs=DENSITY,
+    )
     loose, tight = (solve(scene, rtol=rtol, method="spectral") for rtol in (1e-6, 1e-9))
     c = np.geomspace(1e-8, 10.0, 2000)
     share = np.ones(c.size) if e == 0.0 else np.minimum(1.0, c / 1e-2)
@@ -169,3 +204,54 @@ def test_elastic_collisions_of_extreme_sizes(size: float) -> None:
     )
     found = solve(scene, rtol=1e-10).collisions
     assert np.allclose(found, scene.times, rtol=1e-12, atol=0.0)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+@pytest.mark.parametrize("e", [0.0, 0.1, 0.5, 0.7, 0.9])
+def test_smooth_densities_keep_their_sign(e: float, rtol: float) -> None:
+    """Down to speeds of 1e-12: an error of the density of ln v would be divided by v there."""
+    scene = Scene(restitution=e, times=[0.0, 1.0, 30.0, 1e3, 1e6], outputs=DENSITY)
+    solution = solve(scene, rtol=rtol, method="spectral")
+    v = np.geomspace(1e-12, 10.0, 400)
+    for i, v0 in enumerate(solution.thermal_speed):
+        f = solution.speed_density(v * v0)[i]
+        assert f.min() >= -rtol * f.max(), i
+
+
+ANY_RESTITUTION = st.one_of(
+    st.floats(0.0, 1.0),
+    st.floats(-16, 0).map(lambda x: 10.0**x),
+    st.floats(-16, 0).map(lambda x: 1.0 - 10.0**x),
+)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(e=ANY_RESTITUTION, rtol=st.sampled_from([1e-2, 1e-6, 1e-10]))
+@example(e=1.0 - 2.0**-53, rtol=1e-2)
+@example(e=0.9999999999999963, rtol=1e-6)
+@example(e=4e-65, rtol=1e-6)
+def test_random_scaled(e: float, rtol: float) -> None:
+    if e == 1.0:
+        with pytest.raises(InputError, match=r"^restitution:"):
+            solve_scaled(e, rtol)
+        return
+    try:
+        solution = solve_scaled(e, rtol)
+    except InputError as error:
+        one_line(error)
+        return
+    assert np.isfinite(solution.a2)
+    if solution.status is SolverStatus.CONVERGED:
+        assert abs(solution.cooling_rate / cooling_rate(e) - 1.0) < 10 * rtol
+
+
+@pytest.mark.parametrize("p", [2.0, 4.0, -1.5, 40.0])
+def test_moments_that_leave_the_range(p: float) -> None:
+    """<v^p> of speeds 1e150: a finite number, or a line that says it overflows."""
+    solution = solve(Scene(restitution=0.5, initial=Monoenergetic(1e150), times=[0.0, 1e10]))
+    try:
+        found = solution.moment(p)
+    except InputError as error:
+        one_line(error)
+        return
+    assert np.all(np.isfinite(found))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import kinetics
-from kinetics import Beam, InputError, Scene, SpeedSamples, SpeedTable, solve
+from kinetics import Beam, InputError, Scene, SpeedSamples, solve
 from kinetics.scene import OUTPUTS
 
 
@@ -96,57 +96,6 @@ def test_bad_initial(initial: Any) -> None:
     with pytest.raises(InputError) as caught:
         Scene(0.5, times=[1.0], initial=initial)
     one_line(caught, "initial: got ", "gaussian", "monoenergetic", "SpeedTable")
-
-
-@pytest.mark.parametrize(
-    ("density", "say"),
-    [
-        (lambda v: 1.5 * v * np.exp(-0.5 * v * v), "integral"),
-        (lambda v: v * np.exp(-0.5 * v * v) * (1.5 - 2.0 * (v > 1.5)), "negative"),
-        (lambda v: np.where(v < 1.0, np.nan, np.exp(-v)), "NaN"),
-        (lambda v: 2.0 / math.pi / (1.0 + v * v), "second moment"),
-        (lambda v: 2.0 * v / (1.0 + v * v) ** 2, "second moment"),
-        (lambda v: np.zeros_like(v), "integral"),
-        (lambda v: 1.0 / v, r"integral|second moment"),
-        (lambda v: 0.5, "shape"),
-        (lambda v: v[:-1], "shape"),
-        (lambda v: "high", "evaluated"),
-    ],
-)
-def test_bad_speed_densities(density: Any, say: str) -> None:
-    with pytest.raises(InputError, match=say) as caught:
-        solve(Scene(0.5, times=[1.0], initial=density))
-    one_line(caught)
-
-
-@pytest.mark.parametrize(
-    ("speed", "density", "say"),
-    [
-        ([1.0, 2.0], [1.0, -1.0], "negative"),
-        ([1.0, 2.0], [0.5, 0.5], "integral"),
-        ([1.0, 2.0], [math.nan, 1.0], "finite"),
-        ([1.0, math.inf], [1.0, 1.0], "finite"),
-        ([2.0, 1.0], [1.0, 1.0], "rise"),
-        ([1.0, 1.0], [1.0, 1.0], "rise"),
-        ([-1.0, 1.0], [0.5, 0.5], "rise"),
-        ([1.0], [1.0], "2 at least"),
-        ([1.0, 2.0, 3.0], [1.0, 1.0], "2 values for 3 speeds"),
-        ([[1.0, 2.0]], [1.0, 1.0], "1-dimensional"),
-        ("ab", [1.0, 1.0], "array of numbers"),
-        ([0.0, 1.0], [0.0, 0.0], "integral"),
-    ],
-)
-def test_bad_tables(speed: Any, density: Any, say: str) -> None:
-    with pytest.raises(InputError, match=say) as caught:
-        SpeedTable(speed, density)
-    one_line(caught)
-
-
-@pytest.mark.parametrize("speed", [[], [0.0, 1.0], [-1.0], [math.nan], [[1.0]], "x"])
-def test_bad_samples(speed: Any) -> None:
-    with pytest.raises(InputError, match=r"^speed: got ") as caught:
-        SpeedSamples(speed)
-    one_line(caught)
 
 
 @pytest.mark.parametrize("rtol", [0.0, 1e-15, 0.5, math.nan, None, "x"])

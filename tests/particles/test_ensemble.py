@@ -268,21 +268,3 @@ def test_bad_input_gets_one_clear_line(changes: dict, message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)) as caught:
         simulate(**(good | changes))
     assert "\n" not in str(caught.value)
-
-
-def test_media_say_what_is_allowed() -> None:
-    with pytest.raises(ValueError, match=r"number_density = -1: must be a positive finite number"):
-        Poisson(-1, 10)
-    with pytest.raises(ValueError, match=r"count = 1: the box would be 1 d wide .* at least 4 d"):
-        Poisson(1.0, 1)
-    with pytest.raises(ValueError, match=r"number_density = 0.9: .* at most 0.65"):
-        HardDisks(0.9, 1000)
-    with pytest.raises(ValueError, match=r"count = 0: must be a whole number from 1 to"):
-        HardDisks(0.1, 0)
-    with pytest.raises(ValueError, match=r"diameter = nan"):
-        BoltzmannGrad(0.1, diameter=float("nan"))
-    for dimension in (1, 4, 2.0, True, "three", None):
-        with pytest.raises(ValueError, match=r"^dimension = .*: must be 2 or 3$"):
-            BoltzmannGrad(0.1, dimension=dimension)
-    with pytest.raises(ValueError, match=r"inf scatterers per d\^3"):
-        BoltzmannGrad(1e200, 1e200, 3)

@@ -32,7 +32,7 @@ def test_the_main_thread_takes_no_lock_that_an_exception_could_leave_locked(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such timer")
-@pytest.mark.parametrize("times", [100, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("times", [50, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_interrupted_at_random_moments(times: int) -> None:
     code = f"""
 import faulthandler, random, signal

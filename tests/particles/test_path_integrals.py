@@ -48,8 +48,8 @@ def in_the_limit(rates: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("e", "et"),
     [
-        (0.5, 1.0),
         (0.6, 0.8),
+        pytest.param(0.5, 1.0, marks=pytest.mark.slow),
         pytest.param(0.2, 1.0, marks=pytest.mark.slow),
         pytest.param(0.9, 1.0, marks=pytest.mark.slow),
         pytest.param(0.0, 0.9, marks=pytest.mark.slow),
@@ -87,10 +87,12 @@ def test_thin_spheres_have_the_closed_form_with_legendre_polynomials() -> None:
 @pytest.mark.parametrize(
     "medium",
     [
-        BoltzmannGrad(3.0, diameter=0.2), Poisson(0.1, 400), HardDisks(0.2, box=None),
+        BoltzmannGrad(3.0, diameter=0.2),
+        Poisson(0.1, 400),
+        pytest.param(HardDisks(0.2, box=None), marks=pytest.mark.slow),
         HardSpheres(0.1, count=200),
     ],
-)  # fmt: skip
+)
 def test_every_path_is_cut_into_whole_windows(medium: Medium) -> None:
     """The integral of 1 is the path, and P_m = P_m(1) = 1 on a first flight longer than a path."""
     paths = [1e-9, 0.3, 2.0, 2.5]

@@ -21,8 +21,8 @@ POWERS = [(1, 0.0), (0, 1.0), (2, 0.0), (1, 1.0), (0, 2.0)]
 @pytest.mark.parametrize(
     ("e", "medium", "ends"),
     [
-        (0.5, ForgetfulPoisson(DENSITY, 100), [20.0]),
-        (0.9, ForgetfulPoisson(DENSITY, 100), [20.0, 60.0]),
+        pytest.param(0.5, ForgetfulPoisson(DENSITY, 100), [20.0], marks=pytest.mark.slow),
+        pytest.param(0.9, ForgetfulPoisson(DENSITY, 100), [20.0, 60.0], marks=pytest.mark.slow),
         (0.5, Poisson(DENSITY), [20.0]),
     ],
 )

@@ -15,11 +15,18 @@ PATH = {2: 12.5, 3: 1.0 / (np.pi * 0.04)}
 TRACERS = 200_000
 
 
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic"])
-@pytest.mark.parametrize("restitution", [0.4, 0.9])
+@pytest.mark.parametrize(
+    ("initial", "restitution"),
+    [
+        ("gaussian", 0.4),
+        ("monoenergetic", 0.9),
+        pytest.param("gaussian", 0.9, marks=pytest.mark.slow),
+        pytest.param("monoenergetic", 0.4, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize(("dimension", "tangential"), [(3, 1.0), (2, 0.8), (3, 0.8)])
 def test_shares_between_radii(
-    dimension: int, tangential: float, restitution: float, initial: str
+    dimension: int, tangential: float, initial: str, restitution: float
 ) -> None:
     times = np.array([2.0, 10.0, 100.0]) * PATH[dimension]
     run = simulate(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics import ScalingSolution, Scene, solve, solve_scaled
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench.measuring import Effort
 from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, OTHER_LAWS, SPECTRAL
@@ -35,8 +36,6 @@ Run = Callable[[float], tuple[Any, float]]
 
 
 def _scaled(e: float, name: str = "", **law: Any) -> dict[str, Run]:
-    from kinetics import ScalingSolution, solve_scaled
-
     exact = ScalingSolution(e, **law)
     F = exact.vdf(SCALED_SPEEDS)
     there = F / F.max() > 1e-25  # where F is promised relative to itself
@@ -57,8 +56,6 @@ def _scaled(e: float, name: str = "", **law: Any) -> dict[str, Run]:
 
 def _late(e: float, name: str, **law: Any) -> dict[str, Run]:
     """v0, a2 and the slope of <r^2> so late that they are the limits of the closed forms."""
-    from kinetics import ScalingSolution, Scene, solve
-
     exact, last = ScalingSolution(e, **law), 1e30
     outputs = ("thermal_speed", "a2", "diffusion_coefficient")
     scene = Scene(e, times=[1.0, last], outputs=outputs, **law)
@@ -90,8 +87,6 @@ def _error_in_time(
     e: float, start: str, horizon: str, quantity: str, rtol: float
 ) -> tuple[Any, float]:
     """The solution, and its error at the kept times, that of a2 relative to 1 + a2."""
-    from kinetics import Scene, solve
-
     times = references.times(horizon)
     scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=(quantity,))
     solution = solve(scene, rtol)

@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from kinetics import Gaussian, Scene, solve, solve_scaled
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import methods, straightforward
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
 from kinetics.crosscheck.bench.methods import CONSERVATIVE, PARTICLES, SPECTRAL, STRAIGHTFORWARD
 from kinetics.crosscheck.bench.record import COST, Record
+from particles import HardDisks, simulate
 
 EXPONENT = ", exponent"
 E = 0.7
@@ -69,15 +71,11 @@ def works(sweeps: Sequence[Sweep], effort: Effort) -> list[Work]:
 
 
 def _solve(rtol: float, *outputs: str, times: Any, nodes: int | None = None, **scene: Any) -> Any:
-    from kinetics import Scene, solve
-
     return solve(Scene(E, times=times, outputs=outputs, **scene), rtol, nodes=nodes)
 
 
 def solvers() -> list[Sweep]:
     """Of the velocity: the two solvers and the straightforward one."""
-    from kinetics import Gaussian, solve_scaled
-
     two = [10.0, 100.0]
     short = references.times("short")
     return [
@@ -129,8 +127,6 @@ def displacements() -> list[Sweep]:
 
 
 def _particles() -> list[Sweep]:
-    from particles import HardDisks, simulate
-
     def run(scatterers: int, tracers: int, collisions: int) -> Any:
         return simulate(HardDisks(0.04, count=scatterers), 0.9, max_collisions=collisions, media=1,
                         tracers=tracers, workers=1)  # fmt: skip

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetics import Scene, solve, solve_field
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
 from kinetics.crosscheck.bench.methods import NUMBER_DENSITY, SPECTRAL
 from kinetics.crosscheck.bench.precision import relative, restitutions
@@ -33,8 +34,6 @@ def field(effort: Effort) -> list[Record]:
 
 
 def _steady(e: float) -> list[Work]:
-    from kinetics import solve_field
-
     def figures(rtol: float) -> tuple[float, ...]:
         found = solve_field(e, rtol=rtol)
         return found.drift, found.mean_square_speed, found.mean_square_along, found.mean_speed
@@ -52,8 +51,6 @@ def _steady(e: float) -> list[Work]:
 
 
 def _from_rest(effort: Effort) -> list[Work]:
-    from kinetics import Scene, solve
-
     g = 0.01
     speed, time = math.sqrt(g * MEAN_FREE_PATH), math.sqrt(MEAN_FREE_PATH / g)
     outputs = ("mean_velocity", "mean_displacement")

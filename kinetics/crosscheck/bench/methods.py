@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Scene, solve
 from kinetics.crosscheck.bench import straightforward
 from kinetics.crosscheck.references import MEAN_FREE_PATH
+from kinetics.sonine.series import SeriesStatus, cooling, scaled_state
+from particles import BoltzmannGrad, simulate
 
 FloatArray = NDArray[np.float64]
 
@@ -42,8 +45,6 @@ def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
     At the tightest tolerance the scheme itself serves every time; none is left to the scaling
     state, which is spectral.
     """
-    from kinetics import Scene, solve
-
     scene = Scene(e, NUMBER_DENSITY, initial=start, times=times, outputs=("speed_density",))
     return solve(scene, TIGHTEST, method=CONSERVATIVE, nodes=nodes)
 
@@ -99,8 +100,6 @@ def conservative_state(e: float, nodes: int) -> LateState:
 
 def sonine_state(e: float, order: int) -> Any:
     """The scaled equation at this order."""
-    from kinetics.sonine.series import SeriesStatus, scaled_state
-
     state = scaled_state(e, order)
     if state.status is not SeriesStatus.REAL:
         raise ValueError(f"order = {order}: no real solution at restitution {e:g}")
@@ -111,8 +110,6 @@ def sonine_cooling(
     e: float, start: str, times: FloatArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """v0 (U) and a2, shape (n_times,) each."""
-    from kinetics.sonine.series import SeriesStatus, cooling
-
     found = cooling(e, times, order, MEAN_FREE_PATH, start, 1e-8)
     if found.status is not SeriesStatus.REAL:
         raise ValueError(f"order = {order}: {found.status.value}")
@@ -133,8 +130,6 @@ def particles(
     dimension: int = 2,
 ) -> Any:
     """A Boltzmann-Grad run in blocks, of one thread, with the free path MEAN_FREE_PATH."""
-    from particles import BoltzmannGrad, simulate
-
     medium = BoltzmannGrad(NUMBER_DENSITY)
     if dimension == 3:
         medium = BoltzmannGrad(1.0 / (math.pi * MEAN_FREE_PATH), dimension=3)

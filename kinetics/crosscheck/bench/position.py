@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics import Scene, solve, sonine
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import methods
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
@@ -78,8 +79,6 @@ def position(effort: Effort) -> list[Record]:
 
 
 def _moment(quantity: str, e: float, start: str, effort: Effort) -> list[Work]:
-    from kinetics import Scene, solve
-
     times = references.times("short")
     problem = f"{QUANTITIES[quantity]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
     exact = references.kept(quantity, e, start, "short")
@@ -152,7 +151,6 @@ class DensityReference:
 
 def density_reference(e: float, t: float, rtol: float) -> DensityReference:
     """G(R) of a Gaussian start at time t in d/U, to rtol."""
-    from kinetics import Scene, solve
 
     def at(rtol: float, *outputs: str) -> Any:
         return solve(Scene(e, NUMBER_DENSITY, times=[t], outputs=outputs), rtol)
@@ -163,8 +161,6 @@ def density_reference(e: float, t: float, rtol: float) -> DensityReference:
 
 def distribution(e: float, t: float, reference: DensityReference, effort: Effort) -> list[Work]:
     """G(R) by the solver, by Monte Carlo, and by the paper's formulas with its constants."""
-    from kinetics import Scene, solve, sonine
-
     scene = Scene(e, NUMBER_DENSITY, times=[t], outputs=("position_density",))
 
     def spectral(rtol: float) -> FloatArray:

@@ -18,7 +18,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
+from kinetics import CollisionLaw, ScalingSolution, Scene, solve, solve_scaled
 from kinetics.crosscheck import references
 from kinetics.crosscheck.bench import methods, straightforward
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure, sweep
@@ -87,8 +89,6 @@ def scaled(effort: Effort) -> list[Record]:
 
 def scaled_works_of(name: str, effort: Effort, e: float = 0.7) -> list[Work]:
     """h and a2 of one of the `OTHER_LAWS`."""
-    from kinetics import ScalingSolution, solve_scaled
-
     law = OTHER_LAWS[name]
     exact = ScalingSolution(e, **law)
     target = np.array([exact.cooling_rate, 1.0 + exact.a2])
@@ -109,8 +109,6 @@ def scaled_works_of(name: str, effort: Effort, e: float = 0.7) -> list[Work]:
 
 def scaled_works(e: float, effort: Effort) -> list[Work]:
     """Both problems: every method has a state with the same names, and the particles a run."""
-    from kinetics import CollisionLaw, ScalingSolution, solve_scaled
-
     exact = ScalingSolution(e)
     F, between = exact.vdf(SCALED_SPEEDS), interpolated(exact)
     target = np.array([exact.cooling_rate, 1.0 + exact.a2])
@@ -137,10 +135,10 @@ def scaled_works(e: float, effort: Effort) -> list[Work]:
     both = partial(sweep, PRECISION, f"scaled h and a2, e = {e:g}",
                    error=lambda found: relative(found, target))  # fmt: skip
     works = []
-    for method, setting, values, solve in states:
+    for method, setting, values, state in states:
         row = (method, setting, values)
-        works += vdf(*row, lambda x, solve=solve: solve(x).vdf(SCALED_SPEEDS))
-        works += both(*row, lambda x, solve=solve: moments(solve(x)))
+        works += vdf(*row, lambda x, state=state: state(x).vdf(SCALED_SPEEDS))
+        works += both(*row, lambda x, state=state: moments(state(x)))
     samples = (MONTE_CARLO, "samples", sample_numbers(effort))
     works += vdf(*samples, histogram, error=lambda run: vdf_error(run, between), seeded=True)
     works += both(
@@ -151,8 +149,6 @@ def scaled_works(e: float, effort: Effort) -> list[Work]:
 
 def interpolated(exact: Any) -> Callable[[FloatArray], FloatArray]:
     """F(c) over SCALED_SPEEDS, to 1e-8: the exact one takes longer than a run of the particles."""
-    from scipy.interpolate import CubicSpline
-
     c = np.linspace(SCALED_SPEEDS[0], SCALED_SPEEDS[-1], 391)
     spline: Callable[[FloatArray], FloatArray] = CubicSpline(c, exact.vdf(c))
     return spline
@@ -204,8 +200,6 @@ def cooling(effort: Effort) -> list[Record]:
 
 
 def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Work]:
-    from kinetics import Scene, solve
-
     times = references.times(horizon)
     speed = references.kept("thermal_speed", e, start, horizon)
     a2 = references.kept("a2", e, start, horizon)

@@ -1,20 +1,17 @@
-"""What skipping saves: each output of a scene alone, with the rest, and the rest without it.
-
-Beside them what a law costs that is not that of smooth disks: spheres must not cost more.
-"""
+"""What skipping saves: each output of a scene alone, with the rest, and the rest without it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
+from kinetics import Gaussian, Scene, solve
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure
-from kinetics.crosscheck.bench.methods import OTHER_LAWS
 from kinetics.crosscheck.bench.record import FAILED, SKIPPING, Record
+from particles import BoltzmannGrad, simulate
 
 ISOTROPIC = ("thermal_speed", "a2", "collisions", "msd", "kurtosis", "speed_density")
 DIRECTED = (
@@ -32,8 +29,6 @@ Parts = dict[str, Callable[[], Any]]
 
 def skipping(effort: Effort) -> list[Record]:
     """Rows with the ratio of the whole scene's time to the part's in `extra`."""
-    from kinetics import Gaussian
-
     times = np.geomspace(1.0, 1e4, 20)
     cooling = ("thermal_speed", "a2")
     groups: dict[str, Parts] = {
@@ -56,37 +51,8 @@ def skipping(effort: Effort) -> list[Record]:
             for last in (1e300, 1e20, 1e12, 1e4)
         },
         "Boltzmann-Grad run, 4000 tracers": _particles(times),
-        **laws(times),
     }
     return ratios(groups, effort)
-
-
-def laws(times: np.ndarray) -> dict[str, Parts]:
-    """The same isotropic scene among smooth disks and of the other laws."""
-    from kinetics import solve_scaled
-
-    every = {"smooth disks": {}, **OTHER_LAWS}
-    asked: dict[str, tuple[tuple[str, ...], np.ndarray, float]] = {
-        "averages": (("thermal_speed", "a2", "msd", "kurtosis"), times, 1e-8),
-        "speed density": (("speed_density",), times[::4], 1e-8),
-        "position density": (("position_density",), np.array([300.0]), 1e-4),
-    }
-    groups: dict[str, Parts] = {
-        f"isotropic scene, {name}, by law": {
-            law: _solve(outputs, rtol=rtol, times=at, **arguments)
-            for law, arguments in every.items()
-        }
-        for name, (outputs, at, rtol) in asked.items()
-    }
-    groups["scaled h and a2, by law"] = {
-        law: partial(_scaled, solve_scaled, arguments) for law, arguments in every.items()
-    }
-    return groups
-
-
-def _scaled(solver: Callable[..., Any], law: dict[str, Any]) -> Any:
-    state = solver(0.7, 1e-10, **law)
-    return state.cooling_rate, state.a2
 
 
 def ratios(groups: dict[str, Parts], effort: Effort) -> list[Record]:
@@ -109,8 +75,6 @@ def _compared(row: Record, whole: Record) -> Record:
 
 def _solve(outputs: Sequence[str], rtol: float = 1e-8, **scene: Any) -> Callable[[], Any]:
     """A function that solves this scene, at e = 0.7 where nothing else is said."""
-    from kinetics import Scene, solve
-
     made = Scene(**{"restitution": 0.7, "outputs": tuple(outputs), **scene})
     return lambda: solve(made, rtol)
 
@@ -126,7 +90,6 @@ def _outputs(outputs: Sequence[str], left_out: Sequence[str], **scene: Any) -> P
 
 def _particles(times: np.ndarray) -> Parts:
     """A simulation keeps only what is asked for."""
-    from particles import BoltzmannGrad, simulate
 
     def of(*names: str) -> Callable[[], Any]:
         return lambda: simulate(

@@ -19,6 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 FloatArray = NDArray[np.float64]
 
@@ -61,8 +63,6 @@ def solve_cooling(
 
     0 <= e < 1. NaN at the times that the integration did not reach.
     """
-    from scipy.integrate import solve_ivp
-
     v = np.linspace(0.0, FASTEST[initial], nodes)
     if initial == "gaussian":
         p = v * np.exp(-0.5 * v * v)
@@ -113,8 +113,6 @@ class Scaled:
 
     def vdf(self, c: FloatArray) -> FloatArray:
         """F(c) by cubic splines, c > 0."""
-        from scipy.interpolate import CubicSpline
-
         unit = math.sqrt(self.mean(2.0))
         density = CubicSpline(self.y, self.density)(c * unit)
         return np.asarray(np.where(c * unit <= self.y[-1], density, 0.0) * unit / (2 * math.pi * c))

@@ -88,8 +88,7 @@ def tables(records: Sequence[Record]) -> list[str]:
         *_table("What skipping saves", *_skipping(records)),
         *_table("Cost against work", *_cost(records)),
         *_table(f"Particles, e = {throughput.RESTITUTION:g}", *_particles(records),
-                "Of two threads by wall-clock time. Listed per cell: how many scatterers a cell of "
-                "the index lists on average."),
+                "Of two threads by wall-clock time."),
         *_table("Failed and not available", *_not_measured(records)),
     ]  # fmt: skip
 
@@ -186,10 +185,9 @@ def _cost(records: Sequence[Record]) -> Cells:
 
 
 def _particles(records: Sequence[Record]) -> Cells:
-    heads = ["medium", throughput.LISTED, "threads", "million collisions per second",
-             "placing one medium"]  # fmt: skip
+    heads = ["medium", "threads", "million collisions per second", "placing one medium"]
     return heads, [
-        [r.problem, "" if r.value is None else f"{r.value:g}", str(r.threads),
+        [r.problem, str(r.threads),
          f"{r.extra['collisions_per_second'] / 1e6:.1f}",
          seconds_text(r.extra["placing_seconds_per_medium"])]
         for r in records

@@ -9,19 +9,15 @@ from typing import Any
 
 from kinetics.crosscheck.bench.measuring import Effort, Work, measure
 from kinetics.crosscheck.bench.record import FAILED, PARTICLES, Record
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 RESTITUTION = 0.9
-LISTED = "listed per cell"
-CELL_DENSITIES = (0.04, 0.2)
-TANGENTIAL = 0.8
 SPHERES = 0.1 / math.pi  # per d^3: l = 10 d
 _MEDIA = 4  # of each run
 
 
 def media(effort: Effort) -> list[tuple[str, Any]]:
     """Those that are measured, by name."""
-    from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres
-
     dense = (0.005, 0.04, 0.2, 0.5) if effort.quick else (0.001, 0.005, 0.02, 0.04, 0.1, 0.3, 0.6)
     counts = (1000, 40_000, *(() if effort.quick else (160_000, 640_000)))
     overlapping = (0.04,) if effort.quick else (0.005, 0.04, 0.2)
@@ -45,57 +41,24 @@ def media(effort: Effort) -> list[tuple[str, Any]]:
     ]
 
 
-def rough_media() -> list[tuple[str, Any]]:
-    """Those that are measured with `TANGENTIAL` as well: it must cost nothing."""
-    from particles import BoltzmannGrad, HardDisks, HardSpheres
-
-    return [
-        ("hard disks, 0.04 per d^2, 10000", HardDisks(0.04, count=10_000)),
-        (f"hard spheres, {SPHERES:.2g} per d^3, 10000", HardSpheres(SPHERES, count=10_000)),
-        ("Boltzmann-Grad, 0.04 per d^2", BoltzmannGrad(0.04)),
-        (f"Boltzmann-Grad, {SPHERES:.2g} per d^3", BoltzmannGrad(SPHERES, dimension=3)),
-    ]
-
-
-def cells(effort: Effort) -> list[tuple[str, float, Any]]:
-    """Hard disks in cells that list so many of them on average; see `particles.media.LISTED`."""
-    from particles import HardDisks
-
-    listed = (1.5, 5.0, 15.0) if effort.quick else (1.5, 2.5, 3.5, 5.0, 7.0, 10.0, 20.0)
-    found = []
-    for rho in CELL_DENSITIES[: 1 if effort.quick else None]:
-        for number in (n for n in listed if n > 3.5**2 * rho):  # no cell is narrower than 1.5 d
-            kind = type("HardDisks", (HardDisks,), {"listed": number})
-            found.append((f"cells of hard disks, {rho:g} per d^2", number, kind(rho, count=10_000)))
-    return found
-
-
 def throughput(effort: Effort) -> list[Record]:
-    """Rows with collisions/s in `extra`, of one and of two threads; sizes of the cells of one."""
+    """Rows with collisions/s in `extra`, of one and of two threads."""
     tracers = 300 if effort.quick else 2000
     works = []
     for name, medium in media(effort):
         for threads in (1, 2):
-            works += _runs(name, medium, tracers, threads=threads)
-    for name, medium in rough_media():
-        works += _runs(f"{name}, et = {TANGENTIAL:g}", medium, tracers, et=TANGENTIAL)
-    for name, listed, medium in cells(effort):
-        works += _runs(name, medium, tracers, setting=LISTED, value=listed)
+            works += _runs(name, medium, tracers, threads)
     rows = measure(works, effort)
     return [_rate(*pair) for pair in zip(rows[::2], rows[1::2], strict=True)]
 
 
-def _runs(
-    name: str, medium: Any, tracers: int, threads: int = 1, et: float = 1.0, **where: Any
-) -> list[Work]:
+def _runs(name: str, medium: Any, tracers: int, threads: int) -> list[Work]:
     """A run of one collision, whose time is that of placing the scatterers, and a long one."""
-    from particles import simulate
 
     def work(tracers: int, collisions: int) -> Work:
         run = partial(simulate, medium, RESTITUTION, max_collisions=collisions, media=_MEDIA,
-                      tracers=tracers, workers=threads,
-                      tangential_restitution=et)  # fmt: skip
-        return Work(PARTICLES, name, PARTICLES, run, threads=threads, figures=_collisions, **where)
+                      tracers=tracers, workers=threads)  # fmt: skip
+        return Work(PARTICLES, name, PARTICLES, run, threads=threads, figures=_collisions)
 
     return [work(1, 1), work(tracers, 500)]
 

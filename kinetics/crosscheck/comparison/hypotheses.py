@@ -10,6 +10,7 @@ covariance takes from the likelihood is counted against it.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -292,25 +293,10 @@ def _start(averages: Averages) -> Iterator[Tested]:
             yield Tested(averages.judged("initial speeds", text, headline, after), 0, theory)
 
 
-def _speed_unit(averages: Averages) -> Iterator[Tested]:
-    """Speeds at the start of another size: v and t in another unit than U."""
-    yield from _unit(averages, "speed unit", "U", 1.0, {"thermal_speed": 1.0})
-
-
-def _time_unit(averages: Averages) -> Iterator[Tested]:
-    """Times in another unit than d/U, positions and speeds as told."""
-    yield from _unit(averages, "time unit", "d/U", -1.0, {})
-
-
-def _length_unit(averages: Averages) -> Iterator[Tested]:
-    """Positions in another unit than d, times and speeds as told."""
-    yield from _unit(averages, "length unit", "d", 0.0, {"msd": 2.0})
-
-
 def _unit(
     averages: Averages, name: str, symbol: str, time: float, powers: dict[str, float]
 ) -> Iterator[Tested]:
-    """A unit that is `symbol` in the data's own: powers of it that times and averages carry."""
+    """Another unit than `symbol`; time, powers: of it that times and averages carry."""
     both = averages.both
     if both.own_start and name == "speed unit":
         return
@@ -373,9 +359,10 @@ HYPOTHESES: tuple[Callable[[Averages], Iterator[Tested]], ...] = (
     _free_path,
     _restitution,
     _start,
-    _speed_unit,
-    _time_unit,
-    _length_unit,
+    # speeds at the start of another size; times, or positions, in another unit than the rest
+    partial(_unit, name="speed unit", symbol="U", time=1.0, powers={"thermal_speed": 1.0}),
+    partial(_unit, name="time unit", symbol="d/U", time=-1.0, powers={}),
+    partial(_unit, name="length unit", symbol="d", time=0.0, powers={"msd": 2.0}),
     _at_rest,
     _recollisions,
 )

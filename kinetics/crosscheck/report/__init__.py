@@ -1,8 +1,8 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
-May import the core of `kinetics`, `particles` and `derivations` (inside functions, because both
-are slow to load), `kinetics.crosscheck.{files,strict_json,text_tables,verdicts}`, and no other room
-of the cross-check. `lorentz compare` borrows the drawing and the templates from here.
+May import the core of `kinetics`, `particles` and (inside functions, as SymPy is slow to load)
+`derivations`, `kinetics.crosscheck.{files,strict_json,text_tables,verdicts}`, and no other room of
+the cross-check. `lorentz compare` borrows the drawing and the templates from here.
 
 Begin with `report.py`, which calls the others in this order:
 

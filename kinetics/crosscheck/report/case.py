@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from kinetics import CollisionLaw, ScaledVDF, ScalingSolution, Solution
+from kinetics import CollisionLaw, ScaledVDF, ScalingSolution, Solution
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -70,23 +69,23 @@ class Case:
     """What every method gives for one restitution."""
 
     restitution: float
-    law: "CollisionLaw"
+    law: CollisionLaw
     times: Array  # of the output of particles and equation, in d/U
     early: int  # index of the time from which on slopes are measured, a tenth of the last
     speed_edges: Array  # bins of c
     position_edges: Array  # bins of R
-    exact: "ScalingSolution | None"  # the scaling state in closed form; None if elastic
-    scaled: "ScaledVDF | None"  # and as solved
-    kinetic: "Solution"  # with the l of the dilute limit, 1/(2 d rho0) or 1/(pi d^2 rho0)
-    rescaled: "Solution"  # with the mean free path that the run of hard scatterers measured
-    late: "Solution"  # as `kinetic`, to times that no simulation reaches, without densities
-    position: "Solution"  # the displacement at the last time, as accurate as a figure needs
+    exact: ScalingSolution | None  # the scaling state in closed form; None if elastic
+    scaled: ScaledVDF | None  # and as solved
+    kinetic: Solution  # with the l of the dilute limit, 1/(2 d rho0) or 1/(pi d^2 rho0)
+    rescaled: Solution  # with the mean free path that the run of hard scatterers measured
+    late: Solution  # as `kinetic`, to times that no simulation reaches, without densities
+    position: Solution  # the displacement at the last time, as accurate as a figure needs
     free: ParticleRun  # Boltzmann-Grad
     hard: ParticleRun  # hard disks, or hard spheres
     # standard errors of these minus `rescaled`, both of which change with the run
     rescaled_errors: dict[str, Array]
     # the equation of hard disks at their own density; None where there is none
-    dense: "Solution | None" = None
+    dense: Solution | None = None
     dense_slope: float | None = None  # its limit of d<r^2>/d ln t, in d^2
 
     @property
@@ -100,7 +99,7 @@ class Case:
         return self.law.dimension
 
     @property
-    def scaling_state(self) -> "tuple[ScalingSolution, ScaledVDF]":
+    def scaling_state(self) -> tuple[ScalingSolution, ScaledVDF]:
         """The scaling state in closed form and as solved; the law must not be elastic."""
         assert self.exact is not None
         assert self.scaled is not None

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from kinetics import sonine
+from kinetics import Solution, sonine
 from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Array, Case, ParticleRun
 from kinetics.crosscheck.report.observables import (
@@ -34,9 +34,6 @@ from kinetics.crosscheck.report.row import (
 )
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.verdicts import judge_numerical
-
-if TYPE_CHECKING:
-    from kinetics import Solution
 
 LEAST_EXPECTED = 50
 """Samples that a bin must be expected to hold before its jackknife error is trusted."""
@@ -105,7 +102,7 @@ def _cooling_rate(case: Case, settings: ReportSettings) -> list[Row]:
         f"the exact h of late times is {exact:.5f}"
     )
 
-    def rate(solution: "Solution") -> float:
+    def rate(solution: Solution) -> float:
         return cooling_rate_between(
             case.times, solution.thermal_speed, case.early, settings.half_rate
         )

@@ -6,15 +6,11 @@ start is not yet forgotten in the window, and the disks, at a finite density, ar
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from kinetics import sonine
+from kinetics import Solution, sonine
 from kinetics.crosscheck.report.case import Case, Measured
 from kinetics.crosscheck.report.figure_lines import Results
 from kinetics.crosscheck.report.observables import cooling_rate_between
-
-if TYPE_CHECKING:
-    from kinetics import Solution
 
 
 @dataclass(frozen=True)
@@ -49,7 +45,7 @@ def causes(results: Results) -> list[Causes]:
 def _causes(case: Case, half_rate: float) -> Causes:
     scale = 1 - case.restitution
 
-    def rate(solution: "Solution") -> float:
+    def rate(solution: Solution) -> float:
         speed = solution.thermal_speed
         return cooling_rate_between(case.times, speed, case.early, half_rate) / scale
 

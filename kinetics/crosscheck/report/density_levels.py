@@ -6,10 +6,11 @@ The levels go from the paper's equation, in which no scatterer is met a second t
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from kinetics import CollisionLaw, Scene, Solution, solve
 from kinetics.collision import law_in_medium
 from kinetics.crosscheck.report.case import Array, Case, Measured
 from kinetics.crosscheck.report.observables import (
@@ -18,9 +19,6 @@ from kinetics.crosscheck.report.observables import (
     msd_slope_between,
 )
 from kinetics.crosscheck.report.settings import ReportSettings
-
-if TYPE_CHECKING:
-    from kinetics import Solution
 
 DILUTE, PATH = "dilute equation", "path of the medium"
 LEADING, FIRST, FITTED = "leading order", "first order", "fitted second order"
@@ -128,10 +126,8 @@ def _reduced(case: Case, level: str, settings: ReportSettings) -> dict[str, floa
 def solution(
     e: float, density: float, times: Array, outputs: tuple[str, ...], level: str,
     scatterers: str = "hard disks", rtol: float = 1e-6,
-) -> "Solution":  # fmt: skip
+) -> Solution:  # fmt: skip
     """One level from a Gaussian start; density in d^-2, times in d/U."""
-    from kinetics import CollisionLaw, Scene, solve
-
     more: dict[str, Any] = {}
     if level == PATH:
         law = law_in_medium(CollisionLaw(e), scatterers, density, 1.0, "leading")

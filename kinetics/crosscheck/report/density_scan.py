@@ -1,7 +1,6 @@
 """<r^2> of hard and of overlapping disks over the density, and what each remembered disk adds."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,7 @@ from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.scans import LARGEST_BOX
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.templates import paragraphs
-
-if TYPE_CHECKING:
-    from particles import Medium
+from particles import ForgetfulPoisson, Medium, Poisson, simulate
 
 MEMORIES = (0, 1, 2, 3, 5, 10)
 """Collisions that the tracers of the second figure remember."""
@@ -60,8 +57,6 @@ class ReturnScan:
 
 def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> ReturnScan:
     """The runs among overlapping disks and the curves; the points of hard disks are the scan's."""
-    from particles import ForgetfulPoisson, Poisson
-
     own, count = settings.number_density, min(settings.count, LARGEST_BOX)
     sparse = [Poisson(n, count) for n in scan.densities.tolist()]
     overlapping = [
@@ -86,26 +81,20 @@ def gather_returns(case: Case, scan: DensityScan, settings: ReportSettings) -> R
         number_density=own,
         samples=scan.samples,
         densities=scan.densities,
-        points={"hard disks": scan.ratios["msd"], "overlapping": _joined(overlapping)},
+        points={"hard disks": scan.ratios["msd"], "overlapping": Measured.joined(overlapping)},
         grid=grid,
         curves=curves,
         memories=np.array(MEMORIES),
-        remembered=_joined(forgetful[:-1]),
+        remembered=Measured.joined(forgetful[:-1]),
         all_remembered=forgetful[-1],
         expected=float(at_own[0]),
     )
 
 
-def _joined(points: list[Measured]) -> Measured:
-    return Measured(np.array([p.value for p in points]), np.array([p.error for p in points]))
-
-
 def _ratio(
-    medium: "Medium", tracers: int, case: Case, seed: int, settings: ReportSettings
+    medium: Medium, tracers: int, case: Case, seed: int, settings: ReportSettings
 ) -> Measured:
     """<r^2> over the dilute equation, at the last time of the case; tracers in each medium."""
-    from particles import simulate
-
     stretch = settings.number_density / medium.number_density
     run = simulate(
         medium, restitution=case.restitution, times=case.times[-1:] * stretch,

@@ -6,18 +6,16 @@ it go. Lengths in d, and the field is such that g l = U^2, with l = 1/(2 d rho) 
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kinetics import solve_field
 from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_runs import FORGOTTEN, LONGER, relaxation_time
 from kinetics.crosscheck.report.field_settings import FieldSettings
 from kinetics.crosscheck.report.observables import contact_value, jackknife_error, weighted_fit
 from kinetics.crosscheck.report.row import SOLVER, Row, estimated
-
-if TYPE_CHECKING:
-    from particles import Ensemble
+from particles import Ensemble, HardDisks, simulate
 
 HARD_DISKS = "hard disks, extrapolated"
 _DISKS = 10_000  # in the periodic box
@@ -48,8 +46,6 @@ class DensityCase:
 
 def density_case(restitution: float, settings: FieldSettings) -> DensityCase:
     """Follow tracers among hard disks at all densities of the settings."""
-    from kinetics import solve_field
-
     state = solve_field(restitution, 2, rtol=1e-6)
     first = FORGOTTEN * relaxation_time(state)
     times = np.geomspace(1.0, LONGER * first, _TIMES)
@@ -71,10 +67,8 @@ def density_case(restitution: float, settings: FieldSettings) -> DensityCase:
 
 def _among_disks(
     restitution: float, density: float, times: Array, settings: FieldSettings
-) -> "Ensemble":
+) -> Ensemble:
     """Times in sqrt(l/g). From a Gaussian start: from rest all of one configuration fall alike."""
-    from particles import HardDisks, simulate
-
     path = 0.5 / density
     seed = settings.seed + _SEED + round(1e5 * density) + round(1e6 * restitution)
     return simulate(
@@ -84,7 +78,7 @@ def _among_disks(
     )  # fmt: skip
 
 
-def moving_drift(run: "Ensemble", first: float, last: float) -> Measured:
+def moving_drift(run: Ensemble, first: float, last: float) -> Measured:
     """How far tracers fall between two times, over how long they move between them, shape ().
 
     Times in sqrt(l/g), the result in sqrt(g l). What is trapped moves no more, and neither falls.
@@ -101,7 +95,7 @@ def moving_drift(run: "Ensemble", first: float, last: float) -> Measured:
     return _ratio(fallen, elapsed)
 
 
-def captures(run: "Ensemble") -> Measured:
+def captures(run: Ensemble) -> Measured:
     """Trapped tracers over the way of all tracers in units of l, shape ()."""
     counts = np.bincount(run.statuses.trap_tracers[:, 0], minlength=run.media).astype(float)
     ways = run.arrays["path_sums"][:, 0] * 2.0 * run.number_density

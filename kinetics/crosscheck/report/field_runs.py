@@ -7,18 +7,14 @@ particles are those of the Boltzmann-Grad limit, which the equation is about.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetics import CollisionLaw
+from kinetics import CollisionLaw, FieldState, Scene, Solution, solve, solve_field
 from kinetics.crosscheck.report.case import Array, Measured
 from kinetics.crosscheck.report.field_settings import FieldSettings
 from kinetics.crosscheck.report.observables import jackknife_error
-
-if TYPE_CHECKING:
-    from kinetics import FieldState, Solution
-    from particles import Ensemble
+from particles import BoltzmannGrad, Ensemble, simulate
 
 FORGOTTEN = 10.0
 """Relaxation times after which the start is forgotten: a part e^-10 of it is left."""
@@ -40,7 +36,7 @@ class SteadyCase:
 
     restitution: float
     dimension: int
-    state: "FieldState"
+    state: FieldState
     tracers: int
     groups: int
     measured_from: float
@@ -59,7 +55,7 @@ class ApproachCase:
 
     restitution: float
     dimension: int
-    state: "FieldState"
+    state: FieldState
     times: Array
     drift: Array  # the solver's <v_z>
     square: Array  # its <v^2>
@@ -87,8 +83,6 @@ def unit_density(dimension: int) -> float:
 
 def solver_line(dimension: int, settings: FieldSettings) -> SteadyLine:
     """Drift and dispersion at the restitutions of the line."""
-    from kinetics import solve_field
-
     at = np.unique([*settings.line, *settings.restitutions])
     states = [solve_field(float(e), dimension, rtol=1e-6) for e in at]
     return SteadyLine(
@@ -100,7 +94,7 @@ def solver_line(dimension: int, settings: FieldSettings) -> SteadyLine:
     )
 
 
-def relaxation_time(state: "FieldState") -> float:
+def relaxation_time(state: FieldState) -> float:
     """About how long the energy remembers, in sqrt(l/g).
 
     From d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively.
@@ -110,8 +104,6 @@ def relaxation_time(state: "FieldState") -> float:
 
 def steady_case(restitution: float, dimension: int, settings: FieldSettings) -> SteadyCase:
     """Solve, follow particles until they have forgotten their start, and average from there on."""
-    from kinetics import solve_field
-
     state = solve_field(restitution, dimension, rtol=settings.rtol)
     first = FORGOTTEN * relaxation_time(state)
     times = np.linspace(first, LONGER * first, LOOKS)
@@ -129,21 +121,19 @@ def steady_case(restitution: float, dimension: int, settings: FieldSettings) -> 
     )
 
 
-def tracers_for(state: "FieldState", last: float, settings: FieldSettings) -> int:
+def tracers_for(state: FieldState, last: float, settings: FieldSettings) -> int:
     """In each group, so that all make about as many collisions as the settings say."""
     wanted = settings.collisions / (last * state.mean_speed)
     return max(2, round(min(wanted, settings.most_tracers) / settings.groups))
 
 
 def _followed(
-    state: "FieldState",
+    state: FieldState,
     times: Array,
     tracers: int,
     settings: FieldSettings,
     observables: tuple[str, ...] = (),
-) -> "Ensemble":
-    from particles import BoltzmannGrad, simulate
-
+) -> Ensemble:
     d = state.dimension
     medium = BoltzmannGrad(unit_density(d), dimension=3 if d == 3 else 2)
     seed = settings.seed + 1000 * d + round(1e6 * float(state.restitution))
@@ -153,7 +143,7 @@ def _followed(
     )  # fmt: skip
 
 
-def steady_values(run: "Ensemble", law: CollisionLaw) -> dict[str, Measured]:
+def steady_values(run: Ensemble, law: CollisionLaw) -> dict[str, Measured]:
     """Averages over late times and over tracers, with the jackknife error over the groups.
 
     What should be 1 by an exact relation is formed before the error is taken, since both of its
@@ -212,8 +202,6 @@ def jackknifed(sums: dict[str, Array], of: Callable[[dict[str, Array]], Array]) 
 
 def approach_case(restitution: float, dimension: int, settings: FieldSettings) -> ApproachCase:
     """Solver and particles from rest, at `APPROACH_TIMES`."""
-    from kinetics import solve_field
-
     state = solve_field(restitution, dimension, rtol=settings.rtol)
     tracers = tracers_for(state, float(APPROACH_TIMES[-1]), settings)
     run = _followed(state, APPROACH_TIMES, tracers, settings)
@@ -233,9 +221,7 @@ def approach_case(restitution: float, dimension: int, settings: FieldSettings) -
     )
 
 
-def _over_time(state: "FieldState", settings: FieldSettings) -> "Solution":
-    from kinetics import Scene, solve
-
+def _over_time(state: FieldState, settings: FieldSettings) -> Solution:
     scene = Scene(
         **state.law.arguments,
         number_density=unit_density(state.dimension),

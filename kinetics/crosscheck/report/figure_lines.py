@@ -3,18 +3,16 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics import sonine
+from kinetics import ScalingSolution, sonine
+from kinetics.collision.medium import SETTLED
 from kinetics.crosscheck.report.case import Array, Case, Mask, Measured
 from kinetics.crosscheck.report.figures import Data, axis, series
 from kinetics.crosscheck.report.settings import ReportSettings
-
-if TYPE_CHECKING:
-    from kinetics import ScalingSolution
 
 LARGEST_RELATIVE_ERROR = 0.5
 """Standard error over value above which a point on a logarithmic axis is left out."""
@@ -94,8 +92,6 @@ class Results:
     @property
     def settled(self) -> float:
         """Time in d/U from which on that equation is trusted."""
-        from kinetics.collision.medium import SETTLED
-
         return SETTLED / (2 * self.settings.half_rate)
 
     @property
@@ -122,10 +118,8 @@ def restitutions() -> Array:
 @cache
 def exact_states(
     tangential_restitution: float = 1.0, dimension: int = 2
-) -> "tuple[ScalingSolution, ...]":
+) -> tuple[ScalingSolution, ...]:
     """The exact scaling state at each of the `restitutions`."""
-    from kinetics import ScalingSolution
-
     law = tangential_restitution, dimension
     return tuple(ScalingSolution(float(e), *law) for e in restitutions())
 

@@ -2,17 +2,13 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics import sonine
+from kinetics import Solution, sonine
 from kinetics.crosscheck.report.case import Array, Case, Measured
 from kinetics.numerics.gauss import panels_between
-
-if TYPE_CHECKING:
-    from kinetics import Solution
 
 BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
 """Bands of R = r/sqrt(<r^2>) between which the fall of G(R) is measured; the first is p(0)."""
@@ -82,7 +78,7 @@ def middles(edges: Array) -> Array:
     return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
-def last_vdf(solution: "Solution") -> Callable[[Array], Array]:
+def last_vdf(solution: Solution) -> Callable[[Array], Array]:
     """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
     v0, law = float(solution.thermal_speed[-1]), solution.scene.law
 

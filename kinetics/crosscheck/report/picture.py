@@ -1,16 +1,14 @@
 """Pictures of the system in the head of a report: tracers among the disks, by their speed."""
 
 import io
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kinetics.crosscheck.report.figures import embeddable
 from kinetics.crosscheck.report.layout import WIDTH
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.report.strokes import STYLE
 from kinetics.crosscheck.report.templates import paragraphs
-
-if TYPE_CHECKING:
-    from particles import Ensemble
+from particles import Ensemble, HardDisks, simulate
 
 TRACERS = 3
 COLLISIONS = 20
@@ -23,8 +21,6 @@ def picture(settings: ReportSettings) -> dict[str, str] | None:
     """Title, description and "svg" of a few tracers; None in space, where no disk can be drawn."""
     if settings.dimension != 2:
         return None
-    from particles import HardDisks, simulate
-
     # The restitution nearest to the middle: tracers stay near at 0, and fly far at 1.
     e = min(settings.restitutions, key=lambda each: abs(each - 0.7))
     until = settings.final_times[settings.restitutions.index(e)]
@@ -39,8 +35,6 @@ def picture(settings: ReportSettings) -> dict[str, str] | None:
 
 def picture_in_field(seed: int) -> dict[str, str]:
     """The same of tracers that fall, in a field of U^2/l."""
-    from particles import HardDisks, simulate
-
     tracers, density = _IN_FIELD["tracers"], _IN_FIELD["density"]
     run = simulate(
         HardDisks(density, BOX), restitution=_IN_FIELD["e"], times=[_IN_FIELD["until"]],
@@ -50,7 +44,7 @@ def picture_in_field(seed: int) -> dict[str, str]:
     return _drawn(run, tracers, words)
 
 
-def _drawn(run: "Ensemble", tracers: int, words: list[str], **which: Any) -> dict[str, str]:
+def _drawn(run: Ensemble, tracers: int, words: list[str], **which: Any) -> dict[str, str]:
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

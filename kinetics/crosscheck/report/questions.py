@@ -9,8 +9,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
-from kinetics import sonine
+from kinetics import ScalingSolution, sonine
 from kinetics.crosscheck.numerals import numeral
 from kinetics.crosscheck.report.case import Case, Measured
 from kinetics.crosscheck.report.figure_lines import Results, exact_states, restitutions
@@ -121,9 +122,6 @@ def _rate_of_last_decade(case: Case, settings: ReportSettings) -> float:
 
 
 def _gaussian(results: Results) -> Answer:
-    from scipy.optimize import brentq
-
-    from kinetics import ScalingSolution
 
     numbers, away, root = [], [], math.nan
     if results.is_papers_law:

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from kinetics import ScalingSolution, Scene, Solution, solve, solve_scaled
 from kinetics.collision import CollisionLaw
+from kinetics.collision.medium import HIGHEST_DENSITY
 from kinetics.crosscheck.report.case import Array, Case, Measured, ParticleRun
 from kinetics.crosscheck.report.observables import (
     ball,
@@ -19,12 +21,11 @@ from kinetics.crosscheck.report.observables import (
 from kinetics.crosscheck.report.row import OVER_TIME
 from kinetics.crosscheck.report.settings import ReportSettings, half_cross_section
 from kinetics.validation import refuse
-
-if TYPE_CHECKING:
-    from kinetics import Solution
-    from particles import Medium
-    from particles.ensemble import Ensemble
-    from particles.estimators import Estimate
+from particles import BoltzmannGrad, HardDisks, HardSpheres, Medium, simulate
+from particles.arguments import check_workers, make_plan
+from particles.ensemble import Ensemble
+from particles.estimators import Estimate
+from particles.memory import require_memory
 
 PAPER_CAP = 100
 """Collisions after which the paper stops a sample."""
@@ -54,9 +55,6 @@ def gather_case(
     Calls `tell` three times. ValueError, before anything is solved, for a system that cannot be
     simulated.
     """
-    from particles.arguments import check_workers, make_plan
-    from particles.memory import require_memory
-
     e, law = restitution, settings.law(restitution)
     times = output_times(last, settings.n_times)
     early = int(np.searchsorted(times, last / 10))
@@ -97,7 +95,7 @@ def gather_case(
     )
 
 
-def free_run(e: float, times: Array, seed: int, settings: ReportSettings) -> "Ensemble":
+def free_run(e: float, times: Array, seed: int, settings: ReportSettings) -> Ensemble:
     """Tracers of the Boltzmann-Grad limit, in groups for the jackknife."""
     groups = min(GROUPS, settings.free_tracers // 2)
     counts = {"media": groups, "tracers": settings.free_tracers // groups}
@@ -105,10 +103,8 @@ def free_run(e: float, times: Array, seed: int, settings: ReportSettings) -> "En
 
 
 def _followed(
-    medium: "Medium", e: float, times: Array, seed: int, settings: ReportSettings, **counts: int
-) -> "Ensemble":
-    from particles import simulate
-
+    medium: Medium, e: float, times: Array, seed: int, settings: ReportSettings, **counts: int
+) -> Ensemble:
     return simulate(
         medium, restitution=e, times=times, seed=seed, workers=settings.workers,
         observables=("finals",), tangential_restitution=settings.tangential_restitution,
@@ -116,10 +112,8 @@ def _followed(
     )  # fmt: skip
 
 
-def _media(settings: ReportSettings) -> "tuple[Medium, Medium]":
+def _media(settings: ReportSettings) -> tuple[Medium, Medium]:
     """The Boltzmann-Grad limit, and hard disks or spheres."""
-    from particles import BoltzmannGrad, HardDisks, HardSpheres
-
     density, count = settings.number_density, settings.count
     if settings.dimension == 3:
         return BoltzmannGrad(density, dimension=3), HardSpheres(density, count=count)
@@ -141,8 +135,6 @@ def _solutions(law: CollisionLaw, times: Array, settings: ReportSettings) -> dic
 
 def scaling_states(law: CollisionLaw, rtol: float) -> dict[str, Any]:
     """The scaling state in closed form and as solved, as fields of `Case`; None if elastic."""
-    from kinetics import ScalingSolution, solve_scaled
-
     if law.is_elastic:
         return {"exact": None, "scaled": None}
     solved = solve_scaled(**law.arguments, rtol=rtol)
@@ -158,16 +150,11 @@ def _of_hard_disks(law: CollisionLaw, times: Array, settings: ReportSettings) ->
     return {"dense": dense_solution(law, density, times, rtol), "dense_slope": slope}
 
 
-def dense_solution(
-    law: CollisionLaw, density: float, times: Array, rtol: float
-) -> "Solution | None":
+def dense_solution(law: CollisionLaw, density: float, times: Array, rtol: float) -> Solution | None:
     """The equation of hard disks at this density (in d^-2), which forgets no scatterer.
 
     None for what it does not have: spheres, rough disks, and densities that are too high.
     """
-    from kinetics import Scene, solve
-    from kinetics.collision.medium import HIGHEST_DENSITY
-
     if law.dimension != 2 or law.tangential_restitution != 1 or density > HIGHEST_DENSITY:
         return None
     scene = Scene(
@@ -179,15 +166,13 @@ def dense_solution(
 
 def solution(
     law: CollisionLaw, density: float, times: Array, outputs: tuple[str, ...], rtol: float
-) -> "Solution":
+) -> Solution:
     """The kinetic equation from a Gaussian start; times in d/U, density in d^-2 or d^-3."""
-    from kinetics import Scene, solve
-
     scene = Scene(number_density=density, times=times, outputs=outputs, **law.arguments)
     return solve(scene, rtol=rtol)
 
 
-def reduced(name: str, run: "Ensemble", early: int, half_rate: float) -> ParticleRun:
+def reduced(name: str, run: Ensemble, early: int, half_rate: float) -> ParticleRun:
     """The run reduced to arrays; every error is a jackknife over its configurations."""
     by_group = run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, x, y, collisions, *z = np.moveaxis(by_group, -1, 0)
@@ -225,11 +210,11 @@ def reduced(name: str, run: "Ensemble", early: int, half_rate: float) -> Particl
     )
 
 
-def _measured(estimate: "Estimate") -> Measured:
+def _measured(estimate: Estimate) -> Measured:
     return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
 
 
-def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
+def _without_each(run: Ensemble) -> Iterator[Ensemble]:
     """The ensemble without one of its configurations, for each of them.
 
     Its averages are made of sums over configurations.
@@ -241,7 +226,7 @@ def _without_each(run: "Ensemble") -> Iterator["Ensemble"]:
         yield replace(run, arrays={**run.arrays, **rest})
 
 
-def _values(run: "Ensemble", early: int, half_rate: float) -> dict[str, Array]:
+def _values(run: Ensemble, early: int, half_rate: float) -> dict[str, Array]:
     averages = {name: np.asarray(getattr(run, name).value) for name in OVER_TIME}
     return _with_slopes(run.times, averages, early, half_rate)
 
@@ -256,7 +241,7 @@ def _with_slopes(
 
 
 def _rescaled_errors(
-    run: "Ensemble", rescaled: "Solution", early: int, half_rate: float
+    run: Ensemble, rescaled: Solution, early: int, half_rate: float
 ) -> dict[str, Array]:
     """Standard errors of data minus theory, the theory having the run's own mean free path l.
 

@@ -1,16 +1,14 @@
 """Hard disks at other densities and restitutions: the dilute limit, and where traps begin."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kinetics.crosscheck.report.case import Array, Case, DensityScan, Measured, Scans, TrapScan
 from kinetics.crosscheck.report.observables import jackknife_error, weighted_fit
 from kinetics.crosscheck.report.settings import ReportSettings
-
-if TYPE_CHECKING:
-    from particles.ensemble import Ensemble
+from particles import HardDisks, simulate
+from particles.ensemble import Ensemble
 
 DILUTIONS = (1 / 8, 1 / 4, 1 / 2, 1.0, 2.0)
 """Densities of the extrapolation, in units of the report's own."""
@@ -41,12 +39,8 @@ def _allowed(factors: Sequence[float], settings: ReportSettings) -> Array:
     return np.array([f * own for f in factors if f <= 1 or f * own <= LARGEST_DENSITY])
 
 
-def _disks(
-    e: float, density: float, time: float, seed: int, settings: ReportSettings
-) -> "Ensemble":
+def _disks(e: float, density: float, time: float, seed: int, settings: ReportSettings) -> Ensemble:
     """Hard disks until one time, in a box that may be smaller than the report's."""
-    from particles import HardDisks, simulate
-
     return simulate(
         HardDisks(density, min(settings.count, LARGEST_BOX)), restitution=e, times=[time],
         media=settings.media, tracers=settings.tracers, seed=settings.seed + seed,

@@ -15,7 +15,6 @@ from kinetics.crosscheck.bench.command import CASES, bench
 from kinetics.crosscheck.bench.record import FAILED, MEASURED, NOT_AVAILABLE, Record
 from kinetics.crosscheck.bench.report import BenchReport
 from kinetics.crosscheck.bench.run import run_bench
-from kinetics.crosscheck.bench.throughput import LISTED
 
 PROBLEM = "scaled F(c), e = 0.7"
 
@@ -47,9 +46,6 @@ def full_report() -> BenchReport:
     rows += [row("particles", section="particles", setting="", value=None, threads=n, extra={
                  "collisions_per_second": 2e7 * n, "placing_seconds_per_medium": 1e-3})
              for n in (1, 2)]  # fmt: skip
-    rows += [row("particles", section="particles", problem="cells", setting=LISTED, value=listed,
-                 extra={"collisions_per_second": rate, "placing_seconds_per_medium": 2e-3})
-             for listed, rate in ((1.0, 1e7), (5.0, 2.5e7))]  # fmt: skip
     return report(*rows)
 
 
@@ -64,9 +60,8 @@ def test_the_tables_list_everything_and_what_failed() -> None:
         "- 1 + a2(t): asked 1e-08, reached 3.0e-08",
         "| p | b | 1 s | 5 |",
         "| p | spectral | nodes 10 to 20 | 10 s to 20 s | 1.00 |",
-        "| p |  | 1 | 20.0 | 1 ms |",
-        "| p |  | 2 | 40.0 | 1 ms |",
-        "| cells | 5 | 1 | 25.0 | 2 ms |",
+        "| p | 1 | 20.0 | 1 ms |",
+        "| p | 2 | 40.0 | 1 ms |",
         "| not available | G(R) | spectral |  | not there yet |",
         "| failed | scaled h, e = 0.4 | Sonine |  | order = 1: no root |",
     ):

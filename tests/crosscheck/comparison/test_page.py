@@ -1,25 +1,20 @@
 """The page, the JSON and the figures of a comparison, and the command that writes them."""
 
 import json
-import os
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pages import Page, check_alone, check_in_browser
 
 from kinetics import Scene, solve
 from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
-from kinetics.crosscheck.comparison import page
-from kinetics.crosscheck.comparison.page import files_of, render
+from kinetics.crosscheck.comparison.page import render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
-from kinetics.crosscheck.report.figures import figure_file
-from kinetics.crosscheck.report.strokes import INK
 from particles import BoltzmannGrad, simulate
 
 TIMES = np.array([0.0, 2.0, 20.0, 200.0])
@@ -56,24 +51,6 @@ def differing() -> Comparison:
     return compare(solve(Scene(0.75, 0.06, times=TIMES, outputs=outputs), rtol=1e-6), run_of())
 
 
-class Page(HTMLParser):
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.references: list[str] = []
-        self.ids: list[str] = []
-        self.text = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.references += [v or "" for k, v in attrs if k in ("href", "src", "srcset", "action")]
-        self.ids += [v or "" for k, v in attrs if k == "id"]
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 @pytest.fixture(scope="module")
 def text(differing: Comparison) -> str:
     """Drawn once: that takes most of the time of these tests."""
@@ -81,16 +58,7 @@ def text(differing: Comparison) -> str:
 
 
 def test_the_page_needs_nothing_beside_it(differing: Comparison, text: str) -> None:
-    found = Page(text)
-    assert not {"script", "link", "iframe", "img", "object", "embed", "base"} & set(found.tags)
-    assert {r.removeprefix("#") for r in found.references} <= set(found.ids)
-    assert all(r.startswith("#") for r in found.references)
-    assert len(found.ids) == len(set(found.ids))
-    assert not re.findall(r"https?:|//[a-z]|@import", text)
-    assert found.tags.count("svg") == len(differing.figures) == found.tags.count("figure")
-    assert found.tags.count("title") == 1 + len(differing.figures)  # text alternatives
-    assert found.tags.count("desc") == len(differing.figures)
-    assert found.tags.count("math") == 3
+    assert check_alone(text, len(differing.figures)).tags.count("math") == 3
 
 
 def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text: str) -> None:
@@ -99,7 +67,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
     document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
     assert document == differing.document()
     assert document["schema"] == "inelastic-lorentz/comparison/1"
-    text = " ".join(Page(text).text.split())
+    text = Page(text).words
     wanted = {"observable", "time", "value", "error", "theory", "sigmas", "verdict"}
     for row in document["rows"]:
         assert wanted <= set(row)
@@ -122,7 +90,7 @@ def test_every_number_is_in_the_page_and_in_the_json(differing: Comparison, text
 
 def test_the_page_opens_with_the_cause_and_draws_it(differing: Comparison, text: str) -> None:
     found = Page(text)
-    words = " ".join(found.text.split())
+    words = found.words
     best = differing.explanations[0]
     assert best.outcome == "explains"
     cause = words.index(f"The likeliest cause: {best.headline}; it explains the difference.")
@@ -155,25 +123,6 @@ def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
     text = render(evil, EVIL)
     assert "<script" not in text
     assert Page(text).text.count(EVIL) >= 6
-
-
-def test_figures_are_files_of_their_own(differing: Comparison) -> None:
-    differing = replace(differing, figures={"msd": differing.figures["msd"]})
-    files = files_of(differing, Path("out/page.html"), ("svg", "pdf", "png", "svg"))
-    assert set(files) == {"page.html", "page.json"} | {
-        f"page-{name}.{kind}" for name in differing.figures for kind in ("svg", "pdf", "png")
-    }
-    for name, content in files.items():
-        data = content if isinstance(content, bytes) else content.encode()
-        starts = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
-        assert data.startswith(starts.get(name.rsplit(".", 1)[1], b""))
-        if name.endswith(".svg"):
-            root = ElementTree.fromstring(data)
-            assert root.find("{http://www.w3.org/2000/svg}title") is not None
-            assert b"#0a0b" not in data  # the stand-ins of the page's colours
-            assert INK.encode() in data
-    again = figure_file(differing.figures["msd"], "pdf")
-    assert again == files["page-msd.pdf"]  # the same data give the same bytes
 
 
 def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -288,25 +237,6 @@ def test_the_output_never_takes_the_place_of_the_data(
     assert data.read_bytes() == csv.read_bytes()
 
 
-def test_a_failure_leaves_nothing_half_written(
-    csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls = []
-    monkeypatch.setattr(page, "files_of", lambda *_: {"page.html": "1", "page.json": "2"})
-
-    def fsync(handle: int) -> None:
-        calls.append(handle)
-        if len(calls) == 2:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", fsync)
-    output = tmp_path / "page.html"
-    arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04", "-o", str(output)]
-    assert main(arguments) == 2
-    assert len(calls) == 2
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.fixture(scope="module")
 def saved(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "page.html"
@@ -319,37 +249,4 @@ def saved(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_page_in_a_browser(
     saved: Path, differing: Comparison, browser: Any, width: int, dark: bool
 ) -> None:
-    questions = {
-        "figures": "document.querySelectorAll('figure svg').length",
-        "boxes": "[...document.querySelectorAll('figure svg')].map(s => {"
-        "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})",
-        "wide": "document.documentElement.scrollWidth",
-        "paths": "[...document.querySelectorAll('figure svg')].map("
-        "s => s.querySelectorAll('path').length)",
-        "background": "getComputedStyle(document.body).backgroundColor",
-        "maths": "[...document.querySelectorAll('math')].map("
-        "m => m.getBoundingClientRect().height)",
-    }
-    seen = browser.visit(saved, width, questions, dark)
-    assert seen.complaints == []
-    assert seen.requests == [saved.resolve().as_uri()]
-    assert seen.answers["figures"] == len(differing.figures)
-    for left, right, across, down in seen.answers["boxes"]:
-        assert left >= 0
-        assert right <= width + 0.5
-        assert across > 300 or across > 0.8 * width
-        assert down > 200
-    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
-    assert min(seen.answers["paths"]) > 5
-    assert min(seen.answers["maths"]) > 10
-    dark_paper = seen.answers["background"] == "rgb(20, 23, 27)"
-    assert dark_paper is dark
-
-
-def test_the_browser_sees_errors_and_requests(browser: Any, tmp_path: Path) -> None:
-    """The check itself can fail."""
-    path = tmp_path / "bad.html"
-    path.write_text("<img src='http://127.0.0.1:9/x.png'><script>nothing()</script>")
-    seen = browser.visit(path, 400, {})
-    assert any("127.0.0.1" in request for request in seen.requests)
-    assert any("nothing is not defined" in text for text in seen.complaints)
+    check_in_browser(browser, saved, len(differing.figures), width, dark)

@@ -6,7 +6,6 @@ from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -83,35 +82,13 @@ def test_it_is_shown_with_the_answer_first(result: Comparison) -> None:
     assert {"verdict", "rows", "tests", "explanations", "parameters", "save"} <= set(dir(result))
 
 
-def test_compare_data_takes_files_runs_and_samples(tmp_path: Path) -> None:
+def test_a_run_and_its_file_are_the_same_data(tmp_path: Path) -> None:
     run = run_of()
-    n = run.media * run.tracers
-    columns = {
-        "time": np.repeat(run.times, n),
-        "tracer": np.tile(np.arange(n), run.times.size),
-        "x": run.positions[:, :, 0].ravel(),
-        "y": run.positions[:, :, 1].ravel(),
-        "vx": run.velocities[:, :, 0].ravel(),
-        "vy": run.velocities[:, :, 1].ravel(),
-    }
-    path = tmp_path / "data.npz"
-    np.savez(path, **columns)
     run.save(tmp_path / "run.h5")
     of_run = compare_data(run)
     assert of_run.verdict == "agrees"
     assert of_run.parameters["restitution"].source == "told"
     assert replace(compare_data(tmp_path / "run.h5"), names=of_run.names) == of_run
-    of_file = compare_data(str(path), 0.75, 0.04, explain=False)
-    assert of_file.verdict == "agrees"
-    for test in of_file.tests:
-        assert test.p_value == pytest.approx(of_run.p_value(test.observable, test.time))
-    # the same data in another unit of length, with the density in that unit
-    columns["x"], columns["y"] = 2 * columns["x"], 2 * columns["y"]
-    columns["time"] = 2 * columns["time"]
-    np.savez(path, **columns)
-    twice = compare_data([path], 0.75, 0.01, diameter=2.0, explain=False)
-    assert twice.parameters["number_density"].value == pytest.approx(0.04)
-    assert twice.p_value("msd") == pytest.approx(of_file.p_value("msd"), rel=1e-6)
 
 
 def test_it_is_drawn_and_made_a_dataset(result: Comparison) -> None:

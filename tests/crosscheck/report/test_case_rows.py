@@ -17,7 +17,7 @@ from kinetics.crosscheck.report.observables import (
     cooling_rate_between,
     printed_msd_slopes,
 )
-from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED, Row
+from kinetics.crosscheck.report.row import OBSERVABLES, PAPER_FIT, RESCALED
 from kinetics.crosscheck.report.settings import ReportSettings
 from kinetics.crosscheck.strict_json import dumps
 
@@ -25,12 +25,8 @@ NOT_THE_TRUTH = ("1/(2dρ₀g)", PAPER_FIT)
 MakeCase = Callable[..., Case]
 
 
-def rows_of(case: Case, settings: ReportSettings) -> list[Row]:
-    return rows_of_case(case, settings)
-
-
 def test_runs_that_follow_the_theory_agree(make_case: MakeCase, settings: ReportSettings) -> None:
-    rows = [row for row in rows_of(make_case(), settings) if row.kind == "statistical"]
+    rows = [row for row in rows_of_case(make_case(), settings) if row.kind == "statistical"]
     # hard disks in 12.5 d do differ from Henderson's 11.9 d, and h = 0.4 from 1.45 (1 - e)
     other = [row for row in rows if row.against in NOT_THE_TRUTH]
     assert {row.verdict for row in other} == {"differs"}
@@ -43,7 +39,7 @@ def test_a_run_off_by_eight_sigma_differs_and_the_other_does_not(
     make_case: MakeCase, settings: ReportSettings, source: str
 ) -> None:
     case = make_case(8.0, 0.5) if source == "Boltzmann-Grad" else make_case(0.5, 8.0)
-    for row in rows_of(case, settings):
+    for row in rows_of_case(case, settings):
         if row.kind != "statistical" or row.against in NOT_THE_TRUTH:
             continue
         assert row.verdict == ("differs" if row.source == source else "agrees"), row
@@ -58,7 +54,7 @@ def test_the_row_shows_its_worst_time(make_case: MakeCase, settings: ReportSetti
     case = replace(case, free=replace(case.free, thermal_speed=replace(speed, value=value)))
     row = next(
         r
-        for r in rows_of(case, settings)
+        for r in rows_of_case(case, settings)
         if r.observable == "thermal_speed" and r.source == "Boltzmann-Grad"
     )
     assert row.time == pytest.approx(case.times[3])
@@ -71,7 +67,7 @@ def test_deviations_of_a2_are_relative_to_the_fourth_moment(
 ) -> None:
     row = next(
         r
-        for r in rows_of(make_case(2.0), settings)
+        for r in rows_of_case(make_case(2.0), settings)
         if r.observable == "a2" and r.source == "Boltzmann-Grad"
     )
     # a2 = 0.1 and two errors of 1 % of it
@@ -84,7 +80,7 @@ def test_bins_with_few_samples_are_not_judged(
     case = make_case()
     row = next(
         r
-        for r in rows_of(case, settings)
+        for r in rows_of_case(case, settings)
         if r.observable == "scaled_vdf" and r.source == "Boltzmann-Grad"
     )
     probability = np.exp(-(case.speed_edges[:-1] ** 2)) - np.exp(-(case.speed_edges[1:] ** 2))
@@ -98,7 +94,7 @@ def test_the_rescaled_comparison_uses_its_own_errors(
     case = make_case()
     case = replace(case, rescaled_errors={name: 10 * e for name, e in case.rescaled_errors.items()})
     row = next(
-        r for r in rows_of(case, settings) if r.observable == "msd" and r.against == RESCALED
+        r for r in rows_of_case(case, settings) if r.observable == "msd" and r.against == RESCALED
     )
     assert row.sigmas == pytest.approx(0.05)
 
@@ -106,7 +102,7 @@ def test_the_rescaled_comparison_uses_its_own_errors(
 def test_the_elastic_case_has_no_scaling_rows(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
-    rows = rows_of(make_case(restitution=1.0), settings)
+    rows = rows_of_case(make_case(restitution=1.0), settings)
     assert {row.observable for row in rows} == set(OBSERVABLES) - {
         "cooling_rate",
         "scaled_vdf",
@@ -118,7 +114,7 @@ def test_the_elastic_case_has_no_scaling_rows(
 def test_an_approximation_without_a_value_is_undefined(
     make_case: MakeCase, settings: ReportSettings
 ) -> None:
-    rows = rows_of(make_case(restitution=0.4), settings)
+    rows = rows_of_case(make_case(restitution=0.4), settings)
     sonine = [row for row in rows if row.source == "Sonine"]
     assert {row.observable for row in sonine} == {"cooling_rate", "a2", "msd", "msd_slope"}
     assert {row.verdict for row in sonine} == {"undefined"}
@@ -132,7 +128,7 @@ def test_an_inexact_solver_differs(make_case: MakeCase, settings: ReportSettings
     case = replace(case, exact=make_case().exact)
     row = next(
         r
-        for r in rows_of(case, settings)
+        for r in rows_of_case(case, settings)
         if r.kind == "numerical" and r.observable == "cooling_rate"
     )
     assert row.verdict == "differs"

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pages import check_alone, check_in_browser
 
 from kinetics import CollisionLaw, solve_field
 from kinetics.cli import main
@@ -164,9 +165,9 @@ def test_the_document_is_strict_json_with_every_number(
 def test_the_page_needs_nothing_beside_it_and_hides_no_figure(
     document: dict[str, Any], page: str
 ) -> None:
-    assert "http" not in page
     every = document["figures"] | {"picture": document["picture"]}
-    assert page.count("<svg") == len(every) == 9
+    check_alone(page, len(every))
+    assert len(every) == 9
     for name, data in every.items():
         assert f'aria-labelledby="fig-{name}-title fig-{name}-desc"' in page
         assert data["description"][:40] in page
@@ -188,10 +189,7 @@ def test_nothing_but_tables_scrolls_sideways(
 ) -> None:
     path = tmp_path / "field.html"
     path.write_text(page, encoding="utf-8")
-    seen = browser.visit(path, width, {"wide": "document.documentElement.scrollWidth"})
-    assert seen.complaints == []
-    assert [r for r in seen.requests if not r.startswith("data:")] == [path.resolve().as_uri()]
-    assert seen.answers["wide"] <= width
+    check_in_browser(browser, path, 9, width)
 
 
 def test_the_command_writes_both_files(

@@ -3,13 +3,13 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from pages import Page
 
 from kinetics.crosscheck.report.all_figures import PAPER_FIGURES, all_figures
 from kinetics.crosscheck.report.case import Case, Scans
@@ -166,26 +166,16 @@ def test_every_line_is_named_beside_it_or_in_the_legend(figures: dict[str, Any])
     assert named == {"kinetic equation", "Boltzmann-Grad", "hard disks"}
 
 
-class Elements(HTMLParser):
-    def __init__(self) -> None:
-        super().__init__()
-        self.found: list[tuple[str, dict[str, str | None]]] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.found.append((tag, dict(attrs)))
-
-
 @pytest.mark.parametrize("name", ["cooling-rate", "vdf-tail"])
 def test_the_element_stands_alone(figures: dict[str, Any], name: str) -> None:
     text = svg(name, figures[name])
-    parser = Elements()
-    parser.feed(text)
-    tag, attributes = parser.found[0]
+    page = Page(text)
+    tag, attributes = page.elements[0]
     assert tag == "svg"
     assert attributes["role"] == "img"
-    ids = [a["id"] for _, a in parser.found if "id" in a]
+    ids = page.ids
     assert len(ids) == len(set(ids))
-    assert all(i is not None and i.startswith(f"fig-{name}-") for i in ids)
+    assert all(i.startswith(f"fig-{name}-") for i in ids)
     labels = attributes["aria-labelledby"]
     assert labels is not None
     assert set(labels.split()) <= set(ids)

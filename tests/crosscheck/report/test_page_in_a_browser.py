@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pages import check_in_browser
 
 from kinetics.crosscheck.report.strokes import CSS_VARIABLE
 
@@ -44,16 +45,7 @@ def test_a_sheet_has_a_variable_for_every_colour_of_the_figures() -> None:
             assert sheet.count(variable[4:-1] + ":") == 1, variable
 
 
-OPEN = "[...document.querySelectorAll('details')].map(d => d.open = true).length"
-BOXES = (
-    "[...document.querySelectorAll('figure svg')].map(s => {"
-    "const b = s.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]})"
-)
 QUESTIONS = {
-    "open": OPEN,
-    "boxes": BOXES,
-    "wide": "document.documentElement.scrollWidth",
-    "background": "getComputedStyle(document.body).backgroundColor",
     "cut": "[...document.querySelectorAll('.scroll')].map(b => b.scrollWidth - b.clientWidth)",
     "hints": "[...document.querySelectorAll('.swipe')].filter(p => p.offsetHeight > 0).length",
     "head": "document.querySelector('.head svg').getBoundingClientRect().top",
@@ -77,22 +69,21 @@ def page_file(text: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_report_in_a_browser(
     built: dict[str, Any], browser: Any, page_file: Path, width: int, dark: bool, media: str
 ) -> None:
-    seen = browser.visit(page_file, width, QUESTIONS, dark, media)
-    assert seen.complaints == []
-    assert seen.requests == [page_file.resolve().as_uri()]
-    assert len(seen.answers["boxes"]) == len(built["figures"]) == 18
-    for left, right, across, down in seen.answers["boxes"]:
-        assert left >= 0
-        assert right <= width + 0.5
-        assert across > 0.8 * min(width, 370)
-        assert down > 200
-    assert seen.answers["wide"] <= width  # only tables scroll, in boxes of their own
-    assert seen.answers["overlaps"]
-    is_dark = dark and media == "screen"
-    assert (seen.answers["background"] == "rgb(20, 23, 27)") is is_dark
+    figures = len(built["figures"])
+    found = check_in_browser(browser, page_file, figures, width, dark, media, QUESTIONS)
+    assert found["overlaps"]
     if width >= 1400:  # no table is cut, and the first figure begins on the first screen
-        assert max(seen.answers["cut"]) <= 0
-        assert seen.answers["head"] < 700
+        assert max(found["cut"]) <= 0
+        assert found["head"] < 700
     if width < 500:
-        assert max(seen.answers["cut"]) > 0
-        assert seen.answers["hints"] == len(seen.answers["cut"])
+        assert max(found["cut"]) > 0
+        assert found["hints"] == len(found["cut"])
+
+
+def test_the_browser_sees_errors_and_requests(browser: Any, tmp_path: Path) -> None:
+    """The check itself can fail."""
+    path = tmp_path / "bad.html"
+    path.write_text("<img src='http://127.0.0.1:9/x.png'><script>nothing()</script>")
+    seen = browser.visit(path, 400, {})
+    assert any("127.0.0.1" in request for request in seen.requests)
+    assert any("nothing is not defined" in text for text in seen.complaints)

@@ -19,12 +19,6 @@ from kinetics.crosscheck.report.settings import ReportSettings
 from particles import BoltzmannGrad, simulate
 
 
-def test_the_jackknife_error_of_a_mean_is_the_textbook_one() -> None:
-    x = np.random.default_rng(1).standard_normal((20, 3))
-    without = (x.sum(axis=0) - x) / 19
-    np.testing.assert_allclose(jackknife_error(without), x.std(axis=0, ddof=1) / math.sqrt(20))
-
-
 def test_the_scaled_density_of_gaussian_velocities_and_its_errors() -> None:
     # F = exp(-c^2)/pi whatever the unit of the speeds; 300 repeats show the true spread
     edges = np.array([0.0, 0.3, 0.8, 1.2, 2.0])

@@ -9,7 +9,6 @@ from kinetics.crosscheck.report.observables import (
     band_exponent,
     band_middles,
     measured_exponent,
-    scaled_density,
 )
 from kinetics.crosscheck.report.scans import _share, extrapolate
 
@@ -75,16 +74,3 @@ def test_a_gaussian_sample_has_exponent_two() -> None:
     # 4 sigma in each of 4 bands; further out only a handful of 200 000 samples
     np.testing.assert_array_less(np.abs(found.value - theory)[:4], 4 * found.error[:4])
     assert np.all(found.error[:4] < 0.1)
-
-
-def test_the_error_is_that_of_repeated_samples() -> None:
-    generator = np.random.default_rng(11)
-    edges = np.array([0.0, 0.5, 1.0, 2.0])
-    runs = [
-        scaled_density(generator.rayleigh(size=(20, 200)), edges, np.diff(edges))
-        for _ in range(300)
-    ]
-    spread = np.std([run.value for run in runs], axis=0)
-    claimed = np.sqrt(np.mean([run.error**2 for run in runs], axis=0))
-    # 300 repetitions: a standard deviation to 4 %; 5 sigma
-    np.testing.assert_allclose(claimed, spread, rtol=0.2)

@@ -165,6 +165,13 @@ def share_that_holds(report: StressReport) -> float:
     return len(met) / len(report.cases)
 
 
+def test_a_part_of_the_quick_cases() -> None:
+    """All of them take half a minute; the continuous integration runs them."""
+    groups = ("scaled equation", "scaled equation, nodes given", "cooling", "starts")
+    report = sweep((*groups, "moments of position"), step=17)
+    assert share_that_holds(report) > 0.8
+
+
 @pytest.mark.slow
 def test_particles_at_their_limits() -> None:
     sweep(("grazing", "corners", "no tracer inside a disk", "thin media"), step=2)

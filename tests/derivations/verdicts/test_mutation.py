@@ -5,6 +5,7 @@ The same for the results beyond the paper, whose stated form plays the part of t
 
 from collections.abc import Callable, Iterator
 
+import pytest
 import sympy as sp
 
 from derivations import Check, Status
@@ -28,13 +29,14 @@ def test_the_mutants_are_those_of_every_number_and_term(mutants: Mutants) -> Non
     }
 
 
+@pytest.mark.parametrize("tried", [2, pytest.param(None, marks=pytest.mark.slow, id="all")])
 def test_a_changed_coefficient_turns_a_verified_row_to_erratum(
-    checks: tuple[Check, ...], mutants: Mutants
+    checks: tuple[Check, ...], mutants: Mutants, tried: int | None
 ) -> None:
     for label in (row.label for row in checks if row.status is Status.VERIFIED):
         formula = ROWS[label].formula
         assert formula is not None
         changed = [mutant for mutant in mutants(formula) if mutant != formula]
         assert len(changed) >= 2
-        accepted = [m for m in changed if check(label, m).status is not Status.ERRATUM]
+        accepted = [m for m in changed[:tried] if check(label, m).status is not Status.ERRATUM]
         assert not accepted, label

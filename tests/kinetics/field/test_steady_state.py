@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from kinetics import CollisionLaw, FieldState, InputError, load, solve_field
+from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, load, solve_field
 from kinetics.field import steady
 from kinetics.field.averages import SteadyAverages
+from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
 COEFFICIENTS = ("diffusion_parallel", "diffusion_perpendicular")
@@ -184,23 +186,45 @@ def test_samples_of_a_law_are_that_law() -> None:
 
 def test_density() -> None:
     """Integral 1, the drift, and no negative values; in the plane and in space."""
-    v, w = np.polynomial.legendre.leggauss(300)
-    v, w = 4.2 * (v + 1.0), 4.2 * w
+    v, w = panels_between(np.array([0.0, 0.3, 1.0, 3.0, 8.4]), 8)
     disks, spheres = solve_field(0.7), solve_field(0.7, 3)
-    phi = (np.arange(400) + 0.5) * math.pi / 200
+    phi, share = panels_between(np.array([0.0, 0.2, 1.0, math.pi]), 8)
     f = disks.vdf(v, phi)
-    assert f.shape == (300, 400)
+    assert f.shape == (32, 24)
     assert f.min() > -1e-9
-    around = f @ np.stack([np.ones(400), np.cos(phi)], axis=1) * math.pi / 200
-    assert (v * around[:, 0]) @ w == pytest.approx(1.0, abs=1e-6)
-    assert (v * v * around[:, 1]) @ w == pytest.approx(disks.drift, abs=1e-6)
-    cosine, share = np.polynomial.legendre.leggauss(200)
-    f = spheres.vdf(v, np.arccos(cosine))
-    assert (2 * math.pi * v**2 * (f @ share)) @ w == pytest.approx(1.0, abs=1e-5)
-    assert (2 * math.pi * v**3 * (f @ (share * cosine))) @ w == pytest.approx(
-        spheres.drift, abs=1e-5
-    )
+    assert 2.0 * (w * v) @ f @ share == pytest.approx(1.0, abs=1e-6)
+    assert 2.0 * (w * v * v) @ f @ (share * np.cos(phi)) == pytest.approx(disks.drift, abs=1e-6)
+    f, share = spheres.vdf(v, phi), 2.0 * math.pi * share * np.sin(phi)
+    assert (w * v**2) @ f @ share == pytest.approx(1.0, abs=1e-6)
+    assert (w * v**3) @ f @ (share * np.cos(phi)) == pytest.approx(spheres.drift, abs=1e-6)
     assert np.all(disks.vdf([100.0], [0.0]) == 0.0)
+
+
+def test_density_on_the_ray_along_the_field() -> None:
+    """d_z f = gain - v f there, the gain an integral over the density of other directions."""
+    state = solve_field(0.7, rtol=1e-8)
+    q = state.law.quadrature_for(10.0, 8)
+    ratio, angle = np.exp(-q.log_loss), np.arccos(np.clip(q.harmonic(1), -1.0, 1.0))
+    z, w = panels_between(np.array([-5.0, -2.0, -0.5, 0.0, 0.3, 1.0]), 6)
+    before = np.abs(z)[:, None] / ratio
+    along, across = before * np.cos(angle) * np.sign(z)[:, None], before * np.sin(angle)
+    f = state._density(along.ravel(), across.ravel())[0].reshape(before.shape)
+    gain = np.abs(z) * (f @ (q.weight * ratio**-3))
+    expected = (w * gain) @ np.exp(-0.5 * (1.0 - z * np.abs(z)))
+    assert state.vdf([1.0], [0.0])[0, 0] == pytest.approx(expected, abs=3e-7)
+
+
+def test_density_where_bounces_stop_a_tracer() -> None:
+    """Infinite along the field, and what harmonics leave close to it is said."""
+    state = solve_field(0.0, rtol=1e-8)
+    assert np.all(np.isinf(state.vdf([0.5, 1.0], [0.0])))
+    with pytest.warns(ToleranceWarning, match="vdf"):
+        close = state.vdf([1.0], [1e-6, 1e-4, 1e-2])[0]
+    assert np.all(np.diff(close) < 0.0)
+    with pytest.warns(ToleranceWarning, match="vdf"):
+        assert state.plot("vdf", ax=Figure().subplots()).lines
+    with pytest.warns(ToleranceWarning, match="vdf"):
+        solve_field(1e-12, rtol=1e-6).vdf([1.0], [0.0])
 
 
 def test_tail_is_gaussian() -> None:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import (
     CollisionLaw,
@@ -55,7 +56,7 @@ def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Obser
     return float(np.max(np.abs(equation.evaluate(y, x) - truth) / np.abs(scale)))
 
 
-@pytest.mark.parametrize("e", RESTITUTIONS)
+@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
 def test_the_estimate_covers_the_error(e: float) -> None:
     # against 30 nodes a panel, which other tests hold against mpmath
     law = CollisionLaw(e)
@@ -68,7 +69,7 @@ def test_the_estimate_covers_the_error(e: float) -> None:
                 assert error <= equation.error_estimate(y) <= 150.0 * error, (nodes, y)
 
 
-@pytest.mark.parametrize("e", RESTITUTIONS)
+@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
 def test_the_first_guess_of_nodes_is_nearly_right(e: float) -> None:
     law = CollisionLaw(e)
     for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
@@ -124,7 +125,7 @@ def test_the_error_of_a_ratio_counts_both_of_its_parts() -> None:
             assert np.max(np.abs(found.kurtosis / exact.kurtosis - 1.0)) <= rtol
 
 
-@pytest.mark.parametrize("e", [0.0, 0.6, 0.99])
+@pytest.mark.parametrize("e", slow_but([0.6], [0.0, 0.6, 0.99]))
 @pytest.mark.parametrize(
     "start", [Gaussian(), Gaussian(1.0, 0.3), SpeedTable([0.5, 1.0, 2.0], [0.0, 4.0 / 3.0, 0.0])]
 )

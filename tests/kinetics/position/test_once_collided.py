@@ -1,5 +1,6 @@
-"""Tracers that have collided once or twice, of a start of one speed: G(R) with its fronts."""
+"""Tracers that have collided once, of a start of one speed, and G(R) with its fronts."""
 
+import dataclasses
 import math
 import tracemalloc
 
@@ -11,9 +12,9 @@ from scipy.special import j0
 from kinetics import Scene, Solution, SolverStatus, SpeedSamples, solve
 from kinetics.collision import CollisionLaw
 from kinetics.position.coupled_harmonics import eliminate, iterate
-from kinetics.position.front_tail import fit_fronts, inner_fronts
 from kinetics.position.intermediate_scattering import Scattering
 from kinetics.position.once_collided import Scatterer, once_collided, once_density
+from kinetics.position.twice_collided import inner_fronts
 from kinetics.states.isotropic import Monoenergetic
 
 FloatArray = NDArray[np.float64]
@@ -58,6 +59,7 @@ def test_the_once_collided_against_the_integral_over_their_collision(
     """Of exp(-x - s u) J_0(K R) over its place x and impact parameter y: smooth, no delta."""
     law = CollisionLaw(e, et, dimension)
     once = once_collided(law, Monoenergetic(), 1.0, np.array([T]), 0.0)
+    once = dataclasses.replace(once, twice=False)
     node, weight = np.polynomial.legendre.leggauss(160)
     x = 0.5 * T * (1.0 + node)[:, None]
     u = 0.5 * math.pi * 0.5 * (1.0 + node)
@@ -154,7 +156,7 @@ def test_all_collisions_against_followed_tracers(e: float, T: float, dimension: 
     assert displacement is not None
     assert displacement.once is not None
     place = displacement.mean_free_path * edges
-    once = displacement.once.within(0, place)
+    once = dataclasses.replace(displacement.once, twice=False).within(0, place)
     all_others = found.position_fraction(place)[0] - np.diff(once)
     assert np.abs((all_others - share) / deviation).max() < 4.0
     assert deviation.max() < 1e-3
@@ -174,7 +176,7 @@ def test_what_is_claimed_is_reached() -> None:
         found, best = one_speed(e, T, rtol=rtol), one_speed(e, T, rtol=1e-7)
         assert found.status is SolverStatus.CONVERGED
         x = np.linspace(0.02, 0.98, 97)
-        fronts = [1.0, *(front[0] for front in inner_fronts(e))]
+        fronts = [1.0, *inner_fronts(e)]
         x = x[np.min([np.abs(x - a) for a in fronts], axis=0) > 0.03]
         apart = found.position_density(PATH * T * x) - best.position_density(PATH * T * x)
         assert np.sqrt(found.msd[0]) * np.abs(apart).max() < rtol
@@ -191,7 +193,7 @@ def test_an_error_that_is_not_small_is_estimated_beside_the_fronts_too(
     monkeypatch.setattr("kinetics.position.solve_density._LARGEST_OF_PEAKS", 1.0)
     best = one_speed(e, T, rtol=1e-7, dimension=dimension)
     x = np.linspace(0.01, 0.99, 300)
-    fronts = [1.0, *(front[0] for front in inner_fronts(e, dimension))]
+    fronts = [1.0, *inner_fronts(e)]
     x = x[np.min([np.abs(x - a) for a in fronts], axis=0) > 0.01]
     r = T * x * (PATH if dimension == 2 else PATH_IN_SPACE)
     apart = found.position_density(r) - best.position_density(r)
@@ -213,6 +215,7 @@ def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
     law, times = CollisionLaw(0.6), np.array([1.0, 5.0])
     few = once_collided(law, SpeedSamples([0.5, 1.0, 1.0, 2.0]), 1.0, times, 1e-9)
     rho = np.array([0.2, 0.7, 1.4])
+    few = dataclasses.replace(few, twice=False)
     for i, t in enumerate(times):
         expected = sum(
             w * once_density(rho, v * t, Scatterer(0.6, 1.0, 2))
@@ -222,47 +225,6 @@ def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
     many = once_collided(law, SpeedSamples(np.linspace(0.5, 1.5, 9)), 1.0, times, 1e-9)
     assert not many.kept_apart(0)
     assert not many.at(0, rho).any()
-
-
-def test_the_front_of_two_equal_deflections() -> None:
-    """R is stationary there: in the impact parameter of both, and in their place."""
-    e = 0.37
-    a = inner_fronts(e)[2][0]
-    x, y = np.meshgrid(np.linspace(-0.999, 0.999, 1201), np.linspace(-1.0, 1.0, 1601))
-    s, turn = bounce(e, y)
-    place, q = 0.5 * (1.0 + x), s * np.exp(1j * turn)
-    r = np.abs(place + (1.0 - place) * q * q)
-    grad = np.hypot(*np.gradient(r, y[:, 0], x[0]))
-    stationary = r[(grad < 0.004) & (np.abs(y) < 0.99) & (np.abs(y) > 0.01)]
-    assert stationary.size
-    assert np.abs(stationary - a).max() < 1e-3
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_tails_are_what_they_were_made_of(dimension: int) -> None:
-    """A sum of the functions is found again, and its transforms are those of its own F."""
-    k = np.linspace(10.0, 60.0, 90)
-    shape, _ = fit_fronts(k, np.sin(k) / k**2.5, 0.5, np.array([1.0]), dimension)
-    found, left = fit_fronts(k, shape.at(k), 0.5, np.array([1.0]), dimension)
-    rho = np.array([0.11, 0.4, 0.63, 0.8])
-    assert np.abs(found.transform(rho, 0) - shape.transform(rho, 0)).max() < 1e-3
-    assert left < 1e-2
-    element = rho ** (dimension - 1)
-    step = 1e-5
-    within = [shape.transform(x, 1) * x ** (dimension - 1) for x in (rho - step, rho + step)]
-    slope = (within[1] - within[0]) / (2.0 * step)
-    assert np.abs(slope / element - shape.transform(rho, 0)).max() < 1e-5
-    ends = shape.transform(rho + step, 0) - shape.transform(rho - step, 0)
-    assert np.abs(ends / (2.0 * step) + shape.transform(rho, 2)).max() < 1e-5
-    # and F is the transform of the density
-    x, w = np.polynomial.legendre.leggauss(400)
-    x, w = (
-        np.sin(0.25 * math.pi * (1.0 + x)),
-        0.25 * math.pi * w * np.cos(0.25 * math.pi * (1.0 + x)),
-    )
-    waves = j0(np.outer(k, x)) if dimension == 2 else np.sinc(np.outer(k, x) / math.pi)
-    again = waves @ (w * x ** (dimension - 1) * shape.transform(x, 0))
-    assert np.abs(again - shape.at(k)).max() < 1e-4 * np.abs(shape.transform(x, 0)).max()
 
 
 def test_both_ways_to_solve_a_panel_agree() -> None:

@@ -8,9 +8,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from particles import BoltzmannGrad, HardDisks, Poisson, Positions, simulate
-from particles.grid.blocks import make, place
+from particles.grid.blocks import listed, make_cell
 from particles.grid.build import build
-from particles.grid.cells import BLOCK, EMPTY, SLOTS, WINDOW, Cells
+from particles.grid.cells import BLOCK, WINDOW, Cells
 from particles.grid.equilibrate import centres
 
 
@@ -21,18 +21,9 @@ def in_box(medium: HardDisks | Poisson, seed: int = 1, configuration: int = 0) -
     return positions
 
 
-def listed(cells: Cells, i: int, j: int) -> np.ndarray:
+def in_cell(cells: Cells, i: int, j: int) -> np.ndarray:
     """Return the scatterers that cell (i, j) of the plane lists, from the origin, sorted."""
-    cell = place(i, j)
-    make(cells, cell, i, j)
-    row = cells.slots[cell]
-    found = [(row[k], row[SLOTS + k]) for k in range(SLOTS) if row[k] != EMPTY]
-    node = cells.head[cell]
-    while node >= 0:
-        if cells.nodes[node, 0] != EMPTY:
-            found.append(tuple(cells.nodes[node]))
-        node = cells.links[node]
-    assert len(found) <= cells.fill[cell]
+    found = list(listed(cells, make_cell(cells, i, j)))
     return np.array(found).reshape(-1, 2) + np.array([i, j]) * cells.side
 
 
@@ -41,7 +32,7 @@ def in_plane(cells: Cells, n: int) -> np.ndarray:
     found = []
     for i in range(-n, n + 1):
         for j in range(-n, n + 1):
-            disks = listed(cells, i, j)
+            disks = in_cell(cells, i, j)
             own = np.all(abs(disks - np.array([i, j]) * cells.side) <= cells.side / 2, axis=1)
             found.append(disks[own])
     return np.concatenate(found)
@@ -98,21 +89,21 @@ def test_a_cell_of_the_plane_is_the_same_whoever_asks(medium: HardDisks | Poisso
     other = build(medium, np.uint64(7), 3)
     side = one.side
     cells = [(i, j) for i in (-3, -1, 0, 1, 2, 3, 200) for j in (-2, 0, 3, 5)]
-    first = {c: listed(one, *c) for c in cells}
+    first = {c: in_cell(one, *c) for c in cells}
     for c in reversed(cells):
-        again = listed(other, *c)
+        again = in_cell(other, *c)
         assert np.array_equal(first[c], again)
         # The neighbours list the same scatterers along the common edges.
         middle = np.array(c) * side
         for axis in (0, 1):
-            neighbour = listed(other, c[0] + 1 - axis, c[1] + axis)
+            neighbour = in_cell(other, c[0] + 1 - axis, c[1] + axis)
             strips = []
             for disks in (again, neighbour):
                 x, y = (disks - middle).T[:: 1 - 2 * axis]
                 strip = disks[(abs(x - side / 2) < 1) & (abs(y) < side / 2)]
                 strips.append(strip[np.lexsort(strip.T)])
             np.testing.assert_allclose(*strips, atol=1e-9)
-    assert not np.array_equal(listed(build(medium, np.uint64(7), 4), 0, 0), listed(one, 0, 0))
+    assert not np.array_equal(in_cell(build(medium, np.uint64(7), 4), 0, 0), in_cell(one, 0, 0))
 
 
 @pytest.mark.slow
@@ -166,7 +157,7 @@ def test_hard_disks_of_the_plane_are_what_random_sequential_addition_keeps() -> 
             for j in range(block[1] << BLOCK, (block[1] + 1) << BLOCK):
                 offset = abs(disks - np.array([i, j]) * cells.side) - cells.side / 2
                 expected = disks[(offset < 1 - 1e-6).all(axis=1)]
-                found = listed(cells, i, j)
+                found = in_cell(cells, i, j)
                 offset = abs(found - np.array([i, j]) * cells.side) - cells.side / 2
                 found = found[(offset < 1 - 1e-6).all(axis=1)]
                 np.testing.assert_allclose(

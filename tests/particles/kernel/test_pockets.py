@@ -85,7 +85,15 @@ def between_planes(walls: np.ndarray, u: np.ndarray, law: tuple[float, float]) -
     return None
 
 
-@pytest.mark.parametrize("law", [(0.05, 1.0), (0.3, 1.0), (0.1, 0.5), (0.4, 0.9)])
+@pytest.mark.parametrize(
+    "law",
+    [
+        (0.3, 1.0),
+        (0.1, 0.5),
+        pytest.param((0.05, 1.0), marks=pytest.mark.slow),
+        pytest.param((0.4, 0.9), marks=pytest.mark.slow),
+    ],
+)
 def test_three_planes_against_one_bounce_after_another(law: tuple[float, float]) -> None:
     rng = np.random.default_rng(7)
     ends, wrong = [0, 0, 0], 0

@@ -122,8 +122,15 @@ def test_outputs_are_never_inside_a_sphere() -> None:
     assert 1 - INSIDE < distance.min() < 1 + 1e-4
 
 
-@pytest.mark.parametrize("count", [3000, None])
-@pytest.mark.parametrize("density", [0.02, 0.2])
+@pytest.mark.parametrize(
+    ("density", "count"),
+    [
+        (0.02, 3000),
+        (0.2, None),
+        pytest.param(0.02, None, marks=pytest.mark.slow),
+        pytest.param(0.2, 3000, marks=pytest.mark.slow),
+    ],
+)
 def test_free_paths_among_overlapping_spheres_are_exponential(
     density: float, count: int | None
 ) -> None:
@@ -163,7 +170,7 @@ def free_volume_over_surface(medium: Spheres, seed: int, media: int, points: int
     "medium",
     [
         HardSpheres(0.1, count=4000, equilibrate=10),
-        HardSpheres(0.3, count=4000, equilibrate=10),
+        pytest.param(HardSpheres(0.3, count=4000, equilibrate=10), marks=pytest.mark.slow),
         PoissonSpheres(0.1, count=4000),
     ],
 )
