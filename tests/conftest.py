@@ -1,16 +1,55 @@
 """What all tests share."""
 
+import json
 import os
+import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from kinetics import cli
+
 # the matrices are small: threads of the linear algebra only get into each other's way
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # the formulas behind the reference values: collision.py, cooling.py, displacement.py, densities.py
 sys.path.insert(0, str(Path(__file__).with_name("references")))
+
+
+class Lorentz:
+    """The command in this process: what it prints, or the one line with which it refuses."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self._capsys = capsys
+
+    def __call__(self, *arguments: str) -> str:
+        """Standard output of a command that ends well and says nothing else."""
+        assert cli.main(list(arguments)) == 0
+        out, err = self._capsys.readouterr()
+        assert err == ""
+        return out
+
+    def json(self, *arguments: str) -> Any:
+        return json.loads(self(*arguments, "--json"))
+
+    def refused(self, *arguments: str) -> str:
+        """The line on standard error of a command that is refused."""
+        assert cli.main(list(arguments)) == cli.BAD_INPUT
+        out, err = self._capsys.readouterr()
+        assert out == ""
+        assert err.startswith("lorentz: ")
+        assert (err.count("\n"), err[-1]) == (1, "\n")
+        assert len(err) < 410
+        return err
+
+
+@pytest.fixture
+def lorentz(capsys: pytest.CaptureFixture[str]) -> Iterator[Lorentz]:
+    handler = signal.getsignal(signal.SIGTERM)
+    yield Lorentz(capsys)
+    signal.signal(signal.SIGTERM, handler)
 
 
 # The first test compiles nearly all kernels while another process derives and solves: two processes

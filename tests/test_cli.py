@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -15,26 +14,6 @@ import pytest
 from kinetics import cli
 
 TINY = ["--media", "3", "--tracers", "4", "--count", "400", "--free-tracers", "100", "-t", "30"]
-
-
-@pytest.fixture(autouse=True)
-def _keep_the_signal_handler() -> Any:
-    handler = signal.getsignal(signal.SIGTERM)
-    yield
-    signal.signal(signal.SIGTERM, handler)
-
-
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """The one line on standard error of a refused command."""
-    assert cli.main(list(arguments)) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.endswith("\n")
-    assert err.count("\n") == 1
-    assert "Traceback" not in err
-    assert len(err) < 410
-    return err
-
 
 BAD_INPUT = [
     # arguments; what the line must name: the argument, the value
@@ -84,28 +63,26 @@ BAD_INPUT = [
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_INPUT, ids=lambda v: " ".join(v)[:80])
 def test_bad_input_gets_one_line_that_names_it(
-    capsys: pytest.CaptureFixture[str],
+    lorentz: Any,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     arguments: list[str],
     named: list[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    line = refused(capsys, *arguments).replace("-", "_")
+    line = lorentz.refused(*arguments).replace("-", "_")
     assert all(name.replace("-", "_") in line for name in named), line
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_density_that_is_too_high_to_fill_the_box_is_refused(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_density_that_is_too_high_to_fill_the_box_is_refused(lorentz: Any) -> None:
     # Below the limit that the medium refuses at once, random placing may still come to an end.
-    line = refused(capsys, "simulate", "--number-density", "0.9", "--count", "100", "--media", "2")
+    line = lorentz.refused("simulate", "--number-density", "0.9", "--count", "100", "--media", "2")
     assert "number_density" in line
 
 
 def test_an_output_that_is_a_file_is_refused_before_any_work(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lorentz: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from kinetics.crosscheck.report import report
 
@@ -116,8 +93,8 @@ def test_an_output_that_is_a_file_is_refused_before_any_work(
     file = tmp_path / "file"
     file.write_text("mine")
     for folder in (file, file / "deeper", Path("/proc/no/such")):
-        assert str(folder) in refused(capsys, "report", "-o", str(folder))
-    assert str(file) in refused(capsys, "derive", "--latex", str(file / "x.tex"))
+        assert str(folder) in lorentz.refused("report", "-o", str(folder))
+    assert str(file) in lorentz.refused("derive", "--latex", str(file / "x.tex"))
     assert file.read_text() == "mine"
 
 
@@ -150,7 +127,7 @@ def test_help_loads_nothing_heavy() -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_command_that_is_there_has_help(lorentz: Any) -> None:
     assert set(cli.cli.commands) == {
         "report",
         "solve",
@@ -161,8 +138,7 @@ def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]
         "compare",
     }
     for name in cli.cli.commands:
-        assert cli.main([name, "--help"]) == 0
-        out = capsys.readouterr().out
+        out = lorentz(name, "--help")
         assert f"lorentz {name}" in out
         for parameter in cli.cli.commands[name].params:
             # What an argument is, the command's own text says: click has no help for arguments.
@@ -170,99 +146,76 @@ def test_every_command_that_is_there_has_help(capsys: pytest.CaptureFixture[str]
                 assert parameter.help, f"{name} {parameter.name} has no help"
 
 
-def test_solve_prints_one_json_document(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["solve", "-e", "0.5", "--times", "1,10,100", "--json"]) == 0
-    out, err = capsys.readouterr()
-    document = json.loads(out)
+def test_solve_prints_one_json_document(lorentz: Any) -> None:
+    document = lorentz.json("solve", "-e", "0.5", "--times", "1,10,100")
     assert document["times"] == [1, 10, 100]
     speeds = document["thermal_speed"]
     assert 2**0.5 > speeds[0] > speeds[1] > speeds[2] > 0
-    assert err == ""
 
 
-def test_solve_prints_a_table_with_units(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["solve", "-e", "0.5", "--times", "1,10"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_solve_prints_a_table_with_units(lorentz: Any) -> None:
+    lines = lorentz("solve", "-e", "0.5", "--times", "1,10").splitlines()
     assert lines[0].split("  ")[-1] == "<r^2> [d^2]"
     assert [line.split()[0] for line in lines[1:3]] == ["1", "10"]
 
 
-def test_solve_prints_what_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+def test_solve_prints_what_is_asked_for(lorentz: Any) -> None:
     more = ["--outputs", "kurtosis", "--radii", "0,1", "--wave-numbers", "0.0,0.1"]
     arguments = ["solve", "-e", "0.5", "--times", "0,100", "--rtol", "1e-3", *more]
-    assert cli.main([*arguments, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = lorentz.json(*arguments)
     assert "msd" not in found
     assert found["kurtosis"][1] > 2.0
     assert found["scaled_position_density"][1][0] == 0.0
     assert 0.5 < found["scaled_position_density"][1][1] < 0.7
     assert found["intermediate_scattering"][0] == [1.0, 1.0]
-    assert cli.main(arguments) == 0
-    text = capsys.readouterr().out
+    text = lorentz(*arguments)
     assert "G(1)" in text
     assert "F(0.1/d)" in text
 
 
-def test_solve_at_the_end_of_double_precision(capsys: pytest.CaptureFixture[str]) -> None:
+def test_solve_at_the_end_of_double_precision(lorentz: Any) -> None:
     """t v/l overflows; G(R) is late, and does not depend on it."""
-    assert (
-        cli.main(["solve", "--number-density", "1e12", "--times", "1e308", "--radii", "1,2"]) == 0
-    )
-    assert "status: the error estimate meets rtol" in capsys.readouterr().out
+    found = lorentz("solve", "--number-density", "1e12", "--times", "1e308", "--radii", "1,2")
+    assert "status: the error estimate meets rtol" in found
 
 
-def test_solve_scaled_prints_the_cooling_rate(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["solve", "--scaled", "-e", "0.5", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_solve_scaled_prints_the_cooling_rate(lorentz: Any) -> None:
+    document = lorentz.json("solve", "--scaled", "-e", "0.5")
     b = math.sqrt(0.75)  # h = 2 sqrt(kappa lambda(1)) at e = 1/2
     kappa, rate = 1 - 0.5 * math.acos(0.5) / b, (1 - 0.25 * math.atanh(b) / b) / 2
     assert document["cooling_rate"] == pytest.approx(2 * math.sqrt(kappa * rate), rel=1e-9)
     assert document["moments"]["2"] == pytest.approx(1)
-    assert cli.main(["solve", "--scaled", "-e", "0.5"]) == 0
-    assert "cooling_rate" in capsys.readouterr().out
+    assert "cooling_rate" in lorentz("solve", "--scaled", "-e", "0.5")
 
 
 @pytest.mark.parametrize("medium", ["hard-disks", "poisson", "boltzmann-grad"])
-def test_simulate_prints_estimates_with_errors(
-    capsys: pytest.CaptureFixture[str], medium: str
-) -> None:
+def test_simulate_prints_estimates_with_errors(lorentz: Any, medium: str) -> None:
     arguments = ["simulate", "--medium", medium, "--count", "400", "--media", "4", "--times", "1,9"]
-    assert cli.main([*arguments, "--json"]) == 0
-    out, err = capsys.readouterr()
-    document = json.loads(out)
-    assert err == ""
+    document = lorentz.json(*arguments)
     assert document["times"] == [1, 9]
     for name in ("thermal_speed", "a2", "msd", "collisions"):
         assert len(document[name]["value"]) == len(document[name]["error"]) == 2
     assert document["statuses"]["finished"] == 400
-    assert cli.main(arguments) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = lorentz(*arguments).splitlines()
     assert lines[0].split()[:2] == ["t", "[d/U]"]
     assert f"{document['msd']['value'][1]:.6g}" in lines[2]
 
 
-def test_derive_prints_one_equation_with_its_steps(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_derive_prints_one_equation_with_its_steps(lorentz: Any, tmp_path: Path) -> None:
     file = tmp_path / "sonine9.tex"
-    assert cli.main(["derive", "--only", "sonine9", "--json", "--latex", str(file)]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = lorentz.json("derive", "--only", "sonine9", "--latex", str(file))
     assert document["checks"][0]["label"] == "sonine9"
     assert "\\end{document}" in file.read_text(encoding="utf-8")
     assert [p.name for p in file.parent.iterdir()] == ["sonine9.tex"]
-    assert cli.main(["derive", "--only", "sonine9"]) == 0
-    assert "sonine9" in capsys.readouterr().out
+    assert "sonine9" in lorentz("derive", "--only", "sonine9")
 
 
 @pytest.mark.slow
-def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_report_of_two_restitutions(lorentz: Any, tmp_path: Path) -> None:
     output = tmp_path / "out"
     arguments = ["report", "-o", str(output), "-e", "0.5", "-e", "1", *TINY]
-    assert cli.main([*arguments, "--json"]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
+    document = lorentz.json(*arguments)
     assert sorted(p.name for p in output.iterdir()) == ["report.html", "report.json"]
-    document = json.loads(out)
     assert document == json.loads((output / "report.json").read_text(encoding="utf-8"))
     strict = [r for r in document["rows"] if r["kind"] == "numerical"]
     assert len(strict) == 3
@@ -272,8 +225,7 @@ def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_pa
     assert page.count("<svg") == len(document["figures"]) + 1  # and the picture of the system
     # The same seed gives the same report, to the byte, whatever the number of threads.
     before = {p.name: p.read_bytes() for p in output.iterdir()}
-    assert cli.main([*arguments, "--workers", "1"]) == 0
-    table = capsys.readouterr().out
+    table = lorentz(*arguments, "--workers", "1")
     assert "h(e)" in table
     assert str(output / "report.html") in table
     same = [
@@ -284,9 +236,9 @@ def test_a_report_of_two_restitutions(capsys: pytest.CaptureFixture[str], tmp_pa
 
 
 @pytest.mark.slow
-def test_a_report_without_a_cooling_restitution(tmp_path: Path) -> None:
+def test_a_report_without_a_cooling_restitution(lorentz: Any, tmp_path: Path) -> None:
     output = tmp_path / "out"
-    assert cli.main(["report", "-o", str(output), "-e", "1", *TINY]) == 0
+    lorentz("report", "-o", str(output), "-e", "1", *TINY)
     document = json.loads((output / "report.json").read_text(encoding="utf-8"))
     assert "cooling-rate" not in document["figures"]
     assert document["cases"][0]["scaled"] is None
@@ -324,7 +276,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
 
 
 def test_a_status_that_a_command_sets_is_the_one_of_the_process(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """`lorentz stress` ends with 1 if a case ended as it must not."""
 

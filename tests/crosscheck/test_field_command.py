@@ -1,6 +1,5 @@
 """`lorentz solve` with a field: the steady state, units, and averages over time."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -8,19 +7,13 @@ from typing import Any
 import pytest
 
 from kinetics import load, solve_field
-from kinetics.cli import main
 
 RTOL = ["--rtol", "1e-4"]
 
 
-def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
-    assert main(["solve", *arguments, *RTOL, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_steady_state(capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ("--field-steady", "-e", "0.5", "--dimension", "3")
-    found = document(capsys, *arguments, "--field-units", "9.81,0.001,1e8")
+def test_steady_state(lorentz: Any) -> None:
+    arguments = ("solve", "--field-steady", "-e", "0.5", "--dimension", "3", *RTOL)
+    found = lorentz.json(*arguments, "--field-units", "9.81,0.001,1e8")
     state = solve_field(0.5, 3, rtol=1e-4)
     assert found["drift"] == state.drift
     assert found["diffusion_parallel"] == state.diffusion_parallel
@@ -28,20 +21,17 @@ def test_steady_state(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["plan"][0]["part"] == "angular harmonics"
     path = 1.0 / (math.pi * 1e-6 * 1e8)
     assert found["in_units"]["drift"] == pytest.approx(state.drift * math.sqrt(9.81 * path))
-    assert main(["solve", *arguments, *RTOL]) == 0
-    text = capsys.readouterr().out
-    assert f"drift                    {state.drift:.13g}" in text
+    assert f"drift                    {state.drift:.13g}" in lorentz(*arguments)
 
 
-def test_averages_over_time(capsys: pytest.CaptureFixture[str]) -> None:
+def test_averages_over_time(lorentz: Any) -> None:
     asked = ("--outputs", "mean_velocity,displacement_tensor,collisions")
-    arguments = ("--field", "0.08", "--initial", "rest", "--times", "1,100", *asked)
-    found = document(capsys, *arguments)
+    arguments = ("solve", "--field", "0.08", "--initial", "rest", "--times", "1,100", *asked, *RTOL)
+    found = lorentz.json(*arguments)
     assert found["field"] == 0.08
     assert found["mean_velocity"][0][0] == pytest.approx(0.08, rel=0.01)
     assert found["mean_velocity"][1][0] == pytest.approx(solve_field(0.7).drift, rel=1e-4)
-    assert main(["solve", *arguments, *RTOL]) == 0
-    heads = capsys.readouterr().out.splitlines()[0]
+    heads = lorentz(*arguments).splitlines()[0]
     assert all(head in heads for head in ("<v_x> [U]", "var(x) [d^2]", "collisions"))
 
 
@@ -66,15 +56,11 @@ def test_averages_over_time(capsys: pytest.CaptureFixture[str]) -> None:
         ("--field", "-1"),
     ],
 )
-def test_refusals(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
-    assert main(["solve", *arguments]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
+def test_refusals(lorentz: Any, arguments: tuple[str, ...]) -> None:
+    lorentz.refused("solve", *arguments)
 
 
 @pytest.mark.parametrize("name", ["x.h5", "X.H5"])
-def test_the_ending_of_a_file_may_be_in_capitals(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
-) -> None:
-    assert main(["solve", "--times", "1", *RTOL, "--output", str(tmp_path / name)]) == 0
+def test_the_ending_of_a_file_may_be_in_capitals(lorentz: Any, tmp_path: Path, name: str) -> None:
+    lorentz("solve", "--times", "1", *RTOL, "--output", str(tmp_path / name))
     assert load(tmp_path / name).scene.restitution == 0.7
-    capsys.readouterr()

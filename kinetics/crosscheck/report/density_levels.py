@@ -75,12 +75,13 @@ def place_predictions(cases: Sequence[Case], settings: ReportSettings) -> list[P
     found = []
     for case in cases:
         disks, edges, times = case.hard.position, case.position_edges, case.times[-1:]
-        sure = disks.value > 3.0 * disks.error
+        # in a run of few configurations all may have the same number in a bin
+        sure = (disks.error > 0.0) & (disks.value > 3.0 * disks.error)
         outputs, rtol = ("msd", "position_density"), max(settings.position_rtol, _PLACE)
         density, e = settings.number_density, case.restitution
         theory = replace(case, position=solution(e, density, times, outputs, FITTED, rtol=rtol))
         off = {
-            level: ((disks.value - bin_density(of, edges)) / disks.error)[sure]
+            level: (disks.value - bin_density(of, edges))[sure] / disks.error[sure]
             for level, of in ((DILUTE, case), (FITTED, theory))
         }
         chi_square = {level: float(values @ values) for level, values in off.items()}

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from kinetics import compare
-from kinetics.cli import main
 from kinetics.crosscheck.comparison.data.read import read_sample
 from particles import BoltzmannGrad, simulate
 
@@ -74,22 +73,19 @@ def test_what_is_written_is_read(tmp_path: Path, dimension: int) -> None:
     assert found.warnings == ()
 
 
-def test_the_command_writes_it(tmp_path: Path, capsys: Any) -> None:
+def test_the_command_writes_it(tmp_path: Path, lorentz: Any) -> None:
     path = tmp_path / "run.h5md"
     told = ["simulate", "--medium", "boltzmann-grad", "--media", "3", "--tracers", "20"]
     told += ["--times", "0,1,10", "--max-collisions", "4", "--output", str(path)]
-    assert main(told) == 0
+    lorentz(*told)
     with h5py.File(path) as file:  # a tracer that has ended is NaN
         value = file["particles/tracers/position/value"][()]
         assert value.shape == (3, 60, 2)
     assert read_sample([path]).samples[0] == 60
-    capsys.readouterr()
     for more, message in (([], "exists"), (["--resume"], "written at the end")):
-        assert main([*told, *more]) == 2
-        assert message in capsys.readouterr().err
+        assert message in lorentz.refused(*told, *more)
     told[-1] = str(tmp_path / "none" / "run.h5md")
-    assert main(told) == 2
-    assert "folder does not exist" in capsys.readouterr().err
+    assert "folder does not exist" in lorentz.refused(*told)
 
 
 def test_a_run_without_positions_is_refused(tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ import pytest
 from pages import Page, check_alone, check_in_browser
 
 from kinetics import Scene, solve
-from kinetics.cli import main
 from kinetics.crosscheck import Comparison, compare
 from kinetics.crosscheck.comparison.page import render
 from kinetics.crosscheck.comparison.result import OBSERVABLES, OUTCOMES
@@ -125,13 +124,9 @@ def test_texts_from_the_data_are_escaped(differing: Comparison) -> None:
     assert Page(text).text.count(EVIL) >= 6
 
 
-def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_rows_as_json(csv: Path, lorentz: Any) -> None:
     before = csv.read_bytes()
-    arguments = ["compare", str(csv), "--restitution", "0.75", "--number-density", "0.04", "--json"]
-    assert main(arguments) == 0
-    out = capsys.readouterr()
-    assert out.err == ""
-    document = json.loads(out.out)
+    document = lorentz.json("compare", str(csv), "-e", "0.75", "--number-density", "0.04")
     assert document["verdict"] == "agrees"
     assert document["data"] == {
         "names": ["data.csv"], "samples": 2000, "groups": 40, "grouping": "medium",
@@ -144,22 +139,18 @@ def test_the_command_prints_rows_as_json(csv: Path, capsys: pytest.CaptureFixtur
     assert csv.read_bytes() == before
 
 
-def test_the_command_prints_a_table(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["compare", str(csv), "-e", "0.6", "--number-density", "0.04"]) == 0
-    text = capsys.readouterr().out
+def test_the_command_prints_a_table(csv: Path, lorentz: Any) -> None:
+    text = lorentz("compare", str(csv), "-e", "0.6", "--number-density", "0.04")
     assert text.startswith("They differ; e = 0.7")
     assert re.search(r"^thermal_speed +200 .*differs$", text, re.MULTILINE)
     assert "restitution (explains the difference): Another restitution: e = 0.7" in text
 
 
-def test_the_command_writes_a_page(
-    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> None:
     output = tmp_path / "new" / "page.html"
     output.parent.mkdir()
     arguments = ["compare", str(csv), "-e", "0.75", "--number-density", "0.04"]
-    assert main([*arguments, "-o", str(output), "--figures", "png", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = lorentz.json(*arguments, "-o", str(output), "--figures", "png")
     assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
     assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     names = {p.name for p in output.parent.iterdir()}
@@ -168,21 +159,17 @@ def test_the_command_writes_a_page(
     assert names == {"page.html", "page.json"} | figures
 
 
-def test_an_ensemble_file_says_what_it_is(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_ensemble_file_says_what_it_is(tmp_path: Path, lorentz: Any) -> None:
     path = tmp_path / "run.h5"
     run_of().save(path)
-    assert main(["compare", str(path), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = lorentz.json("compare", str(path))
     assert document["verdict"] == "agrees"
     assert document["parameters"]["restitution"]["value"] == 0.75
     assert document["parameters"]["number_density"]["value"] == 0.04
     damaged = bytearray(path.read_bytes())
     damaged[len(damaged) // 2] ^= 0xFF
     path.write_bytes(bytes(damaged))
-    assert main(["compare", str(path)]) == 2
-    assert re.fullmatch(r"lorentz: .*damaged.*\n", capsys.readouterr().err)
+    assert "damaged" in lorentz.refused("compare", str(path))
 
 
 @pytest.mark.parametrize(
@@ -208,32 +195,27 @@ def test_bad_arguments_are_one_line(
     csv: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    lorentz: Any,
     arguments: list[str],
     message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data.html").mkdir()
-    assert main(["compare", str(csv), *arguments]) == 2
-    out = capsys.readouterr()
-    assert out.out == ""
-    assert out.err.count("\n") == 1
-    assert message in out.err
+    assert message in lorentz.refused("compare", str(csv), *arguments)
     assert [p.name for p in tmp_path.iterdir()] == ["data.html"]
 
 
-def test_one_file_is_not_two_runs(csv: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["compare", str(csv), str(csv)]) == 2
-    assert "stands twice" in capsys.readouterr().err
+def test_one_file_is_not_two_runs(csv: Path, lorentz: Any) -> None:
+    assert "stands twice" in lorentz.refused("compare", str(csv), str(csv))
 
 
 def test_the_output_never_takes_the_place_of_the_data(
-    csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    csv: Path, tmp_path: Path, lorentz: Any
 ) -> None:
     data = tmp_path / "page.json"
     data.write_bytes(csv.read_bytes())
-    assert main(["compare", str(data), "-o", str(tmp_path / "page.html")]) == 2
-    assert "is one of the data" in capsys.readouterr().err
+    page = str(tmp_path / "page.html")
+    assert "is one of the data" in lorentz.refused("compare", str(data), "-o", page)
     assert data.read_bytes() == csv.read_bytes()
 
 

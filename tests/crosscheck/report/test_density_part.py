@@ -125,6 +125,13 @@ def test_places_of_the_disks_are_compared_with_both_equations(
     assert same.chi_square[DILUTE] > 10.0
     assert found.chi_square[FITTED] > 10.0
     assert 0 < found.bins <= widths.size
+    # all configurations have the same number in a bin: no error is known there
+    error = case.hard.position.error.copy()
+    error[np.argmax(density)] = 0.0
+    few = replace(case, hard=replace(case.hard, position=Measured(density, error)))
+    (rest,) = place_predictions([few], settings)
+    assert rest.bins == same.bins - 1
+    assert rest.chi_square[FITTED] < 0.01
 
 
 def test_deviations_and_changes_are_ratios_less_one() -> None:

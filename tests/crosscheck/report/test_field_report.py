@@ -11,7 +11,6 @@ import pytest
 from pages import check_alone, check_in_browser
 
 from kinetics import CollisionLaw, solve_field
-from kinetics.cli import main
 from kinetics.crosscheck.report.case import Measured
 from kinetics.crosscheck.report.field_density import density_case
 from kinetics.crosscheck.report.field_limits import (
@@ -193,7 +192,7 @@ def test_nothing_but_tables_scrolls_sideways(
 
 
 def test_the_command_writes_both_files(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lorentz: Any
 ) -> None:
     def tiny(settings: FieldSettings) -> FieldSettings:
         return replace(
@@ -202,13 +201,13 @@ def test_the_command_writes_both_files(
 
     monkeypatch.setattr(FieldSettings, "quick", tiny)
     arguments = ["--field", "--quick", "-e", "0.6", "--dimension", "3", "--figures", "png"]
-    assert main(["report", *arguments, "-o", str(tmp_path)]) == 0
+    printed = lorentz("report", *arguments, "-o", str(tmp_path))
+    assert "\nspheres  " in printed
     assert {path.name for path in tmp_path.iterdir()} == {
         "field.html", "field.json", "field-drift.png", "field-dispersion-spheres.png",
     }  # fmt: skip
     settings = json.loads((tmp_path / "field.json").read_text(encoding="utf-8"))["settings"]
     assert (settings["restitutions"], settings["dimensions"]) == ([0.6], [3])
-    assert "\nspheres  " in capsys.readouterr().out
 
 
 def test_every_stage_is_told() -> None:
@@ -237,11 +236,7 @@ def test_every_stage_is_told() -> None:
         (("-t", "5"), "--until"),
     ],
 )
-def test_refusals(
-    arguments: tuple[str, ...], named: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    assert main(["report", "--field", *arguments, "-o", str(tmp_path / "out")]) == 2
-    complaint = capsys.readouterr().err
-    assert named in complaint
-    assert len(complaint.splitlines()) == 1
+def test_refusals(arguments: tuple[str, ...], named: str, lorentz: Any, tmp_path: Path) -> None:
+    output = str(tmp_path / "out")
+    assert named in lorentz.refused("report", "--field", *arguments, "-o", output)
     assert not (tmp_path / "out").exists()

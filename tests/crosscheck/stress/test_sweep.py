@@ -297,18 +297,11 @@ def test_groups_are_checked(monkeypatch: Any) -> None:
     ],
 )
 def test_wrong_arguments_end_in_one_line_and_status_two(
-    capsys: Any, tmp_path: Any, arguments: list[str], name: str
+    lorentz: Any, tmp_path: Any, arguments: list[str], name: str
 ) -> None:
-    from kinetics import cli
-
     (tmp_path / "file").write_text("")
     given = [a.format(file=tmp_path / "file") for a in arguments]
-    assert cli.main(["stress", "--quick", *given]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.startswith("lorentz: ")
-    assert captured.err.count("\n") == 1
-    assert name in captured.err
+    assert name in lorentz.refused("stress", "--quick", *given)
 
 
 def test_the_command_ends_with_status_one_if_a_case_must_not_be(
