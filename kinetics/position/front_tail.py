@@ -82,7 +82,7 @@ def fit_fronts(
             seen = trial.at(k) if panel.low < cut else values
             missed = weight * radial_measure(k, 0, d) * (seen - full.at(k))
             apart += radial_waves(np.outer(rho, k), 0, d) @ missed
-        largest = max(largest, float(np.abs(element(rho, d) * apart).max()))
+        largest = max(largest, float(np.abs(element(rho, d) * apart).max(initial=0.0)))
     return full, largest / high
 
 

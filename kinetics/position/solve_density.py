@@ -34,7 +34,9 @@ _LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 100.0, 30.0, 25.0
 # power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
 # sweeps after about ten.
 _STOPPING, _MOST_WORK_OF_STOPPING, _MOST_WORK = 2.0, 1.5e8, 1.2e9
-_ENOUGH = 2.4  # times rtol, which is 0.4 of what was asked for: F is done where less is missed
+# F is done where less is missed than this times rtol, which is 0.4 of what was asked for; less
+# where nothing is fitted to its end, as there the sharp end of F leaves waves at all radii.
+_ENOUGH, _ENOUGH_CUT = 2.2, 1.0
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
@@ -142,6 +144,7 @@ class _Sweep:
         self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
+        self._enough = rtol * (_ENOUGH_CUT if self.sharp and not self.fronts else _ENOUGH)
         self._solved_error = np.zeros(width.size)
         self._allowed = 1.0  # error of the waves over that of F
         self._at_origin = None
@@ -158,7 +161,8 @@ class _Sweep:
         """Go on until nothing that matters is left, or the work is too much."""
         low, size, high = 0.0, 1.0, 0.0
         if self.active.size:
-            high = max(1.0, min(_FIRST, self._widest)) / self._widest
+            far = 1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))
+            high = far / self._widest
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
         stopping = self.system.law.least_loss > _STOPPING
@@ -183,7 +187,7 @@ class _Sweep:
     def cut(self) -> FloatArray:
         """K from which F is tapered where the work was too much, else infinite, (n_times,)."""
         cut = np.full(self.width.shape, np.inf)
-        for i in np.nonzero(self.missed > _ENOUGH * self.rtol)[0]:
+        for i in np.nonzero(self.missed > self._enough)[0]:
             last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
             if self.tails[i] is None and last:
                 cut[i] = 0.5 * last[-1]
@@ -205,7 +209,7 @@ class _Sweep:
             share = max(1.0, self.width[i] * high)
             self._solved_error[i] = max(self._solved_error[i], error * share)
             self.missed[i] = left * share + self._solved_error[i]
-            if self.missed[i] > _ENOUGH * self.rtol:
+            if self.missed[i] > self._enough:
                 enough = 2.0 * high
                 if self.fronts:
                     enough = min(enough, high + _LONGEST_TURN / self._flights[i])
@@ -215,7 +219,7 @@ class _Sweep:
                     more = (left * share / self.rtol) ** _FALL
                     enough = high * min(_LONGEST_STEP, max(_STEP, more))
                 reached = max(reached, enough)
-        self.active = self.active[self.missed[self.active] > _ENOUGH * self.rtol]
+        self.active = self.active[self.missed[self.active] > self._enough]
         return reached
 
     def _interval(
@@ -260,7 +264,8 @@ class _Sweep:
                 break
             self._allowed = 1.0
         change = 0.3 * tolerance / max(error, 1e-3 * tolerance)
-        most = 1.0 if self.system.law.least_ratio < _NEARLY else _MOST_ALLOWED
+        exact = self.sharp or self.system.law.least_ratio < _NEARLY
+        most = 1.0 if exact else _MOST_ALLOWED
         self._allowed = min(max(1.0, self._allowed * min(change, 10.0)), most)
         return found, error
 
