@@ -96,7 +96,7 @@ def fit_fronts(
         waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
         for one, trial, end in zip(apart, trials, ends, strict=True):
             one += waves @ ((trial.at(k) if panel.low < end else values) - full.at(k))
-    return full, float(np.abs(element(rho, d) * apart).max(axis=1).sum()) / high
+    return full, float(np.abs(element(rho, d) * apart).max(axis=1, initial=0.0).sum()) / high
 
 
 def _fitted(

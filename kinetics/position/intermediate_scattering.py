@@ -141,9 +141,12 @@ class Scattering:
         """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
 
         wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
+
+        The error is the mean over the initial speeds of that of the waves, at the worst time.
         """
         stretch, profile = self.log_stretch(which), self.state.profile(0)
         out, error = np.empty((which.size, wave_numbers.size)), 0.0
+        some = points_of(self.state, 1.0, tolerance)
         for part, waves in self._waves(wave_numbers, which, tolerance):
             found = None
             if profile is not None and self.state.smooth:
@@ -152,7 +155,9 @@ class Scattering:
                 speeds = points_of(self.state, waves.rule.width, tolerance)
                 means = [speeds.weight @ self._collided(waves, speeds.x + s) for s in stretch]
                 found = np.array(means)
-            out[:, part], error = found, max(error, waves.error_estimate)
+            out[:, part] = found
+            missed = waves.error_at(some.x + stretch[:, None]) @ some.weight
+            error = max(error, float(missed.max()))
         return out, error
 
     def _on_panels(

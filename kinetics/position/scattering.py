@@ -279,7 +279,7 @@ class Sweep:
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
         loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
         loss = np.stack([self.law.met_again(np.arange(_TERMS), r, m) for m, r in enumerate(loss)])
-        loss[0] = [self.law.decay_rate(float(j)) for j in range(_TERMS)]
+        loss[0] = self.law.decay_rate(np.arange(_TERMS))
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
         for j in range(_TERMS):

@@ -12,15 +12,15 @@ import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
 from kinetics.position.front_tail import FrontTail, fit_fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.once_collided import OnceCollided, once_collided
+from kinetics.position.sampling import Sampling
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.wave_panel import WavePanel, points_between
+from kinetics.position.wave_panel import WavePanel
 from kinetics.states.state import State
 
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
@@ -35,26 +35,35 @@ _LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 125.0, 30.0, 25.0
 # sweeps after about ten.
 _STOPPING, _MOST_WORK_OF_STOPPING, _MOST_WORK = 2.0, 1.5e8, 1.2e9
 _OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
+# F is done where less is missed than this times rtol, which is 0.4 of what was asked for; times 1
+# from sharp speeds, where the end of F leaves waves at all radii.
+_ENOUGH = 2.2
 _HALVINGS = 7  # of an interval of wave numbers, at most
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 # Up to K = _CHEAP, where few harmonics are needed, F is solved to _CHEAPER of what G needs, but not
 # beyond _BEST: rounding of F allows no more.
 _CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
-# Chebyshev points of an interval: some, and so many for each digit; more of them where the
-# interval begins near 0, at which F varies fastest relative to it.
-_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.3
+# Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
+# at 0. Where F falls as a power fewer do, but more of them at small K: see `sampling`.
+_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO = 4.0, 1.0, 1.6
+_FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
+_POINTS_OF_POWERS, _FOR_DIGIT_LATE, _EARLIER = 4.0, 0.75, 0.35
+_POINTS_OF_PANEL, _FOR_DIGIT_OF_PANEL = 8.0, 1.0
 _FOR_DIGIT_OF_FRONTS = 1.7
-_STEP = 1.25  # from the end of one interval to that of the next, at least; twice at most
-# K, as in the next line, for tracers that a collision may have stopped: before, F changes its sign.
-_POWERS_OF_STOPPED = 5.0
+_MOST_ALLOWED = 5.0  # error allowed to the waves, over that of F; more spoils the fit of its end
+# From the end of one interval to that of the next: twice, and this where the end of F is fitted.
+_STEP, _LONGEST_STEP = 1.25, 1.6
+# K, as in the next line, for tracers that a collision may have stopped, or left below _NEARLY of
+# their speed: before, F changes its sign, or goes over from one power to the next.
+_POWERS_OF_STOPPED, _NEARLY = 5.0, 0.1
 # The four below are measured again by tests/kinetics/measurements/position.py.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
-_BEYOND = 2.0  # what they miss beyond the panels, over what they miss in the last of them
-_BEYOND_RETURNED = 8.0  # the same among scatterers that are met again, where F falls as 1/K
-_FALL = 0.25  # it falls as K^-4 at least
+_BEYOND = 2.0  # error of F beyond the panels, over what `fit_tail` says of it ...
+_RETURNED = 4.0  # ... and among scatterers that are met again
+_FALL = 0.125  # what powers miss falls as K^-8 at least
 
 
 @one_blas_thread
@@ -131,15 +140,19 @@ class _Sweep:
         here = np.isin(np.arange(width.size), which)
         self.active = np.nonzero(here & ~few)[0]
         self.missed = np.where(here & few, width, 0.0)
+        self._widest = float(width[self.active].max(initial=0.0))
         self.panels: list[WavePanel] = []
         self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
-        self.enough = rtol if self.fronts else 2.0 * rtol
+        self.enough = rtol if self.sharp or self.fronts else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
+        self._allowed = 1.0  # error of the waves over that of F
         self._at_origin = None
         if system.law.returns(0)[0] and not self.sharp:
             self._at_origin = system.mean_at_origin()
+        profile = system.state.profile(0)
+        self._slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
         speeds = points_of(system.state, 1.0, 1e-3)
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
@@ -147,8 +160,10 @@ class _Sweep:
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
-        low, size = 0.0, 1.0
-        high = 1.0 / float(self.width[self.active].max()) if self.active.size else 0.0
+        low, size, high = 0.0, 1.0, 0.0
+        if self.active.size:
+            far = 1.0 if self.sharp else max(1.0, min(_FIRST, self._widest))
+            high = far / self._widest
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
         stopping = self.system.law.least_loss > _STOPPING
@@ -162,6 +177,8 @@ class _Sweep:
             new, error = self._interval(low, high, self._tolerance(high), size)
             self.panels += new
             size = max(float(np.abs(panel.values).max()) for panel in new)
+            if not self.sharp:  # F falls
+                size = float(np.abs(new[-1].values[:, -(new[-1].nodes.size // 4) :]).max())
             low, high = high, self._judge(high, error)
             last, done = self.system.work - done, self.system.work
             # the next interval is more work than the last one
@@ -202,7 +219,7 @@ class _Sweep:
                     enough = _end(self.panels[-1], int(i), self.rtol / share)
                 elif self.tails[i] is not None:
                     more = (left * share / self.rtol) ** _FALL
-                    enough = high * min(2.0, max(_STEP, more))
+                    enough = high * min(_LONGEST_STEP, max(_STEP, more))
                 reached = max(reached, enough)
         self.active = self.active[self.missed[self.active] > self.enough]
         return reached
@@ -212,22 +229,47 @@ class _Sweep:
     ) -> tuple[list[WavePanel], float]:
         """F on an interval of K, halved until its Chebyshev coefficients end; and its error.
 
-        tolerance : of F; size : about the largest value there
+        tolerance : of F; size : about the largest value there, at its lower end for densities
         """
         digits = math.log10(max(10.0, size / tolerance))
-        each = _FOR_DIGIT_OF_FRONTS if self.fronts else _FOR_DIGIT
-        each = max(each, _FOR_DIGIT_AT_ZERO) if high > 1.5 * low else each
-        nodes = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
-        places = points_between(low, high, nodes)
-        values, error = self.system.collided(places, self.active, tolerance)
-        values -= [self.once.scattering(int(i), places) for i in self.active]
-        missed = float(np.max(FirstKind(nodes).last_coefficients(values)))
+        nodes, each = _POINTS, _FOR_DIGIT_OF_FRONTS if self.fronts else _FOR_DIGIT
+        early = _FIRST / (high * self._widest)  # F falls as a power where it is small
+        power = 0 if self.sharp or early > 0.99 else self.system.law.dimension + 1
+        if power:
+            nodes, each = _POINTS_OF_POWERS, _FOR_DIGIT_LATE + _EARLIER * min(1.0, 2.0 * early)
+        if low == 0.0:
+            power, each = 0, max(each, _FOR_DIGIT_AT_ZERO)
+        count = math.ceil(nodes + each * digits + self._turns(low, high, tolerance))
+        sampling = Sampling(low, high, count, power)
+        values, error = self._solved(sampling.places, tolerance)
+        values -= [self.once.scattering(int(i), sampling.places) for i in self.active]
+        missed = sampling.missed(values)
         if missed > tolerance and halvings < _HALVINGS:
             middle = 0.5 * (low + high)
             left, first = self._interval(low, middle, tolerance, size, halvings + 1)
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
             return left + right, max(first, second)
-        return [WavePanel(low, high, self.active, values)], missed + error
+        if low == 0.0 or power:
+            count = math.ceil(_POINTS_OF_PANEL + _FOR_DIGIT_OF_PANEL * digits + 0.5 * count)
+        return [sampling.panel(self.active, values, count)], missed + error
+
+    def _solved(self, places: FloatArray, tolerance: float) -> tuple[FloatArray, float]:
+        """F at K = places, shape (n_active, n_k), and its error.
+
+        That of the waves is estimated with care, and speeds at which it is large may be few: as
+        much more is allowed as the last time has shown.
+        """
+        while True:
+            asked = tolerance * self._allowed
+            found, error = self.system.collided(places, self.active, asked)
+            if error <= tolerance or self._allowed == 1.0:
+                break
+            self._allowed = 1.0
+        change = 0.3 * tolerance / max(error, 1e-3 * tolerance)
+        exact = self.sharp or self.system.law.least_ratio < _NEARLY
+        most = 1.0 if exact else _MOST_ALLOWED
+        self._allowed = min(max(1.0, self._allowed * min(change, 10.0)), most)
+        return found, error
 
     def _turns(self, low: float, high: float, tolerance: float) -> float:
         """Points for cos(K T), with which tracers of one speed turn F until they have collided."""
@@ -261,14 +303,14 @@ class _Sweep:
         largest, begin = float(np.abs(last).max()), max(1.0, 1.0 / self.width[time])
         law = self.system.law
         stopped = law.restitution == 0.0
-        if high < (_POWERS_OF_STOPPED if stopped else _POWERS) * begin:
+        if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, largest
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
-        first = 0 if stopped or returned else 1
+        first = 0 if stopped or returned or self._slow else 1
         k, f = _upper(self.panels, time, _FITTED)
         tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
-        beyond = _BEYOND_RETURNED if returned else _BEYOND
-        return (tail, beyond * left) if left < _BETTER * largest else (None, largest)
+        left *= _RETURNED if returned else _BEYOND
+        return (tail, left) if left < _BETTER * largest else (None, largest)
 
 
 def _end(panel: WavePanel, time: int, least: float) -> float:

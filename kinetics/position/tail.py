@@ -20,7 +20,9 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.values import Value
 
-TERMS = 8  # of the sum: with more, errors of F are raised instead of fitted
+_TERMS = range(6, 14)  # of the sum, the number among these that leaves least
+_LOWER = 0.7  # share of the range of K that the first of two sums is fitted to
+_BEYOND = np.geomspace(1.2, 30.0, 20)  # of the largest K, where two sums are compared
 _GONE, _POINTS = 60.0, 12  # x beyond which x^2 K_nu(x) is below 1e-20; of a Gauss rule
 _TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 
@@ -145,25 +147,36 @@ def fit_tail(
     """The tail of F through f at K = k, shape (n_k,) each, and its error, absolute.
 
     ``scale`` is where the powers begin, ``first`` which they are, ``returned`` the factor of 1/K.
-    The error is seen in the upper part of the range, after a fit to the lower 60 %; it is infinite
-    where there are too few points.
+    Two sums are fitted, to the lower part of the range and to all of it. The error is the largest
+    that the first one misses there, or that they differ by beyond, times K over the largest K: so
+    much more it changes G(R). It is infinite where there are too few points. Too few terms miss F,
+    too many continue its errors: as many are taken as leave least.
     """
-    below = k < k.min() + 0.6 * (k.max() - k.min())
-    most = TERMS + 1 - first
-    if np.count_nonzero(below) < most + 1:
+    highest = float(k.max())
+    below = k < k.min() + _LOWER * (highest - k.min())
+    most = min(_TERMS[-1], int(np.count_nonzero(below)) - 2)
+    if most < _TERMS[0]:
         return PowerTail(np.zeros(0), scale, dimension, first, returned), np.inf
     falling = f - returned / np.hypot(k, scale) if returned else f
+    weight = k ** (dimension + first)  # errors relative to the first power count
+    everywhere = np.append(k, highest * _BEYOND)
+    terms = origin_terms(everywhere / scale, most + 1, dimension, first)
+    columns = terms[: k.size] * weight[:, None]
+    share = np.maximum(1.0, everywhere / highest)
 
-    def fit(used: NDArray[np.bool_], terms: int) -> PowerTail:
-        """Least squares of the errors relative to the first power."""
-        weight = k[used] ** (dimension + first)
-        columns = origin_terms(k[used] / scale, terms, dimension, first)
-        found = np.linalg.lstsq(columns * weight[:, None], falling[used] * weight, rcond=1e-13)
-        return PowerTail(np.asarray(found[0]), scale, dimension, first, returned)
+    def fit(used: NDArray[np.bool_], count: int) -> FloatArray:
+        found = np.linalg.lstsq(columns[used, :count], (falling * weight)[used], rcond=1e-13)
+        return np.asarray(found[0])
 
-    # the error of one number of terms may vanish by accident: a mean over three of them
-    missed = [
-        float(np.abs(fit(below, terms).at(k) - f).max()) for terms in (most - 2, most - 1, most)
-    ]
-    left = math.sqrt(max(missed[:2])) * math.sqrt(max(missed[1:]))
-    return fit(k > 0.0, most), left
+    def left(count: int) -> tuple[FloatArray, float]:
+        found = fit(k > 0.0, count)
+        known = np.append(falling, terms[k.size :, :count] @ found)
+        return found, float(np.abs(share * (terms[:, :count] @ fit(below, count) - known)).max())
+
+    fits = [left(count) for count in range(_TERMS[0] - 1, most + 2)]
+    # the error of one number of terms may vanish by accident: the largest of three neighbours
+    errors = np.array([error for _, error in fits])
+    errors = np.maximum(np.maximum(errors[:-2], errors[1:-1]), errors[2:])
+    best = int(np.argmin(errors))
+    tail = PowerTail(fits[best + 1][0], scale, dimension, first, returned)
+    return tail, float(errors[best])
