@@ -212,6 +212,7 @@ sys.exit(cli.main())
     assert os.listdir(tmp_path) == ["cleaned"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times", [3, pytest.param(100, marks=pytest.mark.slow)])
 def test_at_random_moments(times: int, tmp_path: Path) -> None:
     chance = random.Random(5)

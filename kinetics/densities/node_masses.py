@@ -39,7 +39,9 @@ class NodeMasses(Value):
         out = np.zeros(v.shape, dtype=self.mass.dtype)
         positive = v > 0.0
         log_v = np.log(v[positive])
-        out[positive] = interpolate(log_v, self.x, self.mass[i]) * np.exp(-log_v) / self.spacing
+        # by the root twice: 1/v alone may be larger than the largest number
+        root = np.exp(-0.5 * log_v)
+        out[positive] = interpolate(log_v, self.x, self.mass[i]) * root * root / self.spacing
         return out
 
 

@@ -103,6 +103,7 @@ def test_position_density_of_free_flight(t: float, e: float) -> None:
     assert share[0, 0] == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_far_arguments_of_densities() -> None:
     """Where there is nothing left there is 0, and no warning of an overflow."""
     far = np.array([0.0, 1.0, 1e200])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from particles.events import is_collapsing
 
@@ -56,7 +57,7 @@ def rule(rng: np.random.Generator, theta: float, alpha: float, e: float, et: flo
     return is_collapsing(before, left, direction, e, et)
 
 
-@pytest.mark.parametrize("tangential", [1.0, 0.8, 0.3])
+@pytest.mark.parametrize("tangential", slow_but([0.8], [1.0, 0.8, 0.3]))
 def test_the_rule_agrees_with_bounces_in_a_wedge(tangential: float) -> None:
     rng = np.random.default_rng(3)
     collapsing = decided = 0
@@ -77,7 +78,17 @@ def test_the_rule_agrees_with_bounces_in_a_wedge(tangential: float) -> None:
     assert 0.13 * n < collapsing < decided - 0.13 * n
 
 
-@pytest.mark.parametrize("law", [(0.9, 0.0), (0.05, 0.0), (1.0, 0.01), (0.5, 0.4), (0.5, 0.5)])
+@pytest.mark.parametrize(
+    "law",
+    [
+        (0.05, 0.0),
+        (0.5, 0.4),
+        *(
+            pytest.param(law, marks=pytest.mark.slow)
+            for law in ((0.9, 0.0), (1.0, 0.01), (0.5, 0.5))
+        ),
+    ],
+)
 def test_nothing_falls_into_a_corner_where_the_tangential_factor_is_not_the_larger(
     law: tuple[float, float],
 ) -> None:

@@ -38,6 +38,7 @@ def test_threads(alone: list[Ensemble]) -> None:
         assert_same(alone, run(pool))
 
 
+@pytest.mark.slow
 def test_three_processes(alone: list[Ensemble]) -> None:
     with ProcessPoolExecutor(3, multiprocessing.get_context("spawn")) as pool:
         assert_same(alone, run(pool))

@@ -9,6 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from marking import slow_but
 
 from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, Poisson, simulate
 
@@ -160,7 +161,7 @@ def test_without_collisions_the_path_is_a_parabola(dimension: int, field: float)
     np.testing.assert_allclose(run.finals[:, 1], np.log(2.0), rtol=1e-15)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", slow_but([2], [2, 3]))
 def test_elastic_tracers_keep_their_energy(dimension: int) -> None:
     run = simulate(
         BoltzmannGrad(0.3, dimension=dimension), 1.0, times=np.geomspace(1, 3e4, 10), media=2,

@@ -57,17 +57,17 @@ def in_the_limit(rates: np.ndarray) -> np.ndarray:
 )
 def test_boltzmann_grad_has_the_closed_form(e: float, et: float) -> None:
     run = path_integrals(
-        BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=50, tracers=60,
+        BoltzmannGrad(0.02), e, POWERS, PATHS, windows=20, settling=2.5, media=12, tracers=60,
         seed=5, tangential_restitution=et,
     )  # fmt: skip
     exact = in_the_limit(collision_rates(e, et, 2))
     found = run.integrals
     assert np.all(abs(found.value - exact) < 3.5 * found.error)
-    assert np.all(found.error[-1] < 0.02)
+    assert np.all(found.error[-1] < 0.04)
     assert abs(run.mean_free_path.value - 1.0) < 3.0 * run.mean_free_path.error
     part = exact[-1] - exact[-2]
     assert np.all(abs(run.last_part.value - part) < 3.5 * run.last_part.error)
-    assert run.windows == 50 * 60 * 20
+    assert run.windows == 12 * 60 * 20
     assert run.trapped == 0
 
 

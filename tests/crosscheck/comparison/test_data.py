@@ -252,11 +252,11 @@ def test_bins_count_what_lies_outside() -> None:
     ("data", "told"),
     [
         ({"times": [1.0], "count": 2}, {"restitution": 0.7}),
-        ({"times": [1.0, 10.0], "count": 50, "speed": 0.0}, {"restitution": 0.7}),
-        ({"times": [0.0, 1.0, 10.0], "count": 80, "speed": 1.0}, {"restitution": 0.0}),
         *(
             pytest.param(data, {"restitution": e}, marks=pytest.mark.slow)
             for data, e in (
+                ({"times": [1.0, 10.0], "count": 50, "speed": 0.0}, 0.7),
+                ({"times": [0.0, 1.0, 10.0], "count": 80, "speed": 1.0}, 0.0),
                 ({"times": [1.0, 2, 3], "count": 3}, 0.7),
                 ({"times": [0.0], "count": 50}, 0.7),
                 ({"times": [1.0, 10.0], "count": 50, "speed": 1.0}, 0.7),

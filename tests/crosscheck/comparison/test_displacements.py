@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+from marking import slow_but
 
 from kinetics import Scene, solve
 from kinetics.crosscheck import compare
@@ -41,7 +42,7 @@ def p_values(e: float, initial: str, number: int, rtol: float, told: float) -> l
 
 @pytest.mark.parametrize(
     ("e", "initial"),
-    [CASES[1], CASES[3], *(pytest.param(*c, marks=pytest.mark.slow) for c in (CASES[0], CASES[2]))],
+    slow_but(CASES[1:2], CASES),
 )
 def test_the_density_meets_a_million_flights(e: float, initial: str) -> None:
     assert min(p_values(e, initial, 1_000_000, 1e-5, e)) > RARE

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import Scene, solve
 from kinetics.crosscheck import compare
@@ -56,7 +57,7 @@ def densities(result: Comparison) -> list[Explanation]:
     ("scatterers", "e"),
     [
         ("hard disks", 0.7),
-        ("overlapping", 0.9),
+        pytest.param("overlapping", 0.9, marks=pytest.mark.slow),
         pytest.param("hard disks", 0.9, marks=pytest.mark.slow),
         pytest.param("overlapping", 0.7, marks=pytest.mark.slow),
     ],
@@ -96,7 +97,9 @@ def test_the_text_says_what_is_known_of_the_theory() -> None:
 
 
 @pytest.mark.parametrize("e", [0.7, pytest.param(0.9, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("wrong", ["density", "restitution", "nothing"])
+@pytest.mark.parametrize(
+    "wrong", slow_but(["density", "nothing"], ["density", "restitution", "nothing"])
+)
 def test_independent_flights_are_not_explained_by_a_density(e: float, wrong: str) -> None:
     density = 1.05 * DENSITY if wrong == "density" else DENSITY
     told = e - 0.02 if wrong == "restitution" else e

@@ -95,6 +95,7 @@ def test_a_wrong_unit_gives_no_fitted_value(flights: Any) -> None:
     assert "a unit is wrong" in result.parameters["mean_free_path"].source
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("units", "name", "value"),
     [

@@ -284,6 +284,7 @@ def test_trapped_tracers_and_the_cap_are_among_the_findings(
     assert "counted as at rest there: 10 of 10000 at e = 0.7. The many bounces" in found[2]
 
 
+@pytest.mark.slow
 def test_figures_are_written_as_files(document: dict[str, Any], tmp_path: Path) -> None:
     document["figures"] = {name: document["figures"][name] for name in ("a2", "traps")}
     paths = write_report(document, tmp_path / "out", formats=("svg", "pdf", "png", "png"))

@@ -165,6 +165,7 @@ def share_that_holds(report: StressReport) -> float:
     return len(met) / len(report.cases)
 
 
+@pytest.mark.slow
 def test_a_part_of_the_quick_cases() -> None:
     """All of them take half a minute; the continuous integration runs them."""
     groups = ("scaled equation", "scaled equation, nodes given", "cooling", "starts")

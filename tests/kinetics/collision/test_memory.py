@@ -114,6 +114,7 @@ def test_elastic_tracers_forget_nothing_that_oscillates() -> None:
     assert oscillations(CollisionLaw.from_samples([1.0], [1.0], [0.3]), 64.0) == ()
 
 
+@pytest.mark.slow
 def test_ratios_next_to_zero_overflow_nowhere() -> None:
     """A thousandth of the bounces leave 1e-300: their tracers come back at rates 1000^(-1/691)."""
     law = CollisionLaw.from_samples([0.5, 0.499, 0.001], [0.9, 0.4, 1e-300], [0.0, 0.0, 0.0])

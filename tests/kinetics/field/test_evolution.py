@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 
 from kinetics import (
     Beam,
@@ -56,7 +57,7 @@ def test_from_rest() -> None:
     assert solution.msd == pytest.approx(total, rel=1e-12)
 
 
-@pytest.mark.parametrize(("dimension", "factor"), [(2, 9.0 / 4.0), (3, 3.0)])
+@pytest.mark.parametrize(("dimension", "factor"), slow_but([(3, 3.0)], [(2, 9.0 / 4.0), (3, 3.0)]))
 def test_elastic_relation_from_rest(dimension: int, factor: float) -> None:
     """<v^3> = (9/4)(t - <v_x>), 3 (t - <v_x>) in space; and <v^2> = 2 <x>, the energy."""
     times = np.array([0.2, 1.0, 4.0, 20.0])
@@ -68,7 +69,7 @@ def test_elastic_relation_from_rest(dimension: int, factor: float) -> None:
     assert values[:, ALL.index("v^2")] == pytest.approx(2.0 * values[:, ALL.index("x")], rel=1e-6)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", slow_but([2], [2, 3]))
 def test_late_times_reach_the_steady_state(dimension: int) -> None:
     state = solve_field(0.7, dimension, rtol=1e-7)
     arguments = {"dimension": dimension, "initial": "gaussian"}

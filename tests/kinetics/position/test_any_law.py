@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 from numpy.typing import NDArray
 
 from kinetics import (
@@ -180,7 +181,13 @@ def speeds(v: Any) -> Any:
 
 
 @pytest.mark.parametrize(
-    "initial", [Beam(), Beam(speeds="gaussian"), AngularHarmonics({0: speeds, 1: speeds})], ids=repr
+    "initial",
+    [
+        Beam(),
+        pytest.param(Beam(speeds="gaussian"), marks=pytest.mark.slow),
+        pytest.param(AngularHarmonics({0: speeds, 1: speeds}), marks=pytest.mark.slow),
+    ],
+    ids=repr,
 )
 def test_directed_starts_in_space(initial: Any) -> None:
     """Along k the slope of F is the mean displacement; over all k its mean is the isotropic F."""
@@ -284,6 +291,7 @@ def test_elements_and_waves() -> None:
 # -- results ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_result_in_space_is_saved_and_pickled(tmp_path: Any) -> None:
     def shown(value: Solution) -> list[FloatArray]:
         return [value.position_density([0.0, 3.0, 9.0, 70.0]), value.position_fraction([0, 5, 90])]
@@ -337,7 +345,7 @@ def test_tracers_that_a_bounce_stops_for_good() -> None:
     assert np.abs(found.intermediate_scattering(k / PATH)[0] - expected).max() < 2e-6
 
 
-@pytest.mark.parametrize("e", [1e-7, 1e-4])
+@pytest.mark.parametrize("e", slow_but([1e-4], [1e-7, 1e-4]))
 def test_a_density_that_does_not_end_says_so(e: float) -> None:
     """Tracers that all but rest make F fall as 1/K: to follow it to its end took minutes."""
     found = solve(scene(CollisionLaw(e, e), 8.0), rtol=1e-3)

@@ -238,6 +238,7 @@ def test_both_ways_to_solve_a_panel_agree() -> None:
     assert iterate(blocks, turn, right, 50.0 * k, 1e-15) is None
 
 
+@pytest.mark.slow
 def test_memory_is_bounded_where_collisions_may_stop_a_tracer() -> None:
     """At e = 0 speeds fall by any factor; all wave numbers at once would take gigabytes."""
     system = Scattering(CollisionLaw(0.0), 1.0, Monoenergetic(), np.array([1.0]))

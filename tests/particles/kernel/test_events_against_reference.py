@@ -45,18 +45,20 @@ def events(
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("overlapping", [False, True])
 @pytest.mark.parametrize(
-    "law",
+    ("law", "overlapping"),
     [
-        (0.8, 1.0),
-        (0.9, 0.4),
+        ((0.8, 1.0), False),
+        ((0.9, 0.4), True),
         *(
-            pytest.param(law, marks=pytest.mark.slow)
-            for law in ((0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0))
+            pytest.param(law, overlapping, marks=pytest.mark.slow)
+            for law in (
+                (0.8, 1.0), (0.9, 0.4), (0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0),
+            )
+            for overlapping in (False, True)
         ),
     ],
-)
+)  # fmt: skip
 def test_the_first_events_are_those_of_the_reference(
     overlapping: bool, law: tuple[float, float]
 ) -> None:

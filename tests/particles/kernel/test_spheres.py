@@ -35,8 +35,8 @@ def stopped_after(
     ("medium", "law"),
     [
         (HardSpheres(0.03, count=3000), (0.7, 1.0)),
-        (HardSpheres(0.4, count=3000), (1.0, 1.0)),
-        (PoissonSpheres(0.03, count=3000), (0.9, 0.4)),
+        pytest.param(HardSpheres(0.4, count=3000), (1.0, 1.0), marks=pytest.mark.slow),
+        pytest.param(PoissonSpheres(0.03, count=3000), (0.9, 0.4), marks=pytest.mark.slow),
         (PoissonSpheres(0.2, count=3000), (0.5, 1.0)),
     ],
 )
@@ -191,7 +191,7 @@ def test_the_mean_free_path_is_4_free_volumes_over_the_exposed_surface(medium: S
         assert abs(path.value * np.pi * medium.number_density - 1) < 0.015
 
 
-@pytest.mark.parametrize("law", [(0.3, 1.0), (0.8, 0.6)])
+@pytest.mark.parametrize("law", [(0.8, 0.6), pytest.param((0.3, 1.0), marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", [HardSpheres, PoissonSpheres])
 def test_at_low_density_collisions_are_those_of_a_dilute_gas(
     kind: type[Spheres], law: tuple[float, float]
@@ -218,7 +218,7 @@ def test_at_low_density_collisions_are_those_of_a_dilute_gas(
     assert abs(across.mean()) < 4 * across.std() / np.sqrt(tracers)
 
 
-@pytest.mark.parametrize("law", [(0.4, 1.0), (0.8, 0.6)])
+@pytest.mark.parametrize("law", [(0.4, 1.0), pytest.param((0.8, 0.6), marks=pytest.mark.slow)])
 def test_the_dilute_limit_is_that_of_random_free_paths(law: tuple[float, float]) -> None:
     density = 1e-3
     length = 1 / (np.pi * density)

@@ -11,8 +11,9 @@ import pytest
 PROGRAM = Path(__file__).with_name("kill_runs.py")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has no fork")
-@pytest.mark.parametrize("kills", [3, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [3, 200])
 def test_killed_runs_are_resumed_to_the_same_bits(kills: int, tmp_path: Path) -> None:
     command = [sys.executable, str(PROGRAM), str(tmp_path), str(kills), "7"]
     done = subprocess.run(command, capture_output=True, text=True)

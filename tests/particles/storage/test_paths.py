@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from marking import slow_but
 
 import particles.storage.journal as journals
 from kinetics import Scene, load
@@ -69,7 +70,7 @@ LIVE = """
 """
 
 
-@pytest.mark.parametrize("resume", [False, True])
+@pytest.mark.parametrize("resume", slow_but([False], [False, True]))
 def test_a_run_in_another_process_is_in_use(resume: bool, tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
     command = [sys.executable, "-c", textwrap.dedent(LIVE), str(path)]
