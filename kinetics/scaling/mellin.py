@@ -26,6 +26,7 @@ _START = 16
 _NEGLIGIBLE = 39.0  # e^-39 = 1e-17: what is left out at the ends of a line and of its period
 _REACH = 2.0  # deviations from its centre up to which a line serves: it loses e^(2^2/2) = 7 there
 _NOTHING = -800.0  # ln F below which F is 0
+_LEAST = 0.01  # share of its terms that a sum must have: two digits are lost there
 _NEAR = 0.3  # deviations between the centre of a line and the x it is made for: changes no result
 _DIFFERENCE = 0.2  # deviations, for derivatives of ln A that choose the line: changes no result
 # Where g is a power of speed low down, lines closer to the lowest power would need ever more
@@ -178,15 +179,13 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
             todo &= ~beyond
             continue
         near = np.abs(x - line.centre) <= _REACH * line.deviation
+        near[near] = _keeps(line, x[near])
+        near[nearest] = True
         if line.exponent == law.lowest_power + _LOWEST_LINE:
             below = x < (line.centre if law.reaches_rest else line.centre - _REACH * line.deviation)
             near |= below
         near &= todo
-        n = np.arange(line.samples.size)
-        turn = np.exp(-1j * np.outer(x[near] - line.centre, n * line.step))
-        # the phase of the centre is taken out of the samples: no large arguments
-        rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
-        total = 2.0 * (turn @ rotated).real - 1.0
+        total = _sum(line, x[near])
         unknown = math.nan if math.isfinite(law.lowest_power) and not law.reaches_rest else 1e-300
         total = np.where(total > 0.0, total, unknown) * line.step / (2.0 * math.pi)
         out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
@@ -196,6 +195,24 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
         if out[nearest] - law.dimension * x[nearest] < _NOTHING:
             todo &= ~beyond
     return out
+
+
+def _sum(line: _Line, x: FloatArray) -> FloatArray:
+    """The tilted density at x, shape (n,), as the sum over the samples of a line."""
+    n = np.arange(line.samples.size)
+    turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
+    # the phase of the centre is taken out of the samples: no large arguments
+    rotated = line.samples * np.exp(-1j * n * line.step * line.centre)
+    return np.asarray(2.0 * (turn @ rotated).real - 1.0)
+
+
+def _keeps(line: _Line, x: FloatArray) -> NDArray[np.bool_]:
+    """Where the sum over a line is not small beside its terms, so that no digits are lost.
+
+    Near e = 0 the tilted density of a low exponent has a long tail towards rest and a short one the
+    other way: two deviations from its centre there may be nothing left of it.
+    """
+    return np.asarray(_sum(line, x) > _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0))
 
 
 def _line_at(law: CollisionLaw, x: float) -> _Line | None:

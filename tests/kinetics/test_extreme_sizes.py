@@ -18,6 +18,7 @@ from kinetics import (
     Gaussian,
     InputError,
     Monoenergetic,
+    PolarGrid,
     Scene,
     SolverStatus,
     SpeedTable,
@@ -256,3 +257,22 @@ def test_moments_that_leave_the_range(p: float) -> None:
         one_line(error)
         return
     assert np.all(np.isfinite(found))
+
+
+@pytest.mark.parametrize("scatterers", ["dilute", "hard disks"])
+def test_speed_densities_at_the_smallest_speeds(scatterers: str) -> None:
+    """f(v) is near the largest number there, and 1/v alone above it."""
+    asked = {"number_density": 0.04, "scatterers": scatterers, "outputs": ("speed_density",)}
+    late, later = (solve(Scene(1e-3, times=[t], **asked), 0.01) for t in (1e250, 1e308))
+    found = later.speed_density([1e-309, 3e-309])[0] / 1e308
+    np.testing.assert_allclose(found, late.speed_density([1e-251, 3e-251])[0] / 1e250, rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_density_of_masses_far_below_the_highest_node() -> None:
+    """Their mean square, in the speed of the highest node, is below the smallest number."""
+    speed = np.linspace(0.0, 2.0, 6)
+    start = PolarGrid(speed, np.full((6, 1), 0.25 / math.pi))
+    asked = {"number_density": 0.04, "scatterers": "hard disks", "outputs": ("speed_density",)}
+    solution = solve(Scene(1e-8, initial=start, harmonics=3, times=[1e290], **asked), 0.01)
+    assert solution.status is SolverStatus.CONVERGED

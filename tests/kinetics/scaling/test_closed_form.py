@@ -187,6 +187,14 @@ def test_bad_speed(c: Any) -> None:
         ScalingSolution(0.5).vdf(c)
 
 
+def test_large_speeds_beside_small_ones_near_zero() -> None:
+    """What resolves a long tail towards rest lost eight digits where it ends at large speeds."""
+    c = np.array([0.08, 1.0, 5.0, 11.5, 12.5])
+    np.testing.assert_allclose(
+        ScalingSolution(1e-10).vdf(c), solve_scaled(1e-10, 1e-12).vdf(c), rtol=2e-12
+    )
+
+
 def test_shapes_and_unsorted_speeds() -> None:
     exact = ScalingSolution(0.5)
     c = np.array([[1.0, 0.2, 3.0], [0.7, 1.0, 0.0]])
