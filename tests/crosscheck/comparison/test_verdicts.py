@@ -66,6 +66,7 @@ def test_the_right_theory_agrees(restitution: float) -> None:
     assert result.samples == PAPER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("told", [0.38, pytest.param(0.42, marks=pytest.mark.slow)])
 def test_a_restitution_off_by_two_hundredths_is_seen_at_low_e(told: float) -> None:
     result = compare_sample(sample_of(*drawn(0.4)), told, DENSITY)
@@ -76,7 +77,7 @@ def test_a_restitution_off_by_two_hundredths_is_seen_at_low_e(told: float) -> No
     ("truth", "told"),
     [
         (0.7, 0.72),
-        (0.9, 0.88),
+        pytest.param(0.9, 0.88, marks=pytest.mark.slow),
         pytest.param(0.7, 0.68, marks=pytest.mark.slow),
         pytest.param(0.9, 0.92, marks=pytest.mark.slow),
     ],
@@ -127,6 +128,7 @@ def test_one_per_cent_of_trapped_tracers_is_seen_and_counted(speed: float) -> No
     assert item.value == pytest.approx(0.01, abs=2e-4)  # the 100 that were stopped
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truth", "told"),
     [

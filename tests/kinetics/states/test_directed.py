@@ -85,6 +85,7 @@ def two_temperature_moment(q: int, m: int, sx: float, sy: float) -> Any:
     return 4 * total / n * 2 ** (power - 1) * mp.gamma(power) / (sx * sy)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "deviations", [(1.5, 0.75), pytest.param((0.75, 1.5), marks=pytest.mark.slow)]
 )

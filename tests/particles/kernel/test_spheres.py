@@ -169,7 +169,7 @@ def free_volume_over_surface(medium: Spheres, seed: int, media: int, points: int
 @pytest.mark.parametrize(
     "medium",
     [
-        HardSpheres(0.1, count=4000, equilibrate=10),
+        pytest.param(HardSpheres(0.1, count=4000, equilibrate=10), marks=pytest.mark.slow),
         pytest.param(HardSpheres(0.3, count=4000, equilibrate=10), marks=pytest.mark.slow),
         PoissonSpheres(0.1, count=4000),
     ],
