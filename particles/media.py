@@ -1,7 +1,5 @@
 """Where the scatterers stand. A medium is frozen data that validates itself when it is made."""
 
-import csv
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
@@ -9,7 +7,8 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from particles.checks import check_path, check_positive, check_whole, real_array, refuse, short
+from particles.checks import check_positive, check_whole, real_array, refuse
+from particles.position_file import read_positions
 from particles.values import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
@@ -348,17 +347,7 @@ class Positions(Value):
         Raises ValueError, naming the line, for one that does not hold two numbers, and for a file
         that cannot be read or is not text.
         """
-        name = check_path("path", path)
-        try:
-            with open(name, newline="", encoding="utf-8") as file:
-                rows = list(_pairs(name, csv.reader(file)))
-        except (UnicodeDecodeError, csv.Error):
-            raise ValueError(f"{name}: must be a CSV file, text in UTF-8") from None
-        except OSError as error:
-            raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
-        if not rows:
-            raise ValueError(f"{name}: holds no positions")
-        return cls(np.array(rows), box_side, diameter, start)
+        return cls(read_positions(path), box_side, diameter, start)
 
     @property
     def count(self) -> int:
@@ -369,19 +358,6 @@ class Positions(Value):
     def sets(self) -> int | None:
         """Number of sets of positions, None if all configurations share one."""
         return len(self.positions) if self.positions.ndim == 3 else None
-
-
-def _pairs(path: str, table: Iterator[list[str]]) -> Iterator[tuple[float, float]]:
-    """Yield the two numbers of each line; the first may be a header, and lines may be empty."""
-    for number, row in enumerate(table, 1):
-        try:
-            x, y = (float(cell) for cell in row)
-        except ValueError:
-            if row and number > 1:
-                words = f"{short(row)} must be two numbers"
-                raise ValueError(f"{path}, line {number}: {words}") from None
-            continue
-        yield x, y
 
 
 Medium = (

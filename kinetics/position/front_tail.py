@@ -27,7 +27,7 @@ from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
 from kinetics.position.once_collided import Scatterer, radial_edges
 from kinetics.position.tail import origin_terms, origin_transforms
-from kinetics.position.wave_panel import WavePanel
+from kinetics.position.wave_panel import WavePanel, nodes_between
 from kinetics.values import Value
 
 _POINTS = 12
@@ -111,10 +111,7 @@ def _fitted(
     """
     (flights, scatterer), (low, end) = of, between
     e, dimension = scatterer.restitution, scatterer.dimension
-    used = [panel for panel in panels if panel.low < end]
-    k = np.concatenate([panel.nodes for panel in used])
-    f = np.concatenate([panel.of(time) for panel in used])
-    k, f = k[k > low], f[k > low]
+    k, f = nodes_between(panels, time, low, end)
     weight = k ** (0.5 * (dimension + 5))
     columns = _columns(k, flights, e, dimension) * weight[:, None]
     size = np.linalg.norm(columns, axis=0)

@@ -20,7 +20,7 @@ from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.once_collided import OnceCollided, once_collided
 from kinetics.position.sampling import Sampling
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.wave_panel import WavePanel
+from kinetics.position.wave_panel import WavePanel, nodes_between
 from kinetics.states.state import State
 
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
@@ -145,7 +145,7 @@ class _Sweep:
         self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.sharp = system.state.peaks is not None
         self.fronts = once.kept_apart(which[0])
-        self.enough = rtol if self.sharp or self.fronts else _ENOUGH * rtol
+        self.enough = rtol if self.sharp else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
         self._allowed = 1.0  # error of the waves over that of F
         self._at_origin = None
@@ -307,7 +307,7 @@ class _Sweep:
             return None, largest
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         first = 0 if stopped or returned or self._slow else 1
-        k, f = _upper(self.panels, time, _FITTED)
+        k, f = nodes_between(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
         left *= _RETURNED if returned else _BEYOND
         return (tail, left) if left < _BETTER * largest else (None, largest)
@@ -333,16 +333,3 @@ def _last(panels: list[WavePanel], time: int) -> FloatArray:
     f = panels[-1].of(time)
     assert f is not None  # only times that are active are asked for
     return f
-
-
-def _upper(panels: list[WavePanel], time: int, share: float) -> tuple[FloatArray, FloatArray]:
-    """K and F on all panels, from ``share`` of the largest K on."""
-    k, f = [], []
-    for panel in panels:
-        values = panel.of(time)
-        if values is not None and panel.high > share * panels[-1].high:
-            k.append(panel.nodes)
-            f.append(values)
-    all_k, all_f = np.concatenate(k), np.concatenate(f)
-    use = all_k > share * panels[-1].high
-    return all_k[use], all_f[use]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -51,6 +52,20 @@ class WavePanel(Value):
     def at_zero(self, f: FloatArray) -> float:
         """The polynomial f at K = 0, for a panel that begins there."""
         return float((FirstKind(f.size).rows(np.zeros(1)) @ f)[0])
+
+
+def nodes_between(
+    panels: list[WavePanel], time: int, low: float, high: float = math.inf
+) -> tuple[FloatArray, FloatArray]:
+    """K > low and F there, (n,) each, on those panels of a time that begin below ``high``."""
+    k, f = [np.empty(0)], [np.empty(0)]
+    for panel in panels:
+        values = panel.of(time)
+        if values is not None and panel.high > low and panel.low < high:
+            k.append(panel.nodes)
+            f.append(values)
+    all_k, all_f = np.concatenate(k), np.concatenate(f)
+    return all_k[all_k > low], all_f[all_k > low]
 
 
 def points_between(low: float, high: float, nodes: int) -> FloatArray:
