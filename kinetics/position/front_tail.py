@@ -1,16 +1,17 @@
-r"""How F(k, t) of a start of sharp speeds ends: the front of those that collided three times.
+r"""How F(k, t) of a start of one sharp speed ends: the fronts of tracers that bounced at once.
 
 Each collision that deflects a tracer by a small angle makes the density one power of T - R smoother
 at the front R = T (T = v t/l, R in units of l). Without the tracers that have collided twice at
 most it begins as (T - R)^2, with factors of ln(T - R), and F ends as cos(K T) K^(-7/2) in the plane
-and K^-4 in space; other fronts are weaker. The end of F is fitted by
+and K^-4 in space. For et < 1, without the once-collided, it begins as T - R. Tracers that bounced
+head-on at once are at R <= e T, and so on (`inner_fronts`): these fronts have fewer powers, but
+weigh exp(-e T), not exp(-T). The end of F is fitted by
 
-    (1 - x^2)^2 ln^p(1 - x^2),   x = R/T,   p = 0, 1, 2,
+    (1 - x^2)^nu ln^p(1 - x^2),   x = R/T,
 
-for each speed. Where collisions lose no energy there is no other front, and the third power of
-1 - x^2 can be told apart too. Where e is small, tracers that a collision has nearly stopped leave
-powers of 1/K besides, as in `tail`. All these are known in R, so that the transform needs no large
-K.
+by powers of the distance from either side of the inner fronts, also with logarithms, and by powers
+of 1/K, as in `tail`, that slow tracers leave. All these are known in R, so that the transform needs
+no large K. What the fit leaves unknown is seen from what it would have left at half the largest K.
 """
 
 from __future__ import annotations
@@ -21,21 +22,29 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
 from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
-from kinetics.position.once_collided import Scatterer, radial_edges
+from kinetics.position.once_collided import FARTHEST, Scatterer, radial_edges
 from kinetics.position.tail import origin_terms, origin_transforms
 from kinetics.position.wave_panel import WavePanel, nodes_between
 from kinetics.values import Value
 
 _POINTS = 12
-_LOWEST, _LOGARITHMS = 2, 3  # the first power, and how many logarithms there are with each
-_AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which there are any
-_ORIGIN = 3.0  # K T from which these fall as powers
+_AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which files without `terms` have any
+_ORIGIN = 3.0  # K T from which these fall as powers, but not below K = 1
 _FITTED = 0.3  # share of K, from above, to which they are fitted
-_SHORTER, _UPPER = 0.75, 0.5  # shares of K, from below and above, from which the error is seen
+_HALF = 0.5  # share of K, from below and above, from which the error is seen
+_TOGETHER = 1e-3  # 1 - e below which the front of head-on collisions is at R = T
+# Fronts are told apart where K times their distance is above _APART; there are too few tracers at
+# those beyond R = FAINT, and at those of more than _MOST_BOUNCES or of a power above _HIGHEST.
+_APART, FAINT, _MOST_BOUNCES, _HIGHEST = 8.0, 16.0, 3, 3.5
+_MANY = 10.0  # coefficients may be so many times larger than there are tracers
+_LEAST = 1e-9  # of the singular values of a fit
+
+Terms = tuple[tuple[float, float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -48,146 +57,299 @@ class FrontTail(Value):
     restitution : e
     flights : T of each speed, shape (n_speeds,)
     dimension : 2 or 3
+    terms : a, nu and p of each function of a speed, shape (n_terms, 3). a = 1: at R = T, with the
+        power nu and p logarithms; 0 < a < 1: at R = a T, with the power nu and |p| - 1 logarithms,
+        for R > a T if p > 0, else for R < a T; a = 0: (q^2 + 1)^(-(nu + d)/2), q = K/scale. None in
+        files of version 0.1, which have functions at R = T and, for e < 0.2, at R = 0
     """
 
     coefficients: FloatArray
     restitution: float
     flights: FloatArray
     dimension: int = 2
+    terms: FloatArray | None = None
+
+    def _shape(self, T: float) -> tuple[Terms, float, int]:
+        """The terms, the scale of those at R = 0, and the dimension."""
+        if self.terms is None:
+            return _first_terms(self.restitution), _ORIGIN / T, self.dimension
+        rows = tuple((float(a), float(nu), float(p)) for a, nu, p in self.terms)
+        return rows, max(1.0, _ORIGIN / T), self.dimension
 
     def at(self, k: FloatArray) -> FloatArray:
         """Its part of F at K = k, shape (n_k,)."""
-        columns = _columns(k, self.flights, self.restitution, self.dimension)
-        return np.asarray(columns @ self.coefficients)
+        columns = [_columns(k, float(T), *self._shape(float(T))) for T in self.flights]
+        return np.asarray(np.hstack(columns) @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        gas = self.restitution, self.dimension
-        parts = [_transforms(rho, float(T), gas, kind) for T in self.flights]
+        parts = [_transforms(rho, float(T), self._shape(float(T)), kind) for T in self.flights]
         return np.asarray(self.coefficients @ np.concatenate(parts))
 
 
 def fit_fronts(
-    panels: list[WavePanel], time: int, flights: FloatArray, scatterer: Scatterer
+    panels: list[WavePanel], time: int, T: float, scatterer: Scatterer
 ) -> tuple[FrontTail | None, float]:
     """The tail of F at one of the times, beyond the panels, and what it leaves unknown of F.
 
     The latter is the largest difference of g(r, t) l, over the largest K, from what follows without
-    the upper quarter of the panels, plus that from a fit to the upper half of them. It is infinite
-    where there are too few panels.
+    the upper half of the panels, plus that from a fit to this half. It is infinite where there are
+    too few panels. Of sums with and without inner fronts and powers of 1/K, or no sum at all, the
+    one that leaves least is taken.
     """
     high, d = panels[-1].high, scatterer.dimension
-    cut = min((panel.low for panel in panels), key=lambda low: abs(low - _SHORTER * high))
+    cut = min((panel.low for panel in panels), key=lambda low: abs(low - _HALF * high))
+    terms = _terms(scatterer, T, high)
     if cut == 0.0:
         return None, math.inf
-    full = _fitted(panels, time, (_FITTED * high, high), (flights, scatterer))
-    ends = (cut, high)
-    trials = [
-        _fitted(panels, time, (low, end), (flights, scatterer))
-        for low, end in zip((_FITTED * cut, _UPPER * high), ends, strict=True)
-    ]
-    rho = np.concatenate([T * _places(high * float(T), scatterer) for T in flights])
-    apart = np.array([full.transform(rho, 0) - trial.transform(rho, 0) for trial in trials])
-    for panel in panels:
-        f = panel.of(time)
-        assert f is not None  # the time is in all of them
-        turns = float(flights.max()) * (panel.high - panel.low)
-        k, weight, values = panel.gauss(f, f.size + 8 * math.ceil(turns / 8.0))
-        waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
-        for one, trial, end in zip(apart, trials, ends, strict=True):
-            one += waves @ ((trial.at(k) if panel.low < end else values) - full.at(k))
-    return full, float(np.abs(element(rho, d) * apart).max(axis=1, initial=0.0).sum()) / high
+    shape = terms, max(1.0, _ORIGIN / T), d
+    fits = _Fits(panels, time, (cut, high), (T, shape))
+    rho = _places(high, T, terms)
+    known = _Known(panels, time, (cut, rho), (T, shape))
+    outer = sum(a == 1.0 for a, _, _ in terms)
+    fronts, count = sum(a > 0.0 for a, _, _ in terms), len(terms)
+    # without any function: what the upper half gives is more than all beyond, if that falls as 1/K
+    found = [(float(np.abs(known.upper).max()) / high, np.zeros(0, dtype=np.intp), np.zeros(0))]
+    for some, first in itertools.product({outer, fronts}, (count, fronts, fronts + 1)):
+        used = np.r_[:some, first:count]
+        if used.size == 0:
+            continue
+        full, shorter, upper = fits(used)
+        apart = np.abs(known.change(used, full, shorter, True)).max()
+        apart += np.abs(known.change(used, full, upper, False)).max()
+        found.append((float(apart) / high, used, full))
+    left, used, full = min(found, key=lambda each: each[0])
+    if used.size == 0:
+        return None, left
+    kept = np.array(terms)[used]
+    return FrontTail(full, scatterer.restitution, np.array([T]), d, kept), left
 
 
-def _fitted(
-    panels: list[WavePanel],
-    time: int,
-    between: tuple[float, float],
-    of: tuple[FloatArray, Scatterer],
-) -> FrontTail:
-    """Through F between two K, with errors relative to its power of K.
+class _Fits:
+    """Sums of functions through F, with errors relative to its power of K."""
 
-    of : flights, and what the tracers have collided with
+    def __init__(
+        self,
+        panels: list[WavePanel],
+        time: int,
+        ends: tuple[float, float],
+        functions: tuple[float, tuple[Terms, float, int]],
+    ) -> None:
+        """ends : of the shorter range of K, and of all."""
+        cut, high = ends
+        self.k, f = nodes_between(panels, time, _FITTED * cut)
+        weight = self.k ** (0.5 * (functions[1][2] + 5))
+        self.f = f * weight
+        self.columns = _columns(self.k, functions[0], *functions[1]) * weight[:, None]
+        self.largest = _largest(functions[0], *functions[1])
+        self.parts = self.k > _FITTED * high, self.k < cut, self.k > _HALF * high
+
+    def __call__(self, used: NDArray[np.intp]) -> list[FloatArray]:
+        """Coefficients from all, from the lower part and from the upper part of the range."""
+        found = []
+        for part in self.parts:
+            columns, f = self.columns[np.ix_(part, used)], self.f[part]
+            size = np.linalg.norm(columns, axis=0)
+            first = np.linalg.lstsq(columns / size, f, rcond=_LEAST)[0] / size
+            # once more, with what the first fit misses as the error of F, and coefficients that
+            # are not larger than there are tracers
+            noise = float(np.sqrt(np.mean((columns @ first - f) ** 2)))
+            bound = np.diag(noise / (size * self.largest[used]))
+            columns = np.concatenate([columns / size, bound])
+            f = np.concatenate([f, np.zeros(used.size)])
+            found.append(np.linalg.lstsq(columns, f, rcond=_LEAST)[0] / size)
+        return found
+
+
+def _largest(T: float, terms: Terms, scale: float, dimension: int) -> FloatArray:
+    """About the largest coefficients that there are tracers for, (n_terms,).
+
+    The share exp(-a T) of the tracers, a few times T for each bounce, is spread over R < a T.
     """
-    (flights, scatterer), (low, end) = of, between
-    e, dimension = scatterer.restitution, scatterer.dimension
-    k, f = nodes_between(panels, time, low, end)
-    weight = k ** (0.5 * (dimension + 5))
-    columns = _columns(k, flights, e, dimension) * weight[:, None]
-    size = np.linalg.norm(columns, axis=0)
-    found = np.linalg.lstsq(columns / size, f * weight, rcond=1e-9)[0]
-    return FrontTail(np.asarray(found / size), e, flights, dimension)
+    out = []
+    for a, _, _ in terms:
+        if a == 0.0:
+            out.append(_MANY)
+        else:
+            out.append(_MANY * math.exp(-a * T) * max(1.0, T) ** 3 / (a * T) ** dimension)
+    return np.array(out)
 
 
-def _places(turns: float, scatterer: Scatterer) -> FloatArray:
-    """Radii over T: everywhere, and near the fronts, to within 1/(8 turns)."""
-    near = 2.0 ** np.arange(-3, 4) / turns
-    fronts = scatterer.singular_radii(1.0)
-    x = np.concatenate(
-        [np.linspace(0.02, 0.98, 49), *(a + s * near for a in fronts for s in (-1, 1))]
-    )
-    return x[(x > 0.01) & (x < 1.0)]
+class _Known:
+    """What the panels and the functions beyond them give of the density at some radii."""
+
+    def __init__(
+        self,
+        panels: list[WavePanel],
+        time: int,
+        places: tuple[float, FloatArray],
+        functions: tuple[float, tuple[Terms, float, int]],
+    ) -> None:
+        """places : K from which panels may be left out, and the radii, (n,)."""
+        (cut, rho), (T, shape) = places, functions
+        d = shape[2]
+        self.functions = (element(rho, d) * _transforms(rho, T, shape, 0)).T
+        self.below, self.above = np.zeros((2, *self.functions.shape))
+        self.values, self.upper = np.zeros((2, rho.size))
+        for panel in panels:
+            f = panel.of(time)
+            assert f is not None  # the time is in all of them
+            turns = min(T, FARTHEST) * (panel.high - panel.low)
+            k, weight, values = panel.gauss(f, f.size + 8 * math.ceil(turns / 8.0))
+            waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
+            waves *= element(rho, d)[:, None]
+            part = waves @ _columns(k, T, *shape)
+            self.upper += waves @ np.where(k > _HALF * panels[-1].high, values, 0.0)
+            if panel.low < cut:
+                self.below += part
+            else:
+                self.above += part
+                self.values += waves @ values
+
+    def change(
+        self, used: NDArray[np.intp], full: FloatArray, trial: FloatArray, shorter: bool
+    ) -> FloatArray:
+        """Of the density, by other coefficients, also without the upper panels, (n,)."""
+        less = full - trial
+        out = self.functions[:, used] @ less - self.below[:, used] @ less
+        if shorter:
+            return np.asarray(out + self.values - self.above[:, used] @ full)
+        return np.asarray(out - self.above[:, used] @ less)
 
 
-def _columns(k: FloatArray, flights: FloatArray, e: float, dimension: int) -> FloatArray:
-    """The functions at K = k, shape (n_k, n_functions)."""
+def _first_terms(e: float) -> Terms:
+    """Those of files of version 0.1."""
+    powers = (2.0, 3.0) if e == 1.0 else (2.0,)
+    front = [(1.0, nu, p) for nu, p in itertools.product(powers, (0.0, 1.0, 2.0))]
+    first = 0 if e == 0.0 else 1
+    return (*front, *([(0.0, float(first + j), 0.0) for j in range(_AT_ORIGIN * (e < _SMALL))]))
+
+
+def _terms(scatterer: Scatterer, T: float, high: float) -> Terms:
+    """The functions that F at K = high still tells apart."""
+    one = scatterer.restitution > 1.0 - _TOGETHER
+    rows: list[tuple[float, float, float]] = []
+    taken = [1.0]
+    logarithms = 3 if scatterer.restitution == scatterer.tangential_restitution else 2
+    if T < FAINT and scatterer.smooth:
+        powers = (2.0, 3.0) if one else (2.0,)
+        rows += [(1.0, nu, p) for nu, p in itertools.product(powers, (0.0, 1.0, 2.0))]
+    elif T < FAINT:
+        rows += [(1.0, nu, 0.0) for nu in (1.0, 2.0, 3.0)]
+    for a, nu in sorted(inner_fronts(scatterer), key=lambda front: front[1]):
+        apart = min(abs(a - b) for b in taken) * T * high
+        if a * T < FAINT and a * T * high > _APART and apart > _APART:
+            rows += [(a, nu, side * (1.0 + p)) for p in range(logarithms) for side in (-1.0, 1.0)]
+            rows += [(a, nu + 1.0, side) for side in (-1.0, 1.0)]
+            taken.append(a)
+    return (*rows, *((0.0, float(j), 0.0) for j in range(_AT_ORIGIN + 1)))
+
+
+def inner_fronts(scatterer: Scatterer) -> list[tuple[float, float]]:
+    """R over T of the fronts of tracers that bounced at once, and the power of the distance there.
+
+    That after h head-on and g grazing bounces is e^h et^g T. In the plane each bounce at once adds
+    3/2 for a head-on one and 2 for a grazing one, as time and impact parameter both must be near
+    their ends; in space 2 for both; 1 where all bounces lose as much speed. Bounces at the very
+    end, or that deflect little, add 1 each. Those of tracers that are kept apart are left out.
+    """
+    e, et, d = scatterer.restitution, scatterer.tangential_restitution, scatterer.dimension
+    head = 1.0 if e == et else (1.5 if d == 2 else 2.0)
+    known = 2 if scatterer.smooth else 1  # bounces of those that are kept apart
+    found = []
+    for h, g in itertools.product(range(_MOST_BOUNCES + 1), repeat=2):
+        if not 1 <= h + g <= _MOST_BOUNCES or (g and (scatterer.smooth or e == et)):
+            continue
+        nu = h * head + 2.0 * g - 1.0 + max(0, known + 1 - h - g)
+        a = e**h * et**g
+        if nu <= _HIGHEST and 0.0 < a < 1.0 - _TOGETHER:
+            found.append((a, nu))
+    return found
+
+
+def _places(high: float, T: float, terms: Terms) -> FloatArray:
+    """Radii: everywhere, and near the fronts, to within 1/(8 high)."""
+    near = 2.0 ** np.arange(-3, 4) / high
+    fronts = {a * T for a, _, _ in terms} | {0.0, T}
+    far = min(T, FARTHEST)
+    beside = [R + s * near for R in sorted(fronts) for s in (-1, 0, 1)]
+    r = np.concatenate([far * np.linspace(0.02, 0.98, 49), *beside])
+    return r[(r > 0.0) & (r < far)]
+
+
+def _columns(k: FloatArray, T: float, terms: Terms, scale: float, dimension: int) -> FloatArray:
+    """The functions at K = k, shape (n_k, n_functions); those at R = 0 last."""
     columns = []
-    for T in flights:
-        turns = 2.0 ** math.ceil(math.log2(max(32.0, float(k.max()) * T)))
-        rho, parts = _table(float(T), turns, dimension, _powers(e))
+    if terms[0][0] > 0.0:
+        turns = float(k.max()) * min(T, FARTHEST)
+        turns = 2.0 ** math.ceil(math.log2(max(32.0, turns)))
+        rho, parts = _table(T, turns, dimension, terms)
         columns.append(mean_phase(np.outer(k, rho), dimension) @ parts.T)
-        if e < _SMALL:
-            columns.append(origin_terms(k * T / _ORIGIN, _AT_ORIGIN, dimension, _first(e)))
+    count, first = _at_origin(terms)
+    if count:
+        columns.append(origin_terms(k / scale, count, dimension, first))
     return np.hstack(columns)
 
 
-def _powers(e: float) -> int:
-    """How many powers of 1 - x^2: the coefficients of more are lost among other fronts."""
-    return 2 if e == 1.0 else 1
-
-
-def _first(e: float) -> int:
-    """Which powers of 1/K tracers leave that a collision has stopped, or nearly: see `tail`."""
-    return 0 if e == 0.0 else 1
+def _at_origin(terms: Terms) -> tuple[int, int]:
+    """How many powers of 1/K there are, and the first."""
+    powers = [int(nu) for a, nu, _ in terms if a == 0.0]
+    return len(powers), min(powers, default=1)
 
 
 @lru_cache(maxsize=16)
-def _table(T: float, turns: float, dimension: int, powers: int) -> tuple[FloatArray, FloatArray]:
+def _table(T: float, turns: float, dimension: int, terms: Terms) -> tuple[FloatArray, FloatArray]:
     """Radii (n,) on [0, T], and weights R^(d-1) times the functions there, (n_functions, n)."""
-    rho, weight = panels_between(radial_edges((0.0, T), T, turns), _POINTS)
-    return rho, weight * element(rho, dimension) * _functions(rho / T, powers)
+    rho, weight = panels_between(_edges(T, terms, turns), _POINTS)
+    return rho, weight * element(rho, dimension) * _functions(rho / T, terms)
 
 
-def _functions(x: FloatArray, powers: int) -> FloatArray:
-    """The functions of x = R/T, shape (n_functions, n)."""
+def _edges(T: float, terms: Terms, turns: float = 0.0) -> FloatArray:
+    far = min(T, FARTHEST)
+    return radial_edges((*{a * T for a, _, _ in terms}, 0.0, far), far, turns)
+
+
+def _functions(x: FloatArray, terms: Terms) -> FloatArray:
+    """The functions of x = R/T but those at R = 0, shape (n_functions, n)."""
+    found = []
     inside = x < 1.0
-    d = np.where(inside, (1.0 - x) * (1.0 + x), 1.0)
-    exponents = itertools.product(range(_LOWEST, _LOWEST + powers), range(_LOGARITHMS))
-    return np.array([np.where(inside, d**nu * np.log(d) ** p, 0.0) for nu, p in exponents])
+    rest = np.where(inside, (1.0 - x) * (1.0 + x), 1.0)
+    with np.errstate(under="ignore"):
+        end = np.where(inside, np.exp(-x * x / rest), 0.0)  # falls to 0 at R = T, and all slopes
+    for a, nu, p in terms:
+        if a == 1.0:
+            found.append(np.where(inside, rest**nu * np.log(rest) ** p, 0.0))
+        elif a > 0.0:
+            beside = np.maximum(p / abs(p) * (x / a - 1.0) * (x / a + 1.0), 0.0)
+            logarithm = np.log(np.maximum(beside, 1e-30)) ** (abs(p) - 1.0)
+            found.append(beside**nu * logarithm * (np.exp(-beside) * end if p > 0.0 else 1.0))
+    return np.array(found)
 
 
-def _transforms(rho: FloatArray, T: float, gas: tuple[float, int], kind: int) -> FloatArray:
-    """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`.
-
-    gas : e and the dimension
-    """
-    e, d = gas
-    if kind == 0:
-        parts = _functions(rho / T, _powers(e))
+def _transforms(
+    rho: FloatArray, T: float, shape: tuple[Terms, float, int], kind: int
+) -> FloatArray:
+    """Of each function of one speed: (n_functions, n_rho); see :meth:`FrontTail.transform`."""
+    terms, scale, d = shape
+    parts = np.zeros((0, rho.size))
+    if terms[0][0] == 0.0:
+        pass
+    elif kind == 0:
+        parts = _functions(rho / T, terms)
     elif kind == 1:
-        near = np.clip(rho, 0.0, T)
-        edges = np.union1d(radial_edges((0.0, T), T), near)
+        near = np.clip(rho, 0.0, min(T, FARTHEST))
+        edges = np.union1d(_edges(T, terms), near)
         x, w = panels_between(edges, _POINTS)
-        parts = w * element(x, d) * _functions(x / T, _powers(e))
+        parts = w * element(x, d) * _functions(x / T, terms)
         sums = np.cumsum(parts.reshape(-1, edges.size - 1, _POINTS).sum(axis=2), axis=1)
         sums = np.concatenate([np.zeros((sums.shape[0], 1)), sums], axis=1)
         parts = sums[:, np.searchsorted(edges, near)] / np.maximum(element(rho, d), 1e-300)
     else:
         step = 1e-5 * T
-        ends = [_functions(np.abs(rho + h) / T, _powers(e)) for h in (-step, step)]
+        ends = [_functions(np.abs(rho + h) / T, terms) for h in (-step, step)]
         parts = (ends[0] - ends[1]) / (2.0 * step)
-    if e < _SMALL:
-        scale = _ORIGIN / T
-        at_origin = origin_transforms(scale * rho, _AT_ORIGIN, kind, d, _first(e))
+    count, first = _at_origin(terms)
+    if count:
+        at_origin = origin_transforms(scale * rho, count, kind, d, first)
         parts = np.concatenate([parts, at_origin * scale ** (d, d - 1, d + 1)[kind]])
     return parts

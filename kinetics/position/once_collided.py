@@ -44,7 +44,7 @@ _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
 _LENGTH = 2.0  # of a panel in z for other bounces
 _NEAREST = 20  # panels towards a singular radius, each a quarter of the next
 _TURN = 6.0  # of K R on a panel in R, at most
-_FARTHEST = 40.0  # R beyond which there are none: fewer than e^-R
+FARTHEST = 40.0  # R beyond which there are none: fewer than e^-R
 # T beyond which rounding spoils their density, and beyond which that of the twice-collided, which
 # is known as a polynomial between the fronts, is not resolved
 _LONGEST, _LONGEST_OF_TWICE = 2e7, 40.0
@@ -134,7 +134,7 @@ class OnceCollided(Value):
         rho = r / self.mean_free_path
 
         def share(T: float) -> FloatArray:
-            near = np.clip(rho, 0.0, min(T, _FARTHEST))
+            near = np.clip(rho, 0.0, min(T, FARTHEST))
             edges = np.union1d(_edges(self.scatterer, T), near)
             x, w = panels_between(edges, _POINTS)
             part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
@@ -154,7 +154,7 @@ class OnceCollided(Value):
 
         def transform(T: float) -> FloatArray:
             # few different resolutions, so that tables are used again
-            turns = highest * min(T, _FARTHEST)
+            turns = highest * min(T, FARTHEST)
             turns = 2.0 ** math.ceil(math.log2(max(32.0, turns)))
             rho, weight = _table(self.scatterer, T, turns)
             found = mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
@@ -302,7 +302,7 @@ def _table(scatterer: Scatterer, T: float, turns: float) -> tuple[FloatArray, Fl
 
 def _edges(scatterer: Scatterer, T: float, turns: float = 0.0) -> FloatArray:
     """Edges of panels from 0 to where there are no more once-collided; see `radial_edges`."""
-    far = min(T, _FARTHEST)
+    far = min(T, FARTHEST)
     return radial_edges((*scatterer.singular_radii(T), far), far, turns)
 
 

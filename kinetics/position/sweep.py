@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.position.front_tail import FrontTail, fit_fronts
+from kinetics.position.front_tail import FAINT, FrontTail, fit_fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.once_collided import OnceCollided
 from kinetics.position.sampling import Sampling
@@ -21,17 +21,21 @@ from kinetics.position.wave_panel import WavePanel, nodes_between
 # The work allowed: F that does not end before is solved for up to this K for sharp speeds, and up
 # to this K and K T for densities.
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
-# Starts with fronts, K T: solving for more than _LARGEST_TURNS takes more than a second. The end is
-# fitted from _FIRST_TURNS on; the range of K grows by _LONGEST_TURN.
-_LARGEST_TURNS, _FIRST_TURNS, _LONGEST_TURN = 125.0, 30.0, 25.0
+# Starts of one speed: F up to K T = _LARGEST_TURNS at most. The end is fitted where K R is above
+# _FIRST_TURNS, R the T of the tracers but not above _FIRST_RADIUS, and where less than _HOPELESS of
+# G is missed; the range of K T grows by _LONGEST_TURN.
+_LARGEST_TURNS, _FIRST_TURNS, _FIRST_RADIUS, _LONGEST_TURN = 250.0, 30.0, 6.0, 25.0
+_HOPELESS = 100.0
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
-# power of `tail` fits. The sweep then ends with the error that it has, after about a second; other
-# sweeps after about ten.
-_STOPPING, _MOST_WORK_OF_STOPPING, _MOST_WORK = 2.0, 1.5e8, 1.2e9
+# power of `tail` fits: the error at small R is estimated as if there were no tail.
+_STOPPING = 2.0
+# The sweep ends with the error that it has after a second or two where it may not end at all: for
+# those, for sharp speeds, and for samples that throw tracers straight back. Others after about ten.
+_MOST_WORK_OF_SLOW, _MOST_WORK = 3.5e6, 2e7
 _OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for; times 1
-# from sharp speeds, where the end of F leaves waves at all radii.
+# from sharp speeds without fits of the end of F, which leaves waves at all radii.
 _ENOUGH = 2.2
 _HALVINGS = 7  # of an interval of wave numbers, at most
 FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -91,7 +95,7 @@ class Sweep:
         self.tails: list[PowerTail | FrontTail | None] = [None] * width.size
         self.fronts = once.has_front(which[0], FEW * rtol)
         self.sharp = self.fronts or any(system.flying(i) > FEW * rtol for i in which)
-        self.enough = rtol if self.sharp else _ENOUGH * rtol
+        self.enough = rtol if self.sharp and not self.fronts else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
         self._allowed = 1.0  # error of the waves over that of F
         self._at_origin = None
@@ -103,21 +107,10 @@ class Sweep:
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
-        self._inner = self._inner_fronts()
-
-    def _inner_fronts(self) -> FloatArray:
-        """Radius of fronts below R = T at which tracers of one speed are, in l, (n_times,)."""
-        law, state = self.system.law, self.system.state
-        if state.peaks is None:
-            return np.zeros(self.width.size)
-        if law.restitution is None:  # of samples, at as many radii
-            return np.minimum(self._flights, -math.log(FEW * self.rtol))
-        found = np.zeros(self.width.size)
-        for i in range(found.size):
-            if self.once.kept_apart(i):
-                *inner, _ = np.unique(self.once.scatterer.singular_radii(self._flights[i]))
-                found[i] = max(inner)
-        return found
+        law = system.law  # samples that throw tracers straight back, or that stop them
+        self._straight = law.restitution is None and bool(
+            np.any(law.quadrature.weight[law.quadrature.cosine < -1.0 + 1e-9] > 0.0)
+        )
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
@@ -127,9 +120,9 @@ class Sweep:
             high = far / self._widest
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
-        late = self.system.state.peaks is not None and not self.sharp
-        stopping = late or self.system.law.least_loss > _STOPPING
-        most = _MOST_WORK_OF_STOPPING if stopping else _MOST_WORK
+        peaks = self.system.state.peaks is not None
+        slow = peaks or self._straight or self.system.law.least_loss > _STOPPING
+        most = _MOST_WORK_OF_SLOW if slow else _MOST_WORK
         begin = done = self.system.work
         while self.active.size:
             if low >= largest:
@@ -152,15 +145,23 @@ class Sweep:
         cut = np.full(self.width.shape, np.inf)
         for i in np.nonzero(self.missed > self.enough)[0]:
             last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
-            if self.tails[i] is None and last:
+            if self.tails[i] is None and last and not self.once.kept_apart(int(i)):
                 cut[i] = 0.5 * last[-1]
         return cut
 
     def _tolerance(self, high: float) -> float:
         """Of F up to K = high."""
-        sharp = max(1.0, float(self.width[self.active].max()) * high)
+        sharp = max(self._share(int(i), high, not self.fronts) for i in self.active)
         part = _OF_FRONTS * self.rtol if self.fronts else self.rtol
         return min(part / sharp, max(_BEST, _CHEAPER * self.rtol) if high < _CHEAP else 1.0)
+
+    def _share(self, time: int, high: float, inner: bool) -> float:
+        """What an error of F at K = high is in G(R); inner : also beside a front below R = T."""
+        share = max(1.0, self.width[time] * high)
+        if not inner or not self.once.kept_apart(time):
+            return share
+        *slower, _ = self.once.scatterer.singular_radii(float(self.once.flights[time, 0]))
+        return share * _together(high * min(FAINT, max(slower)), self.once.dimension)
 
     def _judge(self, high: float, error: float) -> float:
         """Which times F has ended for at K = high, and where the next interval ends.
@@ -171,7 +172,8 @@ class Sweep:
         for i in self.active:
             self.tails[i], left = self._rest(int(i), high)
             share = max(1.0, self.width[i] * high)
-            self._solved_error[i] = max(self._solved_error[i], error * share)
+            solved = error * self._share(int(i), high, not self.fronts)
+            self._solved_error[i] = max(self._solved_error[i], solved)
             self.missed[i] = left * share + self._solved_error[i]
             if self.missed[i] > self.enough:
                 enough = 2.0 * high
@@ -202,6 +204,9 @@ class Sweep:
         if low == 0.0:
             power, each = 0, max(each, _FOR_DIGIT_AT_ZERO)
         count = math.ceil(nodes + each * digits + self._turns(low, high, tolerance))
+        if self.fronts and self.panels:
+            least = tolerance / _together(high * min(FAINT, self._flights[self.active].max()), 2)
+            count = min(count, math.ceil(_POINTS + self._seen(low, high, least)))
         sampling = Sampling(low, high, count, power)
         values, error = self._solved(sampling.places, tolerance)
         values -= [self.once.scattering(int(i), sampling.places) for i in self.active]
@@ -233,6 +238,15 @@ class Sweep:
         self._allowed = min(max(1.0, self._allowed * min(change, 10.0)), most)
         return found, error
 
+    def _seen(self, low: float, high: float, tolerance: float) -> float:
+        """Points for what F still turns, as often as on the panel before."""
+        panel = self.panels[-1]
+        n = panel.values.shape[1]
+        local = 2.0 * (panel.nodes - panel.low) / (panel.high - panel.low) - 1.0
+        size = 2.0 / n * np.abs(panel.values @ np.polynomial.chebyshev.chebvander(local, n - 1))
+        last = int(np.flatnonzero(size.max(axis=0) > tolerance).max(initial=0)) + 1
+        return last * (high - low) / (panel.high - panel.low)
+
     def _turns(self, low: float, high: float, tolerance: float) -> float:
         """Points for cos(K T), with which tracers of one speed turn F until they have collided."""
         if not self.sharp:
@@ -247,34 +261,24 @@ class Sweep:
     def _rest(self, time: int, high: float) -> tuple[PowerTail | FrontTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
         last = _last(self.panels, time)
-        ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
-        if not self.sharp:
-            largest = float(np.abs(last).max())
-            tail, left = self._powers(time, high)
-            together = self._together(high * self._inner[time])
-            if left < _BETTER * largest:
-                return tail, left * together
-            return None, largest * together
-        if not self.fronts:
+        largest = float(np.abs(last).max())
+        ended = float(np.abs(last[-(last.size // 4) - 1 :]).max()) if self.sharp else largest
+        if self.once.kept_apart(time):
+            T = float(self.once.flights[time, 0])
+            share = max(1.0, high * self.width[time])
+            ended *= _together(high * min(T, FAINT), self.once.dimension)
+            few = high * min(T, _FIRST_RADIUS) < _FIRST_TURNS
+            if ended * share < self.rtol or ended * share > _HOPELESS or few:
+                return None, ended
+            front, left = fit_fronts(self.panels, time, T, self.once.scatterer)
+            left *= _BEYOND if front is not None else 1.0
+            if self.system.law.least_loss > _STOPPING:  # they leave 1/K, up to where they still fly
+                left = max(left, largest)
+            return (front, left) if left < ended else (None, ended)
+        if self.sharp:
             return None, ended
-        turns = high * self._flights[time]
-        together = self._together(turns)
-        ended *= together
-        if ended * max(1.0, high * self.width[time]) < self.rtol or turns < _FIRST_TURNS:
-            return None, ended
-        powers, left = self._powers(time, high)
-        found: list[tuple[PowerTail | FrontTail | None, float]] = [
-            (None, ended),
-            (powers, left * together),
-        ]
-        if self.once.scatterer.smooth:
-            flights = self.once.flights[time]
-            found.append(fit_fronts(self.panels, time, flights, self.once.scatterer))
-        return min(found, key=lambda each: each[1])
-
-    def _together(self, turns: float) -> float:
-        """To how much the waves of all K add up beside a front R, at 1/K from it; turns = K R."""
-        return float(max(1.0, 2.0 / math.pi * turns) ** (0.5 * (self.once.dimension - 1.0)))
+        tail, left = self._powers(time, high)
+        return (tail, left) if left < _BETTER * largest else (None, largest)
 
     def _powers(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """The powers of 1/K in which F ends, and what they miss; infinite where there are none."""
@@ -284,9 +288,16 @@ class Sweep:
             return None, math.inf
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         first = 0 if stopped or returned or self._slow else 1
+        if self._straight:
+            first = 1 - law.dimension
         k, f = nodes_between(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
         return tail, left * (_RETURNED if returned else _BEYOND)
+
+
+def _together(turns: float, dimension: int) -> float:
+    """To how much the waves of all K add up beside a front R, at 1/K from it; turns = K R."""
+    return float(max(1.0, 2.0 / math.pi * turns) ** (0.5 * (dimension - 1.0)))
 
 
 def _end(panel: WavePanel, time: int, least: float) -> float:

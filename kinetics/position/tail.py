@@ -4,7 +4,9 @@ Initial speeds near 0, of density ~ v^(d-1) in dimension d, put a cusp on the de
 displacement at r = 0, of weight (l/U t)^d, and F falls as k^-(d+1) there. Where e = 0, collisions
 leave speeds near 0 with a density ~ v^(d-2), and F falls as k^-d. At a finite density tracers that
 are thrown straight back come through the origin again: in the plane F then falls as 1/k, with a
-factor that is known (`kinetics.position.returned`). The end of F is fitted by terms whose
+factor that is known (`kinetics.position.returned`). It does so too, also in space, where a law of
+samples throws a share of them straight back, or where all are nearly at rest after one flight: they
+stay on a straight line. The end of F is fitted by terms whose
 transforms are known, so that the transform needs no large k.
 """
 
@@ -43,7 +45,8 @@ class PowerTail(Value):
     coefficients : c_j, shape (n_terms,)
     scale : K where the powers begin
     dimension : 2 or 3
-    first : j_0: 1, and 0 where collisions may stop tracers or throw them straight back
+    first : j_0: 1; 0 where collisions may stop tracers or throw them straight back; 1 - d where
+        many tracers stay on a straight line through the origin
     returned : factor of (K^2 + scale^2)^(-1/2), which stands besides; 0 in space
     """
 
@@ -88,16 +91,20 @@ def origin_transforms(
 ) -> FloatArray:
     """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
     near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
-    macdonald = _macdonald(near, count + 2)
+    macdonald = _macdonald(near, max(count + 2, 4))
+
+    def power(twice: int) -> FloatArray:
+        """x^nu K_nu, nu = twice/2; K_(-nu) = K_nu."""
+        return macdonald[twice + 1] if twice >= -1 else near**twice * macdonald[1 - twice]
+
     out = np.zeros((count, x.size))
     for j in range(count):
         twice = first + j  # nu
         part = _share(0.5 * twice, dimension)
         if kind == 0:
-            out[j] = part * macdonald[twice + 1]
+            out[j] = part * power(twice)
         elif kind == 2:
-            # the slope of K_0 is -K_1
-            out[j] = part * (near * macdonald[twice - 1] if twice else macdonald[3] / near)
+            out[j] = part * near * power(twice - 2)
         elif dimension == 2:
             out[j] = (1.0 - part * macdonald[twice + 3]) / np.maximum(x, near)
     if kind == 1 and dimension == 3:

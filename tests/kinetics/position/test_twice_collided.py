@@ -134,7 +134,7 @@ def test_tails_are_what_they_were_made_of(dimension: int) -> None:
         WavePanel(low, high, np.array([0]), shape.at(points_between(low, high, 40))[None, :])
         for low, high in itertools.pairwise(ends)
     ]
-    found, left = fit_fronts(panels, 0, flights, Scatterer(0.5, 1.0, dimension))
+    found, left = fit_fronts(panels, 0, 1.0, Scatterer(0.5, 1.0, dimension))
     assert found is not None
     assert np.abs(found.coefficients - shape.coefficients).max() < 1e-6
     assert left < 1e-8
