@@ -145,7 +145,7 @@ class Sweep:
         cut = np.full(self.width.shape, np.inf)
         for i in np.nonzero(self.missed > self.enough)[0]:
             last = [panel.high for panel in self.panels if panel.of(int(i)) is not None]
-            if self.tails[i] is None and last and not self.once.kept_apart(int(i)):
+            if self.tails[i] is None and last:
                 cut[i] = 0.5 * last[-1]
         return cut
 
@@ -271,7 +271,7 @@ class Sweep:
             if ended * share < self.rtol or ended * share > _HOPELESS or few:
                 return None, ended
             front, left = fit_fronts(self.panels, time, T, self.once.scatterer)
-            left *= _BEYOND if front is not None else 1.0
+            left *= _BEYOND
             if self.system.law.least_loss > _STOPPING:  # they leave 1/K, up to where they still fly
                 left = max(left, largest)
             return (front, left) if left < ended else (None, ended)
