@@ -23,9 +23,9 @@ from kinetics.position.wave_panel import WavePanel, nodes_between
 _LARGEST_OF_PEAKS, _LARGEST = 8.0, 60.0
 # Starts of one speed: F up to K T = _LARGEST_TURNS at most. The end is fitted where K R is above
 # _FIRST_TURNS, R the T of the tracers but not above _FIRST_RADIUS, and where less than _HOPELESS of
-# G is missed; the range of K T grows by _LONGEST_TURN.
+# G is missed; the range of K T grows by _LONGEST_TURN, and later by _LONGEST_OF_FRONTS of itself.
 _LARGEST_TURNS, _FIRST_TURNS, _FIRST_RADIUS, _LONGEST_TURN = 250.0, 30.0, 6.0, 25.0
-_HOPELESS = 100.0
+_HOPELESS, _LONGEST_OF_FRONTS = 100.0, 0.3
 # Where every bounce takes more than _STOPPING e-folds of the speed, tracers nearly rest after a few
 # flights. From K = 1 to the reciprocal of the path that they still fly, F falls as 1/K, which no
 # power of `tail` fits: the error at small R is estimated as if there were no tail.
@@ -178,7 +178,8 @@ class Sweep:
             if self.missed[i] > self.enough:
                 enough = 2.0 * high
                 if self.fronts:
-                    enough = min(enough, high + _LONGEST_TURN / self._flights[i])
+                    longest = max(_LONGEST_TURN / self._flights[i], _LONGEST_OF_FRONTS * high)
+                    enough = min(enough, high + longest)
                 elif self.sharp:
                     enough = _end(self.panels[-1], int(i), self.rtol / share)
                 elif self.tails[i] is not None:
