@@ -36,7 +36,10 @@ _POINTS = 12
 _AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which files without `terms` have any
 _ORIGIN = 3.0  # K T from which these fall as powers, but not below K = 1
 _FITTED = 0.3  # share of K, from above, to which they are fitted
-_HALF = 0.5  # share of K, from below and above, from which the error is seen
+# Shares of K up to which the error is seen. If it falls as K^-p, what follows with these differs
+# by 2^p - 1 and (4/3)^p - 1 of it: it is less than _FALLING times the square of the second over the
+# first, if p > 1.
+_SHORTER, _FALLING = (0.5, 0.75), 9.0
 _TOGETHER = 1e-3  # 1 - e below which the front of head-on collisions is at R = T
 # Fronts are told apart where K times their distance is above _APART; there are too few tracers at
 # those beyond R = FAINT, and at those of more than _MOST_BOUNCES or of a power above _HIGHEST.
@@ -92,32 +95,38 @@ def fit_fronts(
 ) -> tuple[FrontTail | None, float]:
     """The tail of F at one of the times, beyond the panels, and what it leaves unknown of F.
 
-    The latter is the largest difference of g(r, t) l, over the largest K, from what follows without
-    the upper half of the panels, plus that from a fit to this half. It is infinite where there are
-    too few panels. Of sums with and without inner fronts and powers of 1/K, or no sum at all, the
-    one that leaves least is taken.
+    The latter follows from the largest difference of g(r, t) l, over the largest K, from what
+    follows without the upper half, and quarter, of the panels, plus that from a fit to this half.
+    It is infinite where there are too few panels. Of sums with and without inner fronts and powers
+    of 1/K, or no sum at all, the one that leaves least is taken.
     """
     high, d = panels[-1].high, scatterer.dimension
-    cut = min((panel.low for panel in panels), key=lambda low: abs(low - _HALF * high))
-    terms = _terms(scatterer, T, high)
-    if cut == 0.0:
+    cuts = [
+        min((panel.low for panel in panels), key=lambda low: abs(low - part * high))
+        for part in _SHORTER
+    ]
+    if cuts[0] == 0.0:
         return None, math.inf
+    terms = _terms(scatterer, T, high)
     shape = terms, max(1.0, _ORIGIN / T), d
-    fits = _Fits(panels, time, (cut, high), (T, shape))
-    rho = _places(high, T, terms)
-    known = _Known(panels, time, (cut, rho), (T, shape))
+    fits = _Fits(panels, time, [*cuts, high], (T, shape))
+    known = _Known(panels, time, _places(high, T, terms), (T, shape))
+    # without any function: what the upper half gives is more than all beyond, if that falls as 1/K
+    none = np.zeros(0)
+    most = known.change(none.astype(np.intp), none, none, cuts[0])
+    found = [(most / high, none.astype(np.intp), none)]
     outer = sum(a == 1.0 for a, _, _ in terms)
     fronts, count = sum(a > 0.0 for a, _, _ in terms), len(terms)
-    # without any function: what the upper half gives is more than all beyond, if that falls as 1/K
-    found = [(float(np.abs(known.upper).max()) / high, np.zeros(0, dtype=np.intp), np.zeros(0))]
     for some, first in itertools.product({outer, fronts}, (count, fronts, fronts + 1)):
         used = np.r_[:some, first:count]
         if used.size == 0:
             continue
-        full, shorter, upper = fits(used)
-        apart = np.abs(known.change(used, full, shorter, True)).max()
-        apart += np.abs(known.change(used, full, upper, False)).max()
-        found.append((float(apart) / high, used, full))
+        full, upper, *shorter = fits(used)
+        far, near = (
+            known.change(used, full, trial, cut) for trial, cut in zip(shorter, cuts, strict=True)
+        )
+        left = min(far, _FALLING * near**2 / max(far, 1e-300))
+        found.append(((left + known.change(used, full, upper)) / high, used, full))
     left, used, full = min(found, key=lambda each: each[0])
     if used.size == 0:
         return None, left
@@ -132,20 +141,20 @@ class _Fits:
         self,
         panels: list[WavePanel],
         time: int,
-        ends: tuple[float, float],
+        ends: list[float],
         functions: tuple[float, tuple[Terms, float, int]],
     ) -> None:
-        """ends : of the shorter range of K, and of all."""
-        cut, high = ends
-        self.k, f = nodes_between(panels, time, _FITTED * cut)
+        """ends : of the shorter ranges of K, and of all."""
+        self.k, f = nodes_between(panels, time, _FITTED * ends[0])
         weight = self.k ** (0.5 * (functions[1][2] + 5))
         self.f = f * weight
         self.columns = _columns(self.k, functions[0], *functions[1]) * weight[:, None]
         self.largest = _largest(functions[0], *functions[1])
-        self.parts = self.k > _FITTED * high, self.k < cut, self.k > _HALF * high
+        shorter = [(self.k > _FITTED * end) & (self.k < end) for end in ends[:-1]]
+        self.parts = [self.k > _FITTED * ends[-1], self.k > _SHORTER[0] * ends[-1], *shorter]
 
     def __call__(self, used: NDArray[np.intp]) -> list[FloatArray]:
-        """Coefficients from all, from the lower part and from the upper part of the range."""
+        """Coefficients from all of the range, from its upper part, and from the shorter ranges."""
         found = []
         for part in self.parts:
             columns, f = self.columns[np.ix_(part, used)], self.f[part]
@@ -182,15 +191,13 @@ class _Known:
         self,
         panels: list[WavePanel],
         time: int,
-        places: tuple[float, FloatArray],
+        rho: FloatArray,
         functions: tuple[float, tuple[Terms, float, int]],
     ) -> None:
-        """places : K from which panels may be left out, and the radii, (n,)."""
-        (cut, rho), (T, shape) = places, functions
+        T, shape = functions
         d = shape[2]
         self.functions = (element(rho, d) * _transforms(rho, T, shape, 0)).T
-        self.below, self.above = np.zeros((2, *self.functions.shape))
-        self.values, self.upper = np.zeros((2, rho.size))
+        self.parts = []
         for panel in panels:
             f = panel.of(time)
             assert f is not None  # the time is in all of them
@@ -198,23 +205,19 @@ class _Known:
             k, weight, values = panel.gauss(f, f.size + 8 * math.ceil(turns / 8.0))
             waves = radial_waves(np.outer(rho, k), 0, d) * (weight * radial_measure(k, 0, d))
             waves *= element(rho, d)[:, None]
-            part = waves @ _columns(k, T, *shape)
-            self.upper += waves @ np.where(k > _HALF * panels[-1].high, values, 0.0)
-            if panel.low < cut:
-                self.below += part
-            else:
-                self.above += part
-                self.values += waves @ values
+            self.parts.append((panel.low, waves @ _columns(k, T, *shape), waves @ values))
 
     def change(
-        self, used: NDArray[np.intp], full: FloatArray, trial: FloatArray, shorter: bool
-    ) -> FloatArray:
-        """Of the density, by other coefficients, also without the upper panels, (n,)."""
-        less = full - trial
-        out = self.functions[:, used] @ less - self.below[:, used] @ less
-        if shorter:
-            return np.asarray(out + self.values - self.above[:, used] @ full)
-        return np.asarray(out - self.above[:, used] @ less)
+        self, used: NDArray[np.intp], full: FloatArray, trial: FloatArray, cut: float = math.inf
+    ) -> float:
+        """The largest of the density, by other coefficients and without the panels above a K."""
+        out = self.functions[:, used] @ (full - trial)
+        for low, part, values in self.parts:
+            if low < cut:
+                out -= part[:, used] @ (full - trial)
+            else:
+                out += values - part[:, used] @ full
+        return float(np.abs(out).max())
 
 
 def _first_terms(e: float) -> Terms:

@@ -61,6 +61,7 @@ _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
 _BEYOND = 2.0  # error of F beyond the panels, over what `fit_tail` says of it ...
 _RETURNED = 4.0  # ... and among scatterers that are met again
+_BEYOND_OF_FRONTS = 3.0  # and over what `fit_fronts` says of it: it may fall more slowly than 1/K
 _FALL = 0.125  # what powers miss falls as K^-8 at least
 
 
@@ -272,7 +273,7 @@ class Sweep:
             if ended * share < self.rtol or ended * share > _HOPELESS or few:
                 return None, ended
             front, left = fit_fronts(self.panels, time, T, self.once.scatterer)
-            left *= _BEYOND
+            left *= _BEYOND_OF_FRONTS
             if self.system.law.least_loss > _STOPPING:  # they leave 1/K, up to where they still fly
                 left = max(left, largest)
             return (front, left) if left < ended else (None, ended)
