@@ -152,11 +152,12 @@ class Displacement(Value):
             return out
         tail = self.tails[time]
         total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
+        beside = tail.reach if isinstance(tail, FrontTail) else 0.0
         for panel in self.panels:
             f = panel.of(time)
             if f is None:
                 continue
-            points = _enough(f.size, float(rho.max()) * (panel.high - panel.low))
+            points = _enough(f.size, (float(rho.max()) + beside) * (panel.high - panel.low))
             k, weight, values = panel.gauss(f, points)
             if tail is not None:
                 values = values - tail.at(k)

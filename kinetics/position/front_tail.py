@@ -38,7 +38,7 @@ _ORIGIN = 3.0  # K T from which these fall as powers, but not below K = 1
 _FITTED = 0.3  # share of K, from above, to which they are fitted
 # Shares of K up to which the error is seen. If it falls as K^-p, what follows with these differs
 # by 2^p - 1 and (4/3)^p - 1 of it: it is less than _FALLING times the square of the second over the
-# first, if p > 1.
+# first, if p > 1, and about the second at least is assumed.
 _SHORTER, _FALLING = (0.5, 0.75), 9.0
 _TOGETHER = 1e-3  # 1 - e below which the front of head-on collisions is at R = T
 # Fronts are told apart where K times their distance is above _APART; there are too few tracers at
@@ -79,6 +79,11 @@ class FrontTail(Value):
         rows = tuple((float(a), float(nu), float(p)) for a, nu, p in self.terms)
         return rows, max(1.0, _ORIGIN / T), self.dimension
 
+    @property
+    def reach(self) -> float:
+        """R with which its part of F turns; 0 in files of version 0.1, where F itself turned."""
+        return 0.0 if self.terms is None else min(float(self.flights.max()), FARTHEST)
+
     def at(self, k: FloatArray) -> FloatArray:
         """Its part of F at K = k, shape (n_k,)."""
         columns = [_columns(k, float(T), *self._shape(float(T))) for T in self.flights]
@@ -111,10 +116,12 @@ def fit_fronts(
     shape = terms, max(1.0, _ORIGIN / T), d
     fits = _Fits(panels, time, [*cuts, high], (T, shape))
     known = _Known(panels, time, _places(high, T, terms), (T, shape))
-    # without any function: what the upper half gives is more than all beyond, if that falls as 1/K
     none = np.zeros(0)
-    most = known.change(none.astype(np.intp), none, none, cuts[0])
-    found = [(most / high, none.astype(np.intp), none)]
+    found = [(math.inf, none.astype(np.intp), none)]
+    if T < FAINT:
+        # without any function: what the upper half gives is more than all beyond, if that falls as
+        # 1/K. Late, the waves of a sharp end would be seen at all radii.
+        found = [(known.change(found[0][1], none, none, cuts[0]) / high, *found[0][1:])]
     outer = sum(a == 1.0 for a, _, _ in terms)
     fronts, count = sum(a > 0.0 for a, _, _ in terms), len(terms)
     for some, first in itertools.product({outer, fronts}, (count, fronts, fronts + 1)):
@@ -125,7 +132,7 @@ def fit_fronts(
         far, near = (
             known.change(used, full, trial, cut) for trial, cut in zip(shorter, cuts, strict=True)
         )
-        left = min(far, _FALLING * near**2 / max(far, 1e-300))
+        left = min(far, max(near, _FALLING * near**2 / max(far, 1e-300)))
         found.append(((left + known.change(used, full, upper)) / high, used, full))
     left, used, full = min(found, key=lambda each: each[0])
     if used.size == 0:
@@ -325,7 +332,9 @@ def _functions(x: FloatArray, terms: Terms) -> FloatArray:
         elif a > 0.0:
             beside = np.maximum(p / abs(p) * (x / a - 1.0) * (x / a + 1.0), 0.0)
             logarithm = np.log(np.maximum(beside, 1e-30)) ** (abs(p) - 1.0)
-            found.append(beside**nu * logarithm * (np.exp(-beside) * end if p > 0.0 else 1.0))
+            # outside it must have fallen where the tables end
+            fall = np.exp(-0.25 * beside**2) * end if p > 0.0 else 1.0
+            found.append(beside**nu * logarithm * fall)
     return np.array(found)
 
 

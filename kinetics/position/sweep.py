@@ -32,7 +32,7 @@ _HOPELESS, _LONGEST_OF_FRONTS = 100.0, 0.3
 _STOPPING = 2.0
 # The sweep ends with the error that it has after a second or two where it may not end at all: for
 # those, for sharp speeds, and for samples that throw tracers straight back. Others after about ten.
-_MOST_WORK_OF_SLOW, _MOST_WORK = 3.5e6, 2e7
+_MOST_WORK_OF_SLOW, _MOST_WORK = 3.5e6, 1.2e9
 _OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for; times 1
 # from sharp speeds without fits of the end of F, which leaves waves at all radii.
@@ -124,7 +124,7 @@ class Sweep:
         peaks = self.system.state.peaks is not None
         slow = peaks or self._straight or self.system.law.least_loss > _STOPPING
         most = _MOST_WORK_OF_SLOW if slow else _MOST_WORK
-        begin = done = self.system.work
+        begin = done = self._work(slow)
         while self.active.size:
             if low >= largest:
                 self.active = self.active[low * self._flights[self.active] <= turns]
@@ -136,10 +136,14 @@ class Sweep:
             if not self.sharp:  # F falls
                 size = float(np.abs(new[-1].values[:, -(new[-1].nodes.size // 4) :]).max())
             low, high = high, self._judge(high, error)
-            last, done = self.system.work - done, self.system.work
+            last, done = self._work(slow) - done, self._work(slow)
             # the next interval is more work than the last one
             if done - begin + 2.0 * last > most:
                 break
+
+    def _work(self, slow: bool) -> float:
+        """Done so far, in the units of what is allowed."""
+        return self.system.work_of_small if slow else self.system.work
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where the work was too much, else infinite, (n_times,)."""
