@@ -10,8 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from marking import slow_but
 from example_values import STATES, VALUES, solved, with_densities
+from marking import slow_but
 
 from kinetics import InputError, ScalingSolution, Scene, SpeedDensity, load, solve_scaled, storage
 from kinetics.outputs import OUTPUTS

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import pytest
-from marking import slow_but
 import sympy as sp
+from marking import slow_but
 
 from derivations import Check
 from derivations import symbols as sy
