@@ -73,6 +73,7 @@ def test_a_scattering_function_that_misses_its_tolerance_says_so() -> None:
         (1.0, Gaussian(), 1e300, 1e-3),
         (1.0, Gaussian(), 1e300, 1e-150),
         (1.0, Beam(), 1.0, 2.0),
+        (1.0, Beam(), 150.0, 1.5),
     ],
     ids=repr,
 )
