@@ -21,6 +21,7 @@ from kinetics.moments.backward import (
     BackwardEquation,
     Observable,
     Places,
+    fall_of,
     panel_width,
     speed_power,
 )
@@ -142,7 +143,8 @@ class Averages:
     @property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        return panel_width(max(abs(self.degree), abs(self.lowest)))
+        largest = max(abs(self.degree), abs(self.lowest))
+        return panel_width(largest, fall_of(self.law, self.degree))
 
     @cached_property
     def equation(self) -> BackwardEquation:
