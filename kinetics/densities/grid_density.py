@@ -34,7 +34,7 @@ class GridDensity(Value):
     grid : the nodes of x
     values : g at the nodes, shape (n_times, n_nodes)
     shift : x - ln v, shape (n_times,)
-    end : highest x where something is left
+    start, end : lowest and highest x where something is left; the nodes may reach further
     resolved : share of its maximum down to which g is right
     filled : share of the thermal speed below which f is a polynomial (e = 0); 0 elsewhere
     at_rest : f at v = 0 in 1/U, that of the start, where the density of the speed ratio vanishes at
@@ -44,6 +44,7 @@ class GridDensity(Value):
     grid: LogGrid
     values: NDArray[Any]
     shift: FloatArray
+    start: float
     end: float
     resolved: float
     filled: float = 0.0
@@ -101,13 +102,15 @@ class GridDensity(Value):
     def _resolved(self) -> tuple[FloatArray, NDArray[np.intp]]:
         """The maximum of |g|, and the lowest node at which g is resolved, (n_times,).
 
-        Above it g may be weak again, where it changes its sign or between two of its maxima.
+        Above it g may be weak again, where it changes its sign or between two of its maxima. Below
+        ``start`` there is what the end of the grid leaves, of about the size that is resolved.
         """
         tops, firsts = [np.zeros(0)], [np.zeros(0, dtype=int)]
+        within = self.grid.x >= self.start
         for size in self._sizes():
             top = size.max(axis=1)
             tops.append(top)
-            firsts.append((size >= self.resolved * top[:, None]).argmax(axis=1))
+            firsts.append((within & (size >= self.resolved * top[:, None])).argmax(axis=1))
         return np.concatenate(tops), np.concatenate(firsts)
 
     def _sizes(self) -> Iterator[FloatArray]:

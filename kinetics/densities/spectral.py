@@ -220,7 +220,7 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     best = None
     at_once = _at_once(problem, grid, rows)
     if at_once is not None:
-        best = _judged(problem, at_once, right, rough)
+        best = _judged(problem, at_once, (left, right), rough)
         # oscillations at low speeds, that of laws which lose by steps, do not fit into its window
         if problem.nodes is not None or best[1] <= max(rtol, _BEST_STEPPED):
             return best
@@ -232,15 +232,18 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
         return best
     values, highest = stepped(law, grid, rows, m, tau, rtol)
     rounding = LOWEST_SPEED * max(_STEPPED_SHARE * rtol, _LEAST_STEPPED)
-    other = _judged(problem, _Found(grid, values, tau, highest, rounding), right, rough)
+    stepwise = _Found(grid, values, tau, highest, rounding)
+    other = _judged(problem, stepwise, (left, right), rough)
     return other if best is None or other[1] < best[1] else best
 
 
 def _judged(
-    problem: _Problem, found: _Found, right: float, rough: float
+    problem: _Problem, found: _Found, window: tuple[float, float], rough: float
 ) -> tuple[GridDensity, float]:
-    """The density, of which nothing is left at speeds above x = right, and its error."""
+    """The density, of which nothing is left at speeds outside the window of x, and its error."""
     law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
+    # harmonics m > 0 that bounces fill at low speeds reach below the window
+    bounded = m == 0 or law.least_ratio >= _SMALL_RATIO
     values = found.values[:, 0]
     if found.values.shape[1] == 2:
         values = values + 1j * found.values[:, 1]
@@ -248,7 +251,8 @@ def _judged(
         grid=found.grid,
         values=values,
         shift=found.moved - problem.log_unit,
-        end=right + found.grid.spacing,
+        start=window[0] if bounded else found.grid.start,
+        end=window[1] + found.grid.spacing,
         resolved=max(_SHARE * rtol, 3.0 * found.rounding / LEAST_MAXIMUM),
         filled=_FILLED if m == 0 and law.reaches_rest else 0.0,
         at_rest=_at_rest(problem) if m == 0 else None,

@@ -39,17 +39,30 @@ _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below r
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 # For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
-# Rounding in the lower end of a panel grows as T^p across it: e^4 is the most that it may.
-_STEEPEST = 4.0
+# Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
+# is the most that it may. Narrower panels than the least would take seconds.
+_STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
 # Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
 # the one before (tests/kinetics/measurements/moments.py); the rest is for the initial state.
 _LAST, _BEFORE = 1.75, 0.175
 _LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 
 
-def panel_width(degree: float) -> float:
-    """Width in X of panels for powers of the speed up to ``degree`` in size."""
-    return min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
+def panel_width(degree: float, fall: float = 0.0) -> float:
+    """Width in X of panels for powers of the speed up to ``degree`` in size; see `fall_of`."""
+    by_degree = min(1.0, _STEEPEST / max(abs(degree), _STEEPEST))
+    return min(by_degree, max(_STEEPEST / max(fall, _STEEPEST), _NARROWEST))
+
+
+def fall_of(law: CollisionLaw, degree: float) -> float:
+    """T up to which <v^p>, p = degree > 0, may fall as e^-T: -ln E[s^p].
+
+    There the tracers that have not collided weigh as much as those that have collided once. Across
+    a panel of width w that ends there <v^p> falls by e^(w T).
+    """
+    if degree <= 0.0:
+        return 0.0
+    return -math.log(max(float(law.mean_speed_ratio_power(degree)), 1e-300))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ solution fall: the nodes are the fewest for which the error estimate of the solu
 these coefficients, is what is asked for. Later panels are smoother, because the observable tends
 to a power or to a polynomial in ln T there; but near e = 1 a power of the speed still changes at
 T = 1/kappa. All speeds are the same then, dv/dt = -kappa v^2/l, and what v^p tends to is
-(T/(1 + kappa T))^p.
+(T/(1 + kappa T))^p. And where a bounce nearly stops a tracer, a power of the speed falls as e^-T
+until those that have collided are most of it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from kinetics.moments.backward import (
     START,
     TERMS,
     Observable,
+    fall_of,
     left_out,
     moment_series,
     scale_of,
@@ -110,9 +112,14 @@ def decay_of(
     values = scale = power * (panels.powers @ series).reshape(x.shape)
     if scale_of(y) != y:
         scale = power * (panels.powers @ moment_series(law, scale_of(y), known)).reshape(x.shape)
-    elif not (y.sources or y.constant) and law.mean_log_loss * math.exp(x[-1, -1]) < 1.0:
-        # the change at T = 1/kappa comes later: (T/(1 + T))^p on as many panels about T = 1
-        values = scale = np.concatenate([values, (1.0 + np.exp(-x)) ** -y.degree])
+    elif not (y.sources or y.constant):
+        latest, fall = math.exp(x[-1, -1]), fall_of(law, y.degree)
+        if law.mean_log_loss * latest < 1.0:
+            # the change at T = 1/kappa comes later: (T/(1 + T))^p on as many panels about T = 1
+            values = scale = np.concatenate([values, (1.0 + np.exp(-x)) ** -y.degree])
+        elif fall > latest:
+            # e^-T on as many panels, of which the last ends where <v^p> has fallen
+            values = scale = np.concatenate([values, np.exp(-fall * np.exp(x - x[-1, -1]))])
     ends = smaller_ends(scale)
     size = np.abs(values @ panels.transform)
     by_panel = left_out(size[:, 1:], size[:, :-1]) / ends[:, None]

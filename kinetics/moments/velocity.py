@@ -21,6 +21,7 @@ from kinetics.moments.backward import (
     BackwardEquation,
     Observable,
     Places,
+    fall_of,
     panel_width,
     speed_power,
 )
@@ -36,6 +37,9 @@ _MANY, _FEW_POINTS = 2, 4
 _MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 _KEPT = 16  # such pieces are kept for the next observable
+# Where <v^p> falls by more than e^4 before a bounce, slow tracers that have not collided make what
+# is left of it; so small a share of the start as e^-60 (10^-26) may be asked for.
+_NOTICED, _LEAST_SHARE = 4.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -110,8 +114,10 @@ class Averages:
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
+            fall = fall_of(self.law, self.degree)
+            share = math.exp(-min(fall, _LEAST_SHARE)) if fall > _NOTICED else 1.0
             self._measures[m] = self.state.harmonic(
-                m, self.rtol, self.lowest, max(self.degree, 2.0)
+                m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
         return self._measures[m]
 
@@ -142,7 +148,8 @@ class Averages:
     @property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        return panel_width(max(abs(self.degree), abs(self.lowest)))
+        largest = max(abs(self.degree), abs(self.lowest))
+        return panel_width(largest, fall_of(self.law, self.degree))
 
     @cached_property
     def equation(self) -> BackwardEquation:

@@ -39,6 +39,7 @@ from kinetics.position.waves import Waves, carried, series_sum, together
 _SERIES, _TERMS = 5.0, 40
 _LASTING = 2  # the harmonics whose decay decides from which X on the panels may end
 _FEWEST_NODES = 6
+_NO_POWER = 1e-18  # a ratio of speeds of which no power but the zeroth counts
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
 # The constants below are measured again by tests/kinetics/measurements/position.py. For each
 # decimal digit of the tolerance there are so many nodes, and more for each turn of K T on a panel.
@@ -47,8 +48,8 @@ _TURNING = 3.5  # T at which flights along k are resolved worst
 # Harmonics for each digit: late, besides K for each, and early, besides the K T of free flights.
 _LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
-# Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
-# starts they decide the error estimate, which the waves of the measurement do not show.
+# Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
+# where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
 _MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
 _PANELS = 32  # for which there is room at first
@@ -166,9 +167,11 @@ class Sweep:
             self._loss[:, diagonal, diagonal] += many.weight.sum() / self._coupling[:, None]
             with np.errstate(under="ignore"):
                 ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
-                powers = many.weight * ratio ** np.arange(_TERMS + 1)[:, None]
+                above = ratio > _NO_POWER
+                powers = many.weight[above] * ratio[above] ** np.arange(1, _TERMS + 1)[:, None]
             for m, harmonic in enumerate(many.each_harmonic(top)):
-                self._far[:, m] = powers @ harmonic / self._coupling[m]
+                self._far[0, m] = many.weight @ harmonic / self._coupling[m]
+                self._far[1:, m] = powers @ harmonic[above] / self._coupling[m]
         self._returned: Returned | None = None
         if law.returns(0)[0]:
             self._returned = Returned(law, rule, self._loss, self._coupling)
@@ -314,7 +317,7 @@ class Sweep:
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
-        more = _MORE + int(min(_MOST_MORE, flights))
+        more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
         needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
         return min(self.top, _even(needed))
 

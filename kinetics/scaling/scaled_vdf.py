@@ -93,14 +93,20 @@ class ScaledVDF(Tabular, Value):
         return self.dimension / (self.dimension + 2.0) * self.moment(4.0) - 1.0
 
     def moment(self, p: float) -> float:
-        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow."""
+        """<c^p> for real p above ``law.lowest_power``; InputError elsewhere or on overflow.
+
+        Where nodes that were given are far too few, so that the error estimate is 1 or more,
+        nothing is known of the moment, and it is the largest number instead of an overflow.
+        """
         number = exponent("p", p, _LARGEST_POWER)
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         log_moment = self._log_moment(number) - 0.5 * number * self._log_second
         if log_moment > _LARGEST_LOG:
-            refuse("p", p, "<c^p> overflows double precision there")
-        return math.exp(log_moment)
+            if self.requested_nodes is None or self.error_estimate < 1.0:
+                refuse("p", p, "<c^p> overflows double precision there")
+            self._axis.unresolved = True
+        return math.exp(min(log_moment, _LARGEST_LOG))
 
     def vdf(self, c: ArrayLike) -> Any:
         """F(c), same shape as c; InputError for c negative or not finite.

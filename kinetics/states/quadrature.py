@@ -38,6 +38,7 @@ _NEAR, _CLOSE_POINTS = 20.0, 512
 _FAR = 60.0  # e-folds above the bulk: a density that goes on so far is a power law
 _MOST_PIECES = 5000  # of an integral that go on being halved, so that a noisy density ends
 _MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
+_ROUNDING = 1e-15  # of an integral: less than that is no reason to go on halving
 
 NO_INTEGRAL = (
     "initial: the density has no finite integral over the speed, or a peak too narrow to find; "
@@ -214,7 +215,7 @@ def function(
     ]
     span = np.append(np.concatenate(cuts), edges[last + 1])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
-    return _refine(per_log_speed, pieces, 0.1 * rtol * float(mass.sum()))
+    return _refine(per_log_speed, pieces, 0.1 * max(rtol, _ROUNDING) * float(mass.sum()))
 
 
 def _scan(

@@ -64,15 +64,22 @@ def run_and_write(run: Callable[[Callable[..., None]], R], output: Path | None, 
     run is called with the function tell(name, total) that it calls as each of its parts starts.
     Raises ValueError, before the run, for a folder that cannot be written.
     """
-    from kinetics.crosscheck.files import require_writable_folder, write_together
+    from kinetics.crosscheck.files import require_writable_folder
 
     if output is not None:
         require_writable_folder(output)
     with progress() as tell:
         report = run(tell)
+    show(report, output, as_json)
+    return report
+
+
+def show(report: Report, output: Path | None, as_json: bool) -> None:
+    """Print what a run gave, and write its files."""
+    from kinetics.crosscheck.files import write_together
+
     click.echo(report.to_json() if as_json else report.markdown(), nl=False)
     if output is not None:
         for path in write_together(output, report.files()):
             if not as_json:
                 click.echo(f"wrote {path}")
-    return report

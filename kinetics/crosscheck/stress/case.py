@@ -15,7 +15,7 @@ ACCEPTED = (HOLDS, CAREFUL, SAYS_SO)
 VERDICTS = {
     HOLDS: "a finite answer within the error asked for, and every invariant kept",
     CAREFUL: "the error asked for was reached, though the status says that it was not",
-    SAYS_SO: "the error asked for was not reached, and the status says so",
+    SAYS_SO: "the status says that the error asked for was not reached; nothing shows that it was",
     MISSED: "the error asked for was not reached, and the status claims that it was",
     BROKEN: "not finite, an invariant violated, a warning, or an exception",
     SLOW: "the answer took longer than a stress case may",
@@ -34,6 +34,9 @@ class Outcome:
     reached : the error against a reference; NaN where there is no reference, infinity where the
         answer is not finite
     converged : whether the status claims what was asked for
+    in_part : whether ``reached`` is of a part of the answer, the rest having no reference: it may
+        show that a claim is wrong, not that an answer without one is right
+    known_to : the error of the reference itself
     invariants : name -> (violation, what is allowed), both not negative
     note : anything to add
     """
@@ -41,6 +44,8 @@ class Outcome:
     asked: float = math.inf
     reached: float = math.nan
     converged: bool = True
+    in_part: bool = False
+    known_to: float = 0.0
     invariants: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     note: str = ""
 
@@ -91,7 +96,8 @@ def judge(outcome: Outcome, seconds: float) -> str:
         return SLOW
     if outcome.converged:
         return HOLDS
-    return CAREFUL if outcome.reached <= outcome.asked < math.inf else SAYS_SO
+    shown = outcome.reached + outcome.known_to <= outcome.asked < math.inf
+    return CAREFUL if shown and not outcome.in_part else SAYS_SO
 
 
 def attempt(case: Case, clock: Callable[[], float] = time.process_time) -> StressCase:

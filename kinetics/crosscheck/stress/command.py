@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from kinetics.crosscheck.commands.options import json_option
-from kinetics.crosscheck.commands.sweeps import output_option, run_and_write
+from kinetics.crosscheck.commands.sweeps import output_option, run_and_write, show
+
+if TYPE_CHECKING:
+    from kinetics.crosscheck.stress.report import StressReport
 
 
 @click.command(short_help="Drive solvers and particles to their limits; a verdict for each case.")
@@ -29,10 +33,17 @@ def stress(
 
     Restitution to within 1e-10 of 0 and 1, times to 1e300, speeds from 1e-150 to 1e150, rough
     starts, dense media, grazing and corner starts: error reached against error asked, invariants,
-    and the worst case of each group. Ends with status 1 if a case ended as it must not.
+    and the worst case of each group. Ends with status 1 if a case ended as it must not. All of it
+    takes about half an hour; Ctrl-C or SIGTERM reports what has been run by then.
     """
     from kinetics.crosscheck.stress.run import run_stress
 
-    report = run_and_write(lambda tell: run_stress(quick, groups or None, tell), output, as_json)
+    def interrupted(report: StressReport) -> None:
+        show(report, output, as_json)
+        click.echo(f"lorentz: interrupted: {report.not_run} cases were not run", err=True)
+
+    report = run_and_write(
+        lambda tell: run_stress(quick, groups or None, tell, interrupted), output, as_json
+    )
     if report.rejected:
         context.exit(1)

@@ -26,6 +26,7 @@ TIMES = np.array([0.0, 1e-300, 1e-3, 1.0, 1e3, 1e8, 1e30, 1e300])
 PATH = 12.5  # l at the default density, in d
 ROUNDING = 1e-14  # that a reference in doubles, and the average over a start, may add
 GROWTH = 1e-13  # of a thermal speed that must not grow, relative
+REFERENCE_SHARE = 0.3  # of an rtol: the most that the error estimate of a tighter solution may be
 
 
 def label_of(law: Law) -> str:

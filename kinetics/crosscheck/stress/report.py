@@ -25,12 +25,14 @@ class StressReport:
     quick : whether it was the quick sweep
     seconds : that the whole of it took
     processor_seconds : and of processor time, compilation of the kernels among it
+    not_run : how many more an interruption left out
     """
 
     cases: tuple[StressCase, ...]
     quick: bool
     seconds: float
     processor_seconds: float
+    not_run: int = 0
 
     @property
     def rejected(self) -> tuple[StressCase, ...]:
@@ -55,7 +57,8 @@ class StressReport:
             f"# Stability sweep{' (quick)' if self.quick else ''}",
             "",
             f"{len(self.cases)} cases in {self.seconds:.0f} s, {self.processor_seconds:.0f} s of "
-            f"processor time; {len(self.rejected)} did not end as they must.",
+            f"processor time; {len(self.rejected)} did not end as they must."
+            f"{f' Interrupted: {self.not_run} more were not run.' if self.not_run else ''}",
             "",
             *markdown(_GROUP_HEADS, [*rows, [*_counts("all", self.cases), "", ""]]),
             *(f"- {verdict}: {meaning}" for verdict, meaning in VERDICTS.items()),

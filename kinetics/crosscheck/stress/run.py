@@ -45,11 +45,13 @@ def run_stress(
     quick: bool = False,
     groups: Iterable[str] | None = None,
     progress: Callable[[str, int], None] | None = None,
+    interrupted: Callable[[StressReport], None] | None = None,
 ) -> StressReport:
     """Run the sweep, or the named groups of it.
 
-    progress(name of the group, number of cases in all) is called before each case. Raises
-    InputError for a group that does not exist.
+    progress(name of the group, number of cases in all) is called before each case. After Ctrl-C or
+    SIGTERM interrupted(report of the cases that have been run) is called, and the exception goes
+    on. Raises InputError for a group that does not exist.
     """
     chosen = all_cases(quick)
     if groups is not None:
@@ -60,10 +62,18 @@ def run_stress(
     begin, processor = time.perf_counter(), time.process_time()
     _compile()
     found: list[StressCase] = []
-    for case in chosen:
-        if progress is not None:
-            progress(case.group, len(chosen))
-        found.append(attempt(case))
-    return StressReport(
-        tuple(found), quick, time.perf_counter() - begin, time.process_time() - processor
-    )
+
+    def report() -> StressReport:
+        seconds, of_processor = time.perf_counter() - begin, time.process_time() - processor
+        return StressReport(tuple(found), quick, seconds, of_processor, len(chosen) - len(found))
+
+    try:
+        for case in chosen:
+            if progress is not None:
+                progress(case.group, len(chosen))
+            found.append(attempt(case))
+    except (KeyboardInterrupt, SystemExit):
+        if interrupted is not None:
+            interrupted(report())
+        raise
+    return report()

@@ -38,6 +38,10 @@ from kinetics.crosscheck.stress.run import all_cases, run_stress
         (Outcome(1e-8, 2e-8), 0.0, MISSED),
         (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, 1e-9, converged=False), 0.0, CAREFUL),
+        (Outcome(1e-8, 1e-9, converged=False, in_part=True), 0.0, SAYS_SO),
+        (Outcome(1e-8, 1e-9, converged=False, known_to=1e-8), 0.0, SAYS_SO),
+        (Outcome(1e-8, 1e-9, converged=False, known_to=1e-9), 0.0, CAREFUL),
+        (Outcome(1e-8, 2e-8, in_part=True, known_to=1.0), 0.0, MISSED),
         (Outcome(1e-8, converged=False), 0.0, SAYS_SO),
         (Outcome(converged=False), 0.0, SAYS_SO),
         (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
@@ -317,3 +321,28 @@ def test_the_command_ends_with_status_one_if_a_case_must_not_be(
     fine = [Case("limits", "fine", lambda: Outcome(1e-8, 1e-9))]
     monkeypatch.setattr(run, "all_cases", lambda quick: fine)
     assert runner.invoke(stress, []).exit_code == 0
+
+
+def interrupted_by(status: BaseException) -> list[Case]:
+    def stop() -> Outcome:
+        raise status
+
+    fine = Case("limits", "fine", lambda: Outcome(1e-8, 1e-9))
+    return [fine, Case("limits", "stopped", stop), fine]
+
+
+@pytest.mark.parametrize("signal", [KeyboardInterrupt(), SystemExit(143)])
+def test_an_interruption_reports_what_has_been_run(
+    monkeypatch: Any, tmp_path: Any, signal: BaseException
+) -> None:
+    monkeypatch.setattr(run, "all_cases", lambda quick: interrupted_by(signal))
+    monkeypatch.setattr(run, "_compile", lambda: None)
+    done = CliRunner().invoke(stress, ["-o", str(tmp_path / "out")])
+    assert done.exit_code != 0
+    assert "Interrupted: 2 more were not run." in done.stdout
+    assert done.stderr.startswith("lorentz: interrupted: 2 cases were not run")
+    kept = json.loads((tmp_path / "out" / "stress.json").read_text())
+    assert [c["name"] for c in kept["cases"]] == ["fine"]
+    assert kept["not_run"] == 2
+    with pytest.raises(type(signal)):
+        run_stress()

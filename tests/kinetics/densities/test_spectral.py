@@ -48,6 +48,22 @@ def test_mass_moments_and_sign(e: float) -> None:
         )
 
 
+@pytest.mark.parametrize(
+    ("e", "rtol", "count"), [(0.4, 1e-4, 1024), (0.5, 1e-6, 1024), (0.9, 1e-9, None)]
+)
+def test_far_below_the_thermal_speed_the_density_goes_to_zero(
+    e: float, rtol: float, count: int | None
+) -> None:
+    """The lower end of the nodes left g = v f of the size that is resolved there; f was -17."""
+    solution = density(e, [0.5, 30.0], rtol=rtol, nodes=count)
+    assert solution.status is SolverStatus.CONVERGED
+    for k, thermal in enumerate(solution.thermal_speed):
+        v = thermal * np.geomspace(1e-10, 1e-3, 200)
+        f = thermal * solution.speed_density(v)[k]
+        assert f.min() > 0.0
+        assert np.all(f < 3.0 * v / thermal)  # the start is 2 v/v0^2 there, and tracers leave it
+
+
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.95])
 def test_mass_does_not_drift(e: float) -> None:
     """To 1e-13 from time to time, by a rule that is the same for all."""

@@ -315,3 +315,17 @@ def test_the_rounding_of_the_speed_is_in_the_estimate() -> None:
     error = np.abs(state.vdf(c) / ScalingSolution(0.9999).vdf(c) - 1.0).max()
     assert error <= state.error_estimate
     assert state.status is SolverStatus.TOLERANCE_NOT_REACHED
+
+
+@pytest.mark.parametrize(
+    ("e", "nodes"), [(0.0, 14), (0.999, 16), (1.0 - 1e-10, 14), (1.0 - 1e-10, 18)]
+)
+def test_far_too_few_nodes_say_so_and_raise_nothing(e: float, nodes: int) -> None:
+    """Moments of a nonsensical axis are no overflow of what was asked."""
+    vdf = solve_scaled(e, nodes=nodes)
+    vdf.vdf(np.geomspace(1e-3, 30.0, 50))
+    found = [vdf.cooling_rate, vdf.a2, *(vdf.moment(p) for p in (0.0, 1.0, 4.0, 20.0))]
+    assert np.all(np.isfinite(found))
+    assert vdf.status is SolverStatus.TOLERANCE_NOT_REACHED
+    with pytest.raises(InputError, match="overflows"):
+        solve_scaled(0.0).moment(300.0)
