@@ -32,7 +32,7 @@ _HOPELESS, _LONGEST_OF_FRONTS = 100.0, 0.3
 _STOPPING = 2.0
 # The sweep ends with the error that it has after a second or two where it may not end at all: for
 # those, for sharp speeds, and for samples that throw tracers straight back. Others after about ten.
-_MOST_WORK_OF_SLOW, _MOST_WORK = 3.5e6, 1.2e9
+_MOST_WORK_OF_SLOW, _MOST_WORK = 5e6, 1.2e9
 _OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for; times 1
 # from sharp speeds without fits of the end of F, which leaves waves at all radii.
