@@ -51,6 +51,8 @@ class Displacement(Value):
     systems : how many systems of so many equations were solved, by their size
     once : the once-collided, and twice, of a start of few speeds; None in files of version 0.1
     dimension : 2 or 3
+    parts : for a start of a few speeds, the share of all tracers in each and the solution for it;
+        panels and tails are theirs then, and there are none here
     """
 
     mean_free_path: float
@@ -67,14 +69,18 @@ class Displacement(Value):
     systems: Mapping[int, int]
     once: OnceCollided | None = None
     dimension: int = 2
+    parts: tuple[tuple[float, Displacement], ...] = ()
 
     @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
-        return sum(panel.values.shape[1] for panel in self.panels)
+        here = sum(panel.values.shape[1] for panel in self.panels)
+        return here + sum(part.wave_numbers for _, part in self.parts)
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
+        if self.parts:
+            return np.asarray(sum(share * part.density(time, r) for share, part in self.parts))
         path, d = self.mean_free_path, self.dimension
         near = np.minimum(r, self.reach[time])
         collided = element(near / path, d) * (self._transform(time, r, 0) / path)
@@ -84,6 +90,9 @@ class Displacement(Value):
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
+        if self.parts:
+            shares = [share * part.collided_within(time, r) for share, part in self.parts]
+            return np.asarray(sum(shares))
         near = np.minimum(r, self.reach[time])  # the square of r may overflow
         inside = element(near / self.mean_free_path, self.dimension)
         inside = inside * self._transform(time, r, 1)
@@ -108,6 +117,10 @@ class Displacement(Value):
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
+        if self.parts:
+            each = [(share, part.collided_in_place(time, r)) for share, part in self.parts]
+            value, slope = (sum(share * found[i] for share, found in each) for i in (0, 1))
+            return np.asarray(value), np.asarray(slope)
         value, slope = self._transform(time, r, 0), -self._transform(time, r, 2)
         for _ in range(self.dimension):  # the power of l may overflow
             value, slope = value / self.mean_free_path, slope / self.mean_free_path

@@ -112,6 +112,14 @@ class Scattering:
         """The work of the systems solved so far: cubes of their sizes, summed."""
         return float(sum(count * size**3 for size, count in self.systems.items()))
 
+    def flying(self, time: int) -> float:
+        """exp(-T) of the slowest tracers of a start of sharp speeds at a time; 0 for densities."""
+        if self.state.peaks is None:
+            return 0.0
+        with np.errstate(over="ignore", under="ignore"):
+            path = self.times[time] * float(np.min(self.state.peaks[0])) / self.mean_free_path
+            return math.exp(-path)
+
     def log_stretch(self, which: Indices) -> FloatArray:
         """ln(t/l) of some of the times, -inf at t = 0, shape of their indices (n_which,)."""
         with np.errstate(divide="ignore"):

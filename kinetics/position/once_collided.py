@@ -39,13 +39,15 @@ from kinetics.position.twice_collided import twice_density, twice_scattering, tw
 from kinetics.states.state import State
 from kinetics.values import Value
 
-_MOST_SPEEDS = 4  # of a start: each costs as much as one
 _POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is left
 _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
 _LENGTH = 2.0  # of a panel in z for other bounces
 _NEAREST = 20  # panels towards a singular radius, each a quarter of the next
 _TURN = 6.0  # of K R on a panel in R, at most
-_LONGEST = 40.0  # T beyond which none is at the front R = T, and few elsewhere
+_FARTHEST = 40.0  # R beyond which there are none: fewer than e^-R
+# T beyond which rounding spoils their density, and beyond which that of the twice-collided, which
+# is known as a polynomial between the fronts, is not resolved
+_LONGEST, _LONGEST_OF_TWICE = 2e7, 40.0
 
 
 class Scatterer(NamedTuple):
@@ -76,7 +78,9 @@ class Scatterer(NamedTuple):
 
 @dataclass(frozen=True)
 class OnceCollided(Value):
-    """The tracers that have collided once, or twice at most, of a start of a few sharp speeds.
+    """The tracers that have collided once, or twice at most, of a start of one sharp speed.
+
+    Files of version 0.1 hold them of several speeds.
 
     Attributes
     ----------
@@ -108,13 +112,18 @@ class OnceCollided(Value):
         """Whether these tracers are kept apart at a time."""
         return bool(self.shares[time].any())
 
+    def has_front(self, time: int, least: float) -> bool:
+        """Whether more than a share ``least`` of the tracers has not collided at a time."""
+        with np.errstate(under="ignore"):
+            return self.kept_apart(time) and bool(np.exp(-self.flights[time].min()) > least)
+
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Their density in 1/d at radii r in d, shape (n_r,)."""
         rho, path = r / self.mean_free_path, self.mean_free_path
 
         def density(T: float) -> FloatArray:
             found = once_density(rho, T, self.scatterer)
-            if self.twice:
+            if self._twice(T):
                 found = found + twice_density(rho, T, self.restitution, self.dimension)
             return found / path
 
@@ -125,14 +134,16 @@ class OnceCollided(Value):
         rho = r / self.mean_free_path
 
         def share(T: float) -> FloatArray:
-            near = np.clip(rho, 0.0, T)
-            edges = np.union1d(radial_edges(self.scatterer.singular_radii(T), T), near)
+            near = np.clip(rho, 0.0, min(T, _FARTHEST))
+            edges = np.union1d(_edges(self.scatterer, T), near)
             x, w = panels_between(edges, _POINTS)
             part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
             sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
             found = sums[np.searchsorted(edges, near)]
-            if self.twice:
-                found = found + twice_within(near, T, self.restitution, self.dimension)
+            if self._twice(T):
+                found = found + twice_within(
+                    np.clip(rho, 0.0, T), T, self.restitution, self.dimension
+                )
             return np.asarray(found)
 
         return self._sum(time, share, r.shape)
@@ -143,14 +154,18 @@ class OnceCollided(Value):
 
         def transform(T: float) -> FloatArray:
             # few different resolutions, so that tables are used again
-            turns = 2.0 ** math.ceil(math.log2(max(32.0, highest * T)))
+            turns = highest * min(T, _FARTHEST)
+            turns = 2.0 ** math.ceil(math.log2(max(32.0, turns)))
             rho, weight = _table(self.scatterer, T, turns)
             found = mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
-            if self.twice:
+            if self._twice(T):
                 found += twice_scattering(wave_numbers, T, self.restitution, self.dimension)
             return np.asarray(found)
 
         return self._sum(time, transform, wave_numbers.shape)
+
+    def _twice(self, T: float) -> bool:
+        return self.twice and T < _LONGEST_OF_TWICE
 
     def _sum(
         self, time: int, of: Callable[[float], FloatArray], shape: tuple[int, ...]
@@ -166,30 +181,23 @@ class OnceCollided(Value):
 def once_collided(
     law: CollisionLaw, state: State, mean_free_path: float, times: FloatArray, least: float
 ) -> OnceCollided:
-    """The once-collided tracers of a start, at the times at which their fronts are not negligible.
+    """The once-collided tracers of a start of one speed, at the times at which they count.
 
     least : share of tracers that is negligible
     """
     peaks, e, et = state.peaks, law.restitution, law.tangential_restitution
     if e is None or et is None:  # every sample has its own singular radii
         peaks, e, et = None, 1.0, 1.0
-    speeds, shares = (np.zeros(0), np.zeros(0)) if peaks is None else _distinct(*peaks)
-    if speeds.size > _MOST_SPEEDS:
-        speeds, shares = speeds[:0], shares[:0]
+    if peaks is None or np.ptp(peaks[0]) > 0.0:  # each speed has its own
+        peaks = np.zeros(0), np.zeros(0)
+    speed, share = peaks[0][:1], np.ones(peaks[0][:1].size)
     with np.errstate(over="ignore", under="ignore"):
-        flights = np.outer(times, speeds) / mean_free_path
+        flights = np.outer(times, speed) / mean_free_path
         # those that lost most at once: that flew e T after a head-on collision where e < et
         seen = (np.exp(-min(e, et) * flights) > least) & (flights > least) & (flights < _LONGEST)
-    # all speeds or none: what is left is as smooth as the worst of them
-    every = seen.all(axis=1, keepdims=True)
-    kept = np.where(every, shares, 0.0)
-    return OnceCollided(e, mean_free_path, flights, kept, et, law.dimension, twice=et == 1.0)
-
-
-def _distinct(speed: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Each speed once, with the share of all tracers that have it."""
-    distinct, place = np.unique(speed, return_inverse=True)
-    return distinct, np.bincount(place, weights=share).astype(float)
+    return OnceCollided(
+        e, mean_free_path, flights, np.where(seen, share, 0.0), et, law.dimension, twice=et == 1.0
+    )
 
 
 def once_density(rho: FloatArray, T: float, scatterer: Scatterer) -> FloatArray:
@@ -288,8 +296,14 @@ def _between(
 @lru_cache(maxsize=16)
 def _table(scatterer: Scatterer, T: float, turns: float) -> tuple[FloatArray, FloatArray]:
     """Radii on [0, T], and weights times P_1 there, for K T up to ``turns``, (n,) each."""
-    rho, weight = panels_between(radial_edges(scatterer.singular_radii(T), T, turns), _POINTS)
+    rho, weight = panels_between(_edges(scatterer, T, turns), _POINTS)
     return rho, weight * once_density(rho, T, scatterer)
+
+
+def _edges(scatterer: Scatterer, T: float, turns: float = 0.0) -> FloatArray:
+    """Edges of panels from 0 to where there are no more once-collided; see `radial_edges`."""
+    far = min(T, _FARTHEST)
+    return radial_edges((*scatterer.singular_radii(T), far), far, turns)
 
 
 def radial_edges(singular: tuple[float, ...], T: float, turns: float = 0.0) -> FloatArray:

@@ -47,8 +47,8 @@ _TURNING = 3.5  # T at which flights along k are resolved worst
 # Harmonics for each digit: late, besides K for each, and early, besides the K T of free flights.
 _LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
-# Harmonics that a panel adds, and further ones, at most, as free flights reach them. For directed
-# starts they decide the error estimate, which the waves of the measurement do not show.
+# Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
+# where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
 _MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
 _PANELS = 32  # for which there is room at first
@@ -314,7 +314,7 @@ class Sweep:
         # what comes back to m = 0 is the square at most; those that are kept matter themselves
         rising = 0.1 * tolerance if kept else tolerance**_RISING
         flights = float(self.wave_numbers.max()) * (rate[-1] - rate[0])  # they reach m = K T
-        more = _MORE + int(min(_MOST_MORE, flights))
+        more = _MORE + int(flights if kept else min(_MOST_MORE, flights))
         needed = max(last_above(rising) + more, min(used, last_above(tolerance)))
         return min(self.top, _even(needed))
 

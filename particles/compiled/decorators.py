@@ -22,11 +22,11 @@ from particles.compiled.cache import Cache, keep
 from particles.compiled.search import FORM
 
 # forceinline: LLVM puts the body where the call is, so a step costs no call and no copies.
-_OPTIONS: Any = {"error_model": "numpy", "forceinline": True}
+_OPTIONS: Any = {"error_model": "numpy", "forceinline": True, "no_cfunc_wrapper": True}
 _KERNEL: Any = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
 # Interpreted where Python calls them. So they are compiled without an entry for Python, which would
 # begin with the conversion of all arguments and take a third of the time.
-called = register_jitable(error_model="numpy")
+called = register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 inlined = register_jitable(**_OPTIONS)
 
 

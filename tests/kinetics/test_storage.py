@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from example_values import STATES, VALUES, solved, with_densities
+from marking import slow_but
 
 from kinetics import InputError, ScalingSolution, Scene, SpeedDensity, load, solve_scaled, storage
 from kinetics.outputs import OUTPUTS
@@ -33,7 +34,7 @@ def test_scenes_come_back(state: str, tmp_path: Path) -> None:
         found.times[0] = 1.0
 
 
-@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
+@pytest.mark.parametrize("e", slow_but([0.7], [0.0, 0.7, 1.0]))
 @pytest.mark.parametrize("state", STORED)
 def test_solutions_come_back(state: str, e: float, tmp_path: Path) -> None:
     density = not (e == 1.0 and state in ("samples", "velocities"))

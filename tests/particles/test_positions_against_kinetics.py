@@ -19,8 +19,8 @@ TRACERS = 200_000
 @pytest.mark.parametrize(
     ("initial", "restitution"),
     [
-        ("gaussian", 0.4),
         ("monoenergetic", 0.9),
+        pytest.param("gaussian", 0.4, marks=pytest.mark.slow),
         pytest.param("gaussian", 0.9, marks=pytest.mark.slow),
         pytest.param("monoenergetic", 0.4, marks=pytest.mark.slow),
     ],

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marking import slow_but
 from pages import check_alone, check_in_browser
 
 from kinetics import CollisionLaw, solve_field
@@ -182,7 +183,7 @@ def test_the_printed_table_has_a_line_for_each_comparison(document: dict[str, An
     assert not [line for line in table if "agree" in line]
 
 
-@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("width", slow_but([390], [390, 1400]))
 def test_nothing_but_tables_scrolls_sideways(
     page: str, browser: Any, tmp_path: Path, width: int
 ) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from scan import Constant, Outcome, scan
 
 from kinetics import CollisionLaw, Scene, solve
-from kinetics.position import intermediate_scattering, scattering, solve_density, tail
+from kinetics.position import intermediate_scattering, scattering, sweep, tail
 
 TIMES = np.linspace(-3.0, 6.0, 60)  # X = ln(v t/l)
 WAVES = list(itertools.product((0.0, 0.6, 1.0), (0.2, 1.0, 3.0, 7.0), (1.0, 6.0)))
@@ -45,26 +45,26 @@ OF_WAVES = [
     Constant(scattering, "_FEWEST_NODES", (-2, 2), add=True),
 ]
 OF_DENSITIES = [
-    Constant(solve_density, "_LARGEST", (0.5, 2.0)),
-    Constant(solve_density, "_LARGEST_OF_PEAKS", (0.5, 1.5)),
-    Constant(solve_density, "_FEW", (0.1, 10.0)),
-    Constant(solve_density, "_CHEAP", (0.5, 2.0)),
-    Constant(solve_density, "_CHEAPER", (0.01, 100.0)),
-    Constant(solve_density, "_POINTS", (-2.0, 2.0), add=True),
-    Constant(solve_density, "_FOR_DIGIT", (0.7, 1.3)),
-    Constant(solve_density, "_FOR_DIGIT_AT_ZERO", (0.7, 1.3)),
-    Constant(solve_density, "_FIRST", (0.5, 1.5)),
-    Constant(solve_density, "_POINTS_OF_POWERS", (-1.0, 2.0), add=True),
-    Constant(solve_density, "_FOR_DIGIT_LATE", (0.7, 1.3)),
-    Constant(solve_density, "_EARLIER", (0.5, 2.0)),
-    Constant(solve_density, "_MOST_ALLOWED", (0.2, 4.0)),
-    Constant(solve_density, "_STEP", (0.9, 1.3)),
-    Constant(solve_density, "_LONGEST_STEP", (0.85, 1.25)),
-    Constant(solve_density, "_POWERS", (0.5, 1.5)),
-    Constant(solve_density, "_FITTED", (0.5, 1.7)),
-    Constant(solve_density, "_BETTER", (0.3, 3.0)),
-    Constant(solve_density, "_BEYOND", (0.5, 3.0)),
-    Constant(solve_density, "_FALL", (0.5, 2.0)),
+    Constant(sweep, "_LARGEST", (0.5, 2.0)),
+    Constant(sweep, "_LARGEST_OF_PEAKS", (0.5, 1.5)),
+    Constant(sweep, "FEW", (0.1, 10.0)),
+    Constant(sweep, "_CHEAP", (0.5, 2.0)),
+    Constant(sweep, "_CHEAPER", (0.01, 100.0)),
+    Constant(sweep, "_POINTS", (-2.0, 2.0), add=True),
+    Constant(sweep, "_FOR_DIGIT", (0.7, 1.3)),
+    Constant(sweep, "_FOR_DIGIT_AT_ZERO", (0.7, 1.3)),
+    Constant(sweep, "_FIRST", (0.5, 1.5)),
+    Constant(sweep, "_POINTS_OF_POWERS", (-1.0, 2.0), add=True),
+    Constant(sweep, "_FOR_DIGIT_LATE", (0.7, 1.3)),
+    Constant(sweep, "_EARLIER", (0.5, 2.0)),
+    Constant(sweep, "_MOST_ALLOWED", (0.2, 4.0)),
+    Constant(sweep, "_STEP", (0.9, 1.3)),
+    Constant(sweep, "_LONGEST_STEP", (0.85, 1.25)),
+    Constant(sweep, "_POWERS", (0.5, 1.5)),
+    Constant(sweep, "_FITTED", (0.5, 1.7)),
+    Constant(sweep, "_BETTER", (0.3, 3.0)),
+    Constant(sweep, "_BEYOND", (0.5, 3.0)),
+    Constant(sweep, "_FALL", (0.5, 2.0)),
     Constant(tail, "_LOWER", (0.9, 1.2)),
     Constant(intermediate_scattering, "_POINTS", (-3, 3), add=True),
 ]

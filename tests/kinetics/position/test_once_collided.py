@@ -190,8 +190,8 @@ def test_an_error_that_is_not_small_is_estimated_beside_the_fronts_too(
 ) -> None:
     """Against the same with twice the wave numbers, from 1/K on from the fronts."""
     found = one_speed(e, T, dimension=dimension)
-    monkeypatch.setattr("kinetics.position.solve_density._LARGEST_TURNS", 200.0)
-    monkeypatch.setattr("kinetics.position.solve_density._LARGEST_OF_PEAKS", 1.0)
+    monkeypatch.setattr("kinetics.position.sweep._LARGEST_TURNS", 200.0)
+    monkeypatch.setattr("kinetics.position.sweep._LARGEST_OF_PEAKS", 1.0)
     best = one_speed(e, T, rtol=1e-7, dimension=dimension)
     x = np.linspace(0.01, 0.99, 300)
     fronts = [1.0, *inner_fronts(e)]
@@ -211,21 +211,27 @@ def test_asking_for_too_much_ends_and_says_so() -> None:
     assert much.stats["wave_numbers"] < 1.5 * little.stats["wave_numbers"]
 
 
-def test_a_few_speeds_are_taken_apart_and_many_are_not() -> None:
-    """Three speeds are the mixture of their once-collided."""
-    law, times = CollisionLaw(0.6), np.array([1.0, 5.0])
-    few = once_collided(law, SpeedSamples([0.5, 1.0, 1.0, 2.0]), 1.0, times, 1e-9)
-    rho = np.array([0.2, 0.7, 1.4])
-    few = dataclasses.replace(few, twice=False)
-    for i, t in enumerate(times):
-        expected = sum(
-            w * once_density(rho, v * t, Scatterer(0.6, 1.0, 2))
-            for v, w in ((0.5, 0.25), (1, 0.5), (2, 0.25))
-        )
-        assert np.allclose(few.at(i, rho), expected, rtol=1e-12)
-    many = once_collided(law, SpeedSamples(np.linspace(0.5, 1.5, 9)), 1.0, times, 1e-9)
-    assert not many.kept_apart(0)
-    assert not many.at(0, rho).any()
+def test_a_few_speeds_are_solved_one_by_one_and_many_are_not() -> None:
+    """Two speeds of which the slow one has hardly collided while the other is late."""
+    law, speeds = CollisionLaw(1.0), [0.02, 1.0, 1.0]
+    outputs = ("msd", "position_density")
+    found, *each = (
+        solve(Scene(law, initial=SpeedSamples(v), times=[500.0], outputs=outputs), rtol=1e-3)
+        for v in (speeds, speeds[:1], speeds[1:])
+    )
+    assert found.status is SolverStatus.CONVERGED
+    assert found._displacement is not None
+    assert [share for share, _ in found._displacement.parts] == pytest.approx([1 / 3, 2 / 3])
+    r = np.concatenate([np.linspace(0.05, 9.9, 100), np.linspace(10.1, 200.0, 100)])
+    slow, fast = (one.position_density(r) for one in each)
+    apart = found.position_density(r) - slow / 3.0 - fast * 2.0 / 3.0
+    assert np.sqrt(found.msd[0]) * np.abs(apart[0]).max() < 2e-3
+    edges = [0.0, 5.0, 9.9, 10.1, 500.0]
+    slow, fast = (one.position_fraction(edges) for one in each)
+    assert found.position_fraction(edges) == pytest.approx(slow / 3 + fast * 2 / 3, abs=2e-3)
+    assert found.position_fraction(edges).sum() == pytest.approx(1.0, abs=1e-4)
+    many = SpeedSamples(np.linspace(0.5, 1.5, 9))
+    assert not once_collided(law, many, 1.0, np.array([1.0]), 1e-9).kept_apart(0)
 
 
 def test_both_ways_to_solve_a_panel_agree() -> None:

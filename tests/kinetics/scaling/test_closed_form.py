@@ -34,7 +34,7 @@ def test_cooling_rate_a2_and_integer_moments(e: float, formulas: ModuleType) -> 
 
 
 @pytest.mark.parametrize(
-    "e", slow_but([0.0, 0.4, 1 - 1e-8], [0.0, 0.05, 0.4, 0.9, 0.99, 1e-8, 1 - 1e-8])
+    "e", slow_but([0.0, 1 - 1e-8], [0.0, 0.05, 0.4, 0.9, 0.99, 1e-8, 1 - 1e-8])
 )
 def test_moments_between_the_integers(e: float, formulas: ModuleType) -> None:
     """Newton's interpolation of ln E[Y^n] far out, and the recursion back."""

@@ -24,7 +24,7 @@ PROGRAM = """
         "space": PoissonSpheres(0.5, count=None), "forgetful": ForgetfulPoisson(0.1, 2),
     }
     in_field = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
-    laws = ((0.5, 1.0), (0.3, 0.8), (0.0, 1.0), (1.0, 1.0), (0.9, 0.4))[:how_many]
+    laws = ((0.3, 0.8), (0.5, 1.0), (0.0, 1.0), (1.0, 1.0), (0.9, 0.4))[:how_many]
     size = {"media": 2, "tracers": tracers, "workers": 1, "max_collisions": 12}
     for kind, (e, et) in ((kind, law) for kind in media for law in laws):
         ensemble = simulate(
@@ -66,7 +66,7 @@ def interpreted(laws: int, tracers: int) -> list[str]:
     ).stdout.splitlines()
 
 
-@pytest.mark.parametrize(("laws", "tracers"), [(2, 9), pytest.param(5, 18, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("laws", "tracers"), [(1, 9), pytest.param(5, 18, marks=pytest.mark.slow)])
 def test_interpreted_and_compiled_kernels_give_the_same_bits(laws: int, tracers: int) -> None:
     found = compiled(laws, tracers)
     assert len(found) == 10 * laws * 15 + 4 * laws * 14
