@@ -39,6 +39,7 @@ from kinetics.position.waves import Waves, carried, series_sum, together
 _SERIES, _TERMS = 5.0, 40
 _LASTING = 2  # the harmonics whose decay decides from which X on the panels may end
 _FEWEST_NODES = 6
+_NO_POWER = 1e-18  # a ratio of speeds of which no power but the zeroth counts
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
 # The constants below are measured again by tests/kinetics/measurements/position.py. For each
 # decimal digit of the tolerance there are so many nodes, and more for each turn of K T on a panel.
@@ -166,9 +167,11 @@ class Sweep:
             self._loss[:, diagonal, diagonal] += many.weight.sum() / self._coupling[:, None]
             with np.errstate(under="ignore"):
                 ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
-                powers = many.weight * ratio ** np.arange(_TERMS + 1)[:, None]
+                above = ratio > _NO_POWER
+                powers = many.weight[above] * ratio[above] ** np.arange(1, _TERMS + 1)[:, None]
             for m, harmonic in enumerate(many.each_harmonic(top)):
-                self._far[:, m] = powers @ harmonic / self._coupling[m]
+                self._far[0, m] = many.weight @ harmonic / self._coupling[m]
+                self._far[1:, m] = powers @ harmonic[above] / self._coupling[m]
         self._returned: Returned | None = None
         if law.returns(0)[0]:
             self._returned = Returned(law, rule, self._loss, self._coupling)
