@@ -61,7 +61,7 @@ class VelocitySamples(State):
         v = np.asarray(self.velocity)
         x = np.log(np.hypot(v[:, 0], v[:, 1]))
         phase = np.exp(-1j * m * np.arctan2(v[:, 1], v[:, 0])) if m else np.ones(x.size)
-        return quadrature.samples(x, phase / x.size)
+        return quadrature.samples(x, phase / x.size, rtol, max(highest, -lowest))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:

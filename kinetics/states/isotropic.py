@@ -279,7 +279,8 @@ class SpeedSamples(State):
         if m:
             return None
         x = np.log(np.asarray(self.speed))
-        return quadrature.samples(x, np.full(x.size, 1.0 / x.size))
+        steepest = max(highest, -lowest)
+        return quadrature.samples(x, np.full(x.size, 1.0 / x.size), rtol, steepest)
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:

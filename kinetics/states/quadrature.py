@@ -26,8 +26,9 @@ from kinetics.values import Value
 # Samples: as many as this are kept as they are, because the grid of more has about so many points.
 _MOST_POINTS = 400
 # Interpolation by 12 points of spacing h leaves (1 3 5 7 9 11/2^6)^2 h^12/12! times the twelfth
-# derivative of a function: 2e-19 times it.
+# derivative of a function, which is p^12 v^p for a power: the widest spacing leaves 2e-19 p^12.
 _SAMPLE_SPACING, _SAMPLE_WIDTH = 1.0 / 16.0, 12
+_LEFT_OUT = (10395.0 / 64.0) ** 2 / math.factorial(12)
 # The scan of a function: panels of this width in ln v, from the least to the largest number of
 # which the square is in the range of doubles.
 _SCAN_WIDTH, _SCAN_LOWEST, _SCAN_HIGHEST, _SCAN_POINTS = 0.5, -360.0, 700.0, 32
@@ -129,17 +130,19 @@ def interpolate(v: FloatArray, speed: FloatArray, density: NDArray[Any]) -> NDAr
     return np.asarray(real + 1j * np.interp(v, speed, density.imag, left=0.0, right=0.0))
 
 
-def samples(x: FloatArray, weight: NDArray[Any]) -> LogMeasure:
+def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> LogMeasure:
     """Points x of the given weights, (n,) each, many of them gathered on a fine grid.
 
-    Each is spread by local interpolation (12 points, spacing 1/16): averages of functions that
-    are smooth in ln v, as the solver's are, stay the same to 1e-13.
+    Each is spread by local interpolation (12 points, spacing 1/16 or less): averages of v^power,
+    and of functions of ln v that are no steeper, stay the same to a tenth of rtol.
     """
-    if x.size <= _MOST_POINTS:
-        return LogMeasure(x, weight)
-    spacing, width = _SAMPLE_SPACING, _SAMPLE_WIDTH
+    width = _SAMPLE_WIDTH
+    fine = (0.1 * rtol / _LEFT_OUT) ** (1.0 / width) / max(abs(power), 1.0)
+    spacing = min(_SAMPLE_SPACING, fine)
     start = spacing * (math.floor(float(x.min()) / spacing) - width)
     cells = math.ceil((float(x.max()) - start) / spacing) + width
+    if x.size <= max(_MOST_POINTS, cells if fine < _SAMPLE_SPACING else 0):
+        return LogMeasure(x, weight)
     total = np.zeros(cells + 1, dtype=weight.dtype)
     nodes = np.arange(width, dtype=float)
     barycentric = np.array([(-1.0) ** k * math.comb(width - 1, k) for k in range(width)])

@@ -1,4 +1,4 @@
-"""What the fuzz tests share: their helpers, and signal handlers that stay as they were."""
+"""What the fuzz tests share: helpers, a folder for what they write, handlers kept as they were."""
 
 import signal
 import sys
@@ -17,3 +17,9 @@ def _keep_signal_handlers() -> Iterator[None]:
     yield
     for number, handler in zip(numbers, before, strict=True):
         signal.signal(number, handler)
+
+
+@pytest.fixture(autouse=True)
+def _folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run may be given any name for its file."""
+    monkeypatch.chdir(tmp_path)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="Drive solvers and particles to their limits; a verdict for each case.")
-@click.option("--quick", is_flag=True, help="Fewer cases, within a minute.")
+@click.option("--quick", is_flag=True, help="Fewer cases, in one to two minutes.")
 @click.option(
     "--group", "groups", multiple=True, help="Run this group alone; may be repeated. [default: all]"
 )

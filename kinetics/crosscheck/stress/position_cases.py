@@ -118,7 +118,7 @@ def _directed(found: Any, times: Any, slack: float) -> dict[str, tuple[float, fl
 
 
 def _density(e: Law, label: str, t: float, rtol: float) -> Outcome:
-    """G(R) against a tighter one, relative to its maximum; its norm, second moment, sign and ends.
+    """G(R) against a tighter one; its norm, second moment, sign and ends.
 
     Where the tighter one is not known well enough, the norm alone remains.
     """
@@ -141,7 +141,7 @@ def _density(e: Law, label: str, t: float, rtol: float) -> Outcome:
     finer = solve_start(e, label, [t], ("position_density",), 0.01 * rtol)
     tight = finer.scaled_position_density(r)[0]
     known = finer.error_estimate <= REFERENCE_SHARE * rtol
-    apart = float(np.max(np.abs(g - tight)) / np.max(tight)) if known else 0.0
+    apart = float(np.max(np.abs(g - tight))) if known else 0.0
     return Outcome(
         asked=rtol,
         reached=max(abs(norm - 1.0), apart) if finite(g) else math.inf,

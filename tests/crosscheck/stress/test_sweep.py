@@ -171,7 +171,7 @@ def share_that_holds(report: StressReport) -> float:
 
 @pytest.mark.slow
 def test_a_part_of_the_quick_cases() -> None:
-    """All of them take half a minute; the continuous integration runs them."""
+    """All of them take a minute or two; the continuous integration runs them."""
     groups = ("scaled equation", "scaled equation, nodes given", "cooling", "starts")
     report = sweep((*groups, "moments of position"), step=17)
     assert share_that_holds(report) > 0.8

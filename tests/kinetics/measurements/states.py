@@ -25,7 +25,7 @@ def gaussian_error(rtol: float, lowest: float, highest: float) -> float:
 def gathering_error(p: float) -> float:
     """Error of the mean of 1/(1 + v)^p over samples that were gathered on a grid, relative."""
     x = np.random.default_rng(1).normal(size=5000)
-    found = quadrature.samples(x, np.full(x.size, 1.0 / x.size))
+    found = quadrature.samples(x, np.full(x.size, 1.0 / x.size), 1e-9, 2.0)
     exact = np.mean((1.0 + np.exp(x)) ** -p)
     return float(abs(found.weight @ (1.0 + np.exp(found.x)) ** -p / exact - 1.0))
 
