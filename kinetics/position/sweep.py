@@ -32,7 +32,7 @@ _HOPELESS, _LONGEST_OF_FRONTS = 100.0, 0.3
 _STOPPING = 2.0
 # The sweep ends with the error that it has after a second or two where it may not end at all: for
 # those, for sharp speeds, and for samples that throw tracers straight back. Others after about ten.
-_MOST_WORK_OF_SLOW, _MOST_WORK = 5e6, 1.2e9
+_MOST_WORK_OF_PEAKS, _MOST_WORK_OF_ENDLESS, _MOST_WORK = 5e6, 3.5e6, 1.2e9
 _OF_FRONTS = 0.3  # part of the error of G that F may have up to its end, where there are fronts
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for; times 1
 # from sharp speeds without fits of the end of F, which leaves waves at all radii.
@@ -122,8 +122,9 @@ class Sweep:
         largest = _LARGEST_OF_PEAKS if self.sharp else _LARGEST
         turns = _LARGEST_TURNS if self.fronts else _LARGEST
         peaks = self.system.state.peaks is not None
-        slow = peaks or self._straight or self.system.law.least_loss > _STOPPING
-        most = _MOST_WORK_OF_SLOW if slow else _MOST_WORK
+        endless = self._straight or self.system.law.least_loss > _STOPPING
+        slow = peaks or endless
+        most = (_MOST_WORK_OF_ENDLESS if endless else _MOST_WORK_OF_PEAKS) if slow else _MOST_WORK
         begin = done = self._work(slow)
         while self.active.size:
             if low >= largest:
