@@ -15,6 +15,7 @@ from kinetics.crosscheck.stress.limits import (
     REFERENCE_SHARE,
     RESTITUTIONS,
     TIMES,
+    FloatArray,
     Law,
     above,
     as_law,
@@ -123,28 +124,32 @@ def _density(e: Law, label: str, t: float, rtol: float) -> Outcome:
     Where the tighter one is not known well enough, the norm alone remains.
     """
     found = solve_start(e, label, [t], ("msd", "position_density"), rtol)
-    r, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
-    g = found.scaled_position_density(r)[0]
     front, share = found.ballistic_front
     front, share = front[share > 0.0], share[share > 0.0]
     if found.msd[0] > 1e-290:
-        scaled = share * (front / math.sqrt(found.msd[0])) ** 2
+        front = front / math.sqrt(found.msd[0])
     else:  # all fly freely
         gaussian = float(as_law(e).dimension)
         second = {"two delta peaks": 0.5 * (1.0 + 1e-4), "monoenergetic": 1.0}.get(label, gaussian)
-        scaled = share * (front / t / math.sqrt(second)) ** 2
-    peaks: Any = np.sum(share), np.sum(scaled)
+        front = front / t / math.sqrt(second)
+    r, weight = _nodes_towards(front, as_law(e).restitution or 0.0)
+    g = found.scaled_position_density(r)[0]
+    peaks: Any = np.sum(share), np.sum(share * front**2)
     norm, second = (float(g @ (weight * r**p)) + q for p, q in zip((0, 2), peaks, strict=True))
     ends = found.scaled_position_density([0.0, 1e300])[0]
     fraction = found.position_fraction([0.0, 1e300])[0, 0] if not as_law(e).is_elastic else 1.0
     claimed = max(rtol, found.error_estimate)
-    finer = solve_start(e, label, [t], ("position_density",), 0.01 * rtol)
-    tight = finer.scaled_position_density(r)[0]
+    finer = solve_start(e, label, [t], ("msd", "position_density"), 0.01 * rtol)
     known = finer.error_estimate <= REFERENCE_SHARE * rtol
-    apart = float(np.max(np.abs(g - tight))) if known else 0.0
+    # at the same r, in units of the same length; and not as near to the fronts, where G(R) of
+    # sharp speeds may be infinite
+    apart, _ = _nodes_towards(front[:0], 0.0)
+    unit = math.sqrt(found.msd[0] / finer.msd[0]) if found.msd[0] > 1e-290 else 1.0
+    tight = unit * finer.scaled_position_density(unit * apart)[0]
+    difference = np.max(np.abs(found.scaled_position_density(apart)[0] - tight)) if known else 0.0
     return Outcome(
         asked=rtol,
-        reached=max(abs(norm - 1.0), apart) if finite(g) else math.inf,
+        reached=max(abs(norm - 1.0), float(difference)) if finite(g) else math.inf,
         converged=found.status.name == "CONVERGED",
         in_part=not known,
         invariants={
@@ -155,6 +160,18 @@ def _density(e: Law, label: str, t: float, rtol: float) -> Outcome:
         },
         note=f"estimate {found.error_estimate:.0e}",
     )
+
+
+def _nodes_towards(front: FloatArray, ratio: float) -> tuple[FloatArray, FloatArray]:
+    """Gauss points R (n,) and weights, dense where G(R) of sharp speeds is singular.
+
+    That is at the fronts, and at those of head-on collisions, ``ratio`` times as far.
+    """
+    edges = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
+    near = 2.0 ** -np.arange(1.0, 40.0)
+    for place in (*front, *(ratio * front)):
+        edges = np.union1d(edges, place * np.concatenate([1.0 - near, [1.0], 1.0 + near]))
+    return panels_between(edges, 12)
 
 
 def _scattering(e: Law, label: str, t: float) -> Outcome:
