@@ -49,7 +49,7 @@ class Displacement(Value):
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
-    once : the once-collided, and twice, of a start of few speeds; None in files of version 0.1
+    once : the once-collided, and twice, of a start of one speed; None where there are `parts`
     dimension : 2 or 3
     parts : for a start of a few speeds, the share of all tracers in each and the solution for it;
         panels and tails are theirs then, and there are none here

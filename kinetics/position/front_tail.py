@@ -33,7 +33,7 @@ from kinetics.position.wave_panel import WavePanel, nodes_between
 from kinetics.values import Value
 
 _POINTS = 12
-_AT_ORIGIN, _SMALL = 8, 0.2  # terms at R = 0, and e up to which files without `terms` have any
+_AT_ORIGIN = 8  # the last power of the terms at R = 0
 _ORIGIN = 3.0  # K T from which these fall as powers, but not below K = 1
 _FITTED = 0.3  # share of K, from above, to which they are fitted
 # Shares of K up to which the error is seen. If it falls as K^-p, what follows with these differs
@@ -52,47 +52,42 @@ Terms = tuple[tuple[float, float, float], ...]
 
 @dataclass(frozen=True)
 class FrontTail(Value):
-    """The sum of such functions, of some speeds.
+    """The sum of such functions, of one speed.
 
     Attributes
     ----------
-    coefficients : of the functions of one speed after another, shape (n_functions,)
-    restitution : e
-    flights : T of each speed, shape (n_speeds,)
+    coefficients : of the functions, shape (n_terms,)
+    flight : T of the speed
     dimension : 2 or 3
-    terms : a, nu and p of each function of a speed, shape (n_terms, 3). a = 1: at R = T, with the
-        power nu and p logarithms; 0 < a < 1: at R = a T, with the power nu and |p| - 1 logarithms,
-        for R > a T if p > 0, else for R < a T; a = 0: (q^2 + 1)^(-(nu + d)/2), q = K/scale. None in
-        files of version 0.1, which have functions at R = T and, for e < 0.2, at R = 0
+    terms : a, nu and p of each function, shape (n_terms, 3). a = 1: at R = T, with the power nu and
+        p logarithms; 0 < a < 1: at R = a T, with the power nu and |p| - 1 logarithms, for R > a T
+        if p > 0, else for R < a T; a = 0: (q^2 + 1)^(-(nu + d)/2), q = K/scale
     """
 
     coefficients: FloatArray
-    restitution: float
-    flights: FloatArray
-    dimension: int = 2
-    terms: FloatArray | None = None
+    flight: float
+    dimension: int
+    terms: FloatArray
 
-    def _shape(self, T: float) -> tuple[Terms, float, int]:
+    @property
+    def _shape(self) -> tuple[Terms, float, int]:
         """The terms, the scale of those at R = 0, and the dimension."""
-        if self.terms is None:
-            return _first_terms(self.restitution), _ORIGIN / T, self.dimension
         rows = tuple((float(a), float(nu), float(p)) for a, nu, p in self.terms)
-        return rows, max(1.0, _ORIGIN / T), self.dimension
+        return rows, max(1.0, _ORIGIN / self.flight), self.dimension
 
     @property
     def reach(self) -> float:
-        """R with which its part of F turns; 0 in files of version 0.1, where F itself turned."""
-        return 0.0 if self.terms is None else min(float(self.flights.max()), FARTHEST)
+        """R with which its part of F turns."""
+        return min(self.flight, FARTHEST)
 
     def at(self, k: FloatArray) -> FloatArray:
         """Its part of F at K = k, shape (n_k,)."""
-        columns = [_columns(k, float(T), *self._shape(float(T))) for T in self.flights]
-        return np.asarray(np.hstack(columns) @ self.coefficients)
+        return np.asarray(_columns(k, self.flight, *self._shape) @ self.coefficients)
 
     def transform(self, rho: FloatArray, kind: int) -> FloatArray:
         """Integral over all K at r = rho l, of a kind of `directions.radial_waves`, (n_r,)."""
-        parts = [_transforms(rho, float(T), self._shape(float(T)), kind) for T in self.flights]
-        return np.asarray(self.coefficients @ np.concatenate(parts))
+        parts = _transforms(rho, self.flight, self._shape, kind)
+        return np.asarray(self.coefficients @ parts)
 
 
 def fit_fronts(
@@ -138,7 +133,7 @@ def fit_fronts(
     if used.size == 0:
         return None, left
     kept = np.array(terms)[used]
-    return FrontTail(full, scatterer.restitution, np.array([T]), d, kept), left
+    return FrontTail(full, T, d, kept), left
 
 
 class _Fits:
@@ -225,14 +220,6 @@ class _Known:
             else:
                 out += values - part[:, used] @ full
         return float(np.abs(out).max())
-
-
-def _first_terms(e: float) -> Terms:
-    """Those of files of version 0.1."""
-    powers = (2.0, 3.0) if e == 1.0 else (2.0,)
-    front = [(1.0, nu, p) for nu, p in itertools.product(powers, (0.0, 1.0, 2.0))]
-    first = 0 if e == 0.0 else 1
-    return (*front, *([(0.0, float(first + j), 0.0) for j in range(_AT_ORIGIN * (e < _SMALL))]))
 
 
 def _terms(scatterer: Scatterer, T: float, high: float) -> Terms:

@@ -24,12 +24,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
@@ -80,16 +80,12 @@ class Scatterer(NamedTuple):
 class OnceCollided(Value):
     """The tracers that have collided once, or twice at most, of a start of one sharp speed.
 
-    Files of version 0.1 hold them of several speeds.
-
     Attributes
     ----------
     restitution : e, and 1 for a law that is given by samples, for which none are kept apart
     mean_free_path : l, in d
-    flights : T = v t/l of each time and speed, shape (n_times, n_speeds); n_speeds = 0 where these
-        tracers are not kept apart
-    shares : of all tracers in each speed, 0 at times at which they are not kept apart,
-        shape (n_times, n_speeds)
+    flights : T = v t/l of each time, shape (n_times,); 0 for other starts
+    kept : whether these tracers are kept apart at each time, shape (n_times,)
     tangential_restitution : et
     dimension : 2 or 3
     twice : whether those that have collided twice are among them
@@ -98,7 +94,7 @@ class OnceCollided(Value):
     restitution: float
     mean_free_path: float
     flights: FloatArray
-    shares: FloatArray
+    kept: NDArray[np.bool_]
     tangential_restitution: float = 1.0
     dimension: int = 2
     twice: bool = False
@@ -110,72 +106,55 @@ class OnceCollided(Value):
 
     def kept_apart(self, time: int) -> bool:
         """Whether these tracers are kept apart at a time."""
-        return bool(self.shares[time].any())
+        return bool(self.kept[time])
 
     def has_front(self, time: int, least: float) -> bool:
         """Whether more than a share ``least`` of the tracers has not collided at a time."""
         with np.errstate(under="ignore"):
-            return self.kept_apart(time) and bool(np.exp(-self.flights[time].min()) > least)
+            return self.kept_apart(time) and bool(np.exp(-self.flights[time]) > least)
 
     def at(self, time: int, r: FloatArray) -> FloatArray:
         """Their density in 1/d at radii r in d, shape (n_r,)."""
-        rho, path = r / self.mean_free_path, self.mean_free_path
-
-        def density(T: float) -> FloatArray:
-            found = once_density(rho, T, self.scatterer)
-            if self._twice(T):
-                found = found + twice_density(rho, T, self.restitution, self.dimension)
-            return found / path
-
-        return self._sum(time, density, r.shape)
+        if not self.kept[time]:
+            return np.zeros(r.shape)
+        rho, T = r / self.mean_free_path, float(self.flights[time])
+        found = once_density(rho, T, self.scatterer)
+        if self._twice(T):
+            found = found + twice_density(rho, T, self.restitution, self.dimension)
+        return np.asarray(found / self.mean_free_path)
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that are among these and within r, shape (n_r,)."""
-        rho = r / self.mean_free_path
-
-        def share(T: float) -> FloatArray:
-            near = np.clip(rho, 0.0, min(T, FARTHEST))
-            edges = np.union1d(_edges(self.scatterer, T), near)
-            x, w = panels_between(edges, _POINTS)
-            part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
-            sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
-            found = sums[np.searchsorted(edges, near)]
-            if self._twice(T):
-                found = found + twice_within(
-                    np.clip(rho, 0.0, T), T, self.restitution, self.dimension
-                )
-            return np.asarray(found)
-
-        return self._sum(time, share, r.shape)
+        if not self.kept[time]:
+            return np.zeros(r.shape)
+        rho, T = r / self.mean_free_path, float(self.flights[time])
+        near = np.clip(rho, 0.0, min(T, FARTHEST))
+        edges = np.union1d(_edges(self.scatterer, T), near)
+        x, w = panels_between(edges, _POINTS)
+        part = (once_density(x, T, self.scatterer) * w).reshape(edges.size - 1, -1)
+        sums = np.concatenate([[0.0], np.cumsum(part.sum(axis=1))])
+        found = sums[np.searchsorted(edges, near)]
+        if self._twice(T):
+            near = np.clip(rho, 0.0, T)
+            found = found + twice_within(near, T, self.restitution, self.dimension)
+        return np.asarray(found)
 
     def scattering(self, time: int, wave_numbers: FloatArray) -> FloatArray:
         """Their part of F(k, t) at K = k l, shape (n_k,)."""
-        highest = float(wave_numbers.max(initial=0.0))
-
-        def transform(T: float) -> FloatArray:
-            # few different resolutions, so that tables are used again
-            turns = highest * min(T, FARTHEST)
-            turns = 2.0 ** math.ceil(math.log2(max(32.0, turns)))
-            rho, weight = _table(self.scatterer, T, turns)
-            found = mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
-            if self._twice(T):
-                found += twice_scattering(wave_numbers, T, self.restitution, self.dimension)
-            return np.asarray(found)
-
-        return self._sum(time, transform, wave_numbers.shape)
+        if not self.kept[time]:
+            return np.zeros(wave_numbers.shape)
+        T = float(self.flights[time])
+        # few different resolutions, so that tables are used again
+        turns = float(wave_numbers.max(initial=0.0)) * min(T, FARTHEST)
+        turns = 2.0 ** math.ceil(math.log2(max(32.0, turns)))
+        rho, weight = _table(self.scatterer, T, turns)
+        found = mean_phase(np.outer(wave_numbers, rho), self.dimension) @ weight
+        if self._twice(T):
+            found += twice_scattering(wave_numbers, T, self.restitution, self.dimension)
+        return np.asarray(found)
 
     def _twice(self, T: float) -> bool:
         return self.twice and T < _LONGEST_OF_TWICE
-
-    def _sum(
-        self, time: int, of: Callable[[float], FloatArray], shape: tuple[int, ...]
-    ) -> FloatArray:
-        """The mean over the speeds."""
-        out = np.zeros(shape)
-        for T, share in zip(self.flights[time], self.shares[time], strict=True):
-            if share:
-                out += share * of(float(T))
-        return out
 
 
 def once_collided(
@@ -188,16 +167,13 @@ def once_collided(
     peaks, e, et = state.peaks, law.restitution, law.tangential_restitution
     if e is None or et is None:  # every sample has its own singular radii
         peaks, e, et = None, 1.0, 1.0
-    if peaks is None or np.ptp(peaks[0]) > 0.0:  # each speed has its own
-        peaks = np.zeros(0), np.zeros(0)
-    speed, share = peaks[0][:1], np.ones(peaks[0][:1].size)
+    one = peaks is not None and np.ptp(peaks[0]) == 0.0
+    speed = float(peaks[0][0]) if peaks is not None and one else 0.0
     with np.errstate(over="ignore", under="ignore"):
-        flights = np.outer(times, speed) / mean_free_path
+        flights = times * speed / mean_free_path
         # those that lost most at once: that flew e T after a head-on collision where e < et
-        seen = (np.exp(-min(e, et) * flights) > least) & (flights > least) & (flights < _LONGEST)
-    return OnceCollided(
-        e, mean_free_path, flights, np.where(seen, share, 0.0), et, law.dimension, twice=et == 1.0
-    )
+        kept = (np.exp(-min(e, et) * flights) > least) & (flights > least) & (flights < _LONGEST)
+    return OnceCollided(e, mean_free_path, flights, kept, et, law.dimension, twice=et == 1.0)
 
 
 def once_density(rho: FloatArray, T: float, scatterer: Scatterer) -> FloatArray:

@@ -166,7 +166,7 @@ class Sweep:
         share = max(1.0, self.width[time] * high)
         if not inner or not self.once.kept_apart(time):
             return share
-        *slower, _ = self.once.scatterer.singular_radii(float(self.once.flights[time, 0]))
+        *slower, _ = self.once.scatterer.singular_radii(float(self.once.flights[time]))
         return share * _together(high * min(FAINT, max(slower)), self.once.dimension)
 
     def _judge(self, high: float, error: float) -> float:
@@ -271,7 +271,7 @@ class Sweep:
         largest = float(np.abs(last).max())
         ended = float(np.abs(last[-(last.size // 4) - 1 :]).max()) if self.sharp else largest
         if self.once.kept_apart(time):
-            T = float(self.once.flights[time, 0])
+            T = float(self.once.flights[time])
             share = max(1.0, high * self.width[time])
             ended *= _together(high * min(T, FAINT), self.once.dimension)
             few = high * min(T, _FIRST_RADIUS) < _FIRST_TURNS
