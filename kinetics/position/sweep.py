@@ -98,6 +98,8 @@ class Sweep:
         self.sharp = self.fronts or any(system.flying(i) > FEW * rtol for i in which)
         self.enough = rtol if self.sharp and not self.fronts else _ENOUGH * rtol
         self._solved_error = np.zeros(width.size)
+        # the least that was missed of each time, its tail then, and the number of panels
+        self._best: dict[int, tuple[float, PowerTail | FrontTail | None, int]] = {}
         self._allowed = 1.0  # error of the waves over that of F
         self._at_origin = None
         if system.law.returns(0)[0] and not self.sharp:
@@ -141,6 +143,15 @@ class Sweep:
             # the next interval is more work than the last one
             if done - begin + 2.0 * last > most:
                 break
+        self._take_best()
+
+    def _take_best(self) -> None:
+        """Where more wave numbers left more of G(R) unknown, go back to those that left least."""
+        for i, (missed, tail, count) in self._best.items():
+            if missed < self.missed[i]:
+                self.missed[i], self.tails[i] = missed, tail
+                later = [panel.without(i) for panel in self.panels[count:]]
+                self.panels[count:] = [panel for panel in later if panel.which.size]
 
     def _work(self, slow: bool) -> float:
         """Done so far, in the units of what is allowed."""
@@ -181,6 +192,8 @@ class Sweep:
             solved = error * self._share(int(i), high, not self.fronts)
             self._solved_error[i] = max(self._solved_error[i], solved)
             self.missed[i] = left * share + self._solved_error[i]
+            if self.missed[i] < self._best.get(int(i), (math.inf,))[0]:
+                self._best[int(i)] = float(self.missed[i]), self.tails[i], len(self.panels)
             if self.missed[i] > self.enough:
                 enough = 2.0 * high
                 if self.fronts:
