@@ -6,6 +6,7 @@ them needs its own wave numbers (`kinetics.position.sweep`).
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import replace
 
@@ -25,6 +26,7 @@ from kinetics.states.isotropic import SpeedSamples
 from kinetics.states.state import State
 
 _MOST_SPEEDS = 4  # that are solved for one by one: each costs as much as one
+_ALIKE = 3.0  # of the widths of early times that share their wave numbers
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 # Tracers of a slow speed have a narrow density, which is high in units of all. It is solved for
 # with up to so much more accuracy; beyond, the error is larger than asked for, and says so.
@@ -113,12 +115,12 @@ def _solved(
     system = Scattering(law, path, state, times)
     once = once_collided(law, state, path, times, FEW * rtol)
     width = found.root_mean_square / path
-    # times with fronts each have their own wave numbers; the others share them, late ones apart
-    # from those at which tracers of a sharp speed still fly freely
+    # times with fronts each have their own wave numbers; others share them, as far as they need the
+    # same, late ones apart from those at which tracers of a sharp speed still fly freely
     alone = [i for i in range(times.size) if once.has_front(i, FEW * rtol)]
     early = [i for i in range(times.size) if i not in alone and system.flying(i) > FEW * rtol]
     late = [i for i in range(times.size) if i not in alone + early]
-    groups = [[i] for i in alone] + [early, late]
+    groups = [[i] for i in alone] + [early, *_alike(late, width)]
     sweeps = [Sweep(system, once, width, which, rtol) for which in groups if which]
     for sweep in sweeps:
         sweep.run()
@@ -136,3 +138,15 @@ def _solved(
         systems=dict(system.systems),
     )
     return solved, missed
+
+
+def _alike(which: list[int], width: FloatArray) -> list[list[int]]:
+    """The times in groups that need about the same wave numbers, up to the reciprocal of the width.
+
+    width : sqrt(<r^2>)/l, shape (n_times,); from 1 on all need the same, and one group is quicker
+    """
+    groups: dict[int, list[int]] = {}
+    for i in which:
+        level = math.ceil(max(0.0, -math.log(max(float(width[i]), 1e-300)) / math.log(_ALIKE)))
+        groups.setdefault(level, []).append(i)
+    return list(groups.values())

@@ -313,3 +313,9 @@ def test_a_table_is_the_mixture_of_its_speeds() -> None:
     scene = Scene(0.6, initial="monoenergetic", times=t * v, outputs=outputs)
     parts = solve(scene, rtol=1e-11).intermediate_scattering(k)
     assert np.abs(whole.intermediate_scattering(k)[0] - share @ parts).max() < 1e-9
+
+
+def test_early_times_do_not_take_the_work_of_one_another() -> None:
+    """They need ten times the wave numbers of the later one, at which these cost far more."""
+    scene = Scene(0.7, times=[0.3, 3.0], outputs=("position_density",))
+    assert solve(scene, rtol=1e-6).status is SolverStatus.CONVERGED
