@@ -89,8 +89,18 @@ class FirstKind(_Chebyshev):
 
     @cached_property
     def _last_two(self) -> FloatArray:
-        order = np.array([self.nodes - 1, self.nodes - 2])
+        return self._columns(np.array([self.nodes - 1, self.nodes - 2]))
+
+    def _columns(self, order: NDArray[np.intp]) -> FloatArray:
+        """Columns that give the coefficients of these orders, (nodes, n); of order 0 twice it."""
         return np.asarray(np.cos(np.outer(self._angle, order)) * (2.0 / self.nodes))
+
+    def coefficient_sizes(self, values: FloatArray) -> FloatArray:
+        """Sizes of all Chebyshev coefficients, that of order 0 twice: the shape of values.
+
+        values : at the points, shape (..., nodes)
+        """
+        return np.abs(values @ self._columns(np.arange(self.nodes)))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import FirstKind
 from kinetics.position.front_tail import FAINT, FrontTail, fit_fronts
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.once_collided import OnceCollided
@@ -55,7 +56,7 @@ _STEP, _LONGEST_STEP = 1.25, 1.6
 # K, as in the next line, for tracers that a collision may have stopped, or left below _NEARLY of
 # their speed: before, F changes its sign, or goes over from one power to the next.
 _POWERS_OF_STOPPED, _NEARLY = 5.0, 0.1
-# The four below are measured again by tests/kinetics/measurements/position.py.
+# Measured again by tests/kinetics/measurements/position.py, but those of returns and of fronts.
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
@@ -261,9 +262,7 @@ class Sweep:
     def _seen(self, low: float, high: float, tolerance: float) -> float:
         """Points for what F still turns, as often as on the panel before."""
         panel = self.panels[-1]
-        n = panel.values.shape[1]
-        local = 2.0 * (panel.nodes - panel.low) / (panel.high - panel.low) - 1.0
-        size = 2.0 / n * np.abs(panel.values @ np.polynomial.chebyshev.chebvander(local, n - 1))
+        size = FirstKind(panel.values.shape[1]).coefficient_sizes(panel.values)
         last = int(np.flatnonzero(size.max(axis=0) > tolerance).max(initial=0)) + 1
         return last * (high - low) / (panel.high - panel.low)
 
