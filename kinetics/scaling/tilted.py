@@ -42,7 +42,8 @@ _MORE_MODES = 1.0
 # for each unit of its deviation.
 _MORE_WHERE_WIDE = 2.3
 _MISSED = 20.0  # a tilt whose estimate is this far above its error is solved again
-# Rounding of a tilt relative to its peak; over its deviation for nearly elastic tracers.
+# Rounding of a tilt relative to its peak; over its deviation for nearly elastic tracers. They
+# size grids and joins; what is promised is the floor of kinetics.scaling.log_density.
 _ROUNDING, _NARROW_ROUNDING = 1e-14, 2e-15
 _NARROWEST = 2.2  # deviations that a tilt serves on either side, at least
 # Error over estimate: of the unknown that makes the equation regular, some and more for narrow
@@ -84,11 +85,6 @@ class Tilt:
     defect: float
     edges: float
     spectrum: float
-
-    @property
-    def error(self) -> float:
-        """Estimate of the error relative to the maximum."""
-        return max(self.discretisation_error, _NARROW_ROUNDING / self.deviation)
 
     @property
     def discretisation_error(self) -> float:
@@ -280,7 +276,8 @@ def solve_tilt(
     if nodes is not None:
         left, right, _ = window_of(law, theta, depth - 1.0)
         tilt = _solve_on(law, theta, LogGrid(left, (right - left) / nodes, nodes))
-        return replace(tilt, span=span, noise=tilt.error)
+        rounding = _NARROW_ROUNDING / tilt.deviation
+        return replace(tilt, span=span, noise=max(tilt.discretisation_error, rounding))
     noise = max(math.exp(-depth), _ROUNDING)
     for more in (0.0, 2.5, 5.0):
         grid = _choose_grid(law, theta, depth + more)

@@ -161,12 +161,6 @@ def test_far_out_the_bulk_is_solved_again(e: float) -> None:
         assert vdf.moment(3.0) == pytest.approx(ScalingSolution(e).moment(3.0), rel=rtol)
 
 
-def test_the_status_tells_of_rounding_in_nearly_elastic_gases() -> None:
-    """At 1 - e = 1e-6 the ring is so narrow that 1e-12 is lost in its tails."""
-    assert solve_scaled(1.0 - 1e-6, 1e-12).status is SolverStatus.TOLERANCE_NOT_REACHED
-    assert solve_scaled(1.0 - 1e-6, 1e-9).status is SolverStatus.CONVERGED
-
-
 @pytest.mark.parametrize("e", [0.0, 1e-3, 0.3, 0.79, 1 - 1e-8])
 @pytest.mark.parametrize("theta", [-0.05, 1e-6, 20.0])
 def test_symbol_on_a_line(e: float, theta: float) -> None:
@@ -308,13 +302,21 @@ def test_both_tails_keep_the_accuracy_asked(e: float, rtol: float) -> None:
     assert state.status is SolverStatus.CONVERGED
 
 
-def test_the_rounding_of_the_speed_is_in_the_estimate() -> None:
-    """Near e = 1, F is so steep that c to 2e-16 gives it to 1e-12 only."""
-    state = solve_scaled(0.9999, 1e-12)
-    c = np.array([0.8, 0.95, 1.2])
-    error = np.abs(state.vdf(c) / ScalingSolution(0.9999).vdf(c) - 1.0).max()
-    assert error <= state.error_estimate
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
+def test_the_rounding_of_a_steep_density_is_in_the_estimate(gap: float, dimension: int) -> None:
+    """Near e = 1, F is so steep that rounding alone moves it by more than 1e-12.
+
+    On any processor: the floor has a margin of ten, so half of the estimate is asked for.
+    """
+    state = solve_scaled(1.0 - gap, 1e-12, dimension=dimension)
+    c = 1.0 + math.sqrt(gap) * np.linspace(-2.0, 2.0, 9)
+    exact = ScalingSolution(1.0 - gap, dimension=dimension).vdf(c)
+    assert np.abs(state.vdf(c) / exact - 1.0).max() <= 0.5 * state.error_estimate
     assert state.status is SolverStatus.TOLERANCE_NOT_REACHED
+    coarser = solve_scaled(1.0 - gap, 1e-14 / gap + 1e-9, dimension=dimension)
+    coarser.vdf(c)
+    assert coarser.status is SolverStatus.CONVERGED
 
 
 @pytest.mark.parametrize(
