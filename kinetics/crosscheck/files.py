@@ -1,10 +1,15 @@
-"""Files that are either whole or absent: written beside their target and renamed."""
+"""What is written: strict JSON, and files that are either whole or absent."""
 
 import contextlib
+import json
 import os
 import tempfile
 from collections.abc import Collection, Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 
 def require_writable_folder(folder: Path) -> None:
@@ -78,3 +83,26 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
             with contextlib.suppress(OSError):
                 made.rmdir()  # succeeds only where it stayed empty
     return [folder / name for name in contents]
+
+
+def plain(value: Any) -> Any:
+    """The value with arrays as lists, NumPy's numbers as Python's, and None for non-finite ones.
+
+    Dataclasses become dictionaries of their fields.
+    """
+    if is_dataclass(value):
+        return plain(vars(value))
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def dumps(value: Any) -> str:
+    """Strict JSON of a value (see `plain`) and a newline."""
+    return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"

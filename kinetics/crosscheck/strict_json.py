@@ -1,31 +1,5 @@
-"""Results as what JSON can hold, strictly: no NaN, no infinity, no NumPy."""
+"""Moved to `files`."""
 
-import json
-from collections.abc import Mapping
-from dataclasses import is_dataclass
-from typing import Any
+from kinetics.crosscheck.files import dumps, plain
 
-import numpy as np
-
-
-def plain(value: Any) -> Any:
-    """The value with arrays as lists, NumPy's numbers as Python's, and None for non-finite ones.
-
-    Dataclasses become dictionaries of their fields.
-    """
-    if is_dataclass(value):
-        return plain(vars(value))
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
-
-
-def dumps(value: Any) -> str:
-    """Strict JSON of a value (see `plain`) and a newline."""
-    return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"
+__all__ = ["dumps", "plain"]
