@@ -1,0 +1,106 @@
+"""The contract: numbers that stay, what one file of each format says, and the public names."""
+
+import importlib
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import questions
+from questions import FIELD, FILES, NUMBERS, QUESTIONS, SINGLE_PRECISION, STEP, TOLD
+
+KEPT = json.loads(NUMBERS.read_text(encoding="utf-8"))
+NAMES = {
+    "kinetics": """AngularHarmonics Beam CollisionLaw FieldState Gaussian InputError Monoenergetic
+        PolarGrid ScaledVDF ScalingSolution Scene Solution SolverStatus SpeedDensity SpeedSamples
+        SpeedTable ToleranceWarning VelocitySamples __version__ compare load solve solve_field
+        solve_scaled sonine""",
+    "particles": """OBSERVABLES BoltzmannGrad Ensemble Estimate HardDisks HardSpheres Histogram
+        Medium Poisson PoissonSpheres Positions Statuses load simulate""",
+    "derivations": "verify printed_equation",
+    "kinetics.crosscheck": "Comparison compare compare_data",
+    "kinetics.CollisionLaw": """mean_speed_ratio_power decay_rate mean_cosine mean_log_loss
+        from_samples""",
+    "kinetics.ScalingSolution": "cooling_rate a2 moment vdf diffusion_slope save to_xarray plot",
+    "kinetics.ScaledVDF": """cooling_rate a2 moment vdf nodes error_estimate status message save
+        to_dataframe to_xarray plot""",
+    "kinetics.Solution": """plan stats status message save to_dataframe to_xarray plot speed_density
+        position_density scaled_position_density intermediate_scattering velocity_density""",
+    "kinetics.FieldState": """drift mean_square_speed moment diffusion_parallel plan vdf
+        diffusion_perpendicular error_estimate status save to_dataframe to_xarray plot""",
+    "particles.Ensemble": "thermal_speed statuses save to_dataframe to_xarray plot write_h5md",
+}
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_a_number_that_stays(name: str) -> None:
+    rtol, answer = QUESTIONS[name]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a missed tolerance warns; only the numbers count here
+        found = np.array(questions.flat(answer()))
+    kept = np.array(KEPT[name])
+    assert found.shape == kept.shape
+    # what is zero by symmetry is rounding, of no size of its own
+    np.testing.assert_allclose(found, kept, rtol=rtol, atol=1e-13 * np.nanmax(np.abs(kept)))
+
+
+@pytest.mark.parametrize("name", FIELD)
+def test_the_steady_state_is_that_of_the_prototype(name: str) -> None:
+    np.testing.assert_allclose(KEPT[f"steady state in a field {name}"], FIELD[name], rtol=1e-11)
+
+
+@pytest.fixture(scope="module")
+def run() -> tuple[Any, Any, Any]:
+    return questions.trajectories()
+
+
+def require_same(found: list[Any], kept: list[Any], rtol: float) -> None:
+    """The same verdicts, and chi-squares, degrees of freedom and p-values to this accuracy."""
+    assert [found[0], *((row[0], row[4]) for row in found[1:])] == [
+        kept[0], *((row[0], row[4]) for row in kept[1:])
+    ]  # fmt: skip
+    numbers = [np.array([row[1:4] for row in rows[1:]], dtype=float) for rows in (found, kept)]
+    np.testing.assert_allclose(*numbers, rtol=rtol)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_of_each_format(name: str, run: tuple[Any, Any, Any], tmp_path: Path) -> None:
+    if name == "run.gsd":
+        pytest.importorskip("gsd.hoomd")
+    FILES[name](tmp_path / name, *run)
+    rtol = 1e-5 if name in SINGLE_PRECISION else 1e-6
+    told = TOLD if name == "run.csv" else {"true": TOLD["true"]}
+    for which, arguments in told.items():
+        document = questions.judged(tmp_path / name, *arguments)
+        require_same(questions.verdicts(document), KEPT[f"compare {which}"], rtol)
+        assert set(document) >= {"verdict", "summary", "parameters", "tests", "explanations"}
+        for parameter in ("restitution", "mean_free_path"):
+            assert set(document["parameters"][parameter]) >= {"value", "error"}
+
+
+def test_a_file_of_spheres(tmp_path: Path) -> None:
+    questions.write_table(tmp_path / "run.csv", *questions.trajectories(3))
+    document = questions.judged(tmp_path / "run.csv", *TOLD["true"], "--dimension", "3")
+    require_same(questions.verdicts(document), KEPT["compare spheres"], 1e-6)
+
+
+def test_steps_need_the_time_of_a_step(run: tuple[Any, Any, Any], tmp_path: Path) -> None:
+    from kinetics import InputError, compare
+
+    questions.write_dump(tmp_path / "run.dump", *run)
+    assert compare(tmp_path / "run.dump", 0.7, 0.04, timestep=STEP, explain=False)
+    with pytest.raises(InputError):
+        compare(tmp_path / "run.dump", 0.7, 0.04, explain=False)
+
+
+@pytest.mark.parametrize("owner", NAMES)
+def test_public_names(owner: str) -> None:
+    module, _, name = owner.partition(".")
+    place: Any = importlib.import_module(module if name != "crosscheck" else owner)
+    if name and name != "crosscheck":
+        place = getattr(place, name)
+    fields = getattr(place, "__dataclass_fields__", {})
+    missing = {name for name in NAMES[owner].split() if not hasattr(place, name)}
+    assert missing <= set(fields)
