@@ -35,7 +35,7 @@ from numpy.typing import ArrayLike
 from scipy.special import k0
 
 from kinetics import Scene, Solution, solve
-from kinetics.sonine import TAIL_ETA, fit_position, position_peak, position_tail
+from kinetics.paper import TAIL_ETA, fit_position, position_peak, position_tail
 
 PAIRS = ((0.4, 3000.0), (0.6, 300.0), (0.7, 500.0), (0.9, 1000.0))  # of fig. inelasticposi, d/U
 RADII = np.linspace(0.0, 6.0, 601)  # R

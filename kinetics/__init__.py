@@ -9,7 +9,7 @@ one bounce), `states` (initial states) and `scaling` (the scaled distribution), 
 equation in a uniform field). Then the modules of
 this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
 answer, and `tables` makes plots, data frames and datasets of it. `values`, `storage`, `status`,
-`errors` and `validation` serve all of them. `sonine` holds the paper's approximations; `crosscheck`
+`errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's approximations; `crosscheck`
 compares with particles and algebra. Begin reading with `solver.solve`.
 """
 
@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kinetics import sonine
+    from kinetics import paper as sonine
     from kinetics.collision import CollisionLaw
     from kinetics.errors import InputError, ToleranceWarning
     from kinetics.field.solution import FieldState, solve_field
@@ -93,7 +93,7 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         value = import_module("kinetics.version").package_version()
     elif name == "sonine":
-        value = import_module("kinetics.sonine")
+        value = import_module("kinetics.paper")
     elif name == "compare":
         value = import_module("kinetics.crosscheck").compare_data
     elif name in _HOME_OF:

@@ -34,7 +34,7 @@ ROOMS: dict[str, set[str]] = {
     "collision": {"numerics"} | CHECKS,
     "states": {"numerics"} | CHECKS | VALUES,
     "scaling": BASE | {"status"},
-    "sonine": BASE,
+    "paper": {"collision", "numerics", "errors"},
     "moments": BASE | {"states"},
     "densities": BASE | {"states", "scaling", "moments"},
     "position": BASE | {"states", "moments"},

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinetics import Scene, solve
 from kinetics.crosscheck.bench import straightforward
 from kinetics.crosscheck.references import MEAN_FREE_PATH
-from kinetics.sonine.series import SeriesStatus, cooling, scaled_state
+from kinetics.paper.series import SeriesStatus, cooling, scaled_state
 from particles import BoltzmannGrad, simulate
 
 FloatArray = NDArray[np.float64]

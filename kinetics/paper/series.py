@@ -1,0 +1,347 @@
+r"""The Sonine expansion of the scaled state, of diffusion and of cooling to any order.
+
+F(c) = exp(-c^2)/pi (1 + sum_k a_k S_k(c^2)), k = 2 ... n + 1 at order n. S_k are the Laguerre
+polynomials (paper, label ``sonine1``); the paper's own approximation is order 1, a_2 alone. The
+scaled equation (label ``ifmu2``), projected on S_1 ... S_(n+1), is linear except for h:
+
+    h (j a_j - j a_(j-1)) = sum_k (I - T)_ji H_ik a_k,        a_0 = 1, a_1 = 0,
+    T_ji = E[C(j, i) s^(2i) (1 - s^2)^(j-i)],  H_ik = integral of x^(1/2) e^-x S_i S_k dx,
+
+a generalised eigenvalue problem. T is a matrix of probabilities and each element of H a sum whose
+terms but one have the same sign: both are accurate to rounding at every order.
+
+The expansion diverges for every e < 1, because F falls as exp(-2c/h): it comes nearest the exact h
+at order 2 for e <= 0.6, about 30 for e = 0.8, and leaves it again. Odd orders have no real root
+below e = 0.582 (order 1, eq. compare1), 0.63 (3), 0.66 (5), 0.70 (9).
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
+from kinetics.numerics import FloatArray
+from kinetics.paper.first_order import numbers
+
+HIGHEST_ORDER = 100
+ROUNDING_LIMIT = 1e-4  # relative error of a root above which it is not reported
+_REAL = 1e-9  # imaginary part over modulus of a root that counts as real
+_BOUND = 1e8  # coefficients that pass it in time do not come back
+
+
+class SeriesStatus(enum.Enum):
+    """How a Sonine truncation ended."""
+
+    REAL = "a real solution"
+    NO_REAL_SOLUTION = "no real solution with a positive cooling rate: try another order"
+    ILL_CONDITIONED = "rounding spoils the numbers of this order: try a lower one"
+    INTEGRATION_FAILED = "the coefficients could not be followed to the last time: lower the order"
+
+
+def laguerre_products(size: int, alpha: int) -> FloatArray:
+    """Integrals of x^(alpha + 1/2) e^-x S_i S_k, S of parameter alpha, shape (size, size).
+
+    From S_i = sum_m (-1/2)_m/m! S'_(i-m), S' the polynomials of parameter alpha + 1/2, whose
+    integrals are diagonal: Gamma(k + alpha + 3/2)/k!.
+    """
+    from scipy.linalg import toeplitz
+
+    index = np.arange(1.0, size)
+    change = np.cumprod(np.append(1.0, (index - 1.5) / index))
+    norm = math.gamma(alpha + 1.5) * np.cumprod(np.append(1.0, (index + alpha + 0.5) / index))
+    lower = toeplitz(change, np.zeros(size))
+    return np.asarray((lower * norm) @ lower.T)
+
+
+def _loss_matrix(law: CollisionLaw, size: int, vector: bool) -> FloatArray:
+    """What a collision takes from the average of S_j, or of c S_j, in terms of S_i, or c S_i."""
+    q = law.quadrature_for(2.0 * size + 1.0)
+    kept, lost = np.exp(-2.0 * q.log_loss), -np.expm1(-2.0 * q.log_loss)
+    weight = q.weight * q.parallel if vector else q.weight
+    out = np.eye(size) if vector else np.zeros((size, size))
+    for j in range(size):
+        for i in range(j + vector):
+            mean = float(weight @ (kept**i * lost ** (j - i)))
+            out[j, i] -= math.comb(j + vector, j - i) * mean
+        if (
+            not vector
+        ):  # 1 - E[s^(2j)] from the same numbers: what is lost goes to lower polynomials
+            out[j, j] = -out[j, :j].sum()
+    return out
+
+
+@lru_cache(maxsize=64)
+def _matrices(restitution: float, size: int) -> tuple[FloatArray, FloatArray]:
+    """(I - T) H and the matrix of j a_j - j a_(j-1), both read-only."""
+    law = CollisionLaw(restitution)
+    collide = _loss_matrix(law, size, False) @ laguerre_products(size, 0)
+    j = np.arange(float(size))
+    scale = np.diag(j) - np.diag(j[1:], -1)
+    collide.flags.writeable = scale.flags.writeable = False
+    return collide, scale
+
+
+def _order(order: int, highest: int) -> int:
+    if isinstance(order, bool) or order != int(order) or not 1 <= order <= highest:
+        raise InputError(f"order: got {order!r}; it must be a whole number from 1 to {highest}")
+    return int(order)
+
+
+@dataclass(frozen=True)
+class SonineState:
+    """The scaled state at one order.
+
+    Attributes
+    ----------
+    restitution, order : as asked
+    coefficients : a_0 = 1, a_1 = 0, a_2 ... a_(order+1); NaN without a real solution
+    cooling_rate : h, dimensionless; NaN without a real solution
+    roots : every h of this order with a_0 = 1, complex, shape (n_roots,), by modulus
+    rounding : bound on the relative rounding error of h, NaN without a real solution
+    status : SeriesStatus
+    """
+
+    restitution: float
+    order: int
+    coefficients: FloatArray
+    cooling_rate: float
+    roots: NDArray[np.complex128]
+    rounding: float
+    status: SeriesStatus
+
+    @property
+    def a2(self) -> float:
+        """a_2."""
+        return float(self.coefficients[2])
+
+    def vdf(self, c: ArrayLike) -> FloatArray:
+        """F(c), a density in the plane; negative where the truncation makes it so."""
+        x = np.square(numbers(c))
+        with np.errstate(under="ignore"):
+            series = np.polynomial.laguerre.lagval(x, self.coefficients)
+            return np.asarray(np.exp(-x) / math.pi * series)
+
+
+def scaled_state(restitution: float, order: int) -> SonineState:
+    """The scaled state for 0 <= e < 1 with a_2 ... a_(order+1), order from 1 to 100.
+
+    Of several real solutions the one of the smallest coefficients (sum of |a_k|) is taken: at order
+    1 the paper's stable one. Without one the status says so and the numbers are NaN. InputError for
+    bad arguments; at e = 1 there is no scaled state.
+    """
+    from scipy.linalg import eig
+
+    e, n = float(restitution), _order(order, HIGHEST_ORDER)
+    if not 0.0 <= e < 1.0:
+        raise InputError(f"restitution: got {e!r}; it must be from 0 to below 1")
+    collide, scale = _matrices(e, n + 2)
+    kept = [0, *range(2, n + 2)]
+    left, right = collide[1:, kept], scale[1:, kept]
+    values, dual, vectors = eig(left, right, left=True)
+    weight = np.abs(vectors).sum(axis=0)
+    proper = np.isfinite(values) & (np.abs(vectors[0]) > 1e-14 * weight)
+    values, vectors, dual, weight = (
+        values[proper],
+        vectors[:, proper],
+        dual[:, proper],
+        weight[proper],
+    )
+    roots = values[np.argsort(np.abs(values))]
+    real = (np.abs(values.imag) < _REAL * np.abs(values)) & (values.real > 0.0)
+    nothing, rounding, status = np.full(n + 2, np.nan), math.nan, SeriesStatus.NO_REAL_SOLUTION
+    if np.any(real):
+        best = int(np.argmin(np.where(real, weight / np.abs(vectors[0]), np.inf)))
+        h, x, y = float(values[best].real), vectors[:, best], dual[:, best]
+        # backward error of the QZ algorithm times the condition number of a simple eigenvalue
+        change = np.linalg.norm(left) + h * np.linalg.norm(right)
+        change *= np.linalg.norm(x) * np.linalg.norm(y) / abs(np.vdot(y, right @ x))
+        rounding = float(np.finfo(float).eps * change / h)
+        if rounding < ROUNDING_LIMIT:
+            a = np.insert((x / x[0]).real, 1, 0.0)
+            return SonineState(e, n, a, h, roots, rounding, SeriesStatus.REAL)
+        status = SeriesStatus.ILL_CONDITIONED
+    return SonineState(e, n, nothing, math.nan, roots, rounding, status)
+
+
+def exact_coefficients(restitution: float, count: int) -> FloatArray:
+    """a_0 ... a_(count-1) of the exact F: a_k = sum_j (-1)^j C(k, j) <c^(2j)>/j!.
+
+    count from 1 to 60, 0 <= e < 1. These are the numbers that a Sonine expansion would have to
+    find. The sum cancels; its error is some 1e-15 of its largest term.
+    """
+    law = CollisionLaw(restitution)
+    # E[Y^(p+1)] = p E[Y^p]/lambda(p), two steps at a time, in units of E[Y^2]
+    rates = law.decay_rate(np.arange(1.0, 2.0 * count + 1.0))
+    scaled = [1.0, 1.0]
+    for j in range(1, count):
+        step = 2 * (2 * j + 1) * law.mean_log_loss * rates[0] * j / (j + 1)
+        scaled.append(scaled[-1] * step / (rates[2 * j - 1] * rates[2 * j]))
+    terms = [[(-1) ** j * math.comb(k, j) * scaled[j] for j in range(k + 1)] for k in range(count)]
+    return np.array([math.fsum(row) for row in terms])
+
+
+@dataclass(frozen=True)
+class SonineCooling:
+    """v0(t) and the coefficients at one order.
+
+    times (n_times,) in d/U; thermal_speed (n_times,) in U, NaN where the status is not REAL;
+    coefficients a_0 ... a_(order+1), shape (n_times, order + 2); status.
+    """
+
+    times: FloatArray
+    thermal_speed: FloatArray
+    coefficients: FloatArray
+    status: SeriesStatus
+
+    @property
+    def a2(self) -> FloatArray:
+        """a_2(t), shape (n_times,)."""
+        return np.asarray(self.coefficients[:, 2])
+
+
+def cooling(
+    restitution: float, times: ArrayLike, order: int, mean_free_path: float = 12.5,
+    initial: str = "gaussian", rtol: float = 1e-8,
+) -> SonineCooling:  # fmt: skip
+    """v0(t) and a_k(t) at this order, from a "gaussian" or a "monoenergetic" start.
+
+    With ds = v0 dt/l: da_j/ds = 2 alpha j (a_j - a_(j-1)) - sum_k ((I - T) H)_jk a_k, where
+    alpha = -d ln v0/ds is what keeps a_1 = 0. Times in d/U, rising; the mean free path in d.
+    """
+    from scipy.integrate import solve_ivp
+
+    n, t = _order(order, HIGHEST_ORDER), np.atleast_1d(numbers(times))
+    if initial not in ("gaussian", "monoenergetic"):
+        raise InputError(f"initial: got {initial!r}; it must be 'gaussian' or 'monoenergetic'")
+    collide, scale = _matrices(float(restitution), n + 2)
+    a, speed = np.eye(n + 2)[0], math.sqrt(2.0)
+    if initial == "monoenergetic":  # delta(c - 1): a_k = S_k(1)
+        a, speed = np.asarray(np.polynomial.laguerre.lagval(1.0, np.eye(n + 2))), 1.0
+        a[1] = 0.0
+
+    def derivative(_: float, state: FloatArray) -> FloatArray:
+        a, slowness = state[:-1], math.exp(-state[-1])
+        loss = collide @ a
+        alpha = -0.5 * loss[1]
+        change = 2.0 * alpha * (scale @ a) - loss
+        change[:2] = 0.0
+        # the clock is ln(1 + t/t0), t0 = l/v0(0); state[-1] = ln(v0 (t + t0)/l), all autonomous
+        return np.append(change / slowness, 1.0 - alpha / slowness)
+
+    unit = mean_free_path / speed
+    clock = np.log1p(t / unit)
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = solve_ivp(
+            derivative, (0.0, float(clock[-1]) or 1.0), np.append(a, 0.0), method="LSODA",
+            t_eval=clock, rtol=rtol, atol=1e-2 * rtol, events=_runaway,
+        )  # fmt: skip
+    if not (found.status == 0 and np.all(np.isfinite(found.y))):
+        nothing = np.full((t.size, n + 2), np.nan)
+        return SonineCooling(t, nothing[:, 0], nothing, SeriesStatus.INTEGRATION_FAILED)
+    v0 = np.exp(found.y[-1]) * mean_free_path / (t + unit)
+    return SonineCooling(t, v0, np.asarray(found.y[:-1].T), SeriesStatus.REAL)
+
+
+def _runaway(_: float, state: FloatArray) -> float:
+    """Below 0 once the coefficients grow beyond all bounds."""
+    return float(_BOUND - np.abs(state[:-1]).max())
+
+
+_runaway.terminal = True  # type: ignore[attr-defined]
+
+
+@dataclass(frozen=True)
+class SonineDiffusion:
+    """The diffusion coefficient of the Chapman-Enskog equation at one order.
+
+    Attributes
+    ----------
+    restitution, order : as asked
+    coefficient : D_e/(l v0(t)), dimensionless; NaN without a real scaled state
+    slope : d<r^2>/d ln t in units of l^2, 8 D_e/(l v0 h); infinite at e = 1
+    expansion : b_i in b(c) = c exp(-c^2)/pi sum_i b_i S_i(c^2)
+    rounding : estimate of the relative rounding error of the coefficient
+    status : SeriesStatus: that of the scaled state, or ILL_CONDITIONED
+    """
+
+    restitution: float
+    order: int
+    coefficient: float
+    slope: float
+    expansion: FloatArray
+    rounding: float
+    status: SeriesStatus
+
+
+def diffusion_of_order(restitution: float, order: int) -> SonineDiffusion:
+    """D_e at this order (1 to 40), 0 <= e <= 1; the Gaussian is the state at e = 1.
+
+    With B = (l/v0^2) b(c) the equation for B (label ``diffuse15``) is, in scaled variables,
+    -(h/2) div_c (c b) + L b = c F,  D_e = -(l v0/2) integral of c.b dc. The paper's ansatz
+    B ~ v f_a2 (label ``ad3``) is order 1 of b = c F_n(c) sum_k d_k S_k(c^2), S_k of parameter 1.
+    At e = 1 it converges as n^(-3/2); at e < 1 it inherits the divergence of F_n.
+    """
+    e, n = float(restitution), _order(order, 40)
+    rate, a, status = 0.0, np.array([1.0]), SeriesStatus.REAL
+    if e != 1.0:
+        state = scaled_state(e, n)
+        rate, a, status = state.cooling_rate, state.coefficients, state.status
+    b, rounding = np.full(n + len(a), np.nan), math.nan
+    if status is SeriesStatus.REAL:
+        found, rounding = _solve(CollisionLaw(e), n, rate, a)
+        if rounding < ROUNDING_LIMIT:
+            b = found
+        else:
+            status = SeriesStatus.ILL_CONDITIONED
+    # the integral of c.b is that of x e^-x times the polynomial: its coefficient of S_0
+    coefficient = -0.5 * float(b[0])
+    slope = math.inf if e == 1.0 else 8.0 * coefficient / rate
+    return SonineDiffusion(e, n, coefficient, slope, b, rounding, status)
+
+
+def _solve(law: CollisionLaw, n: int, rate: float, a: FloatArray) -> tuple[FloatArray, float]:
+    """b_i, shape (n + len(a),), and the rounding error to expect."""
+    trial = _trial_functions(n, a)
+    size = len(trial)
+    collide = _loss_matrix(law, size, True) @ laguerre_products(size, 1)
+    j = np.arange(float(size))
+    # c.grad of c S_j: (1 + 2j) S_j - 2 (j + 1) S_(j-1), the norm of S_j being j + 1
+    scale = np.diag((1.0 + 2.0 * j) * (j + 1.0)) - np.diag(2.0 * (j[1:] + 1.0) * j[1:], -1)
+    left = (0.5 * rate * scale - collide)[:n] @ trial
+    # S_k of the scalar state is S_k - S_(k-1) of the vector
+    padded = np.zeros(n + 1)
+    padded[: min(n + 1, len(a))] = a[: n + 1]
+    right = (j[:n] + 1.0) * (padded[:-1] - padded[1:])
+    size_of_rows = np.linalg.norm(left, axis=1)
+    left, right = left / size_of_rows[:, None], right / size_of_rows
+    rounding = float(np.finfo(float).eps * np.linalg.cond(left))
+    return np.asarray(trial @ np.linalg.solve(left, right)), rounding
+
+
+def _trial_functions(n: int, a: FloatArray) -> FloatArray:
+    """n functions that span F_n/phi times S_0 ... S_(n-1), in terms of S_i: (n + len(a), n).
+
+    F_n/phi times 1, x, x^2, ... made orthogonal one after the other (Arnoldi): the products with
+    S_k themselves are all but dependent where F_n changes sign.
+    """
+    from scipy.special import eval_genlaguerre, roots_genlaguerre
+
+    size = n + len(a)
+    x, w = roots_genlaguerre(size + n, 1.0)
+    root = np.sqrt(w)
+    basis = root * np.array([eval_genlaguerre(i, 1.0, x) for i in range(size)])
+    trial = np.zeros((n, x.size))
+    vector = root * np.polynomial.laguerre.lagval(x, a)
+    for k in range(n):
+        for _ in range(2):
+            vector = vector - trial[:k].T @ (trial[:k] @ vector)
+        trial[k] = vector / np.linalg.norm(vector)
+        vector = x * trial[k]
+    return np.asarray(basis @ trial.T / np.arange(1.0, size + 1.0)[:, None])
