@@ -9,8 +9,8 @@ one bounce), `states` (initial states) and `scaling` (the scaled distribution), 
 equation in a uniform field). Then the modules of
 this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
 answer, and `tables` makes plots, data frames and datasets of it. `values`, `storage`, `status`,
-`errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's approximations; `crosscheck`
-compares with particles and algebra. Begin reading with `solver.solve`.
+`errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's
+approximations; `crosscheck` compares with particles and algebra. Begin with `solver.solve`.
 """
 
 from importlib import import_module

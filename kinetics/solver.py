@@ -16,7 +16,7 @@ from kinetics.moments.velocity import Averages
 from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
-from kinetics.position.solve_density import solve_displacement
+from kinetics.position.sweep import solve_displacement
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import explain, status_of

@@ -75,8 +75,6 @@ HOMES = {
     "SteadyAverages": "kinetics.field.averages",
     # density of the displacement
     "Displacement": "kinetics.position.density",
-    "FrontTail": "kinetics.position.front_tail",
-    "OnceCollided": "kinetics.position.once_collided",
     "PowerTail": "kinetics.position.tail",
     "UncollidedDensity": "kinetics.position.ballistic_front",
     "WavePanel": "kinetics.position.wave_panel",

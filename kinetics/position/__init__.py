@@ -4,12 +4,10 @@
   `intermediate_scattering`: F(k, t)
 - `directions`: what depends on the dimension
 - `returned`: returns to the scatterer before, at a finite density
-- `density`: g(r, t) as a result; `solve_density`: the tracers of each of few speeds for
-  themselves; `sweep`: which wave numbers they take
-- `sampling`: at which of them F is solved for; `tail`, `front_tail`: how F ends in k
+- `density`: g(r, t) as a result; `sweep`: which wave numbers it takes; `wave_panel`: F on an
+  interval of them; `tail`: how F ends in k
 - `coupled_harmonics`: the linear systems of `scattering`
-- `ballistic_front`, `once_collided`, `twice_collided`: tracers that have not collided, and that
-  have collided once, and twice
+- `ballistic_front`: tracers that have not collided
 
 May import `kinetics.moments`, `kinetics.states`, `kinetics.collision` and `kinetics.numerics`.
 Begin with `scattering.py`.

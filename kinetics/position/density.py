@@ -7,10 +7,10 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
-(:mod:`kinetics.position.ballistic_front`), and of a start of few speeds those that have collided
-once (:mod:`kinetics.position.once_collided`) or twice (`twice_collided`). Only the others are
-transformed: their F falls fast in k, until powers of 1/k are left (:mod:`kinetics.position.tail`,
-`front_tail`).
+(:mod:`kinetics.position.ballistic_front`). Only the others are transformed: their F falls in k,
+until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
+collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
+G(R) is right to about 1e-2 beside it, and the error estimate says so.
 """
 
 from __future__ import annotations
@@ -24,8 +24,6 @@ import numpy as np
 from kinetics.numerics import FloatArray
 from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.directions import element, radial_measure, radial_waves, surface
-from kinetics.position.front_tail import FrontTail
-from kinetics.position.once_collided import OnceCollided
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
 from kinetics.values import Value
@@ -40,7 +38,7 @@ class Displacement(Value):
     mean_free_path : l, in d
     times : in d/U, shape (n_times,)
     root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
-    panels : F of the collided, but of the once-collided that are kept apart, on intervals of k l
+    panels : F of the collided on intervals of k l
     tails : and beyond them, for each time; None where nothing is left
     cut : k l from which F is tapered, for each time; infinite where it ends by itself
     uncollided : the density of those that have not collided, if the start has a speed density
@@ -49,17 +47,14 @@ class Displacement(Value):
     reach : radius beyond which there is nothing, in d, shape (n_times,)
     error_estimate : absolute, of G(R)
     systems : how many systems of so many equations were solved, by their size
-    once : the once-collided, and twice, of a start of one speed; None where there are `parts`
     dimension : 2 or 3
-    parts : for a start of a few speeds, the share of all tracers in each and the solution for it;
-        panels and tails are theirs then, and there are none here
     """
 
     mean_free_path: float
     times: FloatArray
     root_mean_square: FloatArray
     panels: tuple[WavePanel, ...]
-    tails: tuple[PowerTail | FrontTail | None, ...]
+    tails: tuple[PowerTail | None, ...]
     cut: FloatArray
     uncollided: UncollidedDensity
     front_radius: FloatArray
@@ -67,37 +62,26 @@ class Displacement(Value):
     reach: FloatArray
     error_estimate: float
     systems: Mapping[int, int]
-    once: OnceCollided | None = None
     dimension: int = 2
-    parts: tuple[tuple[float, Displacement], ...] = ()
 
     @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
-        here = sum(panel.values.shape[1] for panel in self.panels)
-        return here + sum(part.wave_numbers for _, part in self.parts)
+        return sum(panel.values.shape[1] for panel in self.panels)
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
-        if self.parts:
-            return np.asarray(sum(share * part.density(time, r) for share, part in self.parts))
         path, d = self.mean_free_path, self.dimension
         near = np.minimum(r, self.reach[time])
         collided = element(near / path, d) * (self._transform(time, r, 0) / path)
-        if self.once is not None:
-            collided = collided + self.once.at(time, r)
         return np.asarray(collided + self.uncollided.at(time, r))
 
     def collided_within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers that have collided and are within r, shape (n_r,)."""
-        if self.parts:
-            shares = [share * part.collided_within(time, r) for share, part in self.parts]
-            return np.asarray(sum(shares))
         near = np.minimum(r, self.reach[time])  # the square of r may overflow
         inside = element(near / self.mean_free_path, self.dimension)
         inside = inside * self._transform(time, r, 1)
-        inside = np.where(r <= self.reach[time], inside, self._at_zero(time))
-        return inside if self.once is None else np.asarray(inside + self.once.within(time, r))
+        return np.where(r <= self.reach[time], inside, self._at_zero(time))
 
     def _at_zero(self, time: int) -> float:
         """Share of all tracers that the panels stand for: F at k = 0."""
@@ -117,31 +101,12 @@ class Displacement(Value):
 
         In 1/d^2 and 1/d^3 in the plane, in 1/d^3 and 1/d^4 in space.
         """
-        if self.parts:
-            each = [(share, part.collided_in_place(time, r)) for share, part in self.parts]
-            value, slope = (sum(share * found[i] for share, found in each) for i in (0, 1))
-            return np.asarray(value), np.asarray(slope)
         value, slope = self._transform(time, r, 0), -self._transform(time, r, 2)
         for _ in range(self.dimension):  # the power of l may overflow
             value, slope = value / self.mean_free_path, slope / self.mean_free_path
         value = value / surface(self.dimension)
         slope = slope / self.mean_free_path / surface(self.dimension)
-        if self.once is not None and self.once.kept_apart(time):
-            apart, its_slope = self._once_in_place(self.once, time, r)
-            value, slope = value + apart, slope + its_slope
         return value, slope
-
-    def _once_in_place(
-        self, once: OnceCollided, time: int, r: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """The same of the once-collided; the slope from a difference, right to about 1e-9."""
-        near = np.maximum(r, 1e-4 * self.mean_free_path)  # at e = 0 it falls as 1/r
-        step = 1e-5 * near
-        low, at, high = (
-            once.at(time, x) / (surface(self.dimension) * element(x, self.dimension))
-            for x in (near - step, near, near + step)
-        )
-        return at, (high - low) / (2.0 * step)
 
     def _transform(self, time: int, r: FloatArray, kind: int) -> FloatArray:
         """Integral of F over K at r, of a kind of `radial_waves`; 0 out of reach."""
@@ -152,12 +117,11 @@ class Displacement(Value):
             return out
         tail = self.tails[time]
         total = np.zeros(rho.shape) if tail is None else tail.transform(rho, kind)
-        beside = tail.reach if isinstance(tail, FrontTail) else 0.0
         for panel in self.panels:
             f = panel.of(time)
             if f is None:
                 continue
-            points = _enough(f.size, (float(rho.max()) + beside) * (panel.high - panel.low))
+            points = _enough(f.size, float(rho.max()) * (panel.high - panel.low))
             k, weight, values = panel.gauss(f, points)
             if tail is not None:
                 values = values - tail.at(k)

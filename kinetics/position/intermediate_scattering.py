@@ -109,13 +109,8 @@ class Scattering:
 
     @property
     def work(self) -> float:
-        """The work of the systems solved so far: cubes of their sizes, summed."""
-        return float(sum(count * size**3 for size, count in self.systems.items()))
-
-    @property
-    def work_of_small(self) -> float:
-        """The same where they are small: their sizes, summed."""
-        return float(sum(count * size for size, count in self.systems.items()))
+        """The work of the systems solved so far: squares of their sizes, summed."""
+        return float(sum(count * size**2 for size, count in self.systems.items()))
 
     def flying(self, time: int) -> float:
         """exp(-T) of the slowest tracers of a start of sharp speeds at a time; 0 for densities."""

@@ -14,7 +14,7 @@ from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
 from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
-from kinetics.position.solve_density import solve_displacement
+from kinetics.position.sweep import solve_displacement
 from kinetics.states.isotropic import Gaussian, Monoenergetic, State, as_state
 
 PATH = 12.5

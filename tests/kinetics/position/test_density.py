@@ -23,7 +23,7 @@ from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
 from kinetics.numerics.gauss import equal_panels
 from kinetics.position.intermediate_scattering import Scattering
-from kinetics.position.solve_density import solve_displacement
+from kinetics.position.sweep import solve_displacement
 from kinetics.states.isotropic import Monoenergetic
 
 FloatArray = NDArray[np.float64]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinetics import Scene, SpeedTable, solve
-from kinetics.position.sampling import Sampling
+from kinetics.position.wave_panel import Sampling
 
 TIMES = np.array([0])
 
