@@ -368,7 +368,7 @@ def test_a_density_that_does_not_end_says_so(e: float) -> None:
     assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
     assert found._displacement is not None
     work = sum(n * size**3 for size, n in found._displacement.systems.items())
-    assert work < 2e8
+    assert work < 4e8
     assert found.position_fraction([0.0, 1e3])[0, 0] == pytest.approx(1.0, abs=0.1)
 
 
