@@ -2,7 +2,7 @@
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
 LaTeX of it; the files of the sections transcribe the same equations into sympy, and a test holds
-each transcription against its LaTeX by ``latex_reader``. ``beyond_the_paper`` and
+each transcription against its LaTeX. ``beyond_the_paper`` and
 ``finite_density`` state the results that the paper does not have.
 
 May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with

@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import pytest
 import sympy as sp
+from latex_reader import LatexError, read
 from marking import slow_but
 
 from derivations import Check
 from derivations import symbols as sy
 from derivations.printed import PRINTED
 from derivations.printed.equation import read_equations
-from derivations.printed.latex_reader import LatexError, read
 from derivations.verdicts.difference import is_zero
 
 Mutants = Callable[[sp.Basic], Iterator[sp.Basic]]
