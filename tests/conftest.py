@@ -16,7 +16,7 @@ from kinetics import cli
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # the formulas behind the reference values: collision.py, cooling.py, displacement.py, densities.py
 for _folder in ("references", "golden", "derivations/printed"):
-    sys.path.insert(0, str(Path(__file__).with_name(_folder)))
+    sys.path.insert(0, str(Path(__file__).parent / _folder))
 
 
 class Lorentz:
