@@ -5,21 +5,18 @@ imports only those before it: `events` (one collision; the collision law stands 
 `streams` (random numbers), `values`, `checks`, `media` (what may be asked for), `compiled`, `grid`
 (where the scatterers stand), `kernel` (the event loops), `configuration` (one configuration and its
 tracers), `arguments` and `memory` (what is refused), `estimators`, `field_estimates`,
-`ensemble` (the result), `totals`, `storage`, `simulate`; and `along_path`, which needs none of the
-last five.
+`ensemble` (the result), `totals`, `storage`, `simulate`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from particles.along_path import PathIntegrals, path_integrals
     from particles.configuration import OBSERVABLES
     from particles.ensemble import Ensemble, Statuses, load
     from particles.estimators import Estimate, Histogram
     from particles.media import (
         BoltzmannGrad,
-        ForgetfulPoisson,
         HardDisks,
         HardSpheres,
         Medium,
@@ -35,7 +32,6 @@ _NAMES = {
     "estimators": ("Estimate", "Histogram"),
     "media": (
         "BoltzmannGrad",
-        "ForgetfulPoisson",
         "HardDisks",
         "HardSpheres",
         "Medium",
@@ -43,7 +39,6 @@ _NAMES = {
         "PoissonSpheres",
         "Positions",
     ),
-    "along_path": ("PathIntegrals", "path_integrals"),
     "simulate": ("simulate",),
 }
 
@@ -52,18 +47,15 @@ __all__ = [
     "BoltzmannGrad",
     "Ensemble",
     "Estimate",
-    "ForgetfulPoisson",
     "HardDisks",
     "HardSpheres",
     "Histogram",
     "Medium",
-    "PathIntegrals",
     "Poisson",
     "PoissonSpheres",
     "Positions",
     "Statuses",
     "load",
-    "path_integrals",
     "simulate",
 ]
 

@@ -19,7 +19,6 @@ from particles.kernel.columns import (
 )
 from particles.media import (
     BoltzmannGrad,
-    ForgetfulPoisson,
     Medium,
     Positions,
     dilute_mean_path,
@@ -214,7 +213,7 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane, remembering
+    from particles.kernel import follow, free_paths, lane
 
     mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
     n = min(BLOCK, plan.tracers - first)
@@ -239,12 +238,7 @@ def _follow_block(
         n_caught, raw["passages"] = _follow_in_field(plan, tally, cells, start, record, caught)
         return {"traps": caught[:n_caught], **raw}
     lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if isinstance(plan.medium, ForgetfulPoisson):
-        known = np.empty((plan.medium.memory, 4))
-        n_caught = remembering.follow_remembering(
-            start, mean_path, known, caught, lanes[:1], record
-        )
-    elif cells is None:
+    if cells is None:
         free_paths.follow_free_paths(start, mean_path, lanes, record)
     else:
         n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)

@@ -28,7 +28,6 @@ LEAST_DENSITY = 1e-10  # in d^-2, or d^-3
 FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
 # In d. One flight must not meet a scatterer and its own image; a few diameters are enough.
 SMALLEST_BOX = 4.0
-LONGEST_MEMORY = 1000  # collisions
 LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 
@@ -242,33 +241,6 @@ class BoltzmannGrad:
             )
 
 
-@dataclass(frozen=True)
-class ForgetfulPoisson:
-    """A Poisson medium in the plane of which a tracer remembers its last collisions only.
-
-    number_density, diameter: as of Poisson. memory: k, the number of collisions remembered. The
-    scatterers of these k collisions are still where they were, and where the k flights that led to
-    them passed there is still none; everything else is forgotten, and new scatterers are met at
-    random. With memory = 0 every flight is as in the Boltzmann-Grad limit; with more collisions
-    than a tracer makes it is the unbounded plane of Poisson. Each collision costs a time
-    proportional to k. ValueError as for Poisson, and where memory is not from 0 to 1000.
-    """
-
-    dimension: ClassVar[int] = 2
-    number_density: float
-    memory: int
-    diameter: float = 1.0
-
-    def __post_init__(self) -> None:
-        d = check_positive("diameter", self.diameter)
-        in_diameters = check_positive("number_density", self.number_density) * d * d
-        _not_too_thin("number_density", self.number_density, in_diameters)
-        if in_diameters > LARGEST_PLANE_DENSITY["Poisson"]:
-            largest = LARGEST_PLANE_DENSITY["Poisson"] / (d * d)
-            refuse("number_density", self.number_density, f"must be at most {largest:g}")
-        check_whole("memory", self.memory, 0, LONGEST_MEMORY)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Positions(Value):
     """Scatterers where the user says, in a periodic square box; they may overlap.
@@ -360,15 +332,7 @@ class Positions(Value):
         return len(self.positions) if self.positions.ndim == 3 else None
 
 
-Medium = (
-    HardDisks
-    | Poisson
-    | HardSpheres
-    | PoissonSpheres
-    | BoltzmannGrad
-    | ForgetfulPoisson
-    | Positions
-)
+Medium = HardDisks | Poisson | HardSpheres | PoissonSpheres | BoltzmannGrad | Positions
 MEDIA: tuple[type, ...] = get_args(Medium)
 
 

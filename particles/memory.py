@@ -7,7 +7,7 @@ from pathlib import Path
 from particles.checks import refuse
 from particles.configuration import Plan
 from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
-from particles.media import BoltzmannGrad, ForgetfulPoisson, HardSpheres, PoissonSpheres, Positions
+from particles.media import BoltzmannGrad, HardSpheres, PoissonSpheres, Positions
 
 _NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
@@ -55,7 +55,7 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
 def _scatterers(plan: Plan) -> int:
     """Return the bytes of one configuration's scatterers in a periodic box."""
     medium = plan.medium
-    if isinstance(medium, (BoltzmannGrad, ForgetfulPoisson)):
+    if isinstance(medium, BoltzmannGrad):
         return 0
     if isinstance(medium, (HardSpheres, PoissonSpheres)):
         from particles.grid import space

@@ -44,7 +44,7 @@ def simulate(
 ) -> Ensemble:
     """Follow `tracers` tracers in each of `media` configurations of a medium.
 
-    medium: HardDisks, Poisson, Positions, ForgetfulPoisson or BoltzmannGrad in the plane,
+    medium: HardDisks, Poisson, Positions or BoltzmannGrad in the plane,
         HardSpheres, PoissonSpheres or BoltzmannGrad(dimension=3) in space.
     restitution, tangential_restitution: at a collision the component of the velocity along the
         normal is multiplied by -restitution, the one across it by tangential_restitution. Each in

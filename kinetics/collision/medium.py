@@ -54,7 +54,7 @@ by less than .005 for e from .6 to .8.
 
 The elastic diffusion coefficient is that of the Boltzmann equation times 1 + (4/3) n ln n + b n
 - c (n ln n)^2, b = (4/3) ln C(1; 1) = 1.260(1). Measured among overlapping disks from n = .0025 to
-.04, by <r^2> and by the integral over the path (tests/kinetics/measurements/path_integrals.py):
+.04, by <r^2> and by the integral over the path (commit 7baf535 has the script):
 b = 1.31(4) and c = 2.2(2), with a term n^2 as well b = 1.20(9), and with the b of the theory
 c = 2.04(6).
 """

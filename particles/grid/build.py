@@ -9,7 +9,6 @@ from particles.grid.space import boxed, unbounded
 from particles.grid.spheres import place_spheres
 from particles.media import (
     BoltzmannGrad,
-    ForgetfulPoisson,
     HardDisks,
     HardSpheres,
     Medium,
@@ -27,7 +26,7 @@ def build(
     Tracers start at the centre of the middle cell. old: scatterers that are no longer needed and
     whose memory may be used again. Raises ValueError if not all scatterers can be placed.
     """
-    if isinstance(medium, (BoltzmannGrad, ForgetfulPoisson)):
+    if isinstance(medium, BoltzmannGrad):
         return None
     if isinstance(medium, (HardSpheres, PoissonSpheres)):
         return _build_in_space(medium, seed, configuration, old)

@@ -51,7 +51,7 @@ from particles.kernel.columns import (
     STATUSES,
     TOTALS,
 )
-from particles.media import MEDIA, ForgetfulPoisson, HardSpheres, Medium, PoissonSpheres, Positions
+from particles.media import MEDIA, HardSpheres, Medium, PoissonSpheres, Positions
 from particles.storage.whole_files import require_regular, write_whole
 
 FORMAT = "inelastic-lorentz particles"
@@ -64,7 +64,7 @@ LATER = {
     "depth": None,
 }
 # Media that version 2 did not have.
-_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres, ForgetfulPoisson)]
+_LATER_MEDIA = [medium.__name__ for medium in (HardSpheres, PoissonSpheres)]
 
 _MEDIA: dict[str, type] = {medium.__name__: medium for medium in MEDIA}
 _UNITS = {

@@ -215,7 +215,7 @@ BAD = [
     (
         dict(medium="Poisson"),
         "medium = 'Poisson': must be HardDisks, Poisson, HardSpheres, PoissonSpheres, Boltzmann"
-        "Grad, ForgetfulPoisson or Positions",
+        "Grad or Positions",
     ),
     (
         dict(initial=np.ones((2, 2)), medium=PoissonSpheres(0.1)),

@@ -6,7 +6,6 @@ from scipy.spatial import cKDTree
 
 from particles import (
     OBSERVABLES,
-    ForgetfulPoisson,
     HardDisks,
     HardSpheres,
     Poisson,
@@ -219,9 +218,7 @@ def test_estimates_are_those_of_the_raw_data() -> None:
     np.testing.assert_allclose(run.finals[:, 2:4], r[-1], **close)
 
 
-@pytest.mark.parametrize(
-    "medium", [HardSpheres(0.1), PoissonSpheres(0.1), ForgetfulPoisson(0.1, 3)]
-)
+@pytest.mark.parametrize("medium", [HardSpheres(0.1), PoissonSpheres(0.1)])
 def test_other_media_refuse_a_field(medium) -> None:
     name = type(medium).__name__
     with pytest.raises(

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from particles import (
     BoltzmannGrad,
-    ForgetfulPoisson,
     HardDisks,
     HardSpheres,
     Poisson,
@@ -36,7 +35,6 @@ def run(medium: Any, **arguments: Any) -> Any:
         SQUARE,
         HardDisks(0.04, box=None),
         BoltzmannGrad(0.04),
-        ForgetfulPoisson(0.04, memory=3),
         HardSpheres(0.1, count=400),
     ],
     ids=lambda medium: f"{type(medium).__name__}-{getattr(medium, 'box', '')}",
