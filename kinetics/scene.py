@@ -15,13 +15,12 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
-from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.results import Value, read_only
 from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
-from kinetics.values import Value
 
 MOST_HARMONICS = 256
 _FIELD = "it must be a finite number, 0 or more: the field is along +x"

@@ -28,7 +28,7 @@ from kinetics.position.front_tail import FrontTail
 from kinetics.position.once_collided import OnceCollided
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
-from kinetics.values import Value
+from kinetics.results import Value
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from kinetics.position.directions import element, mean_phase, radial_measure, ra
 from kinetics.position.once_collided import FARTHEST, Scatterer, radial_edges
 from kinetics.position.tail import origin_terms, origin_transforms
 from kinetics.position.wave_panel import WavePanel, nodes_between
-from kinetics.values import Value
+from kinetics.results import Value
 
 _POINTS = 12
 _AT_ORIGIN = 8  # the last power of the terms at R = 0

@@ -36,8 +36,8 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_between
 from kinetics.position.directions import mean_phase
 from kinetics.position.twice_collided import twice_density, twice_scattering, twice_within
+from kinetics.results import Value
 from kinetics.states.state import State
-from kinetics.values import Value
 
 _POINTS = 12  # of a Gauss rule, on panels in z of length 2 at most: rounding is left
 _FAR = 34.0  # in z: the integrand falls as exp(-|z|) there, to e^-34 = 2e-15
