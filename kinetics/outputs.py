@@ -253,7 +253,7 @@ AXES: dict[str, Axis] = {
 
 def described(name: str, dimension: int) -> tuple[str, str, str]:
     """Unit, words and symbol of an array of a Solution, or of a function."""
-    row = next(row for row in (*_ROWS, *_FIELD_ROWS) if name in row.names)
+    row = next(row for row in (FIELD_OUTPUTS | OUTPUTS).values() if name in row.names)
     also = {also: (unit, row.description, symbol) for also, unit, symbol in row.also}
     return also.get(name, (row.unit_in(dimension), row.description, row.symbol))
 

@@ -188,24 +188,20 @@ class Result(Value):
         each point. The attributes of the result, and the unit of each column, are in
         ``frame.attrs``. ``points``: as of :meth:`to_xarray`. InputError for an unknown name.
         """
-        import pandas
+        import xarray
 
         if name is not None:
             arrays, about = self._named(name, points), {}
-            axes = [arrays[0][d] for d in _axes(arrays[0])]
         else:
             made = self._made((), points)
-            about, axes = made.attrs, [made[n] for n in list(made.coords)[:1]]
-            arrays = [made[n] for n in made if _axes(made[n]) == [axis.name for axis in axes]]
-            if not arrays:  # nothing depends on the first coordinate alone: one row of numbers
-                axes, arrays = [], [made[n] for n in made if not made[n].dims]
-        grids = np.meshgrid(*(axis.values for axis in axes), indexing="ij")
-        columns = {str(a.name): grid.ravel() for a, grid in zip(axes, grids, strict=True)}
-        units = {str(a.name): a.attrs["units"] for a in axes}
-        for one in arrays:
-            columns |= (parts := _components(one))
-            units |= dict.fromkeys(parts, one.attrs["units"])
-        frame = pandas.DataFrame(columns)
+            about, first = made.attrs, list(made.coords)[:1]
+            arrays = [made[n] for n in made if first and _axes(made[n]) == first]
+            # where nothing depends on the first coordinate alone there is one row of numbers
+            arrays = arrays or [made[n].expand_dims("row") for n in made if not made[n].dims]
+        columns = {label: part for one in arrays for label, part in _components(one).items()}
+        frame = xarray.Dataset(columns).to_dataframe().reset_index()
+        frame = frame.drop(columns="row", errors="ignore")
+        units = {n: (columns[n] if n in columns else arrays[0][n]).attrs["units"] for n in frame}
         frame.attrs = {**about, "units": units}
         return frame
 
@@ -288,14 +284,18 @@ def _axes(one: xarray.DataArray) -> list[str]:
     return [str(d) for d in one.dims if d not in COMPONENTS]
 
 
-def _components(one: xarray.DataArray) -> dict[str, NDArray[Any]]:
-    """Columns of a quantity: itself, or one for each component of a vector or a tensor."""
-    inner = [one[d].values for d in one.dims if d in COMPONENTS]
-    names = [f"{one.name}_{''.join(x)}" if x else str(one.name) for x in product(*inner)]
-    return dict(zip(names, one.values.reshape(-1, len(names)).T, strict=True))
+def _components(one: xarray.DataArray) -> dict[str, xarray.DataArray]:
+    """A quantity itself, or each component of a vector or a tensor, under its name."""
+    inner = {str(d): one[d].values for d in one.dims if d in COMPONENTS}
+    return {
+        f"{one.name}_{''.join(place)}" if place else str(one.name): one.sel(
+            dict(zip(inner, place, strict=True)), drop=True
+        )
+        for place in product(*inner.values())
+    }
 
 
-def _lines(one: xarray.DataArray) -> dict[str, NDArray[Any]]:
+def _lines(one: xarray.DataArray) -> dict[str, Any]:
     """Label -> line: the components of what depends on the time; of other things some times."""
     free = _axes(one)
     if len(free) == 1:

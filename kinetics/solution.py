@@ -29,7 +29,7 @@ from kinetics.moments.by_collision import ByCollision
 from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.outputs import AXES, OUTPUTS, described
+from kinetics.outputs import AXES, OUTPUTS, Axis, described
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
@@ -171,35 +171,36 @@ class Solution(Result):
         direction = points.get("direction") if output == "intermediate_scattering" else None
         more = {} if direction is None else {"direction": direction}
         for name in OUTPUTS[output].names:
-            along = OUTPUTS[output].shape[1:] if name == output else ("n_R",)
-            at = []
-            for axis, unit, words, given in (AXES[one] for one in along):
-                x = points.get(given)
-                x = self._default(given) if x is None else finite_line(given, x)
-                axes[axis] = variable((axis,), x, unit, words)
-                at.append(x)
-            values = getattr(self, name)(*at, **more)
-            dims, (unit, words, symbol) = (
-                ("time", *(AXES[one].name for one in along)),
-                described(name, self.scene.dimension),
+            along = (
+                [AXES[n] for n in OUTPUTS[output].shape[1:]] if name == output else [AXES["n_R"]]
             )
+            at = [self._points_on(axis, points.get(axis.points)) for axis in along]
+            values = getattr(self, name)(*at, **more)
+            for axis, x in zip(along, at, strict=True):
+                axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
+            unit, words, symbol = described(name, self.scene.dimension)
+            parts = [(name, values, symbol)]
             if np.iscomplexobj(values):
-                found[f"{name}_real"] = variable(dims, values.real, unit, words, f"Re {symbol}")
-                found[f"{name}_imag"] = variable(dims, values.imag, unit, words, f"Im {symbol}")
-            else:
-                found[name] = variable(dims, values, unit, words, symbol)
+                sides = (("real", "Re"), ("imag", "Im"))
+                parts = [(f"{name}_{p}", getattr(values, p), f"{s} {symbol}") for p, s in sides]
+            for part, array, sign in parts:
+                dims = ("time", *(axis.name for axis in along))
+                found[part] = variable(dims, array, unit, words, sign)
         if output == "speed_density":
             words = "share of tracers of a start of one speed that have not collided (or e = 1)"
             found["uncollided"] = variable(("time",), self.uncollided, "1", words)
         if output == "position_density" and (fronts := self.ballistic_front)[0].shape[1]:
             numbers, dims = np.arange(fronts[0].shape[1]), ("time", "front")
             axes["front"] = variable(("front",), numbers, "1", "number of a sharp speed")
-            words = "radius of tracers that have not collided", "share of these tracers"
-            found["front_radius"] = variable(dims, fronts[0], "d", words[0])
-            found["front_weight"] = variable(dims, fronts[1], "1", words[1])
+            words = "radius of tracers that have not collided"
+            found["front_radius"] = variable(dims, fronts[0], "d", words)
+            found["front_weight"] = variable(dims, fronts[1], "1", "share of these tracers")
 
-    def _default(self, points: str) -> FloatArray:
-        """Where the distributions are."""
+    def _points_on(self, axis: Axis, given: ArrayLike | None) -> FloatArray:
+        """What was given, or else points where the distributions are."""
+        points = axis.points
+        if given is not None:
+            return finite_line(points, given)
         if points == "speeds":
             usual = self._typical_speed[self._typical_speed > 0.0]  # at rest it is 0
             low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)

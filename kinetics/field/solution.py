@@ -190,17 +190,14 @@ class FieldState(Result):
 
     _points = ("speeds", "angles")
 
-    def _dataset(
-        self, only: Collection[str] | None = None, speeds: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-    ) -> Any:  # fmt: skip
-        """Speeds in sqrt(g l), angles to the field in radians."""
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
+        """Points: speeds in sqrt(g l), angles to the field in radians."""
         found: dict[str, Any] = {}
         for name, (units, words, on_demand) in _FIGURES.items():
             if only is None or name in only or not on_demand:
                 found[name] = variable((), getattr(self, name), units, words)
-        v = np.atleast_1d(_SPEEDS if speeds is None else np.asarray(speeds, float))
-        phi = np.atleast_1d(_ANGLES if angles is None else np.asarray(angles, float))
+        v = finite_line("speeds", points.get("speeds", _SPEEDS))
+        phi = finite_line("angles", points.get("angles", _ANGLES))
         if only is None or "vdf" in only:
             units = "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
             f = self.vdf(v, phi).T

@@ -200,9 +200,12 @@ class ScaledVDF(Result):
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         found = scaled_dataset(self, only, **points)
-        about = {"status": self.status.name.lower(), "message": self.message}  # of all of that
-        about |= {"tolerance_asked": self.rtol, "tolerance_reached": self.error_estimate}
-        return found.assign_attrs(about)
+        return found.assign_attrs(  # of all that is solved by now
+            status=self.status.name.lower(),
+            message=self.message,
+            tolerance_asked=self.rtol,
+            tolerance_reached=self.error_estimate,
+        )
 
     def _figures(self) -> dict[str, str]:
         about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}

@@ -37,10 +37,13 @@ def _csv(result: Any, points: dict[str, Any], wide: Collection[str]) -> str:
     """A row for each time, heads with units; of functions a column for each of their points."""
     frame = result.to_dataframe()
     units = dict(frame.attrs["units"])
-    for name in wide:
-        made = result.to_xarray(**points)[name]
-        for x, column in zip(made[made.dims[1]].values, made.values.T, strict=True):
-            frame[head := f"{name}({made.dims[1]}={x:g})"] = column
-            units[head] = made.attrs["units"]
+    made = result.to_xarray(**points) if wide else {}
+    for name, one in made.items():
+        if one.dims == ("time",) and name not in frame:  # it comes with a function
+            frame[name], units[name] = one.values, one.attrs["units"]
+        along = one[one.dims[1]].values if name in wide else ()
+        for i, x in enumerate(along):
+            frame[head := f"{name}({one.dims[1]}={x:g})"] = one.values[:, i]
+            units[head] = one.attrs["units"]
     heads = [n if units[n] == "1" else f"{n} [{units[n]}]" for n in frame.columns]
     return str(frame.to_csv(index=False, header=heads, lineterminator="\n"))

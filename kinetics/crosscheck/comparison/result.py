@@ -12,6 +12,7 @@ from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.errors import InputError, short
+from kinetics.results import Value, frozen
 from kinetics.version import package_version
 
 SCHEMA = "inelastic-lorentz/comparison/1"

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from kinetics.crosscheck import Comparison, compare_data
 from kinetics.errors import InputError
-from kinetics.storage import load
+from kinetics import load
 from particles import BoltzmannGrad, simulate
 
 
