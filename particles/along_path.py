@@ -26,7 +26,7 @@ from particles.configuration import ESCAPE_PATHS, Plan
 from particles.estimators import Estimate, jackknife
 from particles.media import BoltzmannGrad, ForgetfulPoisson, Medium, dilute_mean_path
 from particles.memory import require_memory
-from particles.values import Value
+from particles.results import Value
 
 HIGHEST_ORDER = 1000
 # What launches a tracer, whose number of collisions has no limit here.

@@ -229,7 +229,7 @@ def scaled_dataset(
         moments = [state.moment(p) for p in powers]
         found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
     speeds = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
-    if state.cooling_rate > 0.0 and (only is None or "vdf" in only):
+    if state.cooling_rate > 0.0 and (not only or "vdf" in only):
         words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
         found["vdf"] = variable(("c",), state.vdf(speeds), "1", words, "F")
     axes = {
