@@ -146,7 +146,7 @@ class Saver:
         self.path, self.plan = os.path.realpath(path), plan
         self._folder = f"{self.path}.parts"
         self._lock: Any = None
-        self._next, self._saved = 0.0, -1
+        self._next, self._saved = 0.0, 0
 
     def begin(self, resume: bool) -> Totals:
         """Return the totals to go on from, and make sure that the run can be saved.
@@ -168,7 +168,7 @@ class Saver:
             remove_leftovers(self.path)
             return totals
         except BaseException as error:
-            self._close(tidy=self._saved < 0)
+            self._close()
             raise cannot_write(self.path, error) if isinstance(error, OSError) else error from None
 
     def add(self, tally: Tally, totals: Totals) -> None:
@@ -176,7 +176,7 @@ class Saver:
         nested = {"histograms": tally.histograms, "raw": tally.raw}
         arrays = {k: v for k, v in vars(tally).items() if isinstance(v, np.ndarray)}
         arrays |= {f"{k}/{name}": v for k, group in nested.items() for name, v in group.items()}
-        np.savez(image := BytesIO(), **arrays)
+        np.savez(image := BytesIO(), **arrays)  # type: ignore[arg-type]
         write_whole(self._part(tally.configuration), image.getvalue(), sync=False)
         if time.monotonic() >= self._next:
             self._write(totals)
@@ -187,9 +187,8 @@ class Saver:
             if totals.configurations > self._saved:
                 self._write(totals)
             self._clear()
-            self._close(tidy=True)
         finally:
-            self._close(tidy=False)
+            self._close()
 
     def stop(self) -> None:
         """Save what is complete after an exception; one configuration may be half added by then.
@@ -199,7 +198,7 @@ class Saver:
         try:
             self.finish(self._read())
         finally:
-            self._close(tidy=False)
+            self._close()
 
     def _read(self) -> Totals:
         """Return what the file and the parts hold, of this run and no other."""
@@ -261,12 +260,12 @@ class Saver:
                 file.close()
         _in_use.add(self.path)
 
-    def _close(self, tidy: bool) -> None:
-        """Unlock; and remove the folder if nothing else is in it and it is not needed."""
+    def _close(self) -> None:
+        """Unlock; and remove the folder if no parts are in it."""
         if self._lock is None:
             return
         with suppress(OSError):
-            if tidy and os.listdir(self._folder) == ["lock"]:
+            if os.listdir(self._folder) == ["lock"]:
                 os.unlink(self._lock.name)
                 os.rmdir(self._folder)
         self._lock.close()

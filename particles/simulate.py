@@ -102,7 +102,8 @@ def simulate(
     if output is None:
         if resume:
             raise ValueError("resume = True: needs output, the file to go on from")
-        return _complete(Totals(plan), None, workers, executor, progress).ensemble()
+        totals = _complete(Totals(plan), None, workers, executor, progress)
+        return Ensemble(plan, totals.arrays())
     from particles.files import Saver
 
     saver = Saver(check_path("output", output), plan)
@@ -113,7 +114,7 @@ def simulate(
         saver.stop()
         raise
     saver.finish(totals)
-    return totals.ensemble()
+    return Ensemble(plan, totals.arrays())
 
 
 def _complete(
