@@ -5,7 +5,7 @@ pickle and save. A :class:`Result` also says what it holds, as an `xarray.Datase
 for; data frames and plots are made of that. xarray, pandas and h5py are imported at first use.
 
 A file is netCDF-4: the averages, for any program, and the variable `record`, from which
-:func:`load` builds the value again: JSON of its arguments and figures, where arrays are lists and
+:func:`load` builds the value again: JSON of its arguments and figures, where
 ``{"variable": name}`` stands for a variable. Everything that `load` reads is checksummed by HDF5,
 nothing is executed, and only classes that `kinetics` names are built. What is solved on demand is
 solved again.
@@ -158,7 +158,7 @@ class Value:
 
     @classmethod
     def _from_storage(cls, parts: dict[str, Any]) -> Self:
-        """The value, of the parts that `_to_storage` gave; lists and arrays are tuples there."""
+        """The value, of the parts that `_to_storage` gave; lists are tuples there."""
         return cls(**parts)
 
 
@@ -426,9 +426,11 @@ def _public(name: Any) -> Any:
 
 def _plain(value: Any, whole: bool) -> Any:
     """The value as JSON holds it. Not `whole`, for people: long arrays and functions are named."""
+    if isinstance(value, np.ndarray) and whole:
+        return {"array": value.tolist()}
     if isinstance(value, np.ndarray | np.generic):
-        few = whole or value.size <= _MOST_NUMBERS
-        return value.tolist() if few else f"numbers of shape {value.shape}"
+        shown = value.size <= _MOST_NUMBERS
+        return value.tolist() if shown else f"numbers of shape {value.shape}"
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple):
@@ -456,7 +458,9 @@ def _restored(plain: Any, file: Any) -> Any:
         return tuple(_restored(item, file) for item in plain)
     if not isinstance(plain, dict):
         return plain
-    if list(plain) == ["variable"]:
+    if "array" in plain:
+        return np.asarray(plain["array"])
+    if "variable" in plain:
         return _stored(file, plain["variable"])
     parts = {name: _restored(item, file) for name, item in plain.items()}
     if "class" not in parts:

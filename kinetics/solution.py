@@ -216,10 +216,6 @@ class Solution(Result):
         parts = super()._to_storage()
         return parts | {"values": {name: {"variable": name} for name in self.values}}
 
-    @classmethod
-    def _from_storage(cls, parts: dict[str, Any]) -> Solution:
-        return cls(**parts | {"_typical_speed": np.asarray(parts["_typical_speed"])})
-
     # -- moments ------------------------------------------------------------------------------
 
     def moment(self, p: float) -> FloatArray:

@@ -223,7 +223,7 @@ class SpeedTable(State):
     def _from_storage(cls, parts: dict[str, Any]) -> SpeedTable:
         """As it was, and not rescaled once more."""
         found = object.__new__(cls)
-        found.store(**{name: np.asarray(part) for name, part in parts.items()})
+        found.store(**parts)
         return found
 
     def harmonic(

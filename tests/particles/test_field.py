@@ -6,7 +6,6 @@ Units of the exact relations: l = g = 1, so the density is 1/2 in the plane and 
 import re
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from marking import slow_but
