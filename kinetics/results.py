@@ -1,14 +1,10 @@
 """What results are: values with read-only arrays, of which datasets, plots and files are made.
 
-:class:`Value` is the base of scenes, states and results: frozen dataclasses that compare, hash,
-pickle and save. A :class:`Result` also says what it holds, as an `xarray.Dataset`, when it is asked
-for; data frames and plots are made of that. xarray, pandas and h5py are imported at first use.
-
 A file is netCDF-4: the averages, for any program, and the variable `record`, from which
-:func:`load` builds the value again: JSON of its arguments and figures, where
-``{"variable": name}`` stands for a variable. Everything that `load` reads is checksummed by HDF5,
-nothing is executed, and only classes that `kinetics` names are built. What is solved on demand is
-solved again.
+:func:`load` builds the value again: JSON of its arguments and figures, where ``{"variable": name}``
+stands for a variable. What `load` reads is checksummed by HDF5, nothing is executed, and only
+classes that `kinetics` names are built; what was solved on demand is solved again. xarray, pandas,
+h5py and matplotlib are imported at first use.
 """
 
 from __future__ import annotations
@@ -49,22 +45,14 @@ _MOST_NUMBERS = 200  # of an array that the attribute `scene` writes out
 _FORMAT, _RECORD = "inelastic-lorentz kinetics 2", "record"
 
 
-def read_only(values: ArrayLike) -> NDArray[Any]:
-    """A read-only copy of an array; the array itself if it is read-only already."""
-    array = np.asarray(values)
-    if array.flags.writeable or array.base is not None:
-        array = array.copy()
-        array.setflags(write=False)
-    return array
-
-
 def frozen(value: Any) -> Any:
-    """The value with read-only arrays and dictionaries, in tuples and dictionaries too."""
-    if isinstance(value, np.ndarray):
-        return read_only(value)
-    if type(value) is tuple:
+    """The value with read-only arrays (copies of others) and dictionaries, in tuples too."""
+    if isinstance(value, np.ndarray) and (value.flags.writeable or value.base is not None):
+        value = value.copy()
+        value.setflags(write=False)
+    elif type(value) is tuple:
         return tuple([frozen(item) for item in value])
-    if isinstance(value, (dict, MappingProxyType)):
+    elif isinstance(value, (dict, MappingProxyType)):
         return MappingProxyType({key: frozen(item) for key, item in value.items()})
     return value
 
@@ -87,16 +75,10 @@ def _contents(value: Any) -> Any:
 
 
 def _brief(value: Any) -> str:
-    """A dataclass in one line; arrays by their shapes and ranges."""
-
-    def shown(part: Any) -> str:
-        if isinstance(part, np.ndarray):
-            ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
-            return f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
-        return str(getattr(part, "__qualname__", repr(part)))
-
-    parts = (f"{f.name}={shown(getattr(value, f.name))}" for f in fields(value) if f.repr)
-    return f"{type(value).__name__}({', '.join(parts)})"
+    """A dataclass in one line, long arrays by their ends."""
+    with np.printoptions(threshold=6, edgeitems=2, precision=6):
+        parts = (f"{f.name}={getattr(value, f.name)!r}" for f in fields(value) if f.repr)
+        return " ".join(f"{type(value).__name__}({', '.join(parts)})".split())
 
 
 class Value:
@@ -153,7 +135,6 @@ class Value:
         return dataset(type(self).__name__, self, {}, {})
 
     def _to_storage(self) -> dict[str, Any]:
-        """The parts that a file holds: by default the arguments of the class."""
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}  # type: ignore[arg-type]
 
     @classmethod
@@ -228,7 +209,13 @@ class Result(Value):
         if several:
             ax.legend()
         ax.set(xlabel=_label(along), ylabel=_label(parts[0]))
-        _set_scales(ax, along, parts[0])
+        x, y = along.values, parts[0].values
+        if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
+            ax.set_xscale("log")
+        if name.endswith(("density", "vdf")) and np.nanmax(y) > 0.0:  # its tails are of interest
+            ax.set(yscale="log", ylim=(_LOWEST * np.nanmax(y), 3.0 * np.nanmax(y)))
+        elif len(parts) == 1 and _is_wide(y):
+            ax.set_yscale("log")
         return ax
 
     def _made(self, only: Collection[str] | None, points: Mapping[str, Any]) -> xarray.Dataset:
@@ -310,22 +297,13 @@ def _label(one: xarray.DataArray) -> str:
     """Symbol and unit, as the label of an axis, with brackets and powers as they are printed."""
     symbol, units = one.attrs.get("symbol", str(one.name)), one.attrs["units"]
     text = symbol.replace("_", " ") + ("" if units == "1" else f" [{units}]")
-    for plain, sign in (("<", "⟨"), (">", "⟩"), ("^2", "²"), ("^3", "³"), ("^4", "⁴")):
-        text = text.replace(plain, sign)
-    return text
+    return text.translate({60: "⟨", 62: "⟩"}).replace("^2", "²").replace("^3", "³")
 
 
-def _set_scales(ax: Axes, along: xarray.DataArray, one: xarray.DataArray) -> None:
-    """Logarithmic axes where numbers are positive and span decades; of times 0 is then left out."""
-    x = along.values[along.values > 0.0] if along.name == "time" else along.values
-    if x.size > 1 and x.min() > 0.0 and x.max() > _DECADES * x.min():
-        ax.set_xscale("log")
-    y, name = one.values[np.isfinite(one.values)], str(one.name)
-    if name.endswith(("density", "vdf")) and y.max(initial=0.0) > 0.0:  # its tails are of interest
-        ax.set_yscale("log", nonpositive="mask")
-        ax.set_ylim(_LOWEST * y.max(), 3.0 * y.max())
-    elif y.size and y.min() > 0.0 and y.max() > _DECADES * y.min():
-        ax.set_yscale("log")
+def _is_wide(values: NDArray[Any]) -> bool:
+    """Whether numbers are positive and span decades, so that their axis is logarithmic."""
+    x = values[np.isfinite(values)]
+    return bool(x.size > 1 and 0.0 < _DECADES * x.min() < x.max())
 
 
 def load(path: str | os.PathLike[str]) -> Any:

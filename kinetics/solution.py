@@ -34,7 +34,7 @@ from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
-from kinetics.results import COMPONENTS, Result, dataset, read_only, variable
+from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
 from kinetics.validation import (
@@ -344,9 +344,9 @@ class Solution(Result):
         field it is the share of those that fall freely with one of a few velocities.
         """
         if self.scene.field:
-            return read_only(self._in_field.uncollided)
+            return frozen(self._in_field.uncollided)
         peak = self._speed_profile().peak_weight
-        return np.zeros(self.times.shape) if peak is None else read_only(peak.real)
+        return np.zeros(self.times.shape) if peak is None else frozen(peak.real)
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
@@ -392,7 +392,7 @@ class Solution(Result):
         which :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
         found = self._position()
-        return read_only(found.front_radius), read_only(found.front_weight)
+        return frozen(found.front_radius), frozen(found.front_weight)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
         """g(r, t), the radial density of the displacement (paper, fig. ``inelasticposi``), in 1/d.
