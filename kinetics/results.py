@@ -148,10 +148,12 @@ class Result(Value):
 
     A subclass writes ``_dataset(only, **points)`` with :func:`dataset`. ``only`` names what is
     needed; empty, that is what depends on the first coordinate alone, and single numbers; None is
-    everything. ``_points`` names the points that may be given, ``_figures`` what a notebook shows.
+    everything; ``_on_demand`` are names that it may leave out. ``_points`` names the points that
+    may be given, and ``_figures`` is what a notebook shows.
     """
 
     _points: tuple[str, ...] = ()
+    _on_demand: tuple[str, ...] = ()
 
     def to_xarray(self, **points: Any) -> xarray.Dataset:
         """An xarray Dataset of everything, whose attributes say units, status and accuracy.
@@ -212,8 +214,8 @@ class Result(Value):
         x, y = along.values, parts[0].values
         if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
             ax.set_xscale("log")
-        if name.endswith(("density", "vdf")) and np.nanmax(y) > 0.0:  # its tails are of interest
-            ax.set(yscale="log", ylim=(_LOWEST * np.nanmax(y), 3.0 * np.nanmax(y)))
+        if name.endswith(("density", "vdf")) and (top := np.nanmax(y, initial=0.0)) > 0.0:
+            ax.set(yscale="log", ylim=(_LOWEST * top, 3.0 * top))  # tails are of interest
         elif len(parts) == 1 and _is_wide(y):
             ax.set_yscale("log")
         return ax
@@ -229,7 +231,7 @@ class Result(Value):
         made = self._made((name,), points)
         found = [made[n] for n in made if n in (name, f"{name}_real", f"{name}_imag")]
         if not found:
-            known = ", ".join(map(str, self._made(None, points)))
+            known = ", ".join(dict.fromkeys([*map(str, made), *self._on_demand]))
             raise InputError(f"name: got {short(name)}; this result has {known}")
         return found
 
@@ -243,7 +245,7 @@ class Result(Value):
 
 def variable(
     dims: tuple[str, ...], values: ArrayLike, units: str, long_name: str, symbol: str = ""
-) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
+) -> tuple[Any, ...]:
     """One variable of a dataset: a copy of its values, and what they are."""
     described = {"units": units, "long_name": long_name} | ({"symbol": symbol} if symbol else {})
     return dims, np.array(values), described
@@ -273,13 +275,11 @@ def _axes(one: xarray.DataArray) -> list[str]:
 
 def _components(one: xarray.DataArray) -> dict[str, xarray.DataArray]:
     """A quantity itself, or each component of a vector or a tensor, under its name."""
-    inner = {str(d): one[d].values for d in one.dims if d in COMPONENTS}
-    return {
-        f"{one.name}_{''.join(place)}" if place else str(one.name): one.sel(
-            dict(zip(inner, place, strict=True)), drop=True
-        )
-        for place in product(*inner.values())
-    }
+    inner = [d for d in one.dims if d in COMPONENTS]
+    if not inner:
+        return {str(one.name): one}
+    places = [dict(zip(inner, at, strict=True)) for at in product(*(one[d].values for d in inner))]
+    return {f"{one.name}_{''.join(at.values())}": one.sel(at, drop=True) for at in places}
 
 
 def _lines(one: xarray.DataArray) -> dict[str, Any]:
@@ -416,10 +416,11 @@ def _plain(value: Any, whole: bool) -> Any:
     if isinstance(value, Mapping):
         return {str(key): _plain(item, whole) for key, item in value.items()}
     cls = type(value)
+    if whole and callable(value):
+        hint = "a Python function cannot be saved in a file, give the density as a SpeedTable"
+        raise InputError(f"initial: got {short(value)}; {hint}")
     if whole and _public(cls.__name__) is not cls:
-        kind = "Python function" if callable(value) else cls.__name__
-        hint = "; give the density as a SpeedTable" if callable(value) else ""
-        raise InputError(f"a {kind} cannot be saved in a file: got {short(value)}{hint}")
+        raise InputError(f"value: got {short(value)}; a {cls.__name__} cannot be saved in a file")
     if isinstance(value, enum.Enum):
         return {"class": cls.__name__, "name": value.name}
     if not is_dataclass(value) or isinstance(value, type):

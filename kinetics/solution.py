@@ -120,7 +120,7 @@ class Solution(Result):
     def _outputs(self) -> dict[str, str]:
         """Shape and unit of every array, and of every output that is a function."""
         shapes = {name: str(array.shape) for name, array in self.values.items()}
-        for name in self._functions():
+        for name in self._on_demand:
             shapes[name] = f"({', '.join(OUTPUTS[name].shape)})"
         units = {name: described(name, self.scene.dimension)[0] for name in shapes}
         return {n: shapes[n] + ("" if u == "1" else f" in {u}") for n, u in units.items()}
@@ -133,10 +133,11 @@ class Solution(Result):
 
     _points = (*(axis.points for axis in AXES.values()), "direction")
 
-    def _functions(self) -> list[str]:
+    @property
+    def _on_demand(self) -> tuple[str, ...]:  # type: ignore[override]
         """The outputs that are functions of more than the time."""
         names = (name for name in self.scene.outputs if name in OUTPUTS)
-        return [name for name in names if set(OUTPUTS[name].shape) & set(AXES)]
+        return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Averages, and functions at the points: speeds in U, angles and direction in radians,
@@ -149,7 +150,7 @@ class Solution(Result):
         }
         axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
         axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
-        for output in self._functions():
+        for output in self._on_demand:
             names = {*OUTPUTS[output].names, *(n for n, of in _WITH.items() if of == output)}
             if only is None or names & set(only):
                 self._add(output, points, found, axes)

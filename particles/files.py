@@ -49,15 +49,17 @@ except ImportError:  # pragma: no cover - Windows: nothing keeps two runs from o
 FORMAT = "inelastic-lorentz particles 5"
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
 _KINDS = {medium.__name__: medium for medium in MEDIA}
-_PART = re.compile(r"\d{9}\.npz|\.\d{9}\.npz\.[0-9a-f]{16}\.part")
+_PART = re.compile(r"\d{9}\.npz|\..*\.[0-9a-f]{16}\.part")
 _in_use: set[str] = set()  # by this process, which its own locks do not stop
 
 
-def write(path: Any, plan: Plan, arrays: Mapping[str, np.ndarray], done: int) -> None:
+def write(
+    path: Any, plan: Plan, arrays: Mapping[str, np.ndarray], done: int, beside: str = ""
+) -> None:
     """Write a run, replacing what is at `path`. Raises ValueError if it cannot be written."""
     text, described = _described(plan)
     about = {"format": np.bytes_(FORMAT), "done": done, "plan": np.bytes_(text)}
-    write_whole(check_path("path", path), _image(about, {**described, **arrays}))
+    write_whole(check_path("path", path), _image(about, {**described, **arrays}), beside)
 
 
 def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
@@ -165,7 +167,6 @@ class Saver:
             else:
                 totals = Totals(self.plan)
                 self._write(totals)  # any parts are of a run whose file is gone
-            remove_leftovers(self.path)
             return totals
         except BaseException as error:
             self._close()
@@ -227,7 +228,7 @@ class Saver:
 
     def _write(self, totals: Totals) -> None:
         began = time.monotonic()
-        write(self.path, self.plan, totals.arrays(), totals.configurations)
+        write(self.path, self.plan, totals.arrays(), totals.configurations, self._folder)
         self._saved, ended = totals.configurations, time.monotonic()
         self._next = ended + (ended - began) / SHARE
         self._clear()
@@ -273,41 +274,31 @@ class Saver:
         _in_use.discard(self.path)
 
 
-def write_whole(path: str, contents: bytes, sync: bool = True) -> None:
-    """Write a file beside its target, rename it, and wait for the disk.
+def write_whole(path: str, contents: bytes, folder: str = "", sync: bool = True) -> None:
+    """Write a file in a folder, its own by default, rename it, and wait for the disk.
 
     A symbolic link is followed: the file that it points to is replaced. Raises ValueError if it
     cannot be written; what was there before is left as it was.
     """
     require_regular(path)
-    target = os.path.realpath(path)
-    folder, name = os.path.split(target)
-    beside = os.path.join(folder, f".{name}.{secrets.token_hex(8)}.part")
+    home, name = os.path.split(os.path.realpath(path))
+    part = os.path.join(folder or home, f".{name}.{secrets.token_hex(8)}.part")
     try:
-        with open(beside, "xb") as file:  # x: never through a symbolic link
+        with open(part, "xb") as file:  # x: never through a symbolic link
             file.write(contents)
             file.flush()
             if sync:
                 os.fsync(file.fileno())
-        os.replace(beside, target)
+        os.replace(part, os.path.join(home, name))
         if sync and os.name == "posix":  # the new name is safe with its folder
-            descriptor = os.open(folder, os.O_RDONLY)
+            descriptor = os.open(home, os.O_RDONLY)
             os.fsync(descriptor)
             os.close(descriptor)
     except OSError as error:
         raise cannot_write(path, error) from None
     finally:
         with suppress(OSError):
-            os.unlink(beside)  # it is there only if something went wrong
-
-
-def remove_leftovers(path: str) -> None:
-    """Remove what processes that were killed while they wrote this file have left beside it."""
-    folder, name = os.path.split(path)
-    pattern = re.compile(rf"\.{re.escape(name)}\.[0-9a-f]{{16}}\.part")
-    for other in filter(pattern.fullmatch, os.listdir(folder or ".")):
-        with suppress(OSError):
-            os.unlink(os.path.join(folder, other))
+            os.unlink(part)  # it is there only if something went wrong
 
 
 def require_regular(path: str) -> None:

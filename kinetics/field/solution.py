@@ -188,7 +188,7 @@ class FieldState(Result):
 
     # -- how it shows itself ----------------------------------------------------------------------
 
-    _points = ("speeds", "angles")
+    _points, _on_demand = ("speeds", "angles"), (*_FIGURES, "vdf")
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds in sqrt(g l), angles to the field in radians."""

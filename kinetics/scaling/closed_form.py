@@ -189,7 +189,7 @@ class ScalingSolution(Result):
             out[inside] = np.exp(log_f) / law.unit_surface
         return out.reshape(c_.shape)[()]
 
-    _points = ("c",)
+    _points, _on_demand = ("c",), ("moment", "vdf")
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         return scaled_dataset(self, only, status="exact", message="closed form", **points)

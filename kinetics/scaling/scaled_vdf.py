@@ -196,7 +196,7 @@ class ScaledVDF(Result):
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
 
-    _points = ("c",)
+    _points, _on_demand = ("c",), ("moment", "vdf")
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         found = scaled_dataset(self, only, **points)
