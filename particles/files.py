@@ -146,7 +146,7 @@ class Saver:
 
     def __init__(self, path: str, plan: Plan) -> None:
         self.path, self.plan = os.path.realpath(path), plan
-        self._folder = f"{self.path}.parts"
+        self._folder, self._text = f"{self.path}.parts", _described(plan)[0].encode()
         self._lock: Any = None
         self._next, self._saved = 0.0, 0
 
@@ -177,6 +177,7 @@ class Saver:
         nested = {"histograms": tally.histograms, "raw": tally.raw}
         arrays = {k: v for k, v in vars(tally).items() if isinstance(v, np.ndarray)}
         arrays |= {f"{k}/{name}": v for k, group in nested.items() for name, v in group.items()}
+        arrays["plan"] = np.frombuffer(self._text, np.uint8)
         np.savez(image := BytesIO(), **arrays)  # type: ignore[arg-type]
         write_whole(self._part(tally.configuration), image.getvalue(), sync=False)
         if time.monotonic() >= self._next:
@@ -210,18 +211,20 @@ class Saver:
                 what = f"holds another run, with {f.name} = {short(theirs)}, not {short(ours)}"
                 raise ValueError(f"output = {short(self.path, 200)}: {what}")
         totals = Totals.restore(self.plan, arrays)
-        with suppress(Exception):  # the first part that is not there, or cannot be read
-            while True:
-                totals.add(self._tally(totals.configurations))
+        while tally := self._tally(totals.configurations):
+            totals.add(tally)
         return totals
 
-    def _tally(self, configuration: int) -> Tally:
+    def _tally(self, configuration: int) -> Tally | None:
+        """Return what a part holds; None where it is not there, damaged, or of another run."""
         parts: dict[str, Any] = {"histograms": {}, "raw": {}}
-        with np.load(self._part(configuration)) as arrays:  # its CRCs are checked
-            for name, array in arrays.items():
-                group, _, key = name.rpartition("/")
-                (parts[group] if group else parts)[key] = array
-        return Tally(configuration, **parts)
+        with suppress(Exception), np.load(self._part(configuration)) as arrays:
+            if arrays["plan"].tobytes() == self._text:
+                for name in set(arrays) - {"plan"}:  # the CRC of each is checked
+                    group, _, key = name.rpartition("/")
+                    (parts[group] if group else parts)[key] = arrays[name]
+                return Tally(configuration, **parts)
+        return None
 
     def _part(self, configuration: int) -> str:
         return os.path.join(self._folder, f"{configuration:09}.npz")

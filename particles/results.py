@@ -126,19 +126,26 @@ class Result(Value):
         """
         import pandas
 
-        if name is not None:
-            frame = pandas.DataFrame(self._bins(name))
-            _, unit, _ = VARIABLES[name]
-            density = {"density": f"1/{unit}", "density_error": f"1/{unit}"}
-            frame.attrs = {"units": {"time": "d/U", "low": unit, "high": unit} | density}
+        if name is None:
+            made = self._dataset(n for n in self.outputs if n in UNITS)
+            columns = {k: v for one in made.values() for k, v in _components(one).items()}
+            frame = pandas.DataFrame({"time": made["time"].values, **columns})
+            of = {k: one.attrs["units"] for one in made.values() for k in _components(one)}
+            frame.attrs = {**made.attrs, "units": {"time": "d/U", **of}}
             return frame
-        made = self._dataset(n for n in self.outputs if n in UNITS)
-        columns, units = {"time": made["time"].values}, {"time": "d/U"}
-        for one in made.data_vars.values():
-            for label, line in _components(one).items() if one.dims else ():
-                columns[label], units[label] = line, one.attrs["units"]
-        frame = pandas.DataFrame(columns)
-        frame.attrs = {**made.attrs, "units": units}
+        if self._known(name) not in VARIABLES:
+            refuse("name", name, "is no histogram; estimates are in to_dataframe()")
+        made, (symbol, unit, _) = self._dataset([name]), VARIABLES[name]
+        names = {f"{symbol}_low": "low", f"{symbol}_high": "high", name: "density"}
+        names[f"{name}_error"] = "density_error"
+        dims = [str(d) for d in made[name].dims]
+        made = made if "time" in dims else made.drop_vars("time")
+        frame = made.to_dataframe(dim_order=dims).reset_index().rename(columns=names)
+        kept = ["time", "low", "high", "density", "density_error"]
+        frame = frame[[column for column in kept if column in frame]]
+        frame.attrs = {
+            "units": dict(zip(kept, ("d/U", unit, unit, *[f"1/{unit}"] * 2), strict=True))
+        }
         return frame
 
     def plot(self, name: str, ax: "Axes | None" = None) -> "Axes":
@@ -148,13 +155,35 @@ class Result(Value):
         of the times are drawn. ValueError for a name that is not there or is one number.
         """
         made = self._dataset([self._known(name)])
-        if not made[name].ndim:
+        one, times = made[name], self.plan.times
+        if not one.ndim:
             refuse("name", name, "is one number; plot draws what depends on the time")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        (_draw_histogram if name in VARIABLES else _draw_estimate)(ax, made, name)
+        if name in VARIABLES:
+            symbol, unit, words = VARIABLES[name]
+            edges = np.append(made[f"{symbol}_low"].values, made[f"{symbol}_high"].values[-1])
+            for k in dict.fromkeys(np.linspace(0, len(one) - 1, _MOST_LINES).round().astype(int)):
+                line = np.where(one.values[k] > 0.0, one.values[k], np.nan)
+                label = f"t = {times[k]:.4g} d/U" if "time" in one.dims else words
+                ax.stairs(line, edges, baseline=None, label=label, color=f"C{k % 10}")
+            counted = np.nonzero(np.any(one.values > 0.0, axis=0))[0]
+            ends = (counted[0], counted[-1] + 1) if counted.size else (0, -1)
+            ax.set(xscale="log", yscale="log", xlim=(edges[ends[0]], edges[ends[1]]))
+            ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
+        else:
+            errors = _components(made[f"{name}_error"]).values()
+            for (label, line), error in zip(_components(one).items(), errors, strict=True):
+                bars = np.where(np.isfinite(error), error, 0.0)
+                ax.errorbar(times, line, bars, marker="o", ms=3.5, lw=0.8, label=label)
+            unit, _, symbol = UNITS[name]
+            ax.set(xlabel="t [d/U]", ylabel=symbol + ("" if unit == "1" else f" [{unit}]"))
+            ax.set_xscale("log" if _spans_decades(times[times > 0.0]) else "linear")
+            ax.set_yscale("log" if _spans_decades(one.values[times > 0.0]) else "linear")
+        if len(ax.get_legend_handles_labels()[1]) > 1:
+            ax.legend()
         return ax
 
     def _known(self, name: Any) -> str:
@@ -162,18 +191,6 @@ class Result(Value):
         if name not in known:
             refuse("name", name, f"this ensemble has {', '.join(known)}")
         return str(name)
-
-    def _bins(self, name: str) -> dict[str, np.ndarray]:
-        """Return time, edges, density and its error, one row for each time and bin."""
-        if self._known(name) not in VARIABLES:
-            refuse("name", name, "is no histogram; estimates are in to_dataframe()")
-        made, symbol = self._dataset([name]), VARIABLES[name][0]
-        times, bins = made[name].shape
-        columns = {end: np.tile(made[f"{symbol}_{end}"].values, times) for end in ("low", "high")}
-        columns["density"] = made[name].values.ravel()
-        columns["density_error"] = made[f"{name}_error"].values.ravel()
-        at = {"time": np.repeat(made["time"].values, bins)} if "time" in made[name].dims else {}
-        return at | columns
 
     def _dataset(self, names: Iterable[str]) -> "xarray.Dataset":
         import xarray
@@ -216,50 +233,13 @@ class Result(Value):
 
 def _components(one: "xarray.DataArray") -> dict[str, np.ndarray]:
     """Return what depends on the time, of vectors and tensors each component."""
-    base, error = str(one.name).removesuffix("_error"), str(one.name).endswith("_error")
-    found = {}
-    for place in np.ndindex(*one.shape[1:]):
-        name = "_".join([base, "".join("xyz"[i] for i in place)]) if place else base
-        found[f"{name}_error" if error else name] = one.values[(slice(None), *place)]
-    return found
-
-
-def _draw_estimate(ax: "Axes", made: "xarray.Dataset", name: str) -> None:
-    one, error = made[name], _components(made[f"{name}_error"])
-    times = made["time"].values
-    for label, line in _components(one).items():
-        bars = np.nan_to_num(error[f"{label}_error"], posinf=0.0)
-        ax.errorbar(
-            times, line, bars, marker="o", markersize=3.5, linewidth=0.8, elinewidth=1.0,
-            label=label.replace("_", " ") if one.ndim > 1 else None,
-        )  # fmt: skip
-    if one.ndim > 1:
-        ax.legend()
-    unit = one.attrs["units"].replace("^2", "²")
-    ax.set(xlabel="t [d/U]", ylabel=one.attrs["symbol"] + ("" if unit == "1" else f" [{unit}]"))
-    log = _spans_decades(times[times > 0.0])
-    shown = one.values[times > 0.0] if log else one.values
-    ax.set_xscale("log" if log else "linear")
-    ax.set_yscale("log" if _spans_decades(shown[np.isfinite(shown)]) else "linear")
-
-
-def _draw_histogram(ax: "Axes", made: "xarray.Dataset", name: str) -> None:
-    symbol, unit, words = VARIABLES[name]
-    one, times = made[name], made["time"].values
-    edges = np.append(made[f"{symbol}_low"].values, made[f"{symbol}_high"].values[-1])
-    several = "time" in one.dims and len(one) > 1
-    shown = np.unique(np.linspace(0, len(one) - 1, min(len(one), _MOST_LINES)).round().astype(int))
-    for k in shown:
-        line = np.where(one.values[k] > 0.0, one.values[k], np.nan)
-        label = f"t = {times[k]:.4g} d/U" if several else None
-        ax.stairs(line, edges, baseline=None, label=label, color=f"C{k % 10}")
-    if several:
-        ax.legend()
-    counted = np.nonzero(np.any(one.values > 0.0, axis=0))[0]
-    if counted.size:
-        ax.set_xlim(edges[counted[0]], edges[counted[-1] + 1])
-    ax.set(xscale="log", yscale="log", xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
+    base, error = str(one.name).removesuffix("_error"), "_error" * str(one.name).endswith("_error")
+    places = list(np.ndindex(*one.shape[1:])) if one.ndim else []
+    names = ["_".join([base, "".join("xyz"[i] for i in at)]) if at else base for at in places]
+    values = [one.values[(slice(None), *at)] for at in places]
+    return {f"{name}{error}": line for name, line in zip(names, values, strict=True)}
 
 
 def _spans_decades(values: np.ndarray) -> bool:
+    values = values[np.isfinite(values)]
     return bool(values.size > 1 and 0.0 < values.min() * _DECADES < values.max())
