@@ -34,7 +34,7 @@ SMALL: dict[str, Any] = dict(
 OTHER = np.arange(12.0).reshape(2, 3, 2) + 1.0
 RUNS: dict[str, dict[str, Any]] = {
     "disks": dict(medium=HardDisks(0.04, 400), observables=OBSERVABLES, initial=OTHER[0]),
-    "free": dict(medium=BoltzmannGrad(0.1, diameter=2.0), initial=OTHER, tangential_restitution=0.8),
+    "rough": dict(medium=BoltzmannGrad(0.1, 2.0), initial=OTHER, tangential_restitution=0.8),
     "spheres": dict(medium=BoltzmannGrad(0.1, dimension=3), initial="monoenergetic"),
     "field": dict(medium=BoltzmannGrad(0.1), initial="rest", field=0.1, depth=2.0),
     "positions": dict(medium=Positions([[1.0, 1.0], [4.0, 8.0]], 10.0), times=None,
@@ -112,13 +112,6 @@ def test_what_it_shows(ensemble: Ensemble) -> None:
     assert {*particles.__all__, "__version__", "load"} <= {*dir(particles)}
 
 
-def test_importing_particles_is_light() -> None:
-    heavy = "{'numpy', 'numba', 'pandas', 'xarray', 'h5py'}"
-    code = f"import sys, particles; print({heavy} & {{*sys.modules}})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "set()\n"
-
-
 # -- tables ---------------------------------------------------------------------------------------
 
 
@@ -184,7 +177,7 @@ def test_what_is_not_there_is_refused(ensemble: Ensemble, method: str, name: str
 
 
 def refused(work: Any, *words: str) -> None:
-    with pytest.raises(ValueError, match=".") as caught:
+    with pytest.raises(ValueError, match=r"\w") as caught:
         work()
     assert "\n" not in str(caught.value)
     assert all(word in str(caught.value) for word in words), str(caught.value)
@@ -334,7 +327,7 @@ def test_another_run_is_not_gone_on_from(
 def test_damage_and_other_files_are_refused(whole: Ensemble, tmp_path: Path) -> None:
     path, bad = tmp_path / "run.h5", tmp_path / "bad.h5"
     whole.save(path)
-    good, expected = path.read_bytes(), {k: v.tobytes() for k, v in whole.arrays.items()}
+    good = path.read_bytes()
     chance = np.random.default_rng(1)
     noticed = 0
     for place in chance.integers(0, 8 * len(good), 200):
@@ -342,12 +335,9 @@ def test_damage_and_other_files_are_refused(whole: Ensemble, tmp_path: Path) -> 
         damaged[place // 8] ^= 1 << (place % 8)
         bad.write_bytes(damaged)
         try:
-            found = Ensemble.load(bad).arrays
-        except ValueError as error:
-            assert "\n" not in str(error)
+            assert Ensemble.load(bad) == whole  # a byte that nothing is read from
+        except ValueError:
             noticed += 1
-        else:  # a byte that nothing is read from
-            assert {k: v.tobytes() for k, v in found.items()} == expected
     assert noticed > 20
     for contents in (b"", b"x,y\n1,2\n", good[: len(good) // 2]):
         bad.write_bytes(contents)
