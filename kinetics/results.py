@@ -75,10 +75,18 @@ def _contents(value: Any) -> Any:
 
 
 def _brief(value: Any) -> str:
-    """A dataclass in one line, long arrays by their ends."""
-    with np.printoptions(threshold=6, edgeitems=2, precision=6):
-        parts = (f"{f.name}={getattr(value, f.name)!r}" for f in fields(value) if f.repr)
-        return " ".join(f"{type(value).__name__}({', '.join(parts)})".split())
+    """A dataclass in one line: arrays by their sizes and ranges, functions by their names."""
+
+    def shown(part: Any) -> str:
+        if isinstance(part, np.ndarray):
+            ends = f", {part.min():.6g} to {part.max():.6g}" if part.size else ""
+            return f"<{' x '.join(map(str, part.shape))} numbers{ends}>"
+        if isinstance(part, Mapping):
+            return "{" + ", ".join(f"{key!r}: {shown(item)}" for key, item in part.items()) + "}"
+        return str(getattr(part, "__qualname__", repr(part)))
+
+    parts = (f"{f.name}={shown(getattr(value, f.name))}" for f in fields(value) if f.repr)
+    return f"{type(value).__name__}({', '.join(parts)})"
 
 
 class Value:
@@ -214,7 +222,8 @@ class Result(Value):
         x, y = along.values, parts[0].values
         if _is_wide(x[x > 0.0] if along.name == "time" else x):  # 0 is then left out
             ax.set_xscale("log")
-        if name.endswith(("density", "vdf")) and (top := np.nanmax(y, initial=0.0)) > 0.0:
+        top = y.max(where=np.isfinite(y), initial=0.0)
+        if name.endswith(("density", "vdf")) and top > 0.0:
             ax.set(yscale="log", ylim=(_LOWEST * top, 3.0 * top))  # tails are of interest
         elif len(parts) == 1 and _is_wide(y):
             ax.set_yscale("log")

@@ -78,7 +78,7 @@ def read(path: Any) -> tuple[Plan, dict[str, np.ndarray], int]:
             raise ValueError("its arrays do not fit its plan")
         return _understood(about["plan"].decode(), plan), arrays, done
     except Exception as error:  # of nearly any class; h5py's own words are long
-        what = "is damaged, or not a simulation that this version saved"
+        what = "is damaged, or not a saved simulation of this version"
         raise ValueError(f"{name}: {what} ({type(error).__name__})") from None
 
 
