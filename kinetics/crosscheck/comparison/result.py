@@ -175,7 +175,7 @@ class Comparison(Value):
     """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
 
     A value: it cannot be changed, equals another with the same contents, can be pickled, and
-    `save(path)` writes it to an HDF5 file, from which `kinetics.storage.load` reads it back.
+    `save(path)` writes it to an HDF5 file, from which `kinetics.load` reads it back.
 
     Attributes
     ----------
