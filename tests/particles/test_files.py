@@ -7,6 +7,7 @@ import json
 import os
 import pickle
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -205,7 +206,7 @@ def stopped(path: Path, after: int, **changes: Any) -> None:
             raise Stopped
 
     with pytest.raises(Stopped):
-        simulate(**SMALL, output=path, progress=stop, **changes)
+        simulate(**SMALL | changes, output=path, progress=stop)
 
 
 @pytest.mark.parametrize("after", [0, 1, 4])
@@ -236,6 +237,11 @@ def test_a_killed_run_keeps_its_parts(
     refused(lambda: simulate(**SMALL, output=path), "exists")
     saved = sorted(name for name in os.listdir(parts) if name.endswith(".npz"))
     assert len(saved) == 4
+    foreign = tmp_path / "foreign.h5"
+    stopped(foreign, 0, seed=9)
+    shutil.copytree(parts, f"{foreign}.parts")  # another run's, which is not taken for its own
+    again = simulate(**SMALL | {"seed": 9}, output=foreign, resume=True)
+    assert again == simulate(**SMALL | {"seed": 9})
     damaged = bytearray((parts / saved[2]).read_bytes())
     damaged[damaged.index(b"NUMPY") + 200] ^= 1
     (parts / saved[2]).write_bytes(damaged)
