@@ -8,9 +8,9 @@ one bounce), `states` (initial states) and `scaling` (the scaled distribution), 
 (averages), `densities` (of the velocity), `position` (of the displacement) and `field` (the
 equation in a uniform field). Then the modules of
 this folder: `outputs` and `scene` say what can be asked, `solver` solves it, `solution` is the
-answer, and `tables` makes plots, data frames and datasets of it. `values`, `storage`, `status`,
-`errors` and `validation` serve all of them. `paper` (also `sonine`) holds the paper's
-approximations; `crosscheck` compares with particles and algebra. Begin with `solver.solve`.
+answer. `results` (values, datasets, plots and files), `status`, `errors` and `validation` serve all
+of them. `paper` (also `sonine`) holds the paper's approximations; `crosscheck` compares with
+particles and algebra. Begin reading with `solver.solve`.
 """
 
 from importlib import import_module
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kinetics.collision import CollisionLaw
     from kinetics.errors import InputError, ToleranceWarning
     from kinetics.field.solution import FieldState, solve_field
+    from kinetics.results import load
     from kinetics.scaling.closed_form import ScalingSolution
     from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
     from kinetics.scene import Scene
@@ -35,12 +36,15 @@ if TYPE_CHECKING:
         SpeedTable,
     )
     from kinetics.status import SolverStatus
-    from kinetics.storage import load
 
 _HOMES = {
     "collision": ("CollisionLaw",),
+    "collision.samples": ("SampledBounce",),
+    "crosscheck": ("Comparison",),
     "errors": ("InputError", "ToleranceWarning"),
-    "field.solution": ("FieldState", "solve_field"),
+    "field.solution": ("FieldState", "FieldUnits", "solve_field"),
+    "moments.by_collision": ("ByCollision",),
+    "results": ("load",),
     "scaling.closed_form": ("ScalingSolution",),
     "scaling.scaled_vdf": ("ScaledVDF", "solve_scaled"),
     "scene": ("Scene",),
@@ -49,14 +53,16 @@ _HOMES = {
     "states.directed": ("AngularHarmonics", "Beam", "PolarGrid", "VelocitySamples"),
     "states.isotropic": (
         "Gaussian",
+        "Maxwell",
         "Monoenergetic",
+        "Rest",
         "SpeedDensity",
         "SpeedSamples",
         "SpeedTable",
     ),
-    "status": ("SolverStatus",),
-    "storage": ("load",),
+    "status": ("PlanStep", "SolverStatus"),
 }
+# Every public class is here, also those that are not shown: a file may hold any of them.
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [

@@ -92,12 +92,10 @@ def solve_in_field(scene: Scene, rtol: float) -> Solution:
             "nodes": panels.size,
             "steps": fine.steps,
         },
-        _profiles={},
-        _displacement=None,
         _typical_speed=speed * np.sqrt(fine.values[:, ALL.index("v^2")]),
     )
     if densities is not None:
-        solution.keep_in_field(densities)
+        solution.keep(_in_field=densities)
     return solution
 
 

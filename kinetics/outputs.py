@@ -73,7 +73,7 @@ class Output(NamedTuple):
     description : in words, with the paper's label
     made_of : the observables that must be solved in this dimension, see :class:`Part`
     values : makes the array, or a tuple of arrays, one for each of ``names``
-    also : name and unit of a second array that comes with it
+    also : name, unit and symbol of a second array that comes with it
     in_space : the unit in three dimensions, where that is another one
     """
 
@@ -85,7 +85,7 @@ class Output(NamedTuple):
     description: str
     made_of: Callable[[int], tuple[Part, ...]] = lambda dimension: ()
     values: Callable[[Averages], Any] | None = None
-    also: tuple[tuple[str, str], ...] = ()
+    also: tuple[tuple[str, str, str], ...] = ()
     in_space: str = ""
 
     def unit_in(self, dimension: int) -> str:
@@ -95,12 +95,7 @@ class Output(NamedTuple):
     @property
     def names(self) -> tuple[str, ...]:
         """The names of its arrays."""
-        return (self.name, *(name for name, _ in self.also))
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Name -> unit of its arrays."""
-        return {self.name: self.unit, **dict(self.also)}
+        return (self.name, *(name for name, _, _ in self.also))
 
     @property
     def is_number(self) -> bool:
@@ -166,7 +161,7 @@ _ROWS = (
         "D = (1/4) d<r^2>/dt (1/6 in space); and msd_slope = d<r^2>/d ln t, in d^2",
         lambda d: parts((1.0, backward.MSD_SLOPE)),
         lambda averages: displacement.diffusion_coefficient(averages),
-        also=(("msd_slope", "d^2"),),
+        also=(("msd_slope", "d^2", "d<r^2>/d ln t"),),
     ),
     Output(
         "mean_displacement", DISPLACEMENT, "<r>", "d", ("n_times", "d"),
@@ -177,6 +172,7 @@ _ROWS = (
     Output(
         "position_density", POSITION, "g", "1/d", ("n_times", "n_r"),
         "radial density g(r, t) of the displacement, and the scaled G(R) (paper, Section 3.3)",
+        also=(("scaled_position_density", "1", "G"),),
     ),
     Output(
         "intermediate_scattering", SCATTERING, "F", "1", ("n_times", "n_k"),
@@ -236,10 +232,30 @@ FIELD_OUTPUTS: dict[str, Output] = {
 OUTPUTS: dict[str, Output] = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}
 """Name -> row, in the order in which outputs are listed."""
 
-UNITS: dict[str, str] = {
-    name: unit for row in (*_ROWS, *_FIELD_ROWS) for name, unit in row.units.items()
+
+class Axis(NamedTuple):
+    """What an output that is a function depends on: `Output.shape` names it."""
+
+    name: str
+    unit: str
+    description: str
+    points: str  # the name under which points are given to `Solution.to_xarray`
+
+
+AXES: dict[str, Axis] = {
+    "n_v": Axis("v", "U", "speed", "speeds"),
+    "n_phi": Axis("phi", "rad", "angle of the velocity to the x axis", "angles"),
+    "n_r": Axis("r", "d", "distance from the start", "radii"),
+    "n_R": Axis("R", "1", "r over its root mean square", "scaled_radii"),
+    "n_k": Axis("k", "1/d", "wave number", "wave_numbers"),
 }
-"""Name of an array of a Solution -> its unit."""
+
+
+def described(name: str, dimension: int) -> tuple[str, str, str]:
+    """Unit, words and symbol of an array of a Solution, or of a function."""
+    row = next(row for row in (FIELD_OUTPUTS | OUTPUTS).values() if name in row.names)
+    also = {also: (unit, row.description, symbol) for also, unit, symbol in row.also}
+    return also.get(name, (row.unit_in(dimension), row.description, row.symbol))
 
 
 def powers_of(outputs: Iterable[str], dimension: int) -> list[tuple[float, int]]:

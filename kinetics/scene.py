@@ -15,13 +15,12 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
-from kinetics.frozen import read_only
 from kinetics.numerics import FloatArray
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+from kinetics.results import Value, frozen
 from kinetics.states.isotropic import Rest, as_state
 from kinetics.states.state import State
 from kinetics.validation import check_positive, finite_line, real_number, refuse, whole_number
-from kinetics.values import Value
 
 MOST_HARMONICS = 256
 _FIELD = "it must be a finite number, 0 or more: the field is along +x"
@@ -196,7 +195,7 @@ def _check_times(times: Any) -> FloatArray:
     array = finite_line("times", times, allowed)
     if array.size == 0 or array[0] < 0.0 or np.any(np.diff(array) < 0.0):
         refuse("times", times, allowed)
-    return read_only(array)
+    return frozen(array)
 
 
 def _check_numbers(numbers: Any) -> FloatArray:
@@ -205,7 +204,7 @@ def _check_numbers(numbers: Any) -> FloatArray:
     array = finite_line("collision_numbers", numbers, allowed)
     if np.any((array < 0.0) | (array > 2.0**53) | (array != np.floor(array))):
         refuse("collision_numbers", numbers, allowed)
-    return read_only(array)
+    return frozen(array)
 
 
 def _check_outputs(outputs: Any, with_field: bool) -> tuple[str, ...]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import html
 import math
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -24,18 +23,19 @@ from kinetics.averaging import (
 )
 from kinetics.densities.harmonic import Profile, angular_function
 from kinetics.densities.marginal import component_densities
+from kinetics.distributions import displacement_of, profiles_of
 from kinetics.errors import InputError
-from kinetics.frozen import read_only
 from kinetics.moments.by_collision import ByCollision
+from kinetics.moments.displacement import root_mean_square
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.outputs import OUTPUTS, UNITS
+from kinetics.outputs import AXES, OUTPUTS, Axis, described
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.position.directions import element, surface
 from kinetics.position.intermediate_scattering import scattering_function
+from kinetics.results import COMPONENTS, Result, dataset, frozen, variable
 from kinetics.scene import Scene
-from kinetics.solution_table import SolutionTable
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
 from kinetics.validation import (
     finite_line,
@@ -44,16 +44,22 @@ from kinetics.validation import (
     refuse,
     speeds,
 )
-from kinetics.values import Value
 
 if TYPE_CHECKING:
     from kinetics.field.scene_densities import SceneDensities
 
+_WITH = {
+    "uncollided": "speed_density",
+    "front_radius": "position_density",
+    "front_weight": "position_density",
+}
+"""What comes with a function in a dataset -> the function."""
+_WAVES = np.geomspace(1e-2, 10.0, 61)  # wave numbers times the root mean square displacement
 _BEYOND = 1e6  # R from which G is zero in double precision; r itself may overflow there
 
 
 @dataclass(frozen=True)
-class Solution(SolutionTable, Value):
+class Solution(Result):
     """What :func:`kinetics.solve` found. Time is the first axis of every array.
 
     A value: its arrays and dictionaries are read-only, it can be compared, hashed and pickled, and
@@ -70,6 +76,7 @@ class Solution(SolutionTable, Value):
     error_estimate : largest relative error that the solver saw
     plan : what was solved and what was skipped, and why
     stats : numbers about the work (nodes, panels, points of the initial state)
+    method, nodes : as they were given to `kinetics.solve`
     """
 
     scene: Scene
@@ -80,9 +87,9 @@ class Solution(SolutionTable, Value):
     error_estimate: float
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _profiles: Mapping[int, Profile] = field(repr=False)
-    _displacement: Displacement | None = field(repr=False)
     _typical_speed: FloatArray = field(repr=False)  # of the order of the thermal one, (n_times,)
+    method: str | None = None
+    nodes: int | None = None
 
     @property
     def times(self) -> FloatArray:
@@ -104,42 +111,111 @@ class Solution(SolutionTable, Value):
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.__dict__.get("values", {})})
 
-    def _shown(self) -> list[tuple[str, str, str]]:
-        """Name, shape and unit of every array, and of every output that is a method."""
-        found = [(name, str(a.shape), UNITS.get(name, "1")) for name, a in self.values.items()]
-        for name in self.scene.outputs:
-            if name in OUTPUTS and OUTPUTS[name].values is None:
-                shape = f"({', '.join(OUTPUTS[name].shape)})"
-                unit = OUTPUTS[name].unit_in(self.scene.dimension)
-                found.append((name, shape.replace("n_times", str(self.times.size)), unit))
-        return found
-
     def __repr__(self) -> str:
-        shown = ", ".join(
-            f"{name} {shape}" + ("" if unit == "1" else f" in {unit}")
-            for name, shape, unit in self._shown()
-        )
-        lines = [f"Solution of {self.scene._system()}", self._ending()]
-        lines += [f"error estimate {self.error_estimate:.1e}", *textwrap.wrap(shown, 96)]
-        return "\n  ".join(lines)
+        lines = [f"Solution of {self.scene._system()}", f"error estimate {self.error_estimate:.1e}"]
+        lines[1:1] = [f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"]
+        shown = ", ".join(f"{name} {about}" for name, about in self._outputs().items())
+        return "\n  ".join([*lines, *textwrap.wrap(shown, 96)])
 
-    def _ending(self) -> str:
-        return f"rtol = {self.rtol:g}, {self.status.name.lower()}: {self.message}"
+    def _outputs(self) -> dict[str, str]:
+        """Shape and unit of every array, and of every output that is a function."""
+        shapes = {name: str(array.shape) for name, array in self.values.items()}
+        for name in self._on_demand:
+            shapes[name] = f"({', '.join(OUTPUTS[name].shape)})"
+        units = {name: described(name, self.scene.dimension)[0] for name in shapes}
+        return {n: shapes[n] + ("" if u == "1" else f" in {u}") for n, u in units.items()}
 
-    def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{name}</td><td>{shape}</td><td>{unit}</td></tr>"
-            for name, shape, unit in self._shown()
-        )
-        return (
-            f"<p>Solution of {html.escape(self.scene._system())}<br>"
-            f"{html.escape(self._ending())}</p>"
-            f"<table><tr><th>output</th><th>shape</th><th>unit</th></tr>{rows}</table>"
+    def _figures(self) -> dict[str, str]:
+        found = {"status": self.message, "error estimate": f"{self.error_estimate:.1e}"}
+        return found | self._outputs()
+
+    # -- as a dataset -------------------------------------------------------------------------
+
+    _points = (*(axis.points for axis in AXES.values()), "direction")
+
+    @property
+    def _on_demand(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The outputs that are functions of more than the time."""
+        names = (name for name in self.scene.outputs if name in OUTPUTS)
+        return tuple(name for name in names if set(OUTPUTS[name].shape) & set(AXES))
+
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
+        """Averages, and functions at the points: speeds in U, angles and direction in radians,
+        radii in d, scaled_radii, wave_numbers in 1/d; by default where the distributions are.
+        """
+        d = self.scene.dimension
+        found = {
+            name: variable(("time", *COMPONENTS[: a.ndim - 1]), a, *described(name, d))
+            for name, a in self.values.items()
+        }
+        axes = {"time": variable(("time",), self.times, "d/U", "time since the start", "t")}
+        axes |= {c: variable((c,), list("xyz"[:d]), "1", "component") for c in COMPONENTS}
+        for output in self._on_demand:
+            names = {*OUTPUTS[output].names, *(n for n, of in _WITH.items() if of == output)}
+            if only is None or names & set(only):
+                self._add(output, points, found, axes)
+        return dataset(
+            f"Solution of the inelastic Lorentz equation: {self.scene._system()}",
+            self.scene,
+            found,
+            axes,
+            status=self.status.name.lower(),
+            message=self.message,
+            tolerance_asked=self.rtol,
+            tolerance_reached=self.error_estimate,
         )
 
-    def _storage_units(self) -> dict[str, str]:
-        units = {f"values/{name}": UNITS[name] for name in self.values}
-        return {"scene/times": "d/U", "_typical_speed": "U", **units}
+    def _add(
+        self, output: str, points: Mapping[str, Any], found: dict[str, Any], axes: dict[str, Any]
+    ) -> None:
+        """A function, and what comes with it, at the points."""
+        direction = points.get("direction") if output == "intermediate_scattering" else None
+        more = {} if direction is None else {"direction": direction}
+        for name in OUTPUTS[output].names:
+            along = (
+                [AXES[n] for n in OUTPUTS[output].shape[1:]] if name == output else [AXES["n_R"]]
+            )
+            at = [self._points_on(axis, points.get(axis.points)) for axis in along]
+            values = getattr(self, name)(*at, **more)
+            for axis, x in zip(along, at, strict=True):
+                axes[axis.name] = variable((axis.name,), x, axis.unit, axis.description)
+            unit, words, symbol = described(name, self.scene.dimension)
+            parts = [(name, values, symbol)]
+            if np.iscomplexobj(values):
+                sides = (("real", "Re"), ("imag", "Im"))
+                parts = [(f"{name}_{p}", getattr(values, p), f"{s} {symbol}") for p, s in sides]
+            for part, array, sign in parts:
+                dims = ("time", *(axis.name for axis in along))
+                found[part] = variable(dims, array, unit, words, sign)
+        if output == "speed_density":
+            words = "share of tracers of a start of one speed that have not collided (or e = 1)"
+            found["uncollided"] = variable(("time",), self.uncollided, "1", words)
+        if output == "position_density" and (fronts := self.ballistic_front)[0].shape[1]:
+            numbers, dims = np.arange(fronts[0].shape[1]), ("time", "front")
+            axes["front"] = variable(("front",), numbers, "1", "number of a sharp speed")
+            words = "radius of tracers that have not collided"
+            found["front_radius"] = variable(dims, fronts[0], "d", words)
+            found["front_weight"] = variable(dims, fronts[1], "1", "share of these tracers")
+
+    def _points_on(self, axis: Axis, given: ArrayLike | None) -> FloatArray:
+        """What was given, or else points where the distributions are."""
+        points = axis.points
+        if given is not None:
+            return finite_line(points, given)
+        if points == "speeds":
+            usual = self._typical_speed[self._typical_speed > 0.0]  # at rest it is 0
+            low, high = (usual.min(), usual.max()) if usual.size else (1.0, 1.0)
+            return np.geomspace(1e-2 * low, 5.0 * high, 200)
+        if points == "angles":
+            return np.linspace(0.0, np.pi if self.scene.dimension == 3 else 2.0 * np.pi, 73)
+        if points == "scaled_radii":
+            return np.linspace(0.0, 5.0, 101)
+        far = max(float(root_mean_square(averages_of(self.scene, self.rtol)).max()), 1e-12)
+        return np.linspace(0.0, 5.0 * far, 121) if points == "radii" else _WAVES / far
+
+    def _to_storage(self) -> dict[str, Any]:
+        parts = super()._to_storage()
+        return parts | {"values": {name: {"variable": name} for name in self.values}}
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -202,21 +278,46 @@ class Solution(SolutionTable, Value):
             error_estimate=error,
             plan=make_plan(averages, outputs, {}, None),
             stats=make_stats(averages, {}, None),
-            _profiles={},
-            _displacement=None,
             _typical_speed=np.exp(averages.log_reference),
+            method=self.method,
+            nodes=self.nodes,
         )
-        found.keep(averages)
+        found.keep(_averages=averages)
         return found
 
-    def keep(self, averages: Averages) -> None:
-        """Keep the equation that was solved for :meth:`at`; it is no part of the value."""
-        self.__dict__["_averages"] = averages.at(averages.times)
+    # -- what was solved: no part of the value, solved again where it is not there ------------
+
+    def keep(self, **solved: Any) -> None:
+        """Keep what the solver has solved: any of the four below."""
+        if "_averages" in solved:
+            solved["_averages"] = solved["_averages"].at(solved["_averages"].times)
+        self.__dict__.update(solved)
+
+    def __getstate__(self) -> dict[str, Any]:
+        densities = ("_profiles", "_displacement")  # a copy need not solve these again
+        kept = {name: vars(self)[name] for name in densities if name in vars(self)}
+        return super().__getstate__() | kept
 
     @cached_property
     def _averages(self) -> Averages:
-        """Where the equation was not kept, as after loading from a file, it is solved again."""
         return solved_averages(self.scene, self.rtol)
+
+    @cached_property
+    def _profiles(self) -> Mapping[int, Profile]:
+        return profiles_of(self.scene, self.rtol, self.method, self.nodes)
+
+    @cached_property
+    def _displacement(self) -> Displacement | None:
+        return displacement_of(self._averages, self.scene.outputs)
+
+    @cached_property
+    def _in_field(self) -> SceneDensities:
+        from kinetics.field.scene_densities import SceneDensities
+
+        self._require("speed_density", "velocity_density")
+        scene, path = self.scene, self.scene.mean_free_path
+        units = (math.sqrt(scene.field * path), math.sqrt(path / scene.field))
+        return SceneDensities(scene.law, scene.state, self.times, units, self.rtol)
 
     # -- velocity -----------------------------------------------------------------------------
 
@@ -244,9 +345,9 @@ class Solution(SolutionTable, Value):
         field it is the share of those that fall freely with one of a few velocities.
         """
         if self.scene.field:
-            return read_only(self._in_field.uncollided)
+            return frozen(self._in_field.uncollided)
         peak = self._speed_profile().peak_weight
-        return np.zeros(self.times.shape) if peak is None else read_only(peak.real)
+        return np.zeros(self.times.shape) if peak is None else frozen(peak.real)
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.
@@ -282,20 +383,6 @@ class Solution(SolutionTable, Value):
             out += (profile.continuous(v_)[:, :, None] * turn).real
         return out / (law.unit_surface * v_[:, None] ** (law.dimension - 1))
 
-    @cached_property
-    def _in_field(self) -> SceneDensities:
-        """Solved again where it was not kept, as after loading from a file."""
-        from kinetics.field.scene_densities import SceneDensities
-
-        self._require("speed_density", "velocity_density")
-        scene, path = self.scene, self.scene.mean_free_path
-        units = (math.sqrt(scene.field * path), math.sqrt(path / scene.field))
-        return SceneDensities(scene.law, scene.state, self.times, units, self.rtol)
-
-    def keep_in_field(self, densities: SceneDensities) -> None:
-        """Keep the densities in a field; they are no part of the value."""
-        self.__dict__["_in_field"] = densities
-
     # -- position -----------------------------------------------------------------------------
 
     @property
@@ -306,7 +393,7 @@ class Solution(SolutionTable, Value):
         which :meth:`position_density` leaves out. n_speeds is 0 for a start with a speed density.
         """
         found = self._position()
-        return read_only(found.front_radius), read_only(found.front_weight)
+        return frozen(found.front_radius), frozen(found.front_weight)
 
     def position_density(self, r: ArrayLike) -> FloatArray:
         """g(r, t), the radial density of the displacement (paper, fig. ``inelasticposi``), in 1/d.

@@ -1,22 +1,19 @@
 """solve(scene): solves the parts that the outputs of a scene need, and no other.
 
 Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, the averages are in
-`kinetics.averaging`, the densities in `kinetics.densities`, the displacement in
-`kinetics.position`.
+`kinetics.averaging`, how densities are solved in `kinetics.distributions`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, in_range, solved_averages
-from kinetics.densities.harmonic import HarmonicProblem, Profile
-from kinetics.moments.displacement import root_mean_square
-from kinetics.moments.velocity import Averages
-from kinetics.outputs import DENSITIES, OUTPUTS, POSITION
+from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, solved_averages
+from kinetics.densities.harmonic import Profile
+from kinetics.distributions import BEST_DENSITY, displacement_of, profiles_of
+from kinetics.outputs import DENSITIES, POSITION
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
-from kinetics.position.sweep import solve_displacement
 from kinetics.scene import Scene
 from kinetics.solution import Solution
 from kinetics.status import explain, status_of
@@ -24,8 +21,6 @@ from kinetics.validation import check_rtol, one_of, refuse, whole_number
 
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
-_BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
-_DISPLACEMENT_SHARE = 0.4  # of the tolerance of G(R) that its transform may use
 
 
 def solve(
@@ -71,8 +66,8 @@ def solve(
         return solve_in_field(scene, rtol)
     averages = solved_averages(scene, rtol)
     values = arrays_of(averages, scene.outputs)
-    profiles = _profiles(scene, rtol, method, nodes)
-    displacement = _displacement(averages, scene.outputs)
+    profiles = profiles_of(scene, rtol, method, nodes)
+    displacement = displacement_of(averages, scene.outputs)
     errors, allowed = _errors(
         error_of(averages, asked_for(averages, scene.outputs)), profiles, displacement, rtol
     )
@@ -85,11 +80,11 @@ def solve(
         error_estimate=max(errors.values()),
         plan=make_plan(averages, scene.outputs, profiles, displacement),
         stats=make_stats(averages, profiles, displacement),
-        _profiles=profiles,
-        _displacement=displacement,
         _typical_speed=np.exp(averages.log_reference),
+        method=method,
+        nodes=nodes,
     )
-    solution.keep(averages)
+    solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
     return solution
 
 
@@ -103,57 +98,5 @@ def _errors(
         allowed[DENSITIES] = rtol * SLACK
     if displacement is not None:
         errors[POSITION] = displacement.error_estimate
-        allowed[POSITION] = max(rtol, _BEST_DENSITY)
+        allowed[POSITION] = max(rtol, BEST_DENSITY)
     return errors, allowed
-
-
-def _displacement(averages: Averages, outputs: tuple[str, ...]) -> Displacement | None:
-    """The distribution of the displacement, if an output needs it."""
-    if not any(OUTPUTS[name].step == POSITION for name in outputs):
-        return None
-    root = in_range("msd", root_mean_square(averages))
-    rtol = _DISPLACEMENT_SHARE * max(averages.rtol, _BEST_DENSITY)
-    path = averages.mean_free_path
-    return solve_displacement(averages.law, path, averages.state, averages.times, root, rtol)
-
-
-def _profiles(
-    scene: Scene, rtol: float, method: str | None, nodes: int | None
-) -> dict[int, Profile]:
-    """The harmonics of the velocity distribution that the outputs need."""
-    if not any(OUTPUTS[name].step == DENSITIES for name in scene.outputs):
-        return {}
-    highest = 0
-    if "velocity_density" in scene.outputs:
-        there = scene.state.highest_harmonic
-        highest = scene.harmonics if there is None else min(there, scene.harmonics)
-    found = {m: _profile(scene, m, rtol, method, nodes) for m in range(highest + 1)}
-    return {m: profile for m, profile in found.items() if profile is not None}
-
-
-def _profile(
-    scene: Scene, m: int, rtol: float, method: str | None, nodes: int | None
-) -> Profile | None:
-    """Harmonic m by the method asked for, or the best one; None where the start makes it zero."""
-    law, state = scene.law, scene.state
-    asked = HarmonicProblem(
-        law, scene.mean_free_path, state, m, np.asarray(scene.times), rtol, nodes
-    )
-    if state.harmonic(m, rtol) is None:
-        return None
-    if law.is_elastic:
-        from kinetics.densities.elastic import elastic_profile
-
-        return elastic_profile(asked)
-    if method != "conservative" and (state.smooth or method == "spectral"):
-        from kinetics.densities.spectral import solve_spectral
-
-        profile = solve_spectral(asked)
-        if profile is not None:
-            return profile
-        if method == "spectral":
-            allowed = "this initial state is too rough for it, use method='conservative'"
-            refuse("method", method, allowed)
-    from kinetics.densities.conservative import solve_conservative
-
-    return solve_conservative(asked)

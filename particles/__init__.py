@@ -2,10 +2,10 @@
 
 Imports nothing else of the project. Begin reading with `simulate`. Folders and files, each of which
 imports only those before it: `events` (one collision; the collision law stands there alone),
-`streams` (random numbers), `values`, `checks`, `media` (what may be asked for), `compiled`, `grid`
-(where the scatterers stand), `kernel` (the event loops), `configuration` (one configuration and its
-tracers), `arguments` and `memory` (what is refused), `estimators`, `field_estimates`,
-`ensemble` (the result), `totals`, `storage`, `simulate`.
+`streams` (random numbers), `checks`, `results` (values, datasets, plots), `media` (what may be
+asked for), `compiled`, `grid` (where the scatterers stand), `kernel` (the event loops),
+`configuration` (one configuration and its tracers), `arguments` and `memory` (what is refused),
+`estimators`, `field_estimates`, `ensemble` (the result), `totals`, `files`, `simulate`.
 """
 
 from importlib import import_module

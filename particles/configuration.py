@@ -23,7 +23,7 @@ from particles.media import (
     Positions,
     dilute_mean_path,
 )
-from particles.values import Value
+from particles.results import Value
 
 if TYPE_CHECKING:
     from particles.grid.cells import Cells

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,8 +26,12 @@ from particles.kernel.columns import (
     TRAVELLED,
 )
 from particles.media import Medium
-from particles.tables import Tables
-from particles.values import Value, frozen
+from particles.results import Result, Value, frozen
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from particles.trajectories import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +81,7 @@ class Statuses(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble(FieldEstimates, Tables, Value):
+class Ensemble(FieldEstimates, Result):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
 
     Tracers that reached the collision cap or escaped before an output time are left out of every
@@ -86,7 +91,7 @@ class Ensemble(FieldEstimates, Tables, Value):
     is in `particles.field_estimates`.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
-    names that particles.storage.file gives them in a file.
+    names that particles.files gives them in a file.
     """
 
     plan: Plan
@@ -137,7 +142,7 @@ class Ensemble(FieldEstimates, Tables, Value):
         return sorted(set(super().__dir__()) - absent)
 
     @property
-    def outputs(self) -> tuple[str, ...]:
+    def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the estimates, histograms and raw data that this ensemble has."""
         others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
         passages = OF_A_DEPTH if self.plan.depth is not None else ()
@@ -310,23 +315,43 @@ class Ensemble(FieldEstimates, Tables, Value):
         columns = finals.shape[1]
         return frozen(finals * scale[:columns] + shift[:columns])
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write everything to an HDF5 file (layout: storage.file), replacing it if it exists.
+    def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
+        """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        Written beside its target and renamed. Raises ValueError if it cannot be written.
+        tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
+        particles.trajectories.trajectories. Raises ValueError for one out of range.
         """
-        from particles.storage.file import write
+        from particles.trajectories import trajectories
+
+        return trajectories(self.plan, tracers, **which)
+
+    def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
+        """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
+
+        which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
+        """
+        from particles.pictures import plot_trajectories
+
+        return plot_trajectories(self.plan, tracers, **which)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write everything to an HDF5 file (layout: particles.files), replacing it if it exists.
+
+        Written beside its target and renamed; where the path is a symbolic link, the file that it
+        points to is replaced. Raises ValueError if it cannot be written.
+        """
+        from particles.files import write
 
         write(path, self.plan, self.arrays, self.media)
 
     def write_h5md(self, path: str | PathLike[str]) -> None:
-        """Write positions and velocities as H5MD 1.1 (layout: storage.h5md), for other programs.
+        """Write positions and velocities as H5MD 1.1, for other programs.
 
         An existing file is replaced. Raises ValueError for a run without positions or velocities,
         and where the file cannot be written.
         """
         from particles.checks import check_path
-        from particles.storage.h5md import write
+        from particles.files import write_h5md
 
         if missing := {"positions", "velocities"} - {*self.outputs}:
             name = min(missing)
@@ -335,7 +360,7 @@ class Ensemble(FieldEstimates, Tables, Value):
                 f"simulate(observables=[{name!r}, ...])"
             )
         positions = self.positions / self._unit
-        write(check_path("path", path), self.plan, positions, self.velocities)
+        write_h5md(check_path("path", path), self.plan, positions, self.velocities)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> "Ensemble":
@@ -343,7 +368,7 @@ class Ensemble(FieldEstimates, Tables, Value):
 
         Raises ValueError for a file that is not one, is damaged or holds an unfinished run.
         """
-        from particles.storage.file import read
+        from particles.files import read
 
         plan, arrays, done = read(path)
         if done < plan.media:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from particles.values import Value
+from particles.results import Value
 
 
 @dataclass(frozen=True, eq=False)

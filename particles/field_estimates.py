@@ -12,7 +12,7 @@ import numpy as np
 from particles.configuration import Plan
 from particles.estimators import Estimate, jackknife
 from particles.kernel.columns import CAUGHT, SAMPLES
-from particles.values import frozen
+from particles.results import frozen
 
 IN_FIELD = (
     "drift",

@@ -9,7 +9,7 @@ import numpy as np
 
 from particles.checks import check_positive, check_whole, real_array, refuse
 from particles.position_file import read_positions
-from particles.values import Value
+from particles.results import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
 # attempts per disk diverges. In d^-2; an area fraction of 0.51. Spheres jam at a volume fraction of

@@ -20,7 +20,7 @@ from particles.memory import require_memory
 from particles.totals import Totals
 
 if TYPE_CHECKING:
-    from particles.storage.saving import Saver
+    from particles.files import Saver
 
 
 def simulate(
@@ -75,11 +75,11 @@ def simulate(
         exactly that is declared: Statuses, and `particles.kernel.sliding`.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
 
-    output: file that the run is saved to (layout: storage.file). Each configuration is saved
-        when it is done, whole or not at all, in `<output>.journal` (storage.journal) until the
-        file itself is written again, beside it and renamed; the run may be killed at any moment.
+    output: file that the run is saved to (layout: particles.files). Each configuration is saved
+        when it is done, whole or not at all, as a file in the folder `<output>.parts` until the
+        run's file is written again, beside it and renamed; the run may be killed at any moment.
         The file must not exist unless resume is True; then the run goes on from it, to the same
-        bits as one that was never stopped.
+        bits as one that was never stopped. A symbolic link is followed.
 
     Raises ValueError for bad input, for a run that needs more memory than the machine has, where
     the scatterers cannot be placed, and for an output that exists (without resume), is damaged, in
@@ -102,8 +102,9 @@ def simulate(
     if output is None:
         if resume:
             raise ValueError("resume = True: needs output, the file to go on from")
-        return _complete(Totals(plan), None, workers, executor, progress).ensemble()
-    from particles.storage.saving import Saver
+        totals = _complete(Totals(plan), None, workers, executor, progress)
+        return Ensemble(plan, totals.arrays())
+    from particles.files import Saver
 
     saver = Saver(check_path("output", output), plan)
     totals = saver.begin(resume)
@@ -113,7 +114,7 @@ def simulate(
         saver.stop()
         raise
     saver.finish(totals)
-    return totals.ensemble()
+    return Ensemble(plan, totals.arrays())
 
 
 def _complete(

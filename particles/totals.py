@@ -1,9 +1,8 @@
-"""The sums of a run as its configurations come in, and how they become an Ensemble."""
+"""The sums of a run as its configurations come in: what an Ensemble is made of."""
 
 import numpy as np
 
 from particles.configuration import Plan, Tally, trap_columns
-from particles.ensemble import Ensemble
 from particles.kernel.columns import FIELD_SUMS, MOMENTS, STATUSES, TOTALS
 
 # Whose first axis is that of the tracers; the others begin with the times.
@@ -72,7 +71,3 @@ class Totals:
             else:
                 totals._sums[name] = array
         return totals
-
-    def ensemble(self) -> Ensemble:
-        """Return the result once every configuration has been added."""
-        return Ensemble(self.plan, self.arrays())

@@ -26,7 +26,7 @@ from particles.kernel.columns import (
     LN_TIME,
 )
 from particles.media import HardDisks, Poisson, Positions
-from particles.values import Value
+from particles.results import Value
 
 MOST_COLLISIONS = 1000  # of one path; the time that it takes grows as the square of this
 CURVE_POINTS = 2001  # of a curved path

@@ -17,22 +17,18 @@ METHODS = ("kinetics", "particles", "derivations")
 
 # The rooms of the core, from the ground up, and what each may import beside itself.
 CHECKS = {"errors", "validation"}
-VALUES = {"frozen", "storage", "values", "tables"}
-BASE = {"numerics", "collision"} | CHECKS | VALUES
+BASE = {"numerics", "collision", "results"} | CHECKS
 VELOCITY = {"states", "scaling", "moments", "densities"}
 QUESTION = {"status", "outputs", "scene", "averaging", "plan"}
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "status": set(),
-    "frozen": set(),
+    "version": set(),
     "numerics": set(),
     "validation": {"errors"},
-    "storage": {"errors", "frozen"},
-    "values": {"frozen", "storage"},
-    "version": set(),
-    "tables": {"errors", "numerics", "version"},
+    "results": {"errors", "version"},
     "collision": {"numerics"} | CHECKS,
-    "states": {"numerics"} | CHECKS | VALUES,
+    "states": {"numerics", "results"} | CHECKS,
     "scaling": BASE | {"status"},
     "paper": {"collision", "numerics", "errors"},
     "moments": BASE | {"states"},
@@ -43,10 +39,10 @@ ROOMS: dict[str, set[str]] = {
     "scene": BASE | {"states", "outputs"},
     "averaging": BASE | {"moments", "outputs", "scene"},
     "plan": {"moments", "densities", "position", "outputs", "status"},
-    "solution_table": BASE | QUESTION | {"moments"},
-    "solution": BASE | VELOCITY | QUESTION | {"position", "field", "solution_table"},
+    "distributions": BASE | VELOCITY | QUESTION | {"position"},
+    "solution": BASE | VELOCITY | QUESTION | {"position", "field", "distributions"},
     "in_field": BASE | {"states", "field", "status", "outputs", "scene", "solution"},
-    "solver": BASE | VELOCITY | QUESTION | {"position", "solution", "in_field"},
+    "solver": BASE | VELOCITY | QUESTION | {"position", "distributions", "solution", "in_field"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")

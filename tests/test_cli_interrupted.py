@@ -87,7 +87,7 @@ def test_while_tracers_are_followed_for_hours(
     workers: str, how: tuple[signal.Signals, int], tmp_path: Path
 ) -> None:
     run = Running(tmp_path, *ENDLESS, "--workers", workers)
-    run.wait_for(tmp_path / "a.h5.journal")
+    run.wait_for(tmp_path / "a.h5.parts")
     time.sleep(0.5)
     check_end(run, how, saved("0", 3))
     assert os.listdir(tmp_path) == ["a.h5"]
@@ -220,13 +220,13 @@ def test_at_random_moments(times: int, tmp_path: Path) -> None:
         folder = tmp_path / str(k)
         folder.mkdir()
         run = Running(folder, *SAVED, "--workers", chance.choice("12"))
-        run.wait_for(folder / "a.h5.journal")
+        run.wait_for(folder / "a.h5.parts")
         time.sleep(chance.uniform(0.0, 0.5))
         number, expected = chance.choice(SIGNALS)
         status, err, seconds = run.end(number)
         assert status == expected, k
-        # it may have been ended before it had saved everything: then the journal is there
+        # it may have been ended before it had saved everything: then the parts are there
         assert re.fullmatch(f"({saved('[0-9]+', 1000000)})?", err), err
         assert seconds < 2.0
-        assert set(os.listdir(folder)) <= {"a.h5", "a.h5.journal"}
+        assert set(os.listdir(folder)) <= {"a.h5", "a.h5.parts"}
         assert "a.h5" in os.listdir(folder)

@@ -1,7 +1,7 @@
 """Densities of the velocity in time: f(v, t) and its angular harmonics.
 
 May import `kinetics.scaling`, `kinetics.moments`, `kinetics.states`, `kinetics.collision`,
-`kinetics.numerics` and `kinetics.values`. Begin with `harmonic.py`: what every solver here is
+`kinetics.numerics` and `kinetics.results`. Begin with `harmonic.py`: what every solver here is
 asked, and what it gives. `spectral.py` solves smooth states, with `gain.py`, `intertwining.py` and
 `stepping.py`; `conservative.py` rough ones, with `node_masses.py` and `conservative_errors.py`;
 `elastic.py` laws that keep the speed. `marginal.py` integrates the other components out.

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from kinetics.densities.harmonic import HarmonicProblem, Profile
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
+from kinetics.results import Value
 from kinetics.states.state import State
-from kinetics.values import Value
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from kinetics.densities.harmonic import LOWEST_SPEED
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.values import Value
+from kinetics.results import Value
 
 _MOST_TERMS = 1_000_000  # of a Fourier sum, or of densities, at once: 16 megabytes
 _STEEP = 1e4  # slope of ln f below a step of f, where f is zero

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import oscillations, time_to_forget
 from kinetics.numerics import FloatArray
+from kinetics.results import Value
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
-from kinetics.values import Value
 
 # Of the thermal speed: above it a density keeps its accuracy relative to its maximum, and below it
 # the density of ln v does.

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
+from kinetics.results import Value
 from kinetics.states.quadrature import LogMeasure, interpolate
-from kinetics.values import Value
 
 # Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
 # that are rounding.

@@ -10,7 +10,7 @@ from scipy.special import roots_jacobi
 from kinetics.collision import CollisionLaw
 from kinetics.field.panels import SpeedPanels
 from kinetics.numerics import FloatArray
-from kinetics.values import Value
+from kinetics.results import Value
 
 
 @dataclass(frozen=True)

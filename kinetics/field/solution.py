@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -14,15 +14,13 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
 from kinetics.errors import ToleranceWarning, warn_missed
-from kinetics.field.averages import SteadyAverages
 from kinetics.field.resolution import Resolution
 from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
 from kinetics.field.steady_density import SteadyDensity
-from kinetics.field.table import field_table
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
+from kinetics.results import Result, Value, dataset, variable
 from kinetics.status import PlanStep, SolverStatus, explain, status_of
-from kinetics.tables import Table, Tabular
 from kinetics.validation import (
     check_positive,
     check_rtol,
@@ -32,16 +30,26 @@ from kinetics.validation import (
     speeds,
     whole_number,
 )
-from kinetics.values import Value, html_table
 
 _BEST_DIFFUSION = 1e-8
 _HIGHEST_POWER = 20.0
 _BEST_DENSITY, _WORST_DENSITY = 1e-6, 1e-2
+_SPEEDS = np.linspace(0.0, 4.0, 161)[1:]
+_ANGLES = np.array([0.0, 0.5, 1.0]) * np.pi
+_FIGURES = {
+    "drift": ("sqrt(g l)", "<v_x>, the percolation velocity", False),
+    "mean_square_speed": ("g l", "<v^2>", False),
+    "mean_square_along": ("g l", "<v_x^2>", False),
+    "mean_speed": ("sqrt(g l)", "<v>", False),
+    "diffusion_parallel": ("sqrt(g l^3)", "half the growth of the variance along the field", True),
+    "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field", True),
+}
+"""Figures -> unit, words, and whether they are solved when they are asked for."""
 _DENSITY_RATIO = 300.0  # harmonics that are enough for averages leave more
 
 
 @dataclass(frozen=True)
-class FieldState(Tabular, Value):
+class FieldState(Result):
     """The steady state in a uniform field, in the limit of low density; made by `solve_field`.
 
     Lengths in the mean free path l, accelerations in that of the field, g: so speeds are in
@@ -51,6 +59,10 @@ class FieldState(Tabular, Value):
     Attributes
     ----------
     restitution, tangential_restitution, dimension, rtol : what was asked for
+    drift : <v_x>, the percolation velocity, in sqrt(g l)
+    mean_square_speed : <v^2> in g l
+    mean_square_along : <v_x^2> in g l
+    mean_speed : <v> in sqrt(g l): the number of collisions in a time sqrt(l/g)
     error_estimate : relative error of drift, mean_square_speed, mean_square_along and mean_speed
     status : SolverStatus
     message : the status in words: what misses its tolerance, by how much, and what to change
@@ -62,41 +74,23 @@ class FieldState(Tabular, Value):
     tangential_restitution: float | None
     dimension: int
     rtol: float
+    drift: float
+    mean_square_speed: float
+    mean_square_along: float
+    mean_speed: float
     error_estimate: float
     status: SolverStatus
     message: str
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _averages: SteadyAverages = field(repr=False)
     _resolution: tuple[float, int] = field(repr=False)
 
-    @property
+    @cached_property
     def law(self) -> CollisionLaw:
         """The collision law."""
-        return self._averages.law
+        return law_of(self.restitution, self.tangential_restitution, self.dimension)
 
     # -- averages ---------------------------------------------------------------------------------
-
-    @property
-    def drift(self) -> float:
-        """<v_x>, the percolation velocity, in sqrt(g l)."""
-        return self.moment(1.0, 1)
-
-    @property
-    def mean_square_speed(self) -> float:
-        """<v^2> in g l."""
-        return self.moment(2.0, 0)
-
-    @property
-    def mean_square_along(self) -> float:
-        """<v_x^2> in g l."""
-        d = self.dimension
-        return (self.moment(2.0, 0) + (d - 1.0) * self.moment(2.0, 2)) / d
-
-    @property
-    def mean_speed(self) -> float:
-        """<v> in sqrt(g l): the number of collisions in a time sqrt(l/g)."""
-        return self.moment(1.0, 0)
 
     def moment(self, p: float, m: int = 0) -> float:
         """<v^p cos(m phi)> in (g l)^(p/2), phi the angle to the field; in space <v^p P_m(cos phi)>.
@@ -104,13 +98,13 @@ class FieldState(Tabular, Value):
         p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
-        m = whole_number("m", m, 0, self._averages.harmonics.shape[0] - 1)
+        m = whole_number("m", m, 0, self._steady.averages.harmonics.shape[0] - 1)
         lowest = -float(self.dimension)
         if m > 0 and math.isinf(self.law.lowest_power):
             lowest -= 1.0
         allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
         p = real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed)
-        return self._averages.moment(p, m)
+        return self._steady.averages.moment(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
@@ -126,7 +120,7 @@ class FieldState(Tabular, Value):
         along, across = np.outer(v_, np.cos(phi)), np.outer(v_, np.sin(phi))
         found, unsure = self._density(along.ravel(), across.ravel())
         allowed = min(max(_DENSITY_RATIO * self.rtol, _BEST_DENSITY), _WORST_DENSITY)
-        missed = unsure / float(self._averages.harmonics[0].max())
+        missed = unsure / float(self._steady.averages.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
             warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 2)
@@ -134,7 +128,7 @@ class FieldState(Tabular, Value):
 
     @cached_property
     def _density(self) -> SteadyDensity:
-        return SteadyDensity(self._steady, self._averages.harmonics)
+        return SteadyDensity(self._steady, self._steady.averages.harmonics)
 
     # -- dispersion -------------------------------------------------------------------------------
 
@@ -164,6 +158,7 @@ class FieldState(Tabular, Value):
 
     @cached_property
     def _steady(self) -> SteadyState:
+        """Where it was not kept, as in a loaded or pickled state, it is solved again."""
         return SteadyState(self.law, Resolution(*self._resolution))
 
     # -- one's own units --------------------------------------------------------------------------
@@ -193,10 +188,39 @@ class FieldState(Tabular, Value):
 
     # -- how it shows itself ----------------------------------------------------------------------
 
-    _points = ("speeds", "angles")
+    _points, _on_demand = ("speeds", "angles"), (*_FIGURES, "vdf")
 
-    def _table(self, only: str | None = None, **points: Any) -> Table:
-        return field_table(self, only, points.get("speeds"), points.get("angles"))
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
+        """Points: speeds in sqrt(g l), angles to the field in radians."""
+        found: dict[str, Any] = {}
+        for name, (units, words, on_demand) in _FIGURES.items():
+            if only is None or name in only or not on_demand:
+                found[name] = variable((), getattr(self, name), units, words)
+        v = finite_line("speeds", points.get("speeds", _SPEEDS))
+        phi = finite_line("angles", points.get("angles", _ANGLES))
+        if only is None or "vdf" in only:
+            units = "1/(g l)" if self.dimension == 2 else "(g l)^(-3/2)"
+            f = self.vdf(v, phi).T
+            found["vdf"] = variable(("angle", "v"), f, units, "density of the velocity", "f")
+        asked = ("restitution", "tangential_restitution", "dimension")
+        return dataset(
+            f"Steady state in a uniform field: {self.law.described}; units l = g = 1",
+            {"law": self.law.described, **{name: getattr(self, name) for name in asked}},
+            found,
+            {
+                "v": variable(("v",), v, "sqrt(g l)", "speed"),
+                "angle": variable(("angle",), phi, "rad", "angle to the field"),
+            },
+            status=self.status.name.lower(),
+            message=self.message,
+            tolerance_asked=self.rtol,
+            tolerance_reached=self.error_estimate,
+        )
+
+    def _figures(self) -> dict[str, str]:
+        found = {n: f"{getattr(self, n):.12g} {u}" for n, (u, _, on_demand) in _FIGURES.items()
+                 if not on_demand}  # fmt: skip
+        return found | {"status": f"{self.status.name.lower()}: {self.message}"}
 
     def __repr__(self) -> str:
         return (
@@ -205,19 +229,6 @@ class FieldState(Tabular, Value):
             f"<v_x^2> = {self.mean_square_along:.12g}, <v> = {self.mean_speed:.12g}\n"
             f"  error estimate {self.error_estimate:.1e}, {self.status.name.lower()}: "
             f"{self.message}"
-        )
-
-    def _repr_html_(self) -> str:
-        return html_table(
-            {
-                "law": self.law.described,
-                "drift &lt;v_x&gt; / sqrt(g l)": f"{self.drift:.12g}",
-                "&lt;v^2&gt; / (g l)": f"{self.mean_square_speed:.12g}",
-                "&lt;v_x^2&gt; / (g l)": f"{self.mean_square_along:.12g}",
-                "&lt;v&gt; / sqrt(g l)": f"{self.mean_speed:.12g}",
-                "status": f"{self.status.name.lower()}: {self.message}",
-                "error estimate": f"{self.error_estimate:.1e}",
-            }
         )
 
 
@@ -287,12 +298,12 @@ def solve_field(
     state = FieldState(
         **law.arguments,
         rtol=rtol,
+        **dict(zip(_FIGURES, found.averages.figures.tolist(), strict=False)),
         error_estimate=found.error,
         status=status_of(errors, allowed_errors),
         message=explain(errors, allowed_errors),
         plan=_plan(found),
         stats=_stats(found),
-        _averages=found.averages,
         _resolution=(resolution.speed, resolution.harmonics),
     )
     state.__dict__["_steady"] = found  # as if it had been asked for

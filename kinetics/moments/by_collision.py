@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
+from kinetics.results import Value
 from kinetics.states.state import State
 from kinetics.validation import exponent, whole_number
-from kinetics.values import Value
 
 _HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 # Where (1 - c)(N + 1) is less than this the bracket is a series; so many terms leave 1e-17 of it.

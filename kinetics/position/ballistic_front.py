@@ -9,8 +9,8 @@ import numpy as np
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
+from kinetics.results import Value
 from kinetics.states.state import State
-from kinetics.values import Value
 
 _NODES = 16  # of a polynomial for a piece of the initial density
 _LEFT_OUT = 1e-13  # its last coefficient relative to its largest value: rounding of its sum; and

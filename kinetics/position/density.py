@@ -26,7 +26,7 @@ from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.directions import element, radial_measure, radial_waves, surface
 from kinetics.position.tail import PowerTail
 from kinetics.position.wave_panel import WavePanel
-from kinetics.values import Value
+from kinetics.results import Value
 
 
 @dataclass(frozen=True)

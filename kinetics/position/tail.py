@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.values import Value
+from kinetics.results import Value
 
 _TERMS = range(6, 14)  # of the sum, the number among these that leaves least
 _LOWER = 0.7  # share of the range of K that the first of two sums is fitted to

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import gauss_legendre
-from kinetics.values import Value
+from kinetics.results import Value
 
 Indices = NDArray[np.intp]
 

@@ -12,28 +12,26 @@ integers and F(c), by Mellin inversion, are in :mod:`kinetics.scaling.mellin`.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from html import escape
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
+from kinetics.results import Result, dataset, variable
 from kinetics.scaling import mellin
 from kinetics.scaling.symbols import from_rest
-from kinetics.scaling.table import scaled_table
-from kinetics.tables import Table, Tabular
 from kinetics.validation import exponent, not_negative, refuse
-from kinetics.values import Value, html_table
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
 
 
 @dataclass(frozen=True)
-class ScalingSolution(Tabular, Value):
+class ScalingSolution(Result):
     """The self-similar cooling state of the inelastic Lorentz gas, exactly.
 
     Parameters
@@ -191,21 +189,13 @@ class ScalingSolution(Tabular, Value):
             out[inside] = np.exp(log_f) / law.unit_surface
         return out.reshape(c_.shape)[()]
 
-    _points = ("c",)
+    _points, _on_demand = ("c",), ("moment", "vdf")
 
-    def _table(self, only: str | None = None, **points: Any) -> Table:
-        """F(c) and the figures; c up to 4 by default, in units of the thermal speed."""
-        return scaled_table(self, points.get("c"), None, status="exact", message="closed form")
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
+        return scaled_dataset(self, only, status="exact", message="closed form", **points)
 
-    def _repr_html_(self) -> str:
-        return html_table(
-            {
-                "law": escape(self.law.described),
-                "cooling rate h": f"{self.cooling_rate:.12g}",
-                "a2": f"{self.a2:.12g}",
-                "d&lt;r^2&gt;/d ln t / l^2": f"{self.diffusion_slope:.12g}",
-            }
-        )
+    def _figures(self) -> dict[str, str]:
+        return scaled_figures(self) | {"d<r^2>/d ln t / l^2": f"{self.diffusion_slope:.12g}"}
 
     def _log_a(self, p: float) -> float:
         """ln A(p), A(p) = kappa^p E[Y^p]."""
@@ -220,3 +210,40 @@ class ScalingSolution(Tabular, Value):
         if number <= self.law.lowest_power:
             refuse("p", p, f"moments of this law exist for p > {self.law.lowest_power:g} only")
         return number
+
+
+def scaled_dataset(
+    state: Any, only: Collection[str] | None, c: ArrayLike | None = None, **attributes: Any
+) -> Any:
+    """The Dataset of a ScalingSolution or a ScaledVDF: h, a2, moments, and F(c), c up to 4.
+
+    Without F(c) where bounces are elastic. attributes : of `kinetics.results.dataset`
+    """
+    powers, d = np.arange(1.0, 7.0), state.dimension
+    found = {
+        "cooling_rate": variable((), state.cooling_rate, "1", "h(e), from v0 = 2 l/(h t)", "h"),
+        "a2": variable((), state.a2, "1", "<c^4> d/(d+2) - 1", "a2"),
+    }
+    if only is None or "moment" in only:
+        words = "<c^p>, c the speed over the thermal speed"
+        moments = [state.moment(p) for p in powers]
+        found["moment"] = variable(("p",), moments, "1", words, "<c^p>")
+    speeds = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
+    if state.cooling_rate > 0.0 and (not only or "vdf" in only):
+        words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
+        found["vdf"] = variable(("c",), state.vdf(speeds), "1", words, "F")
+    axes = {
+        "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
+        "p": variable(("p",), powers, "1", "power of the speed"),
+    }
+    title = f"Scaled velocity distribution: {state.law.described}"
+    return dataset(title, state, found, axes, **attributes)
+
+
+def scaled_figures(state: Any) -> dict[str, str]:
+    """What a notebook shows of a ScalingSolution or a ScaledVDF."""
+    return {
+        "law": state.law.described,
+        "cooling rate h": f"{state.cooling_rate:.12g}",
+        "a2": f"{state.a2:.12g}",
+    }

@@ -7,7 +7,8 @@ solves the parts of the speed axis that they need and holds ln g, accurate relat
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Collection
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -16,12 +17,12 @@ from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.numerics.chebyshev import FirstKind
+from kinetics.results import Result
+from kinetics.scaling.closed_form import scaled_dataset, scaled_figures
 from kinetics.scaling.log_density import SpeedAxis
 from kinetics.scaling.symbols import from_rest
-from kinetics.scaling.table import scaled_table
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
-from kinetics.tables import Table, Tabular, attributes_of
 from kinetics.validation import (
     check_rtol,
     exponent,
@@ -29,7 +30,6 @@ from kinetics.validation import (
     refuse,
     whole_number,
 )
-from kinetics.values import Value, html_table
 
 _LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
 _TAIL_POINTS = 9
@@ -40,7 +40,7 @@ _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-2
 
 
 @dataclass(frozen=True)
-class ScaledVDF(Tabular, Value):
+class ScaledVDF(Result):
     """The scaled velocity distribution as the discretised solver finds it.
 
     Normalised as the paper's F: integral of 2 pi c F(c) dc = 1 (4 pi c^2 in space) and <c^2> = 1.
@@ -196,27 +196,20 @@ class ScaledVDF(Tabular, Value):
             f"{self.status.name.lower()}, error estimate {self.error_estimate:.1e}"
         )
 
-    def _repr_html_(self) -> str:
-        return html_table(
-            {
-                "law": self.law.described,
-                "cooling rate h": f"{self.cooling_rate:.12g}",
-                "a2": f"{self.a2:.12g}",
-                "status": self.status.name.lower(),
-                "error estimate": f"{self.error_estimate:.1e}",
-            }
+    _points, _on_demand = ("c",), ("moment", "vdf")
+
+    def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
+        found = scaled_dataset(self, only, **points)
+        return found.assign_attrs(  # of all that is solved by now
+            status=self.status.name.lower(),
+            message=self.message,
+            tolerance_asked=self.rtol,
+            tolerance_reached=self.error_estimate,
         )
 
-    _points = ("c",)
-
-    def _table(self, only: str | None = None, **points: Any) -> Table:
-        """F(c) and the figures; c up to 4 by default, in units of the thermal speed."""
-        made = scaled_table(
-            self, points.get("c"), None
-        )  # the error estimate is of all that is solved by then
-        status = {"status": self.status.name.lower(), "message": self.message}
-        accuracy = (self.rtol, self.error_estimate)
-        return replace(made, attributes=attributes_of(made.title, self, accuracy, **status))
+    def _figures(self) -> dict[str, str]:
+        about = {"status": self.status.name.lower(), "error": f"{self.error_estimate:.1e}"}
+        return scaled_figures(self) | about
 
     def __getstate__(self) -> dict[str, Any]:
         # with what has been solved: a copy in another process need not solve it again
@@ -226,18 +219,7 @@ class ScaledVDF(Tabular, Value):
         self.__dict__.update(state)
 
     def _to_storage(self) -> dict[str, Any]:
-        arguments = {
-            "restitution": self.restitution,
-            "tangential_restitution": self.tangential_restitution,
-            "dimension": self.dimension,
-            "rtol": self.rtol,
-            "requested_nodes": self.requested_nodes,
-            "scatterers": self.scatterers,
-            "number_density": self.number_density,
-            "diameter": self.diameter,
-            "density_order": self.density_order,
-        }
-        return arguments | {"cooling_rate": self.cooling_rate, "a2": self.a2}
+        return super()._to_storage() | {"cooling_rate": self.cooling_rate, "a2": self.a2}
 
     @classmethod
     def _from_storage(cls, parts: dict[str, Any]) -> ScaledVDF:

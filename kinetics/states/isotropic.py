@@ -219,6 +219,13 @@ class SpeedTable(State):
         total = normalised(float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(v))))
         self.store(speed=v, density=f / total)
 
+    @classmethod
+    def _from_storage(cls, parts: dict[str, Any]) -> SpeedTable:
+        """As it was, and not rescaled once more."""
+        found = object.__new__(cls)
+        found.store(**parts)
+        return found
+
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:

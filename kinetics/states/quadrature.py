@@ -21,7 +21,7 @@ from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import interpolation_rows
 from kinetics.numerics.gauss import panels_between, panels_of
-from kinetics.values import Value
+from kinetics.results import Value
 
 # Samples: as many as this are kept as they are, because the grid of more has about so many points.
 _MOST_POINTS = 400

@@ -39,8 +39,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
+from kinetics.results import Value
 from kinetics.states.quadrature import LogMeasure
-from kinetics.values import Value
 
 SpeedFunction = Callable[[FloatArray], NDArray[Any]]  # speeds in U, (n,), to values, (n,)
 

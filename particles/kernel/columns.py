@@ -1,6 +1,6 @@
 """The columns of every table that a run keeps. Importing this file does not import numba.
 
-They are the layout of saved files too (`particles.storage.file`): append, do not renumber.
+They are the layout of saved files too (`particles.files`): append, do not renumber.
 """
 
 # How a tracer ended: indices into the counts of statuses.

@@ -10,7 +10,7 @@ import pytest
 
 from kinetics import Beam, InputError, Scene, SolverStatus, outputs, solve
 from kinetics.moments.backward import Observable
-from kinetics.outputs import OUTPUTS, UNITS, VELOCITY, Output, parts
+from kinetics.outputs import OUTPUTS, VELOCITY, Output, described, parts
 
 TIMES = [0.0, 1.0, 100.0]
 
@@ -33,7 +33,7 @@ def test_every_row(name: str) -> None:
         assert all(solution.values[n].shape == tuple(expected) for n in row.names)
         assert row.made_of(2)
         assert all(isinstance(part.observable, Observable) for part in row.made_of(2))
-    assert set(row.names) <= set(UNITS)
+    assert all(described(n, 2)[0] for n in row.names)
     steps = {step.part: step.solved for step in solution.plan}
     assert steps[row.step]
 
@@ -46,7 +46,7 @@ def test_names_and_heads() -> None:
         "thermal_speed", "temperature", "a2", "collisions", "msd", "kurtosis",
         "velocity_autocorrelation", "diffusion_coefficient",
     ]  # fmt: skip
-    assert UNITS["msd_slope"] == "d^2"
+    assert described("msd_slope", 2)[0] == "d^2"
 
 
 def test_a_new_output_is_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -59,7 +59,6 @@ def test_a_new_output_is_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda averages: averages.power(1.0) / np.sqrt(averages.power(2.0)),
     )  # fmt: skip
     monkeypatch.setitem(OUTPUTS, row.name, row)
-    monkeypatch.setitem(UNITS, row.name, "1")
     solution = solve(Scene(0.7, times=TIMES, outputs=row.name), rtol=1e-9)
     assert solution.mean_speed_ratio[0] == pytest.approx(np.sqrt(np.pi) / 2, rel=1e-9)
     expected = solution.moment(1.0) / np.sqrt(solution.moment(2.0))

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
-
-from kinetics.errors import InputError
 
 ENDINGS = (".csv", ".nc", ".h5")
 
@@ -17,9 +14,6 @@ def check_output(path: Path) -> None:
     from kinetics.crosscheck.files import require_file
 
     require_file("output", path, ENDINGS)
-    if path.suffix.lower() == ".nc" and find_spec("xarray") is None:
-        how = "python -m pip install 'inelastic-lorentz[xarray]'"
-        raise InputError(f"output: .nc needs xarray, which is not installed: {how}")
 
 
 def write_result(result: Any, path: Path, points: dict[str, Any], wide: Collection[str]) -> None:
@@ -36,5 +30,20 @@ def write_result(result: Any, path: Path, points: dict[str, Any], wide: Collecti
         made = result.to_xarray(**points).to_netcdf(engine="scipy")
         write_together(path.parent, {path.name: bytes(made)})
     else:
-        table = result.table(**points)
-        write_together(path.parent, {path.name: table.csv(wide)})
+        write_together(path.parent, {path.name: _csv(result, points, wide)})
+
+
+def _csv(result: Any, points: dict[str, Any], wide: Collection[str]) -> str:
+    """A row for each time, heads with units; of functions a column for each of their points."""
+    frame = result.to_dataframe()
+    units = dict(frame.attrs["units"])
+    made = result.to_xarray(**points) if wide else {}
+    for name, one in made.items():
+        if one.dims == ("time",) and name not in frame:  # it comes with a function
+            frame[name], units[name] = one.values, one.attrs["units"]
+        along = one[one.dims[1]].values if name in wide else ()
+        for i, x in enumerate(along):
+            frame[head := f"{name}({one.dims[1]}={x:g})"] = one.values[:, i]
+            units[head] = one.attrs["units"]
+    heads = [n if units[n] == "1" else f"{n} [{units[n]}]" for n in frame.columns]
+    return str(frame.to_csv(index=False, header=heads, lineterminator="\n"))

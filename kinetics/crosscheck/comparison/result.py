@@ -12,9 +12,7 @@ from kinetics.crosscheck.report.templates import paragraphs
 from kinetics.crosscheck.strict_json import dumps, plain
 from kinetics.crosscheck.verdicts import Verdict
 from kinetics.errors import InputError, short
-from kinetics.frozen import FrozenDict
-from kinetics.tables import optional
-from kinetics.values import Value
+from kinetics.results import Value, frozen
 from kinetics.version import package_version
 
 SCHEMA = "inelastic-lorentz/comparison/1"
@@ -177,7 +175,7 @@ class Comparison(Value):
     """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
 
     A value: it cannot be changed, equals another with the same contents, can be pickled, and
-    `save(path)` writes it to an HDF5 file, from which `kinetics.storage.load` reads it back.
+    `save(path)` writes it to an HDF5 file, from which `kinetics.load` reads it back.
 
     Attributes
     ----------
@@ -210,8 +208,8 @@ class Comparison(Value):
     figures: Mapping[str, Any] = field(repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", FrozenDict(self.parameters))
-        object.__setattr__(self, "figures", FrozenDict(_tuples(self.figures)))
+        object.__setattr__(self, "parameters", frozen(dict(self.parameters)))
+        object.__setattr__(self, "figures", frozen(_tuples(self.figures)))
 
     def observable(self, name: str) -> tuple[ComparisonRow, ...]:
         """The rows of one observable."""
@@ -240,7 +238,8 @@ class Comparison(Value):
 
         InputError without pandas, which is no dependency of this package.
         """
-        pandas = optional("pandas", "to_dataframe")
+        import pandas
+
         names = [one.name for one in fields(ComparisonRow)]
         table = [[getattr(row, name) for name in names] for row in self.rows]
         return pandas.DataFrame(table, columns=names).astype({"verdict": str})
@@ -252,7 +251,8 @@ class Comparison(Value):
         are those of the observables: lengths in d, speeds in U, times in d/U. InputError without
         xarray.
         """
-        xarray = optional("xarray", "to_xarray")
+        import xarray
+
         variables = {}
         for one in fields(ComparisonRow):
             values = [getattr(row, one.name) for row in self.rows]

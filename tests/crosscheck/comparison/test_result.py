@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
+from kinetics import load
 from kinetics.crosscheck import Comparison, compare_data
 from kinetics.errors import InputError
-from kinetics.storage import load
 from particles import BoltzmannGrad, simulate
 
 

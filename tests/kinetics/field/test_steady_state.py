@@ -229,7 +229,7 @@ def test_density_where_bounces_stop_a_tracer() -> None:
 
 def test_tail_is_gaussian() -> None:
     """f_0 ~ v^(L - 1) exp(-v^2/2) with L = .377 at e = .7: from f_0 at high speeds."""
-    averages = solve_field(0.7)._averages
+    averages = solve_field(0.7)._steady.averages
     v = np.array([5.0, 5.5, 6.0])
     f = averages.panels.interpolation(v) @ averages.harmonics[0]
     power = np.diff(np.log(f * np.exp(v * v / 2))) / np.diff(np.log(v))
@@ -287,8 +287,8 @@ def test_a_state_is_a_value(tmp_path: Path) -> None:
     assert again == state == pickle.loads(pickle.dumps(state))
     assert hash(again) == hash(state)
     assert again.diffusion_parallel == coefficient
-    assert isinstance(again._averages, SteadyAverages)
-    assert not again._averages.harmonics.flags.writeable
+    assert isinstance(again._steady.averages, SteadyAverages)
+    assert not again._steady.averages.harmonics.flags.writeable
     assert len(repr(state).splitlines()) <= 10
     assert "drift" in state._repr_html_()
     parts = [step.part for step in state.plan]

@@ -1,0 +1,417 @@
+"""Runs as values, tables and files: read-only, compared, drawn; whole on disk, and resumed."""
+
+import copy
+import errno
+import io
+import json
+import os
+import pickle
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from matplotlib.figure import Figure
+
+import particles
+from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, Poisson, Positions, simulate
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="Windows has none of these")
+TIMES = [0.0, 1.0, 30.0, 1000.0]
+HISTOGRAMS = [name for name in OBSERVABLES if name.endswith("histogram")]
+SMALL: dict[str, Any] = dict(
+    medium=Poisson(0.1, 500), restitution=0.5, times=[2.0, 50.0], media=6, tracers=4, seed=3,
+    workers=1, observables=["velocities", "finals", "speed_histogram"],
+)  # fmt: skip
+OTHER = np.arange(12.0).reshape(2, 3, 2) + 1.0
+RUNS: dict[str, dict[str, Any]] = {
+    "disks": dict(medium=HardDisks(0.04, 400), observables=OBSERVABLES, initial=OTHER[0]),
+    "rough": dict(medium=BoltzmannGrad(0.1, 2.0), initial=OTHER, tangential_restitution=0.8),
+    "spheres": dict(medium=BoltzmannGrad(0.1, dimension=3), initial="monoenergetic"),
+    "field": dict(medium=BoltzmannGrad(0.1), initial="rest", field=0.1, depth=2.0),
+    "positions": dict(medium=Positions([[1.0, 1.0], [4.0, 8.0]], 10.0), times=None,
+                      max_collisions=9),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ensemble() -> Ensemble:
+    return simulate(
+        HardDisks(0.04, 400), 0.7, times=TIMES, media=4, tracers=20, workers=1,
+        observables=[*HISTOGRAMS, "positions", "velocities", "finals"],
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def falling() -> Ensemble:
+    return simulate(
+        BoltzmannGrad(0.04), 0.7, "rest", times=[1.0, 9.0], media=4, tracers=20, field=0.1,
+        depth=2.0, workers=1,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole() -> Ensemble:
+    return simulate(**SMALL)
+
+
+# -- values ---------------------------------------------------------------------------------------
+
+
+def arrays_of(run: Ensemble) -> list[np.ndarray]:
+    found = [getattr(run, name) for name in (*OBSERVABLES[:7], *HISTOGRAMS)]
+    estimates = [part for one in found for part in vars(one).values()]
+    estimates = [one for one in estimates if isinstance(one, np.ndarray)]
+    more = [run.times, run.samples, run.missing, run.trapped, run.positions, run.finals]
+    return [*run.arrays.values(), *more, *estimates, run.statuses.trap_places]
+
+
+@pytest.mark.parametrize("through", [copy.copy, copy.deepcopy, pickle.dumps, lambda run: run])
+def test_no_array_can_be_written(ensemble: Ensemble, through: Any) -> None:
+    found = through(ensemble)
+    found = pickle.loads(found) if isinstance(found, bytes) else found
+    assert found == ensemble
+    assert not any(array.flags.writeable for array in arrays_of(found))
+    with pytest.raises(TypeError):
+        found.arrays["moments"] = np.zeros(3)  # type: ignore[index]
+
+
+def test_equal_runs_are_equal_and_others_are_not(whole: Ensemble) -> None:
+    again = simulate(**SMALL)
+    for name in ("plan", "msd", "statuses", "speed_histogram", "mean_free_path"):
+        one, other = getattr(whole, name), getattr(again, name)
+        assert one is not other
+        assert one == other == pickle.loads(pickle.dumps(one))
+        assert hash(one) == hash(other)
+    assert len({whole, again}) == 1
+    assert whole != simulate(**SMALL | {"seed": 2})
+    assert whole.msd != whole.a2
+    assert whole.msd != 3
+    disks = np.array([[1.0, 1.0], [2.0, 8.0]])
+    medium = Positions(disks, 10.0)
+    disks[0] = 3.0
+    assert medium == Positions([[1, 1], [2, 8]], 10.0)  # type: ignore[arg-type]
+    assert hash(medium) == hash(pickle.loads(pickle.dumps(medium)))
+    assert medium != Positions(disks, 10.0)
+
+
+def test_what_it_shows(ensemble: Ensemble) -> None:
+    assert {"msd", "a2", "positions", "speed_histogram", "save"} <= {*dir(ensemble)}
+    assert all(hasattr(ensemble, name) for name in (*dir(ensemble), *ensemble.outputs))
+    for value in (ensemble, ensemble.msd, ensemble.mean_free_path, ensemble.statuses):
+        assert len(repr(value).splitlines()) <= 10
+    assert "<table>" in ensemble._repr_html_()
+    assert {*particles.__all__, "__version__", "load"} <= {*dir(particles)}
+
+
+# -- tables ---------------------------------------------------------------------------------------
+
+
+def test_a_dataset_says_everything(ensemble: Ensemble, falling: Ensemble) -> None:
+    for run in (ensemble, falling):
+        found = run.to_xarray()
+        written = io.BytesIO(bytes(found.to_netcdf(engine="scipy")))
+        assert xarray.open_dataset(written, engine="scipy").identical(found)
+        assert found.thermal_speed.attrs["units"] == "U"
+        assert json.loads(found.attrs["scene"])["restitution"] == 0.7
+        assert "finished" in found.attrs["status"]
+        for name in {*run.outputs} - {"passage_times", "positions", "velocities", "finals"}:
+            assert name in found
+            assert f"{name}_error" in found
+
+
+def test_a_data_frame_has_every_estimate_with_its_error(
+    ensemble: Ensemble, falling: Ensemble
+) -> None:
+    frame = ensemble.to_dataframe()
+    assert frame.time.tolist() == TIMES
+    assert frame.msd.tolist() == ensemble.msd.value.tolist()
+    assert frame.msd_error.tolist() == ensemble.msd.error.tolist()
+    assert frame.attrs["units"]["msd"] == "d^2"
+    frame = falling.to_dataframe()
+    assert frame.dispersion_xy_error.tolist() == falling.dispersion.error[:, 0, 1].tolist()
+    assert frame.passed.tolist() == falling.passed.value.tolist()
+
+
+@pytest.mark.parametrize("name", HISTOGRAMS)
+def test_a_data_frame_of_a_histogram_has_a_row_for_each_bin(ensemble: Ensemble, name: str) -> None:
+    frame, found = ensemble.to_dataframe(name), getattr(ensemble, name)
+    assert frame.density.tolist() == found.density.value.ravel().tolist()
+    if name != "free_path_histogram":
+        total = (frame.density * (frame.high - frame.low)).groupby(frame.time).sum()
+        np.testing.assert_allclose(total, 1.0 - found.below - found.above, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["thermal_speed", "a2", "dispersion", *HISTOGRAMS])
+def test_what_is_drawn(ensemble: Ensemble, falling: Ensemble, name: str) -> None:
+    run = falling if name == "dispersion" else ensemble
+    axes = run.plot(name, ax=Figure().subplots())
+    if name in HISTOGRAMS:
+        assert len(axes.patches) == (1 if name.startswith("free") else len(TIMES))
+        assert axes.get_xlabel().endswith(("[U]", "[d]"))
+    else:
+        value = getattr(run, name).value.reshape(run.times.size, -1)
+        assert axes.lines[0].get_ydata().tolist() == value[:, 0].tolist()
+        assert len(axes.lines) == value.shape[1]
+        assert axes.get_xlabel() == "t [d/U]"
+    axes.figure.canvas.draw()
+
+
+@pytest.mark.parametrize(
+    ("method", "name"), [("plot", "drift"), ("plot", "mean_free_path"), ("to_dataframe", "msd")]
+)
+def test_what_is_not_there_is_refused(ensemble: Ensemble, method: str, name: str) -> None:
+    with pytest.raises(ValueError, match=name):
+        getattr(ensemble, method)(name)
+
+
+# -- files ----------------------------------------------------------------------------------------
+
+
+def refused(work: Any, *words: str) -> None:
+    with pytest.raises(ValueError, match=r"\w") as caught:
+        work()
+    assert "\n" not in str(caught.value)
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_plan_comes_back(name: str, tmp_path: Path) -> None:
+    arguments = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=3, workers=1) | RUNS[name]
+    run = simulate(**arguments)
+    run.save(tmp_path / "run.h5")
+    again = particles.load(tmp_path / "run.h5")
+    assert again == run
+    assert again.plan == run.plan
+    assert not any(array.flags.writeable for array in again.arrays.values())
+    assert simulate(**arguments, output=tmp_path / "run.h5", resume=True) == run
+
+
+class Stopped(Exception):
+    """Where a test ends a run."""
+
+
+def stopped(path: Path, after: int, **changes: Any) -> None:
+    def stop(done: int, total: int) -> None:
+        if done == after:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        simulate(**SMALL | changes, output=path, progress=stop)
+
+
+@pytest.mark.parametrize("after", [0, 1, 4])
+def test_an_interrupted_run_keeps_what_is_done(after: int, whole: Ensemble, tmp_path: Path) -> None:
+    path, seen = tmp_path / "run.h5", []
+    stopped(path, after)
+    assert os.listdir(tmp_path) == ["run.h5"]
+    with h5py.File(path) as file:
+        assert file.attrs["done"] == after
+    refused(lambda: Ensemble.load(path), f"{after} of 6")
+    refused(lambda: simulate(**SMALL, output=path), "exists", "resume")
+    again = simulate(**SMALL, output=path, resume=True, progress=lambda n, _: seen.append(n))
+    assert seen == list(range(after, 7))
+    assert again == whole == Ensemble.load(path)
+
+
+@POSIX
+def test_a_killed_run_keeps_its_parts(
+    whole: Ensemble, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whole ones are gone on from; from the first that is not whole on, they are run again."""
+    path, parts = tmp_path / "run.h5", tmp_path / "run.h5.parts"
+    monkeypatch.setattr("particles.files.SHARE", 1e-9)
+    child = os.fork()
+    if not child:
+        simulate(**SMALL, output=path, progress=lambda n, _: n == 4 and os.kill(os.getpid(), 9))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+    refused(lambda: simulate(**SMALL, output=path), "exists")
+    saved = sorted(name for name in os.listdir(parts) if name.endswith(".npz"))
+    assert len(saved) == 4
+    foreign = tmp_path / "foreign.h5"
+    stopped(foreign, 0, seed=9)
+    shutil.copytree(parts, f"{foreign}.parts")  # another run's, which is not taken for its own
+    again = simulate(**SMALL | {"seed": 9}, output=foreign, resume=True)
+    assert again == simulate(**SMALL | {"seed": 9})
+    damaged = bytearray((parts / saved[2]).read_bytes())
+    damaged[damaged.index(b"NUMPY") + 200] ^= 1
+    (parts / saved[2]).write_bytes(damaged)
+    (parts / "mine.txt").write_text("not of the run")
+    (parts / ".run.h5.0123456789abcdef.part").write_text("half")
+    seen: list[int] = []
+    again = simulate(**SMALL, output=path, resume=True, progress=lambda n, _: seen.append(n))
+    assert (again, seen[0]) == (whole, 2)
+    assert sorted(os.listdir(parts)) == ["lock", "mine.txt"]
+    assert Ensemble.load(path) == whole
+
+
+KILLED = """
+    import sys
+    from particles import Poisson, simulate
+    print(flush=True)
+    simulate(Poisson(0.1, 200), 0.9, times=[1.0, 1e3], media=300, tracers=1, seed=4, workers=2,
+             output=sys.argv[1], resume=True, observables=["displacement_histogram", "finals"])
+"""
+
+
+@POSIX
+@pytest.mark.parametrize("kills", [3, pytest.param(100, marks=pytest.mark.slow)])
+def test_killed_at_random_moments_it_ends_with_the_same_bits(kills: int, tmp_path: Path) -> None:
+    path, chance = tmp_path / "run.h5", random.Random(2)
+    expected = simulate(
+        Poisson(0.1, 200), 0.9, times=[1.0, 1e3], media=300, tracers=1, seed=4,
+        observables=["displacement_histogram", "finals"],
+    )  # fmt: skip
+    for left in reversed(range(kills + 1)):
+        command = [sys.executable, "-c", textwrap.dedent(KILLED), str(path)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            if left:
+                time.sleep(chance.uniform(0.3, 1.0))
+                process.kill()
+    assert process.returncode == 0
+    assert os.listdir(tmp_path) == ["run.h5"]
+    assert Ensemble.load(path) == expected
+
+
+@POSIX
+def test_two_runs_cannot_be_saved_to_one_file(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    path.symlink_to("target.h5")
+    code = f"""
+        import time
+        from particles import Poisson, simulate
+        simulate(Poisson(0.1, 200), 0.9, times=[1.0], media=9, tracers=1, output={str(path)!r},
+                 progress=lambda n, total: n == 1 and (print(flush=True), time.sleep(60)))
+    """
+    command = [sys.executable, "-c", textwrap.dedent(code)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        for resume in (False, True):
+            refused(lambda r=resume: simulate(**SMALL, output=path, resume=r), "in use")
+        process.kill()
+    refused(lambda: simulate(**SMALL, output=path), "exists")  # and no longer in use
+
+    def again(done: int, total: int) -> None:
+        if done == 1:
+            refused(lambda: simulate(**SMALL, output=tmp_path / "other.h5"), "in use")
+
+    simulate(**SMALL, output=tmp_path / "other.h5", progress=again)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (dict(seed=4), ("seed = 3", "4")),
+        (dict(times=[2.0, 51.0]), ("times",)),
+        (dict(medium=Poisson(0.1, 501)), ("medium", "501")),
+        (dict(observables=None), ("observables",)),
+    ],
+)
+def test_another_run_is_not_gone_on_from(
+    changes: dict[str, Any], words: tuple[str, ...], tmp_path: Path
+) -> None:
+    path = tmp_path / "run.h5"
+    stopped(path, 2)
+    before = path.read_bytes()
+    refused(lambda: simulate(**SMALL | changes, output=path, resume=True), "another run", *words)
+    assert path.read_bytes() == before
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_damage_and_other_files_are_refused(whole: Ensemble, tmp_path: Path) -> None:
+    path, bad = tmp_path / "run.h5", tmp_path / "bad.h5"
+    whole.save(path)
+    good = path.read_bytes()
+    chance = np.random.default_rng(1)
+    noticed = 0
+    for place in chance.integers(0, 8 * len(good), 200):
+        damaged = bytearray(good)
+        damaged[place // 8] ^= 1 << (place % 8)
+        bad.write_bytes(damaged)
+        try:
+            assert Ensemble.load(bad) == whole  # a byte that nothing is read from
+        except ValueError:
+            noticed += 1
+    assert noticed > 20
+    for contents in (b"", b"x,y\n1,2\n", good[: len(good) // 2]):
+        bad.write_bytes(contents)
+        refused(lambda: Ensemble.load(bad), "bad.h5")
+        refused(lambda: simulate(**SMALL, output=bad, resume=True), "bad.h5")
+    refused(lambda: Ensemble.load(tmp_path / "none.h5"), "none.h5")
+    refused(lambda: Ensemble.load(3), "path")  # type: ignore[arg-type]
+    for name, change in {
+        "elsewhere": lambda f: f.create_dataset(
+            "moments", (6, 2, 8), "f8", external=[(path, 0, 999)]
+        ),
+        "promised": lambda f: f.create_dataset("moments", (6, 10**12, 8), "f8", chunks=(1, 99, 8)),
+        "linked": lambda f: f.__setitem__("moments", h5py.ExternalLink(str(path), "moments")),
+    }.items():
+        bad.write_bytes(good)
+        with h5py.File(bad, "r+") as file:
+            del file["moments"]
+            change(file)
+        refused(lambda: Ensemble.load(bad), "bad.h5"), name
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+def test_a_full_disk_leaves_what_was_there(
+    call: str, whole: Ensemble, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    path = tmp_path / "run.h5"
+    stopped(path, 3)
+    before = path.read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, call, full)
+        refused(lambda: whole.save(path), "cannot be written", "No space")
+        refused(lambda: simulate(**SMALL, output=path, resume=True), "No space")
+    assert path.read_bytes() == before
+    assert simulate(**SMALL, output=path, resume=True) == whole
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+@POSIX
+def test_links_pipes_and_folders(whole: Ensemble, tmp_path: Path) -> None:
+    (tmp_path / "link.h5").symlink_to("target.h5")
+    simulate(**SMALL, output=tmp_path / "link.h5")
+    whole.save(tmp_path / "link.h5")
+    assert (tmp_path / "link.h5").is_symlink()
+    assert Ensemble.load(tmp_path / "target.h5") == whole
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "null").symlink_to("/dev/null")
+    for name in ("pipe", "null", "", os.path.join("none", "run.h5")):
+        path = tmp_path / name
+        for work in (
+            lambda p=path: Ensemble.load(p),
+            lambda p=path: whole.save(p),
+            lambda p=path: simulate(**SMALL, output=p),
+        ):
+            refused(work)
+    assert sorted(os.listdir(tmp_path)) == ["link.h5", "null", "pipe", "target.h5"]
+
+
+def test_h5md(ensemble: Ensemble, whole: Ensemble, tmp_path: Path) -> None:
+    ensemble.write_h5md(tmp_path / "run.h5md")
+    with h5py.File(tmp_path / "run.h5md") as file:
+        assert file["h5md"].attrs["version"].tolist() == [1, 1]
+        group = file["particles/tracers"]
+        assert np.array_equal(group["position/value"], ensemble.positions)
+        assert np.array_equal(group["velocity/value"], ensemble.velocities)
+        assert group["velocity/time"][()].tolist() == TIMES
+        assert group["medium"][()].tolist() == [n // 20 for n in range(80)]
+        assert file["parameters/restitution"][()] == 0.7
+    refused(lambda: whole.write_h5md(tmp_path / "no.h5md"), "positions")
