@@ -154,88 +154,72 @@ def above(values: Any, most: float = 1.0) -> float:
 def invariants(found: Any) -> Violations:
     """What a `kinetics.Solution` must keep, of those outputs that it has, within its own error."""
     scene, values, times = found.scene, found.values, np.asarray(found.times)
-    estimate = found.error_estimate if math.isfinite(found.error_estimate) else math.inf
-    slack = 4.0 * max(found.rtol, estimate) + 1e-12
-    d, g, later = scene.dimension, scene.field, times > 1e-100
-    wrong = [name for name, array in values.items() if not np.all(np.isfinite(array))]
-    kept: Violations = {"finite": (float(len(wrong)), 0.0)}
-    if wrong:
-        return kept
-    # squares of speeds below 1e-150 are rounded numbers
-    speed = values.get("thermal_speed", np.zeros(times.size))
-    seen = speed > 1e-145
-    with np.errstate(all="ignore"):
-        for name in ("thermal_speed", "temperature") if not g else ():
-            if name in values:
-                grown = np.nan_to_num(values[name][1:] / values[name][:-1], nan=1.0) - 1.0
-                kept[f"{name} does not grow"] = above(grown, 0.0), slack
-        for name in ("collisions", "msd"):
-            if name in values:
-                fall = -np.diff(values[name]) / np.maximum(values[name][1:], 1e-300)
-                kept[f"{name} does not fall"] = above(fall, 0.0), slack
-                kept[f"{name} begins at 0"] = above(values[name][times == 0.0], 0.0), 0.0
-        if "a2" in values:  # there is no distribution below: <v^4> >= <v^2>^2
-            kept["a2 >= -2/(d + 2)"] = below(values["a2"], -2.0 / (d + 2.0)), slack
-        if "temperature" in values and seen.any():
-            off = d * values["temperature"][seen] / speed[seen] ** 2 - 1.0
-            kept["T = v0^2/d"] = above(np.abs(off), 0.0), slack
-        if "velocity_autocorrelation" in values and not g and times[0] == 0.0:
-            start = float(values["velocity_autocorrelation"][0])  # <v(0)^2>
-            correlation = np.abs(values["velocity_autocorrelation"]) / start
-            kept["|<v(0).v>| <= <v^2>"] = above(correlation), slack
-            if "msd" in values:
-                ballistic = np.nan_to_num(values["msd"] / (start * times * times), posinf=0.0)
-                kept["<r^2> <= <v^2> t^2"] = above(ballistic[later]), slack
-        # bounces that throw tracers back and nearly stop them make D negative
-        ahead = scene.law.tangential_restitution == 1.0 or scene.law.mean_cosine >= 0.0
-        if "diffusion_coefficient" in values and ahead and not g:
-            kept["D not negative"] = below(values["diffusion_coefficient"]), 0.0
-        if "kurtosis" in values:
-            kept["kurtosis >= 1"] = below(values["kurtosis"], 1.0), slack
-        if "velocity_tensor" in values:
-            tensor = values["velocity_tensor"]
-            trace = np.trace(tensor, axis1=1, axis2=2)
-            full = trace > 1e-290
-            parts = np.linalg.eigvalsh(tensor[full] / trace[full, None, None])
-            kept["<v v> positive"] = below(parts), slack
-        if "mean_velocity" in values and seen.any():
-            mean = np.linalg.norm(values["mean_velocity"], axis=1)[seen] / speed[seen]
-            kept["<v>^2 <= <v^2>"] = above(mean), slack
-        if "mean_displacement" in values and "msd" in values:
-            far = np.nan_to_num((values["mean_displacement"] ** 2).sum(axis=1) / values["msd"])
-            kept["<r>^2 <= <r^2>"] = above(far[later]), slack
-    if not g:
-        kept["<v^0> = 1"] = float(np.max(np.abs(found.moment(0.0) - 1.0))), slack
-    return kept
-
-
-def of_density(found: Any, mass: bool = True) -> Violations:
-    """What the speed density of a Solution must keep, in units of its largest value."""
     error = max(found.rtol, found.error_estimate)
-    low, apart, x = 0.0, 0.0, np.linspace(math.log(1e-8), math.log(1e3), 20_001)
-    shares = found.uncollided
-    for i, v0 in enumerate(np.sqrt(found.moment(2.0))):
-        f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
-        low = max(low, below(f / max(f.max(), 1e-300)))
-        apart = max(apart, abs(float(np.trapezoid(f, x)) + shares[i] - 1.0))
-    kept = {"density not negative": (low, 1.5 * error), "uncollided": (above(shares), 1e-12)}
-    return kept | ({"mass": (apart, 3.0 * error + 1e-9)} if mass else {})
+    slack = 4.0 * error + 1e-12 if math.isfinite(error) else math.inf
+    kept: Violations = {}
 
+    def keep(name: str, needs: str, violation: Callable[..., float], allowed: float = slack) -> None:
+        if all(n in values for n in needs.split()):
+            with np.errstate(all="ignore"):
+                kept[name] = violation(*(values[n] for n in needs.split())), allowed
 
-def of_position(found: Any) -> Violations:
-    """What G(R) of a Solution with the outputs msd and position_density must keep, at one time."""
-    claimed = max(found.rtol, found.error_estimate)
-    edges = np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)])
-    R, weight = panels_between(edges, 12)
-    g = found.scaled_position_density(R)[0]
-    norm, second = (float(g @ (weight * R**p)) for p in (0, 2))
-    ends = found.scaled_position_density([0.0, 1e300])[0]
-    return {
-        "norm of G": (abs(norm - 1.0), 10.0 * claimed),
-        "<R^2> = 1": (abs(second - 1.0), 100.0 * claimed),
-        "G not negative": (below(g), claimed),
-        "G(0) = G(infinity) = 0": (float(np.max(np.abs(ends))), claimed),
-    }
+    def share(part: Any, whole: Any) -> Any:  # of what is no rounded number, after the start
+        there = (np.abs(whole) > 1e-290) & (times > 1e-100)
+        return part[there] / whole[there]
+
+    for name, array in values.items():
+        keep(f"{name} is finite", name, lambda x: float(np.sum(~np.isfinite(x))), 0.0)
+        if not np.all(np.isfinite(array)):
+            return kept
+    d, law, falls = scene.dimension, scene.law, not scene.field
+    for name in ("thermal_speed", "temperature") if falls else ():
+        keep(f"{name} does not grow", name, lambda v: above(v[1:] - v[:-1] * (1.0 + slack), 0.0), 0.0)
+    for name in ("collisions", "msd") if falls else ():
+        keep(f"{name} does not fall", name, lambda n: above(n[:-1] - n[1:] * (1.0 + slack), 0.0), 0.0)
+        keep(f"{name} begins at 0", name, lambda n: above(n[times == 0.0], 0.0), 0.0)
+    # there is no distribution beyond: <v^4> >= <v^2>^2, and <r^4> >= <r^2>^2
+    keep("a2 >= -2/(d + 2)", "a2", lambda a2: below(a2, -2.0 / (d + 2.0)))
+    keep("kurtosis >= 1", "kurtosis", lambda kurtosis: below(kurtosis, 1.0))
+    keep("T = v0^2/d", "temperature thermal_speed",
+         lambda T, v0: above(np.abs(share(d * T, v0**2) - 1.0), 0.0))  # fmt: skip
+    if falls and times[0] == 0.0:
+        keep("|<v(0).v>| <= <v^2>", "velocity_autocorrelation", lambda c: above(np.abs(c / c[0])))
+        keep("<r^2> <= <v^2> t^2", "msd velocity_autocorrelation",
+             lambda r2, c: above(share(r2, np.minimum(c[0] * times * times, 1e300))))  # fmt: skip
+    # bounces that throw tracers back and nearly stop them make D negative
+    if falls and (law.tangential_restitution == 1.0 or law.mean_cosine >= 0.0):
+        keep("D not negative", "diffusion_coefficient", below, 0.0)
+    keep("<v>^2 <= <v^2>", "mean_velocity thermal_speed",
+         lambda v, v0: above(share(np.linalg.norm(v, axis=1), v0)))  # fmt: skip
+    keep("<r>^2 <= <r^2>", "mean_displacement msd",
+         lambda r, r2: above(share((r**2).sum(axis=1), r2)))  # fmt: skip
+    keep("<v v> positive", "velocity_tensor", lambda tensor: below(share(
+        np.linalg.eigvalsh(tensor)[:, 0], np.trace(tensor, axis1=1, axis2=2))))  # fmt: skip
+    if falls:
+        kept["<v^0> = 1"] = float(np.max(np.abs(found.moment(0.0) - 1.0))), slack
+    if "speed_density" in scene.outputs and falls:
+        x, shares = np.linspace(math.log(1e-8), math.log(1e3), 20_001), found.uncollided
+        kept["uncollided"] = above(shares), 1e-12
+        for i, v0 in enumerate(np.sqrt(found.moment(2.0))):
+            if not 1e-140 < v0 < 1e140:
+                continue
+            f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
+            kept[f"density not negative, time {i}"] = below(f / max(f.max(), 1e-300)), 1.5 * error
+            mass = abs(float(np.trapezoid(f, x)) + shares[i] - 1.0)
+            kept[f"mass, time {i}"] = mass, 10.0 * error + (0.0 if scene.initial == "gaussian" else 0.01)
+    if "position_density" in scene.outputs:
+        R, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
+        front = found.ballistic_front[1].sum(axis=1)
+        for i in np.flatnonzero((times > 0.0) & (front == 0.0)):
+            g = found.scaled_position_density(R)[i]
+            for p, allowed in ((0, 10.0 * error), (2, 100.0 * error)):
+                kept[f"<R^{p}> = 1, time {i}"] = abs(float(g @ (weight * R**p)) - 1.0), allowed
+            kept[f"G not negative, time {i}"] = below(g), error
+    if "intermediate_scattering" in scene.outputs:
+        F = found.intermediate_scattering([0.0, 1e-300, 1e-3, 0.1, 2.0])
+        kept["|F| <= 1"] = above(np.abs(F)), slack
+        kept["F(0) = 1"] = float(np.max(np.abs(F[:, 0] - 1.0))), slack
+    return kept
 
 
 def of_particles(run: Any, first: Any = None) -> Violations:
@@ -391,63 +375,153 @@ def solved(law: Law, start: Any, times: Any, outputs: Any, rtol: float, **more: 
     return kinetics.solve(scene, rtol, **options)
 
 
-def limits(found: Any, first: tuple[float, float]) -> float:
-    """Error of v0, a2 (and of the last slope of <r^2>) where they are their limits; NaN if nowhere.
+def limits(found: Any, start: str) -> float:
+    """Error of v0, a2, f(v) and the slope of <r^2> where they are their limits; NaN if nowhere.
 
-    first : v0 and a2 of the start. v0 changes by less than v t/l at first, and is that of the
-    scaling state from a few l/(kappa v t) on.
+    v0 changes by less than v t/l at first, and is that of the scaling state from a few
+    l/(kappa v t) on; `start`: "gaussian" or "monoenergetic", times the speed of the scene's state.
     """
-    law, path, rtol = found.scene.law, found.scene.mean_free_path, found.rtol
-    errors = []
+    from kinetics import ScalingSolution
+
+    scene, law, rtol = found.scene, found.scene.law, found.rtol
+    d, path, errors = law.dimension, scene.mean_free_path, []
     cools = not law.is_elastic and forgets(law)
     h, one_a2, kappa, slope = scaling(law) if cools else (math.nan,) * 4
-    for t, v0, a2 in zip(found.times, found.thermal_speed, found.a2, strict=True):
+    gaussian = start == "gaussian"
+    speed = getattr(scene.state, "deviation_x", getattr(scene.state, "speed", 1.0))
+    first = speed * (math.sqrt(d) if gaussian else 1.0)
+    c = np.geomspace(1e-3, 20.0, 300)
+    surface = law.unit_surface * c ** (d - 1)
+    bell = surface * (0.5 * d / math.pi) ** (0.5 * d) * np.exp(-0.5 * d * c * c) * gaussian
+    for i, t in enumerate(found.times):
         # ln(v t/l): v t may overflow
-        x = -math.inf if t == 0.0 else math.log(first[0]) + math.log(t) - math.log(path)
+        x = math.log(first) + math.log(t) - math.log(path) if t else -math.inf
         if x < math.log(0.01 * rtol) or law.is_elastic:
-            errors += [abs(v0 / first[0] - 1.0), abs((1.0 + a2) / (1.0 + first[1]) - 1.0)]
+            v0, a2, f = first, 1.0 if gaussian else d / (d + 2.0), bell
         elif cools and x > math.log(1e3 / rtol) - math.log(kappa):
-            expected = 2.0 * (path / float(t)) / h
-            if expected > 1e-290:  # above the end of the doubles
-                errors += [abs(v0 / expected - 1.0), abs((1.0 + a2) / one_a2 - 1.0)]
+            v0, a2, f = 2.0 * (path / float(t)) / h, one_a2, None
+        else:
+            continue
+        if v0 < 1e-290:  # at the end of the doubles
+            continue
+        if "thermal_speed" in found.values:
+            errors.append(abs(found.thermal_speed[i] / v0 - 1.0))
+        if "a2" in found.values:
+            errors.append(abs((1.0 + found.a2[i]) / a2 - 1.0))
+        if "speed_density" in scene.outputs:
+            f = surface * ScalingSolution(**law.arguments).vdf(c) if f is None else f
+            density = v0 * found.speed_density(v0 * c)[i]
+            errors.append(float(np.max(np.abs(density - f)) / max(1.0, f.max())))
     if "diffusion_coefficient" in found.values and cools:
         errors.append(abs(found.msd_slope[-1] / path**2 / slope - 1.0))
     return max(errors, default=math.nan)
 
 
-def mixture(law: Law, start: str, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """v0 and a2 of a start as the mean over its speeds, of a monoenergetic one at scaled times.
+def tighter(found: Any, start: Any) -> float:
+    """Difference to the same scene solved for a hundredth of the error; NaN if that is not known."""
+    finer = again(found, 0.01 * found.rtol)
+    return apart(found, finer) if finer.error_estimate <= SHARE * found.rtol else math.nan
 
-    The equation is linear, and speeds times s are times divided by s. Shape (n_times,) each.
+
+def again(found: Any, rtol: float) -> Any:
+    """The scene of a Solution once more, to another rtol, with the thermal speed."""
+    from dataclasses import replace
+
+    import kinetics
+
+    outputs = dict.fromkeys(("thermal_speed", *found.scene.outputs))
+    return kinetics.solve(replace(found.scene, outputs=tuple(outputs)), rtol)
+
+
+def apart(found: Any, finer: Any) -> float:
+    """The largest error of a Solution, a finer one of the same scene taken as exact.
+
+    Averages relative to their size (a2 to 1 + a2, vectors to their lengths), densities relative to
+    their maximum, those of the speed below 1e-2 of the thermal speed as densities of ln v.
+    """
+    v0, errors = finer.thermal_speed, [0.0]
+    with np.errstate(all="ignore"):
+        for name, values in found.values.items():
+            exact = finer.values[name]
+            size = np.abs(exact)
+            if name in ("mean_velocity", "velocity_tensor", "velocity_autocorrelation"):
+                power = 1 if name == "mean_velocity" else 2
+                size = v0**power if name != "velocity_autocorrelation" else v0[0] * v0
+                size = size.reshape(-1, *(1,) * (exact.ndim - 1))
+            elif exact.ndim > 1:
+                size = np.linalg.norm(exact, axis=1, keepdims=True)
+            change = np.abs(values - exact) / (1.0 + exact if name == "a2" else size)
+            errors.append(float(np.max(np.where(np.abs(values - exact) < 1e-300, 0.0, change))))
+    c, R = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)]), np.linspace(0.0, 8.0, 400)
+    for i, unit in enumerate(v0):
+        if "speed_density" in found.scene.outputs:
+            f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
+            errors.append(float(np.max(np.abs(f - exact) * np.minimum(1.0, c / 1e-2)) / exact.max()))
+        if "position_density" in found.scene.outputs and found.times[i] > 0.0:
+            f, exact = (one.scaled_position_density(R)[i] for one in (found, finer))
+            errors.append(float(np.max(np.abs(f - exact))))
+    return max(errors) if np.all(np.isfinite(errors)) else math.inf
+
+
+def kept(found: Any, start: str) -> float:
+    """Error against the kept references."""
+    horizon = "long" if found.times[-1] > 1e3 else "short"
+    e = found.scene.restitution
+    names = ("thermal_speed", "a2")
+    return _difference(found, *(references.kept(name, e, start, horizon) for name in names))
+
+
+def mixture(found: Any, start: str) -> float:
+    """Error of v0 and a2 against the mean over the speeds of the start, each at scaled times.
+
+    The equation is linear, and speeds times s are times divided by s.
     """
     _, v, w = starts()[start]
-    gaussian, paths = 1.0 + 2.0 / as_law(law).dimension, np.outer(times, v)
+    # fourth powers of late speeds of 1e-30 and less underflow
+    middle = (found.times > 0.0) & (found.times <= 1e30)
+    gaussian, paths = 1.0 + 2.0 / found.scene.dimension, np.outer(found.times[middle], v)
     known, where = np.unique(paths, return_inverse=True)
-    one = solved(law, "monoenergetic", known, ("thermal_speed", "a2"), 1e-13)
+    one = solved(found.scene.law, "monoenergetic", known, ("thermal_speed", "a2"), 1e-13)
     with np.errstate(under="ignore"):
         square = (one.thermal_speed**2)[where].reshape(paths.shape)
         fourth = gaussian * square**2 * (1.0 + one.a2[where].reshape(paths.shape))
         second, fourth = square @ (w * v**2), fourth @ (w * v**4)
-    return np.sqrt(second), fourth / gaussian / second**2 - 1.0
+    return _difference(found, np.sqrt(second), fourth / gaussian / second**2 - 1.0, middle)
 
 
-def difference(found: Any, v0: FloatArray, a2: FloatArray, at: Any = slice(None)) -> float:
-    """Largest relative error of the thermal speeds, and of 1 + a2."""
+def _difference(found: Any, v0: FloatArray, a2: FloatArray, at: Any = slice(None)) -> float:
     with np.errstate(all="ignore"):
         errors = [found.thermal_speed[at] / v0 - 1.0, (1.0 + found.a2[at]) / (1.0 + a2) - 1.0]
     worst = float(np.max(np.abs(errors)))
     return worst if math.isfinite(worst) else math.inf
 
 
-def _outcome(found: Any, reached: float, asked: float = 0.0, **more: Any) -> Outcome:
-    kept = invariants(found) | more.pop("invariants", {})
-    return Outcome(
-        asked or found.rtol + ROUNDING, reached, found.status.name == "CONVERGED", invariants=kept,
-        note=f"estimate {found.error_estimate:.0e}", **more,
-    )  # fmt: skip
-
-
 # -- work of the cases: solvers -------------------------------------------------------------------
+
+
+def _scene(
+    reference: Callable[[Any, Any], float], law: Law, start: Any, times: Any, outputs: Any,
+    rtol: float, **more: Any,
+) -> Outcome:  # fmt: skip
+    """A scene against a reference; scale : times the speeds of the start."""
+    from kinetics import Gaussian, Monoenergetic
+
+    state, scale = start, more.pop("scale", 1.0)
+    if scale != 1.0:
+        state = Gaussian(scale, scale) if start == "gaussian" else Monoenergetic(scale)
+    try:
+        found = solved(law, state, times, outputs, rtol, **more)
+        reached = reference(found, start)
+    except InputError as refused:
+        if not more.get("field"):
+            raise
+        # fast starts in a field of which next to nothing is left
+        return Outcome(rtol, converged=False, note=str(refused))
+    done = found.status.name == "CONVERGED"
+    return Outcome(
+        rtol + ROUNDING, reached, done, in_part=reference is limits, invariants=invariants(found),
+        note=f"estimate {found.error_estimate:.0e}",
+    )  # fmt: skip
 
 
 def _scaled(law: Law, rtol: float, nodes: int | None = None) -> Outcome:
@@ -468,93 +542,6 @@ def _scaled(law: Law, rtol: float, nodes: int | None = None) -> Outcome:
     # ScalingSolution.vdf promises 1e-12
     return Outcome(rtol, reached, done, known_to=1e-12, invariants=kept,
                    note=f"estimate {state.error_estimate:.1e}")  # fmt: skip
-
-
-def _cooling(law: Law, start: str, sizes: dict[str, float]) -> Outcome:
-    """v0 and a2 against their limits at early and at late times, of any size of scene."""
-    from kinetics import Gaussian, Monoenergetic
-
-    scale, d = sizes.get("scale", 1.0), as_law(law).dimension
-    medium = {name: size for name, size in sizes.items() if name != "scale"}
-    state = Gaussian(scale, scale) if start == "gaussian" else Monoenergetic(scale)
-    outputs = ["thermal_speed", "a2", "temperature", "collisions"]
-    if not as_law(law).is_elastic and sizes == {"scale": 1.0}:  # else <r^2> leaves the doubles
-        outputs.append("msd")
-    found = solved(law, state, TIMES, outputs, 1e-9, **medium)
-    first = (math.sqrt(d) * scale, 0.0) if start == "gaussian" else (scale, d / (d + 2.0) - 1.0)
-    return _outcome(found, limits(found, first), in_part=not forgets(as_law(law)))
-
-
-def _kept(e: float, start: str, horizon: str, rtol: float) -> Outcome:
-    """v0 and a2 against the kept references."""
-    found = solved(e, start, references.times(horizon), ("thermal_speed", "a2"), rtol)
-    names = ("thermal_speed", "a2")
-    exact = (references.kept(name, e, start, horizon) for name in names)
-    return _outcome(found, difference(found, *exact))
-
-
-def _rough(law: Law, start: str) -> Outcome:
-    """v0 and a2 of a start: first value, mixture at all times, and late limit."""
-    found = solved(law, start, TIMES, ("thermal_speed", "a2"), 1e-8)
-    # fourth powers of late speeds of 1e-30 and less underflow in the mixture
-    middle = (TIMES > 0.0) & (TIMES <= 1e30)
-    reached = difference(found, *mixture(law, start, TIMES[middle]), middle)
-    d, (_, v, w) = as_law(law).dimension, starts()[start]
-    with np.errstate(under="ignore"):
-        second, fourth = float(w @ v**2), float(w @ v**4)
-    a2 = fourth / ((d + 2.0) / d * second**2) - 1.0
-    # the first time and the last: by then, the slowest have met 1e140 scatterers
-    ends = found.at([0.0, 1e300])
-    return _outcome(found, max(reached, limits(ends, (math.sqrt(second), a2))))
-
-
-def _spectral(law: Law, start: str, nodes: int | None) -> Outcome:
-    """The speed density against a tighter one, relative to its maximum.
-
-    Below 1e-2 of the thermal speed it is the density of ln v that keeps its accuracy.
-    """
-    times, outputs, rtol = [0.5, 30.0, 1e3], ("speed_density", "thermal_speed"), 1e-6
-    found = solved(law, start, times, outputs, rtol, nodes=nodes)
-    finer = solved(law, start, times, outputs, 0.01 * rtol)
-    c = np.concatenate([[0.0], np.geomspace(1e-8, 30.0, 4000)])
-    reached = 0.0
-    for i, v0 in enumerate(finer.thermal_speed):
-        f, exact = (one.speed_density(v0 * c)[i] for one in (found, finer))
-        apart = np.abs(f - exact) * np.minimum(1.0, c / 1e-2) / exact.max()
-        reached = max(reached, float(apart.max()) if np.all(np.isfinite(apart)) else math.inf)
-    known = finer.error_estimate <= SHARE * rtol or math.isinf(reached)
-    return _outcome(found, reached if known else math.nan, rtol, invariants=of_density(found))
-
-
-def _late(law: Law, start: str) -> Outcome:
-    """f(v) at t = 0 is the start, at t = 1e300 the scaling state, without overflow anywhere."""
-    from kinetics import ScalingSolution
-
-    law, rtol = as_law(law), 1e-4
-    d, gaussian = law.dimension, start == "gaussian"
-    found = solved(law, start, [0.0, 1e-300, 1e150, 1e300], ("speed_density", "thermal_speed"), rtol)
-    c, unit = np.geomspace(1e-3, 20.0, 300), law.unit_surface * np.geomspace(1e-3, 20.0, 300) ** (d - 1)
-    first = unit * (0.5 * d / math.pi) ** (0.5 * d) * np.exp(-0.5 * d * c * c) * gaussian
-    expected = [first, first]
-    if law.is_elastic or forgets(law):
-        expected += [first if law.is_elastic else unit * ScalingSolution(**law.arguments).vdf(c)] * 2
-    reached = 0.0
-    for i, exact in enumerate(expected):
-        v0 = math.sqrt(d) if gaussian else 1.0
-        if i > 1 and not law.is_elastic:
-            v0 = 2.0 * found.scene.mean_free_path / float(found.times[i]) / scaling(law)[0]
-        apart = np.abs(v0 * found.speed_density(v0 * c)[i] - exact) / max(1.0, exact.max())
-        reached = max(reached, float(apart.max()) if np.all(np.isfinite(apart)) else math.inf)
-    everywhere = found.speed_density(np.array([0.0, 1e-300, 1.0, 1e300]))
-    marginal = found.velocity_component_density(np.array([-1e300, 0.0, 1e300]))
-    finite = np.all(np.isfinite(everywhere)) and np.all(np.isfinite(marginal))
-    peak = np.array([float(not gaussian)] * 2 + [float(not gaussian and law.is_elastic)] * 2)
-    kept = {
-        "density not negative": (below(everywhere), rtol),
-        "uncollided": (float(np.max(np.abs(found.uncollided - peak))), 1e-12),
-    }
-    return _outcome(found, reached if finite else math.inf, rtol, invariants=kept,
-                    in_part=len(expected) < 4)  # fmt: skip
 
 
 def _conservative(law: Law, start: str, nodes: int) -> Outcome:
@@ -579,61 +566,25 @@ def _conservative(law: Law, start: str, nodes: int) -> Outcome:
                    note=f"estimate {estimate:.0e}")  # fmt: skip
 
 
-def _moments(law: Law, start: str, rtol: float) -> Outcome:
-    """Moments of the displacement: the late slope, and bounds that any motion keeps."""
-    outputs = ["msd", "velocity_autocorrelation", "diffusion_coefficient", "thermal_speed", "a2"]
-    if start != "tail v^-6":  # it has no fourth moment
-        outputs += ["kurtosis", "mean_displacement", "mean_velocity", "velocity_tensor"]
-    law = as_law(law)
-    times = TIMES[TIMES < 1e200] if law.is_elastic else TIMES
-    found = solved(law, start, times, outputs, rtol)
-    late = found.msd_slope[-1] / found.scene.mean_free_path**2
-    known = not law.is_elastic and forgets(law)
-    return _outcome(found, abs(late / scaling(law)[3] - 1.0) if known else math.nan)
-
-
-def _position(law: Law, t: float) -> Outcome:
-    """G(R) of a Gaussian start against a tighter one."""
-    rtol, outputs = 1e-3, ("msd", "position_density")
-    found, finer = (solved(law, "gaussian", [t], outputs, r) for r in (rtol, 0.01 * rtol))
-    R = np.linspace(0.0, 8.0, 400)
-    unit = math.sqrt(found.msd[0] / finer.msd[0]) if found.msd[0] > 1e-290 else 1.0
-    g, tight = found.scaled_position_density(R)[0], finer.scaled_position_density(unit * R)[0]
-    reached = float(np.max(np.abs(g - unit * tight)))
-    known = finer.error_estimate <= SHARE * rtol or not math.isfinite(reached)
-    return _outcome(found, (reached if math.isfinite(reached) else math.inf) if known else math.nan,
-                    rtol, in_part=not known, invariants=of_position(found))  # fmt: skip
-
-
 def _scattering(law: Law, start: str, t: float) -> Outcome:
-    """F at k = 0, for small k and in free flight, and that it is no larger than 1."""
+    """F(k, t) for small k, F = 1 - k^2 <r^2>/(2 d), and in free flight."""
     from scipy.special import j0
 
-    from kinetics import ToleranceWarning
-
-    law, rtol = as_law(law), 1e-9
-    msd = ("msd",) if not law.is_elastic or t < 1e200 else ()
-    found = solved(law, start, [t], ("intermediate_scattering", *msd), rtol)
-    width = math.sqrt(found.msd[0]) if msd else math.inf
-    # F = 1 - k^2 <r^2>/(2 d) + ..., whose next term is of order (k^2 <r^2>)^2
-    small = 1e-4 / max(1.0, width)
-    k = np.array([0.0, 1e-300, 1e-150 if width < 1e100 else 0.0, small, 1e-3, 0.1, 2.0])
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("error")
-        warnings.simplefilter("always", ToleranceWarning)
-        F = found.intermediate_scattering(k)[0]
-        along = found.intermediate_scattering(k, direction=0.3)[0]
-    errors = np.abs(F[:3] - 1.0).tolist()
-    if math.isfinite(width):
-        errors.append(abs(F[3] - 1.0 + (small * width) ** 2 / (2.0 * law.dimension)))
+    law = as_law(law)
+    found = solved(law, start, [t], ("intermediate_scattering", "msd"), 1e-9)
+    width = math.sqrt(found.msd[0])
+    small = 1e-4 / max(1.0, width)  # the next term is of order (k^2 <r^2>)^2
+    k = np.array([small, 1e-3, 0.1, 2.0])
+    F, along = (found.intermediate_scattering(k, direction=at)[0] for at in (None, 0.3))
+    reached = abs(F[0] - 1.0 + (small * width) ** 2 / (2.0 * law.dimension))
     if t <= 1e-12 / found.scene.mean_free_path:
         wave = j0(k * t) if law.dimension == 2 else np.sinc(k * t / math.pi)
-        errors += np.abs(F - (np.exp(-0.5 * (k * t) ** 2) if start == "gaussian" else wave)).tolist()
-    reached = float(max(errors)) if np.all(np.isfinite([F, along])) else math.inf
-    kept = {"|F| <= 1": (above(np.abs([F, along])), 10.0 * rtol)}
+        free = np.exp(-0.5 * (k * t) ** 2) if start == "gaussian" else wave
+        reached = max(reached, float(np.max(np.abs(F - free))))
     # nothing is known of k l of order 1
-    done = found.status.name == "CONVERGED" and not said
-    return Outcome(10.0 * rtol, reached, done, in_part=True, invariants=kept)
+    return Outcome(1e-8, float(reached) if np.all(np.isfinite([F, along])) else math.inf,
+                   found.status.name == "CONVERGED", in_part=True,
+                   invariants=invariants(found))  # fmt: skip
 
 
 def _steady(law: Law, rtol: float) -> Outcome:
@@ -652,30 +603,6 @@ def steady_errors(found: Any) -> tuple[float, float]:
     energy = float(found.law.decay_rate(2.0)) * found.moment(3.0) / (2.0 * found.drift) - 1.0
     finite = math.isfinite(fixed + energy + found.mean_square_speed + found.mean_speed)
     return (abs(fixed), abs(energy)) if finite else (math.inf, math.inf)
-
-
-def _in_field(e: float, start: str, field: float) -> Outcome:
-    """Averages over time, up to 10 sqrt(l/g), against a tighter solution.
-
-    Elastic tracers keep <v^2> - 2 g <x>; the others lose some of it.
-    """
-    from kinetics import Beam
-
-    initial: Any = Beam(2.0, "monoenergetic") if start == "beam" else start
-    outputs, rtol = ("mean_velocity", "thermal_speed", "mean_displacement", "collisions"), 1e-3
-    times = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(references.MEAN_FREE_PATH / field)
-    try:
-        found, finer = (solved(e, initial, times, outputs, r, field=field) for r in (rtol, 0.1 * rtol))
-    except InputError as refused:  # fast starts of which next to nothing is left
-        return Outcome(rtol, converged=False, note=str(refused))
-    first = {"rest": 0.0, "gaussian": 2.0, "beam": 1.0}[start]
-    given, square = 2.0 * field * found.mean_displacement[:, 0], found.thermal_speed**2
-    gained = (square - first - given) / (np.maximum(square, first) + np.abs(given))
-    apart = np.linalg.norm(found.mean_velocity - finer.mean_velocity, axis=1) / finer.thermal_speed
-    changes = apart, np.abs(found.thermal_speed / finer.thermal_speed - 1.0)
-    reached = float(np.max(np.abs(gained)) if e == 1.0 else np.max(changes))
-    kept = {"no more energy than the field gives": (above(gained, 0.0), 3.0 * rtol)}
-    return _outcome(found, reached if math.isfinite(reached) else math.inf, rtol, invariants=kept)
 
 
 # -- work of the cases: particles -----------------------------------------------------------------
@@ -793,18 +720,19 @@ def _corner(e: float, gap: float) -> Outcome:
 
 def all_cases(quick: bool) -> list[Case]:
     """Every case of a sweep, not run."""
-    rows = [*_of_solvers(quick), *_of_particles(quick)]
-    return [Case(group, name, partial(work, *arguments)) for group, name, work, *arguments in rows]
+    cases = []
+    for group, name, work, *arguments in (*_of_solvers(quick), *_of_particles(quick)):
+        more = arguments.pop() if isinstance(arguments[-1], dict) else {}
+        cases.append(Case(group, name, partial(work, *arguments, **more)))
+    return cases
 
 
 def _of_solvers(quick: bool) -> Iterator[Any]:
-    laws: list[Law] = [*(FEWER if quick else RESTITUTIONS), *other_laws(quick)]
-    cooling: list[Law] = [law for law in laws if not as_law(law).is_elastic]
-    plain = [e for e in laws if isinstance(e, float)]
-    some = (0.0, 0.7, 0.99) if quick else (0.0, 1e-10, 1e-4, 0.2, 0.5, 0.7, 0.9, 0.99, 0.999)
-    others = [law for law in other_laws(quick) if law.mean_log_loss > 1e-4]
-    dense = [*((law, 1.0 - 1e-10) for law in ()), *some, *others]
-    both = references.STARTS
+    others = other_laws(quick)
+    plain: list[Law] = list(FEWER if quick else RESTITUTIONS)
+    laws: list[Law] = [*plain, *others]
+    cooling = [law for law in laws if not as_law(law).is_elastic]
+    v, both = ("thermal_speed", "a2"), references.STARTS
     for law in cooling:
         for rtol in (1e-4, 1e-12) if quick else (1e-1, 1e-3, 1e-6, 1e-9, 1e-12):
             yield "scaled equation", f"{label_of(law)}, rtol {rtol:.0e}", _scaled, law, rtol
@@ -815,55 +743,68 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
         for start, horizon in ((s, h) for s in both for h in references.HORIZONS):
             for rtol in (1e-3, 1e-6, 1e-12):
                 name = f"{label_of(e)}, {start}, kept references, {horizon}, rtol {rtol:.0e}"
-                yield "cooling", name, _kept, e, start, horizon, rtol
+                yield "cooling", name, _scene, kept, e, start, references.times(horizon), v, rtol
     for law in laws:
         for start in both:
             for what, x in (("scale", 1e-150), ("scale", 1.0), ("scale", 1e150),
                             ("number_density", 1e150), ("diameter", 1e-150)):  # fmt: skip
                 # refused: elastic tracers do not slow down, v t/l overflows
                 if x == 1.0 or (law in plain and law != 1.0):
+                    # else, and if elastic, <r^2> leaves the doubles
+                    more = ("msd",) if x == 1.0 and law in cooling else ()
+                    outputs = (*v, "temperature", "collisions", *more)
                     name = f"{label_of(law)}, {start}, {what} {x:g}, t to 1e300"
-                    yield "cooling", name, _cooling, law, start, {what: x}
-    for law in (0.0, 0.2, 1.0 - 1e-6, *other_laws(quick)) if quick else laws:
+                    yield "cooling", name, _scene, limits, law, start, TIMES, outputs, 1e-9, {what: x}
+    for law in (0.0, 0.2, 1.0 - 1e-6, *others) if quick else laws:
         for start in starts() if law in plain else ("two delta peaks",):
-            yield "starts", f"{label_of(law)}, {start}", _rough, law, start
-    for law in dense:
+            yield "starts", f"{label_of(law)}, {start}", _scene, mixture, law, start, TIMES, v, 1e-8
+    few = (0.0, 0.7, 0.99) if quick else (0.0, 1e-10, 1e-4, 0.2, 0.5, 0.7, 0.9, 0.99, 0.999)
+    f = ("thermal_speed", "speed_density")
+    for law in (*few, 1.0, *(law for law in others if law.mean_log_loss > 1e-4)):
         # where bounces multiply the speed by single values, a sharp start is refused
         single = as_law(law).least_loss == as_law(law).largest_loss > 0.0
         sharp = as_law(law).restitution is not None and not single
-        for n in (8, 64, 512, None) if law in some else (None,):
-            name = f"{label_of(law)}, gaussian, {n or 'its own'} nodes"
-            yield "spectral density", name, _spectral, law, "gaussian", n
+        for n in (8, 64, 512, None) if law in few else (None,) if law in others else ():
+            name, more = f"{label_of(law)}, gaussian, {n or 'its own'} nodes", {"nodes": n}
+            times = [0.5, 30.0, 1e3]
+            yield "spectral density", name, _scene, tighter, law, "gaussian", times, f, 1e-6, more
         for start in both if sharp else ("gaussian",):
-            yield "late density", f"{label_of(law)}, {start}, t to 1e300", _late, law, start
-        for n in (8, 64, 512) if law in some else (512,):
+            name, times = f"{label_of(law)}, {start}, t to 1e300", [0.0, 1e-300, 1e150, 1e300]
+            yield "late density", name, _scene, limits, law, start, times, f, 1e-4
+        for n in (8, 64, 512) if law in few else (512,) if law in others else ():
             for start in ("gaussian", "monoenergetic", "step", "two delta peaks", "tail v^-6"):
                 if sharp or start in ("gaussian", "step"):
                     name = f"{label_of(law)}, {start}, {n} nodes"
                     yield "conservative density", name, _conservative, law, start, n
-    yield "late density", "e = 1, monoenergetic, t to 1e300", _late, 1.0, "monoenergetic"
+    r = ("msd", "velocity_autocorrelation", "diffusion_coefficient")
+    fourth = ("kurtosis", "mean_displacement", "mean_velocity", "velocity_tensor")
     for law in laws:
-        for start in ("gaussian", "beam") if quick or law not in plain else starts():
-            for rtol in (1e-9,) if quick else (1e-3, 1e-9, 1e-12):
+        times = TIMES if law in cooling else TIMES[:-1]
+        for start in both if quick or law not in plain else starts():
+            for rtol in (1e-9,) if quick else (1e-3, 1e-9):
+                outputs = (*v, *r) if start == "tail v^-6" else (*v, *r, *fourth)
                 name = f"{label_of(law)}, {start}, t to 1e300, rtol {rtol:.0e}"
-                yield "moments of position", name, _moments, law, start, rtol
-    few: list[Law] = [0.2, 0.7, 1.0 - 1e-10, 1.0, *other_laws(quick)]
-    for law in few:
-        own = law in plain
-        for t in (1e-300, 1e3, 1e300) if own else (1e3,) if quick else (1e-300, 1e3, 1e8):
-            yield "position density", f"{label_of(law)}, gaussian, t = {t:g}", _position, law, t
+                yield "moments of position", name, _scene, tighter, law, start, times, outputs, rtol
+    for law in (0.2, 0.7, 1.0 - 1e-10, 1.0, *others):
+        own, g = law in plain, ("msd", "position_density")
+        for t in (1e-300, 1e3, 1e150) if own else (1e3,) if quick else (1e-300, 1e3, 1e8):
+            name = f"{label_of(law)}, gaussian, t = {t:g}"
+            yield "position density", name, _scene, tighter, law, "gaussian", [t], g, 1e-3
         for start in ("gaussian", "beam"):
-            for t in (0.0, 1e-300, 1.0, 1e3, 1e300) if own else (1.0,) if quick else (1.0, 1e3):
+            for t in (0.0, 1e-300, 1.0, 1e3, 1e150) if own else (1.0,) if quick else (1.0, 1e3):
                 name = f"{label_of(law)}, {start}, t = {t:g}"
                 yield "scattering function", name, _scattering, law, start, t
     for law in (0.0, 1.0 - 1e-10) if quick else cooling:
         for rtol in (1e-6,) if quick else (1e-3, 1e-6, 1e-10):
             yield "steady state", f"{label_of(law)}, rtol {rtol:.0e}", _steady, law, rtol
+    outputs = ("mean_velocity", "thermal_speed", "mean_displacement", "collisions")
     for e in (0.7,) if quick else (0.0, 1e-10, 0.7, 1.0 - 1e-10, 1.0):
         for start in ("rest",) if quick else ("rest", "gaussian", "beam"):
-            for g in (1e12,) if quick else (1e-12, 1.0, 1e12):
-                name = f"{label_of(e)}, {start}, field {g:g}"
-                yield "over time in a field", name, _in_field, e, start, g
+            for field in (1e12,) if quick else (1e-12, 1.0, 1e12):
+                times = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(references.MEAN_FREE_PATH / field)
+                name, more = f"{label_of(e)}, {start}, field {field:g}", {"field": field}
+                yield ("over time in a field", name, _scene, tighter, e, start, times, outputs, 1e-3,
+                       more)  # fmt: skip
 
 
 def _of_particles(quick: bool) -> Iterator[Any]:
