@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -190,18 +190,14 @@ def write_picture(run: Any, path: Path) -> None:
 @contextmanager
 def _saying_how_to_go_on(output: Path | None, media: int) -> Iterator[None]:
     """After Ctrl-C or SIGTERM, say on standard error what is saved and how the run goes on."""
-    import h5py
-
     try:
         yield
     except (KeyboardInterrupt, SystemExit):
-        try:
-            with h5py.File(output or "", "r") as file:
-                done = int(file.attrs["done"])
-        except (OSError, KeyError, ValueError):
-            raise  # the signal's: there is no such file
-        how = "the same command with --resume goes on"
-        click.echo(f"lorentz: {done} of {media} configurations are saved in {output}; {how}", err=True)
+        import h5py
+
+        with suppress(OSError, KeyError), h5py.File(output or "no file", "r") as file:
+            done = f"{file.attrs['done']} of {media} configurations are saved in {output}"
+            click.echo(f"lorentz: {done}; the same command with --resume goes on", err=True)
         raise
 
 
