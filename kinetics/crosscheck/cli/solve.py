@@ -309,43 +309,27 @@ def write_result(result: Any, path: Path, points: dict[str, Any]) -> None:
     ending = path.suffix.lower()
     if ending == ".h5":
         result.save(path)
-        return
-    dataset = result.to_xarray(**points)
-    if ending == ".nc":
-        contents: Any = bytes(dataset.to_netcdf(engine="scipy"))
+    elif ending == ".nc":
+        contents = bytes(result.to_xarray(**points).to_netcdf(engine="scipy"))
+        write_together(path.parent, {path.name: contents})
     else:
-        frame = rows_of(dataset, tuple(DENSITIES[name][0] for name in points))
+        frame = rows_of(result, points)
         write = frame.to_csv if ending == ".csv" else frame.to_parquet
-        contents = write(index=False)
-    write_together(path.parent, {path.name: contents})
+        write_together(path.parent, {path.name: write(index=False)})
 
 
-def rows_of(dataset: Any, wide: tuple[str, ...]) -> Any:
-    """A DataFrame with a row for each value of the first coordinate; its heads have the units.
-
-    Vectors have a column for each component, the densities in ``wide`` one for each of their
-    points. Where nothing depends on the coordinate, it is one row of the single numbers.
-    """
-    import numpy as np
-    from pandas import DataFrame
-
-    first = next(iter(dataset.coords), None)
-    found: dict[str, Any] = {}
-    for name, array in dataset.data_vars.items():
-        unit = array.attrs.get("units", "1")
-        unit = "" if unit == "1" else f" [{unit}]"
-        inner = [d for d in array.dims if d != first]
-        vector = all(d.startswith("component") for d in inner)
-        if first not in array.dims or not (vector or name.startswith(wide)):
-            continue
-        for place in np.ndindex(*(array.sizes[d] for d in inner)):
-            at = [dataset[d].values[i] for d, i in zip(inner, place, strict=True)]
-            label = f"_{''.join(at)}" if vector and at else f"({inner[0]}={at[0]:g})" if at else ""
-            part = array.isel(dict(zip(inner, place, strict=True)))
-            found[f"{name}{label}{unit}"] = part.values
-    if not found:
-        single = {name: one for name, one in dataset.data_vars.items() if not one.dims}
-        heads = ((name, one.attrs.get("units", "1"), one) for name, one in single.items())
-        return DataFrame({n if u == "1" else f"{n} [{u}]": [x.item()] for n, u, x in heads})
-    unit = dataset[first].attrs.get("units", "1")
-    return DataFrame({first if unit == "1" else f"{first} [{unit}]": dataset[first].values, **found})
+def rows_of(result: Any, points: dict[str, Any]) -> Any:
+    """The data frame of a result, its heads with units, a column for each point of a density."""
+    frame = result.to_dataframe()
+    units = dict(frame.attrs["units"])
+    for name, one in (result.to_xarray(**points) if points else {}).items():
+        unit = one.attrs["units"]
+        if one.dims == ("time",) and name not in frame:  # it comes with a density
+            frame[name], units[name] = one.values, unit
+        elif name.startswith(tuple(DENSITIES[at][0] for at in points)) and len(one.dims) == 2:
+            for x, column in zip(one[one.dims[1]].values, one.values.T, strict=True):
+                head = f"{name}({one.dims[1]}={x:g})"
+                frame[head], units[head] = column, unit
+    heads = {n: n if units.get(n, "1") == "1" else f"{n} [{units[n]}]" for n in frame}
+    frame.attrs = {}  # which a Parquet file cannot hold
+    return frame.rename(columns=heads)
