@@ -79,9 +79,9 @@ _ENDS = [0.0, 1.0, 5e-324, 1e-250, 1e-20, 1e-8, 1 - 2.0**-53, 1 - 1e-10, 0.999, 
 
 
 def mostly(usual: Any, rare: st.SearchStrategy[Any] = broken) -> st.SearchStrategy[Any]:
-    """The usual values (a strategy, or some to choose from), and once in twenty times a rare one."""
+    """The usual values (a strategy, or some to choose from), and once in forty times a rare one."""
     chosen = usual if isinstance(usual, st.SearchStrategy) else st.sampled_from(usual)
-    return st.integers(0, 19).flatmap(lambda k: rare if k == 7 else chosen)
+    return st.integers(0, 39).flatmap(lambda k: rare if k == 17 else chosen)
 
 
 def geometric(low: float, high: float) -> st.SearchStrategy[float]:

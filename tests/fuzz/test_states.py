@@ -31,7 +31,7 @@ def test_the_averages_of_a_collision(law: Any, p: Any, m: Any) -> None:
 @fuzz(
     30, e=mostly(st.integers(5, 95).map(lambda k: k / 100), restitutions),
     rtol=mostly([1e-12, 1e-10, 1e-6, 1e-3, 0.1]), nodes=mostly(st.none() | st.integers(8, 200)),
-    p=powers, c=mostly(st.lists(st.floats(0.0, 8.0), min_size=1, max_size=3)),
+    p=powers, c=mostly(st.lists(st.floats(0.001, 8.0), min_size=1, max_size=3)),
 )  # fmt: skip
 def test_the_scaled_distribution(e: Any, rtol: Any, nodes: Any, p: Any, c: Any) -> None:
     exact = tried(ScalingSolution, e)
