@@ -1,9 +1,9 @@
-r"""The benchmark: run time against error, on the same problems for every method.
+"""The benchmark: run time against error, on the same problems for every method.
 
 A piece of `Work` is one method on one problem at one setting; `measure` makes a row of each, a
 dictionary; `CASES` are the functions that make the works of a part of the benchmark; `run_bench`
 runs each case in a process of its own, whose linear algebra has one thread; `BenchReport` makes
-tables and the figure of the rows. Speed from version to version is measured by ``tests/benchmarks``.
+tables and the figure of the rows. Speed from version to version: see ``tests/benchmarks``.
 
 Errors are relative to references of 1e-13 or better: of F(c) and G(R) the largest difference over
 the largest value; of h and a2, v0(t) and a2(t), <r^2>(t), kurtosis(t) and averages in a field the
@@ -55,7 +55,12 @@ OTHER_LAWS: dict[str, dict[str, Any]] = {
     "et = 0.8": {"tangential_restitution": 0.8},
     "spheres, et = 0.8": {"tangential_restitution": 0.8, "dimension": 3},
 }
-QUANTITIES = {"msd": "<r^2>(t)", "kurtosis": "kurtosis(t)", "thermal_speed": "v0(t)", "a2": "1 + a2(t)"}
+QUANTITIES = {
+    "msd": "<r^2>(t)",
+    "kurtosis": "kurtosis(t)",
+    "thermal_speed": "v0(t)",
+    "a2": "1 + a2(t)",
+}
 
 # -- measuring ------------------------------------------------------------------------------------
 
@@ -63,13 +68,17 @@ LONG, TOO_LONG = 1.0, 60.0  # s; longer work is timed once, or not repeated at a
 
 
 class Effort(NamedTuple):
-    """How often work is repeated: until it has had so many seconds, between two numbers."""
+    """How often work is repeated, and what is measured, of a quick and of a full benchmark."""
 
     quick: bool
     least: int
     most: int
-    seconds: float
+    seconds: float  # that work is repeated for, between the least and the most
     seeded: int  # the least of random work, whose error is a root mean square over seeds
+    restitutions: tuple[float, ...] = (E,)
+    samples: tuple[int, ...] = (1000, 5000, 25_000)
+    orders: tuple[int, ...] = (1, 2, 3, 5, 10, 20)
+    nodes: int = 1025  # the most of a grid
 
     def repeats(self, seconds: float, seeded: bool) -> int:
         """How many repeats a piece of work gets that takes so many s."""
@@ -78,8 +87,24 @@ class Effort(NamedTuple):
             return max(1, least // 5)
         return max(least, min(self.most, math.ceil(self.seconds / max(seconds, 1e-6))))
 
+    def grids(self, largest: int) -> list[int]:
+        """Numbers of nodes, doubling from 65 to the largest that a method is tried with."""
+        most = min(self.nodes, largest // 4 if self.quick else largest)
+        return [n for n in (64 * 2**k + 1 for k in range(7)) if n <= most]
 
-QUICK, FULL = Effort(True, 3, 11, 0.04, 5), Effort(False, 5, 25, 0.12, 10)
+
+QUICK = Effort(True, 3, 11, 0.04, 5)
+FULL = Effort(
+    False,
+    5,
+    25,
+    0.12,
+    10,
+    (E, 0.95, 0.2),
+    (1000, 10_000, 100_000, 400_000),
+    tuple(range(1, 21)),
+    4097,
+)
 
 
 @dataclass
@@ -132,7 +157,7 @@ class Work:
     def row(self) -> Row:
         """The row: median and quartiles of the repeats; the first call is not among them."""
         asked = self.value if self.setting == "rtol" else None
-        row = {
+        row: Row = {
             "section": self.section, "problem": self.problem, "method": self.method,
             "setting": self.setting, "value": self.value, "seconds": None, "low": None,
             "high": None, "wall": None, "warm_up": None, "repeats": 0, "error": None,
@@ -164,9 +189,7 @@ def sweep(
     solve: Callable[..., Any], **others: Any,
 ) -> list[Work]:  # fmt: skip
     """One method on one problem for many values of a setting, which `solve` takes; see `Work`."""
-    return [
-        Work(section, problem, method, partial(solve, v), setting, v, **others) for v in values
-    ]
+    return [Work(section, problem, method, partial(solve, v), setting, v, **others) for v in values]
 
 
 def measure(
@@ -213,29 +236,26 @@ FASTEST = {"gaussian": 8.0, "monoenergetic": 1.0}
 """Largest speed of a grid in U: e^-32 of the Gaussian lies above it, and speeds never grow."""
 
 
-def conservative(e: float, start: str, times: FloatArray, nodes: int) -> Any:
-    """The conservative scheme; at 1e-13 it serves every time itself, none is left to another."""
+def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) -> Any:
+    """v0 (U) and a2, (n_times,) each, of the conservative scheme, and its Solution.
+
+    At 1e-13 the scheme serves every time itself. By the trapezoid rule in ln v.
+    """
     from kinetics import Scene, solve
 
-    scene = Scene(e, DENSITY, initial=start, times=times, outputs="speed_density")
-    return solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)
-
-
-def conservative_cooling(e: float, start: str, times: FloatArray, nodes: int) -> Any:
-    """v0 (U) and a2, (n_times,) each: the trapezoid rule in ln v, four points for each node."""
-    found = conservative(e, start, times, nodes)
+    scene = Scene(e, DENSITY, initial=start, times=times, outputs=("speed_density",))
+    found = solve(scene, 1e-13, method=CONSERVATIVE, nodes=nodes)
     slowest = 1e-5 * min(1.0, MEAN_FREE_PATH / times[-1])  # far below the last thermal speed
     v = np.geomspace(slowest, 2.0 * FASTEST[start], 4 * nodes)
     weight = found.speed_density(v) * v * math.log(v[1] / v[0])
     second, fourth = (weight @ v**p + found.uncollided for p in (2, 4))
-    return np.sqrt(second), 0.5 * fourth / second**2 - 1.0
+    return np.sqrt(second), 0.5 * fourth / second**2 - 1.0, found
 
 
 def conservative_state(e: float, nodes: int) -> State:
     """Late, from a Gaussian start."""
     late = np.array([LATE[CONSERVATIVE]])
-    (v0,), (a2,) = conservative_cooling(e, "gaussian", late, nodes)
-    found = conservative(e, "gaussian", late, nodes)
+    (v0,), (a2,), found = conservative_cooling(e, "gaussian", late, nodes)
     rate = 2.0 * MEAN_FREE_PATH / (v0 * late[0])
     return State(rate, a2, lambda c: found.speed_density(c * v0)[0] * v0 / (2.0 * math.pi * c))
 
@@ -335,18 +355,18 @@ def sonine_cooling(e: float, start: str, times: FloatArray, order: int) -> Any:
 
 
 def monte_carlo(
-    e: float, start: Any, times: Any, samples: float, seed: int, *observables: str, **law: Any
-) -> Any:
+    e: float, start: str, times: Any, observable: str, samples: float, seed: int,
+    dimension: int = 2, **law: Any,
+) -> Any:  # fmt: skip
     """A Boltzmann-Grad run in 50 blocks, of one thread, with the free path MEAN_FREE_PATH."""
     from particles import BoltzmannGrad, simulate
 
-    dimension = law.pop("dimension", 2)
     medium = BoltzmannGrad(DENSITY)
     if dimension == 3:
         medium = BoltzmannGrad(1.0 / (math.pi * MEAN_FREE_PATH), dimension=3)
     return simulate(
-        medium, e, initial=start, times=times, media=50, tracers=max(1, int(samples) // 50),
-        seed=seed, observables=observables or None, workers=1, **law,
+        medium, e, initial=start, times=times, media=50, tracers=max(1, int(samples) // 50),  # type: ignore[arg-type]
+        seed=seed, observables=[observable] if observable else None, workers=1, **law,
     )  # fmt: skip
 
 
@@ -369,165 +389,129 @@ def histogram_error(
 # -- problems: run time against error -------------------------------------------------------------
 
 
-def restitutions(effort: Effort) -> tuple[float, ...]:
-    """Those of the precision rows."""
-    return (E,) if effort.quick else (E, 0.95, 0.2)
-
-
-def samples(effort: Effort) -> tuple[int, ...]:
-    """Tracers of the Monte Carlo rows."""
-    return (1000, 5000, 25_000) if effort.quick else (1000, 10_000, 100_000, 400_000)
-
-
-def orders(effort: Effort) -> tuple[int, ...]:
-    """Of the Sonine rows."""
-    return (1, 2, 3, 5, 10, 20) if effort.quick else tuple(range(1, 21))
-
-
-def grids(effort: Effort, largest: int) -> list[int]:
-    """Numbers of nodes, doubling from 65."""
-    return [n for n in (64 * 2**k + 1 for k in range(7)) if n <= largest // (4 if effort.quick else 1)]
-
-
-def moments(state: Any) -> tuple[float, float]:
-    """What the errors of h and a2 are relative to."""
-    return state.cooling_rate, 1.0 + state.a2
-
-
 def scaled(effort: Effort) -> list[Row]:
     """F(c), and h and a2, of the scaling state against `ScalingSolution`; other laws at e = 0.7."""
-    from scipy.interpolate import CubicSpline
-
     from kinetics import ScalingSolution, solve_scaled
-    from kinetics.numerics.gauss import panels_between
 
     works: list[Work] = []
-    for e in restitutions(effort):
-        exact = ScalingSolution(e)
-        F = exact.vdf(SPEEDS)
-        c = np.linspace(SPEEDS[0], SPEEDS[-1], 391)
-        between = CubicSpline(c, exact.vdf(c))  # to 1e-8: the exact one takes longer than a run
-
-        def shares(edges: FloatArray, vdf: Any = between) -> Any:
-            c, weight = panels_between(edges, 6)
-            return (2.0 * math.pi * c * vdf(c) * weight).reshape(-1, 6).sum(axis=1)
-
-        def speed_error(run: Any, shares: Any = shares, largest: float = F.max()) -> float:
-            ends, unit = (SPEEDS[0], SPEEDS[-1]), run.thermal_speed.value[0]
-            areas = lambda c: math.pi * np.diff(c**2)  # noqa: E731
-            return histogram_error(run.speed_histogram, unit, ends, shares, areas) / largest
-
-        states: tuple[tuple[str, str, Sequence[Any], Any], ...] = (
+    for e in effort.restitutions:
+        states: list[Any] = [
             (SPECTRAL, "rtol", TOLERANCES, partial(solve_scaled, e)),
-            (SPECTRAL, "nodes", (16, 32, 64, 128, 256), partial(_by_nodes, e)),
-            (CONSERVATIVE, "nodes", grids(effort, 4097), partial(conservative_state, e)),
-            (STRAIGHTFORWARD, "nodes", grids(effort, 2049), partial(straightforward_state, e)),
-            (SONINE, "order", orders(effort), partial(sonine_state, e)),
-        )
-        vdf = partial(sweep, "precision", f"scaled F(c), e = {e:g}")
-        apart = lambda found, F=F: float(np.max(np.abs(found - F)) / F.max())  # noqa: E731
-        for method, setting, values, state in states:
-            works += vdf(method, setting, values, lambda x, s=state: s(x).vdf(SPEEDS), error=apart)
-        late = [LATE[MONTE_CARLO]]
-        works += vdf(MONTE_CARLO, "samples", samples(effort), error=speed_error, seeded=True,
-                     solve=lambda n, seed, e=e, late=late: monte_carlo(
-                         e, "gaussian", late, n, seed, "speed_histogram"))  # fmt: skip
-        works += _moments_of_the_state(f"scaled h and a2, e = {e:g}", e, {}, effort, states)
+            (SPECTRAL, "nodes", (16, 32, 64, 128, 256), partial(solve_scaled, e, 1e-13)),
+            (CONSERVATIVE, "nodes", effort.grids(4097), partial(conservative_state, e)),
+            (STRAIGHTFORWARD, "nodes", effort.grids(2049), partial(straightforward_state, e)),
+            (SONINE, "order", effort.orders, partial(sonine_state, e)),
+        ]
+        F, apart = ScalingSolution(e).vdf(SPEEDS), _speed_error(e)
+        of = partial(sweep, "precision", f"scaled F(c), e = {e:g}")
+        for *what, state in states:
+            error = lambda found, F=F: float(np.max(np.abs(found - F)) / F.max())  # noqa: E731
+            works += of(*what, lambda x, s=state: s(x).vdf(SPEEDS), error=error)
+        sampled = partial(monte_carlo, e, "gaussian", [LATE[MONTE_CARLO]], "speed_histogram")
+        works += of(MONTE_CARLO, "samples", effort.samples, sampled, error=apart, seeded=True)
+        works += _moments(f"scaled h and a2, e = {e:g}", e, {}, states, effort)
     for name, law in OTHER_LAWS.items():
-        states = ((SPECTRAL, "rtol", TOLERANCES, partial(solve_scaled, E, **law)),)
-        works += _moments_of_the_state(f"scaled h and a2, {name}, e = {E:g}", E, law, effort, states)
+        states = [(SPECTRAL, "rtol", TOLERANCES, partial(solve_scaled, E, **law))]
+        works += _moments(f"scaled h and a2, {name}, e = {E:g}", E, law, states, effort)
     return measure(works, effort)
 
 
-def _by_nodes(e: float, nodes: int) -> Any:
-    from kinetics import solve_scaled
+def _speed_error(e: float) -> Callable[[Any], float]:
+    """Error of F(c) from the speed histogram of a run."""
+    from scipy.interpolate import CubicSpline
 
-    return solve_scaled(e, 1e-13, nodes=nodes)
+    from kinetics import ScalingSolution
+    from kinetics.numerics.gauss import panels_between
+
+    c = np.linspace(SPEEDS[0], SPEEDS[-1], 391)
+    vdf = CubicSpline(c, ScalingSolution(e).vdf(c))  # to 1e-8: the exact one takes longer
+
+    def shares(edges: FloatArray) -> Any:
+        c, weight = panels_between(edges, 6)
+        return (2.0 * math.pi * c * vdf(c) * weight).reshape(-1, 6).sum(axis=1)
+
+    def error(run: Any) -> float:
+        unit, ends = run.thermal_speed.value[0], (SPEEDS[0], SPEEDS[-1])
+        areas = lambda c: math.pi * np.diff(c**2)  # noqa: E731
+        return histogram_error(run.speed_histogram, unit, ends, shares, areas) / vdf(c).max()
+
+    return error
 
 
-def _moments_of_the_state(
-    problem: str, e: float, law: Row, effort: Effort, states: Sequence[Any]
-) -> list[Work]:
+def _moments(problem: str, e: float, law: Row, states: list[Any], effort: Effort) -> list[Work]:
+    """h and 1 + a2 of a law, by several methods."""
     from kinetics import ScalingSolution
 
-    exact = np.array(moments(ScalingSolution(e, **law)))
-    late = LATE[MONTE_CARLO]
+    def both(state: Any) -> Any:
+        return np.array([state.cooling_rate, 1.0 + state.a2])
 
-    def sampled(n: float, seed: int) -> tuple[float, float]:
-        run = monte_carlo(e, "gaussian", [late], n, seed, **law)
+    def sampled(n: float, seed: int) -> Any:
+        late = LATE[MONTE_CARLO]
+        run = monte_carlo(e, "gaussian", [late], "", n, seed, **law)
         rate = 2.0 * MEAN_FREE_PATH / (float(run.thermal_speed.value[0]) * late)
-        return rate, 1.0 + float(run.a2.value[0])
+        return both(State(rate, float(run.a2.value[0]), np.asarray))
 
+    exact = both(ScalingSolution(e, **law))
     of = partial(sweep, "precision", problem, error=lambda found: relative(found, exact))
-    works = [
-        work
-        for method, setting, values, state in states
-        for work in of(method, setting, values, lambda x, s=state: moments(s(x)))
-    ]
-    return works + of(MONTE_CARLO, "samples", samples(effort), sampled, seeded=True)
+    works = of(MONTE_CARLO, "samples", effort.samples, sampled, seeded=True)
+    for *what, state in states:
+        works += of(*what, lambda x, s=state: both(s(x)))
+    return works
 
 
 def cooling(effort: Effort) -> list[Row]:
     """v0(t) and a2(t) from both starts of the paper, over a short and a long time."""
+    works = []
+    for e in effort.restitutions[:2]:
+        for start in references.STARTS:
+            for horizon in references.HORIZONS:
+                works += _cooling(e, start, horizon, effort)
+    return measure(works, effort)
+
+
+def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Work]:
     from kinetics import Scene, solve
 
-    works: list[Work] = []
-    for e, start, horizon in (
-        (e, start, horizon)
-        for e in restitutions(effort)[:2]
-        for start in references.STARTS
-        for horizon in references.HORIZONS
-    ):
-        times = references.times(horizon)
-        exact = [references.kept(name, e, start, horizon) for name in ("thermal_speed", "a2")]
-        scene = Scene(e, DENSITY, initial=start, times=times, outputs=("thermal_speed", "a2"))
+    times, names, short = references.times(horizon), ("thermal_speed", "a2"), horizon == "short"
+    v0, a2 = (references.kept(name, e, start, horizon) for name in names)
+    scene = Scene(e, DENSITY, initial=start, times=times, outputs=names)  # type: ignore[arg-type]
 
-        def error(found: Any, exact: Any = exact) -> float:
-            return max(relative(found[0], exact[0]), relative(1.0 + found[1], 1.0 + exact[1]))
+    def averages(found: Any, value: Any = np.asarray) -> Any:
+        return [value(getattr(found, name)) for name in names]
 
-        def spectral(rtol: float, scene: Any = scene) -> Any:
-            found = solve(scene, rtol)
-            return found.thermal_speed, found.a2
+    def error(found: Any) -> float:
+        return max(relative(found[0], v0), relative(1.0 + found[1], 1.0 + a2))
 
-        def sampled(n: float, seed: int, asked: Any = (e, start, times)) -> Any:
-            run = monte_carlo(*asked, n, seed)
-            return run.thermal_speed.value, run.a2.value
+    def sampled(n: float, seed: int) -> Any:
+        return averages(monte_carlo(e, start, times, "", n, seed), lambda x: x.value)
 
-        short, asked = horizon == "short", (e, start, times)
-        problem = f"v0(t), a2(t), {start}, t <= {times[-1]:.0e}, e = {e:g}"
-        of = partial(sweep, "precision", problem, error=error)
-        few = [n for n in samples(effort) if short or n < 400_000]
-        dense = grids(effort, 1025 if short else 513)
-        works += [
-            *of(SPECTRAL, "rtol", TOLERANCES, spectral),
-            *of(CONSERVATIVE, "nodes", grids(effort, 4097), partial(conservative_cooling, *asked)),
-            *of(STRAIGHTFORWARD, "nodes", dense, partial(straightforward_cooling, *asked)),
-            *of(SONINE, "order", orders(effort), partial(sonine_cooling, *asked)),
-            *of(MONTE_CARLO, "samples", few, sampled, seeded=True),
-        ]
-    return measure(works, effort)
+    def by(method: Any) -> Any:
+        return lambda setting: method(e, start, times, setting)[:2]
+
+    problem = f"v0(t), a2(t), {start}, t <= {times[-1]:.0e}, e = {e:g}"
+    of = partial(sweep, "precision", problem, error=error)
+    few = [n for n in effort.samples if short or n < 400_000]
+    dense = effort.grids(1025 if short else 513)
+    return [
+        *of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: averages(solve(scene, rtol))),
+        *of(CONSERVATIVE, "nodes", effort.grids(4097), by(conservative_cooling)),
+        *of(STRAIGHTFORWARD, "nodes", dense, by(straightforward_cooling)),
+        *of(SONINE, "order", effort.orders, by(sonine_cooling)),
+        *of(MONTE_CARLO, "samples", few, sampled, seeded=True),
+    ]
 
 
 def position(effort: Effort) -> list[Row]:
     """<r^2>(t) and kurtosis(t) of both starts, and G(R) at e = 0.6, t = 300, a pair of the paper."""
-    from kinetics import Scene, solve
-
-    works: list[Work] = []
-    times = references.times("short")
     starts = references.STARTS[: 1 if effort.quick else None]
-    asked = [("msd", e, start) for e in restitutions(effort) for start in references.STARTS]
-    for name, e, start in (*asked, *(("kurtosis", E, start) for start in starts)):
-        exact = references.kept(name, e, start, "short")
-        scene = Scene(e, DENSITY, initial=start, times=times, outputs=name)
-        problem = f"{QUANTITIES[name]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
-        of = partial(sweep, "precision", problem, error=lambda f, exact=exact: relative(f, exact))
-        works += of(SPECTRAL, "rtol", TOLERANCES,
-                    lambda rtol, scene=scene, name=name: getattr(solve(scene, rtol), name))  # fmt: skip
-        works += of(MONTE_CARLO, "samples", samples(effort), seeded=True,
-                    solve=lambda n, seed, name=name, e=e, start=start: getattr(
-                        monte_carlo(e, start, times, n, seed), name).value)  # fmt: skip
-    problem = "G(R), gaussian, t = 300, e = 0.6"
-    reference, more = position_density(problem, effort)
+    works = [
+        w
+        for e in effort.restitutions
+        for s in references.STARTS
+        for w in _displacement("msd", e, s, effort)
+    ]
+    works += [w for start in starts for w in _displacement("kurtosis", E, start, effort)]
+    reference, more = position_density("G(R), gaussian, t = 300, e = 0.6", effort)
     rows = [reference, *measure([*works, *more], effort)]
     cannot = {
         CONSERVATIVE: "it makes densities of the speed alone",
@@ -539,6 +523,22 @@ def position(effort: Effort) -> list[Row]:
         for problem in dict.fromkeys(row["problem"] for row in rows)
         for method, why in cannot.items()
     ]
+
+
+def _displacement(name: str, e: float, start: str, effort: Effort) -> list[Work]:
+    from kinetics import Scene, solve
+
+    times = references.times("short")
+    exact = references.kept(name, e, start, "short")
+    scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))  # type: ignore[arg-type]
+    problem = f"{QUANTITIES[name]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
+    of = partial(sweep, "precision", problem, error=lambda found: relative(found, exact))
+
+    def sampled(n: float, seed: int) -> Any:
+        return getattr(monte_carlo(e, start, times, "", n, seed), name).value
+
+    works = of(SPECTRAL, "rtol", TOLERANCES, lambda rtol: getattr(solve(scene, rtol), name))
+    return works + of(MONTE_CARLO, "samples", effort.samples, sampled, seeded=True)
 
 
 def position_density(problem: str, effort: Effort) -> tuple[Row, list[Work]]:
@@ -572,13 +572,12 @@ def position_density(problem: str, effort: Effort) -> tuple[Row, list[Work]]:
 
     of = partial(sweep, "precision", problem,
                  error=lambda found: float(np.max(np.abs(found - exact)) / exact.max()))  # fmt: skip
-    tolerances = (1e-2, 1e-4, 1e-5) if effort.quick else tuple(10.0**-k for k in range(2, 8))
+    tolerances = (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6]
     works = of(SPECTRAL, "rtol", tolerances,
                lambda rtol: at(rtol, "position_density").scaled_position_density(RADII)[0])  # fmt: skip
-    many = (*samples(effort), *(() if effort.quick else (4_000_000,)))
-    works += of(MONTE_CARLO, "samples", many, error=of_histogram, seeded=True,
-                solve=lambda n, seed: monte_carlo(
-                    0.6, "gaussian", [300.0], n, seed, "displacement_histogram"))  # fmt: skip
+    many = (*effort.samples, *(() if effort.quick else (4_000_000,)))
+    sampled = partial(monte_carlo, 0.6, "gaussian", [300.0], "displacement_histogram")
+    works += of(MONTE_CARLO, "samples", many, sampled, error=of_histogram, seeded=True)
     for name, form in (
         ("eq. gdefi, eta = 1/2", sonine.position_integral),
         ("eq. peakg, eta = 0.75", sonine.position_peak),
@@ -603,7 +602,7 @@ def in_field(effort: Effort) -> list[Row]:
         return tuple(getattr(found, name) for name in figures)
 
     works: list[Work] = []
-    for e in restitutions(effort):
+    for e in effort.restitutions:
         exact = np.array(steady.get(e) or state(e, 1e-12))
         works += sweep("precision", f"field, steady state, e = {e:g}", SPECTRAL, "rtol",
                        TOLERANCES[:9], partial(state, e),
@@ -638,10 +637,10 @@ def accuracy(effort: Effort) -> list[Row]:
     """A row per problem and rtol, over every kept reference and closed form; note: the verdict."""
     problems: dict[str, Callable[[float], tuple[Any, float]]] = {}
     for e in (0.0, E, 0.99) if effort.quick else references.RESTITUTIONS:
-        problems |= _scaled_problems(e) | _problems_in_time(e)
+        problems |= _states(e, f"e = {e:g}") | _in_time(e)
     for e in (0.0, E) if effort.quick else (0.0, 0.2, E, 0.95):
         for name, law in OTHER_LAWS.items():
-            problems |= _scaled_problems(e, f"{name}, ", **law) | _late_problem(e, name, **law)
+            problems |= _states(e, f"{name}, e = {e:g}", late=True, **law)
     rows = []
     for problem, run in problems.items():
         for rtol in (10.0**-k for k in range(3, 13)):
@@ -660,14 +659,18 @@ def accuracy(effort: Effort) -> list[Row]:
     return rows
 
 
-def _scaled_problems(e: float, name: str = "", **law: Any) -> dict[str, Any]:
-    from kinetics import ScalingSolution, solve_scaled
+def _states(e: float, which: str, late: bool = False, **law: Any) -> dict[str, Any]:
+    """The scaled equation, and a time so late that v0, a2 and the slope of <r^2> are limits."""
+    from kinetics import ScalingSolution, Scene, solve, solve_scaled
 
-    exact = ScalingSolution(e, **law)
-    F = exact.vdf(SPEEDS)
+    exact, last = ScalingSolution(e, **law), 1e30
+    F, powers = exact.vdf(SPEEDS), (-0.5, 1.0, 3.0, 4.0, 6.0, 8.0)
     there = F / F.max() > 1e-25  # where F is promised relative to itself
-    powers = (-0.5, 1.0, 3.0, 4.0, 6.0, 8.0)
     known = [exact.cooling_rate, *(exact.moment(p) for p in powers)]
+    outputs = ("thermal_speed", "a2", "diffusion_coefficient")
+    scene = Scene(e, times=[1.0, last], outputs=outputs, **law)
+    path = scene.mean_free_path
+    limits = 2.0 * path / (known[0] * last), 1.0 + exact.a2, exact.diffusion_slope * path**2
 
     def of_moments(rtol: float) -> tuple[Any, float]:
         state = solve_scaled(e, rtol, **law)
@@ -677,17 +680,24 @@ def _scaled_problems(e: float, name: str = "", **law: Any) -> dict[str, Any]:
         state = solve_scaled(e, rtol, **law)
         return state, relative(state.vdf(SPEEDS[there]), F[there])
 
-    which = f"{name}e = {e:g}"
-    return {f"scaled h and moments, {which}": of_moments, f"scaled F(c), {which}": of_density}
+    def of_limits(rtol: float) -> tuple[Any, float]:
+        found = solve(scene, rtol)
+        return found, relative(
+            [found.thermal_speed[1], 1.0 + found.a2[1], found.msd_slope[1]], limits
+        )
+
+    states = {f"scaled h and moments, {which}": of_moments, f"scaled F(c), {which}": of_density}
+    return states | ({f"late v0, a2 and slope of <r^2>, {which}": of_limits} if late else {})
 
 
-def _problems_in_time(e: float) -> dict[str, Any]:
+def _in_time(e: float) -> dict[str, Any]:
     """Averages at the kept times; the error of a2 is relative to 1 + a2."""
     from kinetics import Scene, solve
 
     def run(start: str, horizon: str, name: str, rtol: float) -> tuple[Any, float]:
         times, shift = references.times(horizon), 1.0 if name == "a2" else 0.0
-        found = solve(Scene(e, DENSITY, initial=start, times=times, outputs=name), rtol)
+        scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))  # type: ignore[arg-type]
+        found = solve(scene, rtol)
         exact = shift + references.kept(name, e, start, horizon)
         return found, relative(shift + np.asarray(getattr(found, name)), exact)
 
@@ -702,24 +712,7 @@ def _problems_in_time(e: float) -> dict[str, Any]:
     }
 
 
-def _late_problem(e: float, name: str, **law: Any) -> dict[str, Any]:
-    """v0, a2 and the slope of <r^2> so late that they are the limits of the closed forms."""
-    from kinetics import ScalingSolution, Scene, solve
-
-    exact, last = ScalingSolution(e, **law), 1e30
-    outputs = ("thermal_speed", "a2", "diffusion_coefficient")
-    scene = Scene(e, times=[1.0, last], outputs=outputs, **law)
-    path = scene.mean_free_path
-    known = [2.0 * path / (exact.cooling_rate * last), 1.0 + exact.a2, exact.diffusion_slope * path**2]
-
-    def run(rtol: float) -> tuple[Any, float]:
-        found = solve(scene, rtol)
-        return found, relative([found.thermal_speed[1], 1.0 + found.a2[1], found.msd_slope[1]], known)
-
-    return {f"late v0, a2 and slope of <r^2>, {name}, e = {e:g}": run}
-
-
-# -- what skipping saves, cost against work, particles --------------------------------------------
+# -- what skipping saves, particles --------------------------------------------
 
 
 def skipping(effort: Effort) -> list[Row]:
@@ -771,58 +764,6 @@ def skipping(effort: Effort) -> list[Row]:
     return rows
 
 
-def cost(effort: Effort) -> list[Row]:
-    """Run time against nodes, times, wave numbers, scatterers and tracers, at e = 0.7."""
-    from kinetics import Scene, solve, solve_scaled
-    from particles import HardDisks, simulate
-
-    def scene(*outputs: str, rtol: float, times: Any, **scene: Any) -> Any:
-        nodes = scene.pop("nodes", None)
-        return solve(Scene(E, times=times, outputs=outputs, **scene), rtol, nodes=nodes)
-
-    def run(scatterers: int, tracers: int, collisions: int) -> Any:
-        return simulate(HardDisks(DENSITY, count=scatterers), 0.9, max_collisions=collisions,
-                        media=1, tracers=tracers, workers=1)  # fmt: skip
-
-    def times(last: float, n: int) -> FloatArray:
-        return np.geomspace(1.0, last, n)
-
-    def waves(n: int) -> Any:  # lengths from a thousand mean free paths to half of one
-        found = scene("intermediate_scattering", rtol=1e-4, times=[300.0])
-        return found.intermediate_scattering(np.geomspace(5e-4, 1.0, n))
-
-    many = (10, 100, 1000, 10_000)
-    sizes = (1000, 10_000, 100_000, 1_000_000)
-    v = ("thermal_speed", "a2")
-    sweeps: tuple[tuple[str, str, str, Sequence[int], Callable[[int], Any]], ...] = (
-        ("scaled h, a2", SPECTRAL, "nodes", (64, 128, 256, 512, 1024),
-         lambda n: solve_scaled(E, 1e-12, nodes=n).a2),
-        ("speed density", SPECTRAL, "nodes", (128, 256, 512, 1024),
-         lambda n: scene("speed_density", rtol=1e-8, times=[10.0, 100.0], nodes=n)),
-        ("speed density", CONSERVATIVE, "nodes", (256, 512, 1024, 4096),
-         lambda n: conservative(E, "gaussian", np.array([100.0]), n)),
-        ("v0(t), a2(t)", STRAIGHTFORWARD, "nodes", (101, 201, 401, 801),
-         lambda n: straightforward_cooling(E, "gaussian", references.times("short"), n, 1e-4)),
-        ("v0(t), a2(t)", SPECTRAL, "times", many, lambda n: scene(*v, rtol=1e-10, times=times(1e6, n))),
-        ("<r^2>(t), kurtosis(t)", SPECTRAL, "times", many,
-         lambda n: scene("msd", "kurtosis", rtol=1e-10, times=times(1e6, n))),
-        ("G(R)", SPECTRAL, "times", (1, 3, 9, 27), lambda n: scene(
-            "position_density", rtol=1e-3, times=np.geomspace(100.0, 1e3, n)
-        ).scaled_position_density(RADII)),
-        ("F(k)", SPECTRAL, "wave numbers", (4, 16, 64, 256), waves),
-        ("placing hard disks, 0.04 per d^2", "particles", "scatterers", sizes, lambda n: run(n, 1, 1)),
-        ("300 collisions of 1000 tracers", "particles", "scatterers", sizes,
-         lambda n: run(n, 1000, 300)),
-        ("300 collisions of each tracer", "particles", "tracers", (100, 1000, 10_000, 100_000),
-         lambda n: run(10_000, n, 300)),
-    )  # fmt: skip
-    return measure([
-        work
-        for problem, method, setting, values, call in sweeps
-        for work in sweep("cost", problem, method, setting, values[: -1 if effort.quick else None], call)
-    ], effort)  # fmt: skip
-
-
 def throughput(effort: Effort) -> list[Row]:
     """Collisions per second of one and of two threads, at e = 0.9."""
     from particles import BoltzmannGrad, HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
@@ -861,7 +802,7 @@ def throughput(effort: Effort) -> list[Row]:
 
 CASES: dict[str, Callable[[Effort], list[Row]]] = {
     "scaled": scaled, "cooling": cooling, "position": position, "field": in_field,
-    "accuracy": accuracy, "skipping": skipping, "cost": cost, "particles": throughput,
+    "accuracy": accuracy, "skipping": skipping, "particles": throughput,
 }  # fmt: skip
 
 # -- run ------------------------------------------------------------------------------------------
@@ -902,7 +843,7 @@ def _in_process(name: str, quick: bool) -> list[Row]:
             capture_output=True, text=True, check=False, timeout=_LONGEST[quick],
         )  # fmt: skip
         if not done.returncode:
-            return json.loads(done.stdout)  # type: ignore[no-any-return]
+            return json.loads(done.stdout)
         note = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
     except subprocess.TimeoutExpired:
         note = f"not done after {_LONGEST[quick]:g} s"
@@ -955,7 +896,7 @@ def seconds_for(rows: Any, method: str, target: float) -> tuple[float, bool]:
 
 def seconds_text(seconds: float, at_least: bool = False) -> str:
     """A time of two digits with its unit, years where it is long; "≥" before a lower bound."""
-    if not seconds == seconds:
+    if math.isnan(seconds):
         return "-"
     unit, size = next(((u, s) for u, s in _UNITS if seconds >= s), ("us", 1e-6))
     value = seconds / size
@@ -968,7 +909,9 @@ def _digits(value: float) -> str:
 
 def family(problem: str) -> str:
     """The name of a problem without its start and its restitution."""
-    parts = (p for p in problem.split(", ") if p not in references.STARTS and not p.startswith("e = "))
+    parts = (
+        p for p in problem.split(", ") if p not in references.STARTS and not p.startswith("e = ")
+    )
     return ", ".join(parts)
 
 
@@ -1028,7 +971,6 @@ class BenchReport:
              "from its most accurate run, by the order of the method. -: it does not get there."),
             ("Error reached over error asked", self._accuracy(), ""),
             ("What skipping saves", self._skipping(), ""),
-            ("Cost against work", self._cost(), "The exponent is that of the upper half."),
             ("Particles, e = 0.9", self._particles(), "Of two threads by the clock."),
             ("Failed and not available", self._not_measured(), ""),
         ):  # fmt: skip
@@ -1060,7 +1002,9 @@ class BenchReport:
             found = (ratios.min(), ratios.median(), ratios.max())
             row = {"rtol": f"{rtol:.0e}", "problems": str(len(here))}
             row |= dict(zip(("least", "median", "most"), (f"{x:.1e}" for x in found), strict=True))
-            rows.append(row | {n: str((here["note"] == n).sum()) for n in (MISSED, MISSED_AND_SAID, BETTER)})
+            rows.append(
+                row | {n: str((here["note"] == n).sum()) for n in (MISSED, MISSED_AND_SAID, BETTER)}
+            )
         return rows
 
     def _skipping(self) -> list[dict[str, str]]:
@@ -1069,20 +1013,6 @@ class BenchReport:
              "whole scene's time over it": _digits(row.extra["ratio"])}
             for row in self.to_dataframe("skipping").itertuples()
         ]  # fmt: skip
-
-    def _cost(self) -> list[dict[str, str]]:
-        rows = []
-        keys = ["problem", "method", "setting"]
-        for (problem, method, setting), here in self.to_dataframe("cost").groupby(keys, sort=False):
-            first, last = here.iloc[0], here.iloc[-1]
-            upper = np.log(here[["value", "seconds"]].to_numpy()[-max(3, (len(here) + 1) // 2) :])
-            rows.append({
-                "problem": problem, "method": method,
-                "work": f"{setting} {first['value']:g} to {last['value']:g}",
-                "run time": f"{seconds_text(first['seconds'])} to {seconds_text(last['seconds'])}",
-                "exponent": f"{np.polyfit(*upper.T, 1)[0]:.2f}" if len(upper) > 2 else "-",
-            })  # fmt: skip
-        return rows
 
     def _particles(self) -> list[dict[str, str]]:
         return [
@@ -1118,15 +1048,24 @@ class BenchReport:
 
         frame[["quantity", "e"]] = frame["problem"].str.rsplit(", e = ", n=1, expand=True)
         frame["error"] = frame["error"].clip(1e-16, 10.0)
-        quantities, columns = list(dict.fromkeys(frame["quantity"])), sorted(set(frame["e"]), key=float)
+        quantities, columns = (
+            list(dict.fromkeys(frame["quantity"])),
+            sorted(set(frame["e"]), key=float),
+        )
         colours = ("#0072b2", "#009e73", "#d55e00", "#cc79a7", "#222222")
         file = io.StringIO()
-        style = {"svg.fonttype": "none", "svg.hashsalt": "inelastic-lorentz", "axes.grid": True}
+        style: Any = {
+            "svg.fonttype": "none",
+            "svg.hashsalt": "inelastic-lorentz",
+            "axes.grid": True,
+        }
         with mpl.rc_context(style | {"grid.color": "#d8d8d8", "axes.titlesize": 10.0}):
             size = (9.375, 1.1 + 2.5 * len(quantities))  # as wide as a page of 900 px
             figure = Figure(figsize=size, layout="constrained", facecolor="white")
             FigureCanvasSVG(figure)
-            axes = figure.subplots(len(quantities), len(columns), squeeze=False, sharex=True, sharey=True)
+            axes = figure.subplots(
+                len(quantities), len(columns), squeeze=False, sharex=True, sharey=True
+            )
             legend = {}
             for (quantity, e), panel in frame.groupby(["quantity", "e"], sort=False):
                 axis = axes[quantities.index(quantity), columns.index(e)]

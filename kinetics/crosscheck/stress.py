@@ -158,7 +158,9 @@ def invariants(found: Any) -> Violations:
     slack = 4.0 * error + 1e-12 if math.isfinite(error) else math.inf
     kept: Violations = {}
 
-    def keep(name: str, needs: str, violation: Callable[..., float], allowed: float = slack) -> None:
+    def keep(
+        name: str, needs: str, violation: Callable[..., float], allowed: float = slack
+    ) -> None:
         if all(n in values for n in needs.split()):
             with np.errstate(all="ignore"):
                 kept[name] = violation(*(values[n] for n in needs.split())), allowed
@@ -173,9 +175,13 @@ def invariants(found: Any) -> Violations:
             return kept
     d, law, falls = scene.dimension, scene.law, not scene.field
     for name in ("thermal_speed", "temperature") if falls else ():
-        keep(f"{name} does not grow", name, lambda v: above(v[1:] - v[:-1] * (1.0 + slack), 0.0), 0.0)
+        keep(
+            f"{name} does not grow", name, lambda v: above(v[1:] - v[:-1] * (1.0 + slack), 0.0), 0.0
+        )
     for name in ("collisions", "msd") if falls else ():
-        keep(f"{name} does not fall", name, lambda n: above(n[:-1] - n[1:] * (1.0 + slack), 0.0), 0.0)
+        keep(
+            f"{name} does not fall", name, lambda n: above(n[:-1] - n[1:] * (1.0 + slack), 0.0), 0.0
+        )
         keep(f"{name} begins at 0", name, lambda n: above(n[times == 0.0], 0.0), 0.0)
     # there is no distribution beyond: <v^4> >= <v^2>^2, and <r^4> >= <r^2>^2
     keep("a2 >= -2/(d + 2)", "a2", lambda a2: below(a2, -2.0 / (d + 2.0)))
@@ -206,7 +212,10 @@ def invariants(found: Any) -> Violations:
             f = np.exp(x) * v0 * found.speed_density(np.exp(x) * v0)[i]
             kept[f"density not negative, time {i}"] = below(f / max(f.max(), 1e-300)), 1.5 * error
             mass = abs(float(np.trapezoid(f, x)) + shares[i] - 1.0)
-            kept[f"mass, time {i}"] = mass, 10.0 * error + (0.0 if scene.initial == "gaussian" else 0.01)
+            kept[f"mass, time {i}"] = (
+                mass,
+                10.0 * error + (0.0 if scene.initial == "gaussian" else 0.01),
+            )
     if "position_density" in scene.outputs:
         R, weight = panels_between(np.concatenate([[0.0], np.geomspace(1e-2, 30.0, 60)]), 12)
         front = found.ballistic_front[1].sum(axis=1)
@@ -279,7 +288,9 @@ def other_laws(quick: bool) -> tuple[CollisionLaw, ...]:
     # a third of the bounces keeps the speed
     bounces = [0.2, 0.3, 0.2, 0.3], [0.9, 0.5, 1.0, 1.0], [-1.0, 0.0, 0.5, 1.0]
     two = [CollisionLaw(e).quadrature for e in (0.9, 0.4)]
-    weight, *both = (np.concatenate([getattr(q, n) for q in two]) for n in ("weight", "ratio", "cosine"))
+    weight, *both = (
+        np.concatenate([getattr(q, n) for q in two]) for n in ("weight", "ratio", "cosine")
+    )
     samples = (CollisionLaw.from_samples(*bounces, dimension=d) for d in (2, 3))
     mixture = CollisionLaw.from_samples(0.5 * weight, *both, 2)
     return (*(CollisionLaw(*law) for law in laws), *samples, mixture)
@@ -358,7 +369,10 @@ def starts() -> dict[str, tuple[Any, FloatArray, FloatArray]]:
         "speeds 1e-100 and 1": (SpeedSamples([1e-100, 1.0]), np.array([1e-100, 1.0]), half),
         "uniform from 0": (SpeedTable([0.0, 1.0], [1.0, 1.0]), *smooth(-36.0, 0.0, np.ones_like)),
         "tail v^-6": (tail, *smooth(-18.0, 36.0, tail)),
-        "two temperatures, 1e-3 and 1": (Gaussian(1.0, 1e-3), *smooth(-25.0, 2.5, two_temperatures)),
+        "two temperatures, 1e-3 and 1": (
+            Gaussian(1.0, 1e-3),
+            *smooth(-25.0, 2.5, two_temperatures),
+        ),
     }
 
 
@@ -456,7 +470,9 @@ def apart(found: Any, finer: Any) -> float:
     for i, unit in enumerate(v0):
         if "speed_density" in found.scene.outputs:
             f, exact = (one.speed_density(unit * c)[i] for one in (found, finer))
-            errors.append(float(np.max(np.abs(f - exact) * np.minimum(1.0, c / 1e-2)) / exact.max()))
+            errors.append(
+                float(np.max(np.abs(f - exact) * np.minimum(1.0, c / 1e-2)) / exact.max())
+            )
         if "position_density" in found.scene.outputs and found.times[i] > 0.0:
             f, exact = (one.scaled_position_density(R)[i] for one in (found, finer))
             errors.append(float(np.max(np.abs(f - exact))))
@@ -665,7 +681,9 @@ def _thin(rho: float, t: float) -> Outcome:
     """Before they meet anything, tracers are at v t, however far the next disk is."""
     run = _run(_medium("HardDisks", rho), 0.5, times=[t], media=2, tracers=20, seed=3)
     more = {"none has collided": (float(run.collisions.value[0]), 0.0)}
-    return Outcome(1e-9, abs(float(run.msd.value[0]) / t**2 - 1.0), invariants=of_particles(run) | more)
+    return Outcome(
+        1e-9, abs(float(run.msd.value[0]) / t**2 - 1.0), invariants=of_particles(run) | more
+    )
 
 
 def _outside(e: float) -> Outcome:
@@ -754,7 +772,18 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
                     more = ("msd",) if x == 1.0 and law in cooling else ()
                     outputs = (*v, "temperature", "collisions", *more)
                     name = f"{label_of(law)}, {start}, {what} {x:g}, t to 1e300"
-                    yield "cooling", name, _scene, limits, law, start, TIMES, outputs, 1e-9, {what: x}
+                    yield (
+                        "cooling",
+                        name,
+                        _scene,
+                        limits,
+                        law,
+                        start,
+                        TIMES,
+                        outputs,
+                        1e-9,
+                        {what: x},
+                    )
     for law in (0.0, 0.2, 1.0 - 1e-6, *others) if quick else laws:
         for start in starts() if law in plain else ("two delta peaks",):
             yield "starts", f"{label_of(law)}, {start}", _scene, mixture, law, start, TIMES, v, 1e-8
@@ -801,7 +830,9 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
     for e in (0.7,) if quick else (0.0, 1e-10, 0.7, 1.0 - 1e-10, 1.0):
         for start in ("rest",) if quick else ("rest", "gaussian", "beam"):
             for field in (1e12,) if quick else (1e-12, 1.0, 1e12):
-                times = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(references.MEAN_FREE_PATH / field)
+                times = np.array([1e-3, 0.1, 1.0, 10.0]) * math.sqrt(
+                    references.MEAN_FREE_PATH / field
+                )
                 name, more = f"{label_of(e)}, {start}, field {field:g}", {"field": field}
                 yield ("over time in a field", name, _scene, tighter, e, start, times, outputs, 1e-3,
                        more)  # fmt: skip
@@ -810,7 +841,11 @@ def _of_solvers(quick: bool) -> Iterator[Any]:
 def _of_particles(quick: bool) -> Iterator[Any]:
     media = [("Poisson", rho) for rho in (0.01, 0.2, 0.35, PERCOLATION)]
     media += [("HardDisks", rho) for rho in (0.01, 0.2, 0.65)] + [("BoltzmannGrad", 0.04)]
-    media += [("HardSpheres", 0.3), ("PoissonSpheres", 0.1 / math.pi), ("BoltzmannGrad in space", 0.04)]
+    media += [
+        ("HardSpheres", 0.3),
+        ("PoissonSpheres", 0.1 / math.pi),
+        ("BoltzmannGrad in space", 0.04),
+    ]
     for e, et in ((0.0, 1.0), (0.5, 0.8), (1.0, 1.0)) if quick else (
         (0.0, 1.0), (0.2, 1.0), (0.5, 1.0), (0.5, 0.8), (0.5, 0.0), (0.99, 1.0), (1.0, 1.0), (1.0, 0.8)
     ):  # fmt: skip
@@ -932,6 +967,16 @@ class StressReport:
 
 
 def _cells(case: StressCase) -> dict[str, str]:
-    names = ("verdict", "group", "name", "asked", "reached", "invariant", "violation", "allowed", "note")
+    names = (
+        "verdict",
+        "group",
+        "name",
+        "asked",
+        "reached",
+        "invariant",
+        "violation",
+        "allowed",
+        "note",
+    )
     values = ((name, getattr(case, name)) for name in names)
     return {n: x if isinstance(x, str) else "" if x != x else f"{x:.1e}" for n, x in values}

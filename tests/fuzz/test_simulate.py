@@ -26,7 +26,9 @@ whole = mostly(st.integers(1, 3))
 RUN = {
     "restitution": restitutions,
     "initial": mostly(["gaussian", "monoenergetic"], st.just(np.ones((2, 2)))),
-    "times": mostly(st.lists(geometric(0.01, 30.0), min_size=1, max_size=3, unique=True).map(sorted), extremes),
+    "times": mostly(
+        st.lists(geometric(0.01, 30.0), min_size=1, max_size=3, unique=True).map(sorted), extremes
+    ),
     "media": whole,
     "tracers": whole,
     "max_collisions": mostly(st.integers(1, 200)),  # so that every example ends soon

@@ -10,7 +10,7 @@ import click
 
 from kinetics.crosscheck.cli.options import json_option, output_path, progress
 
-CASES = ("scaled", "cooling", "position", "field", "accuracy", "skipping", "cost", "particles")
+CASES = ("scaled", "cooling", "position", "field", "accuracy", "skipping", "particles")
 
 
 def _output_option(names: str) -> Any:
@@ -31,7 +31,7 @@ def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: boo
     """Measure every method on the same problems, against references of 1e-13 or better.
 
     Prints Markdown tables: run time for an error, error asked against error reached, what skipping
-    saves, run time against the amount of work, collisions per second, and what failed.
+    saves, collisions per second, and what failed.
     """
     from kinetics.crosscheck.bench import run_bench
 

@@ -33,7 +33,9 @@ def derive(only: str | None, latex: Path | None, as_json: bool) -> None:
     else:
         width = max(len(check.label) for check in checks)
         for check in checks:
-            status = click.style(f"{check.status:12}", fg="green" if check.status == "verified" else "yellow")
+            status = click.style(
+                f"{check.status:12}", fg="green" if check.status == "verified" else "yellow"
+            )
             click.echo(f"{check.label:{width}} {status} {check.title}")
         counts = Counter(check.status for check in checks)
         click.echo(", ".join(f"{n} {status}" for status, n in counts.items()))
