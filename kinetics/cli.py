@@ -24,8 +24,8 @@ BAD_INPUT = 2
 ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 """Signals that end a command -> its exit status."""
 GRACE = 1.0
-"""Seconds that a command has after a signal to remove what is half written and to say what is saved;
-half of the two seconds within which it promises to end."""
+"""Seconds that a command has after a signal to remove what is half written and say what is saved:
+half of the two within which it promises to end."""
 COMMANDS = ("report", "solve", "simulate", "compare", "derive", "bench", "stress")
 
 

@@ -30,7 +30,8 @@ BUSY = {
     "compiled code in the main thread": "    import hashlib\n    print('begun', flush=True)\n"
     "    hashlib.pbkdf2_hmac('sha256', b'a', b'b', 2_000_000_000)",
     "a destructor, where Python drops what is raised": "    class Deaf:\n"
-    "        def __del__(self):\n            print('begun', flush=True)\n            time.sleep(60)\n"
+    "        def __del__(self):\n"
+    "            print('begun', flush=True)\n            time.sleep(60)\n"
     "    deaf = Deaf()\n    del deaf\n    time.sleep(60)",
     "code that swallows it": "    print('begun', flush=True)\n    while True:\n        try:\n"
     "            time.sleep(60)\n        except BaseException:\n            pass",

@@ -141,7 +141,7 @@ class Work:
         try:
             begin = [clock() for clock in clocks]
             result = self.call(len(self.times) + 1) if self.seeded else self.call()
-            self.times.append(tuple(c() - b for c, b in zip(clocks, begin, strict=True)))  # type: ignore[arg-type]
+            self.times.append(tuple(c() - b for c, b in zip(clocks, begin, strict=True)))
             self.extra = self.figures(result)
             if self.error is not None and (self.seeded or not self.errors):
                 self.errors.append(self.error(result))
@@ -365,7 +365,7 @@ def monte_carlo(
     if dimension == 3:
         medium = BoltzmannGrad(1.0 / (math.pi * MEAN_FREE_PATH), dimension=3)
     return simulate(
-        medium, e, initial=start, times=times, media=50, tracers=max(1, int(samples) // 50),  # type: ignore[arg-type]
+        medium, e, initial=start, times=times, media=50, tracers=max(1, int(samples) // 50),
         seed=seed, observables=[observable] if observable else None, workers=1, **law,
     )  # fmt: skip
 
@@ -403,7 +403,7 @@ def scaled(effort: Effort) -> list[Row]:
             (SONINE, "order", effort.orders, partial(sonine_state, e)),
         ]
         F, apart = ScalingSolution(e).vdf(SPEEDS), _speed_error(e)
-        of = partial(sweep, "precision", f"scaled F(c), e = {e:g}")
+        of: Any = partial(sweep, "precision", f"scaled F(c), e = {e:g}")
         for *what, state in states:
             error = lambda found, F=F: float(np.max(np.abs(found - F)) / F.max())  # noqa: E731
             works += of(*what, lambda x, s=state: s(x).vdf(SPEEDS), error=error)
@@ -452,8 +452,8 @@ def _moments(problem: str, e: float, law: Row, states: list[Any], effort: Effort
         return both(State(rate, float(run.a2.value[0]), np.asarray))
 
     exact = both(ScalingSolution(e, **law))
-    of = partial(sweep, "precision", problem, error=lambda found: relative(found, exact))
-    works = of(MONTE_CARLO, "samples", effort.samples, sampled, seeded=True)
+    of: Any = partial(sweep, "precision", problem, error=lambda found: relative(found, exact))
+    works: list[Work] = of(MONTE_CARLO, "samples", effort.samples, sampled, seeded=True)
     for *what, state in states:
         works += of(*what, lambda x, s=state: both(s(x)))
     return works
@@ -474,7 +474,7 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Work]:
 
     times, names, short = references.times(horizon), ("thermal_speed", "a2"), horizon == "short"
     v0, a2 = (references.kept(name, e, start, horizon) for name in names)
-    scene = Scene(e, DENSITY, initial=start, times=times, outputs=names)  # type: ignore[arg-type]
+    scene = Scene(e, DENSITY, initial=start, times=times, outputs=names)
 
     def averages(found: Any, value: Any = np.asarray) -> Any:
         return [value(getattr(found, name)) for name in names]
@@ -502,7 +502,7 @@ def _cooling(e: float, start: str, horizon: str, effort: Effort) -> list[Work]:
 
 
 def position(effort: Effort) -> list[Row]:
-    """<r^2>(t) and kurtosis(t) of both starts, and G(R) at e = 0.6, t = 300, a pair of the paper."""
+    """<r^2>(t) and kurtosis(t) of both starts, and G(R) at e = 0.6, t = 300, as in the paper."""
     starts = references.STARTS[: 1 if effort.quick else None]
     works = [
         w
@@ -530,7 +530,7 @@ def _displacement(name: str, e: float, start: str, effort: Effort) -> list[Work]
 
     times = references.times("short")
     exact = references.kept(name, e, start, "short")
-    scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))  # type: ignore[arg-type]
+    scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))
     problem = f"{QUANTITIES[name]}, {start}, t <= {times[-1]:.0e}, e = {e:g}"
     of = partial(sweep, "precision", problem, error=lambda found: relative(found, exact))
 
@@ -570,11 +570,11 @@ def position_density(problem: str, effort: Effort) -> tuple[Row, list[Work]]:
         found = histogram_error(run.displacement_histogram, unit, (0.25, 4.0), shares, np.diff)
         return found / float(exact.max())
 
-    of = partial(sweep, "precision", problem,
-                 error=lambda found: float(np.max(np.abs(found - exact)) / exact.max()))  # fmt: skip
+    error = lambda found: float(np.max(np.abs(found - exact)) / exact.max())  # noqa: E731
+    of: Any = partial(sweep, "precision", problem, error=error)
     tolerances = (1e-2, 1e-4, 1e-5) if effort.quick else TOLERANCES[:6]
-    works = of(SPECTRAL, "rtol", tolerances,
-               lambda rtol: at(rtol, "position_density").scaled_position_density(RADII)[0])  # fmt: skip
+    curve = lambda rtol: at(rtol, "position_density").scaled_position_density(RADII)[0]  # noqa: E731
+    works: list[Work] = of(SPECTRAL, "rtol", tolerances, curve)
     many = (*effort.samples, *(() if effort.quick else (4_000_000,)))
     sampled = partial(monte_carlo, 0.6, "gaussian", [300.0], "displacement_histogram")
     works += of(MONTE_CARLO, "samples", many, sampled, error=of_histogram, seeded=True)
@@ -696,7 +696,7 @@ def _in_time(e: float) -> dict[str, Any]:
 
     def run(start: str, horizon: str, name: str, rtol: float) -> tuple[Any, float]:
         times, shift = references.times(horizon), 1.0 if name == "a2" else 0.0
-        scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))  # type: ignore[arg-type]
+        scene = Scene(e, DENSITY, initial=start, times=times, outputs=(name,))
         found = solve(scene, rtol)
         exact = shift + references.kept(name, e, start, horizon)
         return found, relative(shift + np.asarray(getattr(found, name)), exact)
@@ -716,7 +716,7 @@ def _in_time(e: float) -> dict[str, Any]:
 
 
 def skipping(effort: Effort) -> list[Row]:
-    """Each output of a scene alone; ``extra["ratio"]``: the time of the whole scene over its own."""
+    """Each output of a scene alone; ``extra["ratio"]``: the whole scene's time over its own."""
     from kinetics import Gaussian, Scene, solve
     from particles import BoltzmannGrad, simulate
 
@@ -937,7 +937,7 @@ class BenchReport:
     seconds: float
 
     def to_dataframe(self, section: str | None = None) -> Any:
-        """The rows as a pandas DataFrame; those of one section that were measured, if it is named."""
+        """The rows as a DataFrame; those of one section that were measured, if it is named."""
         from pandas import DataFrame
 
         frame = DataFrame(plain(self.records), columns=list(blank("", "", "")))

@@ -1,4 +1,4 @@
-"""The stability sweep: its verdicts, its references, and a planted wrong answer that it must see."""
+"""The stability sweep: verdicts, references, and a planted wrong answer that it must see."""
 
 import json
 import math

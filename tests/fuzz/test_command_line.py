@@ -50,9 +50,7 @@ def words(*first: str, always: tuple[str, ...] = (), **usual: Any) -> Any:
     )
 
 
-system = {
-    "e": number, "number_density": ["0.04", "0.1", "1e-3"], "initial": ["gaussian", "monoenergetic"],
-}  # fmt: skip
+system = {"e": number, "number_density": ["0.04", "1e-3"], "initial": ["gaussian", "rest"]}
 solve = words(
     "solve", **system, times=several(0.0, 1e3), wave_numbers=several(0.0, 3.0),
     outputs=st.lists(st.sampled_from(sorted(HEADS)), min_size=1, max_size=3).map(",".join),
@@ -103,7 +101,7 @@ def test_commands(arguments: list[str]) -> None:
 
 
 @fuzz(
-    40, extra=st.sampled_from([[], ["--json"], ["--seed", "x"], ["-e", "x"]]), case=st.sampled_from([
+    40, extra=st.sampled_from([[], ["--json"], ["--seed", "x"]]), case=st.sampled_from([
         "report -e 1.5", "report --count 0", "report -o data.csv", "report --figures gif",
         "derive --only no", "derive --latex data.csv/x", "bench --case x", "bench -o data.csv",
         "stress --group x", "stress -o data.csv/x",

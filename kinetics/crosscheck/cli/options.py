@@ -132,7 +132,7 @@ def print_json(document: Any) -> None:
 
 
 def written(value: Any, digits: int = 6) -> str:
-    """A number as a physicist writes it in plain text: 0.0123, 1e6, 4.5e-7; other values as text."""
+    """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
     if not isinstance(value, float):
         return str(value)
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
@@ -189,7 +189,7 @@ def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
         task = bar.add_task("", total=total)
 
         def tell(name: str, total: int | None = None, done: int | None = None) -> None:
-            advance = {"advance": 1} if done is None else {"completed": done}
-            bar.update(task, description=name, **({"total": total} if total else {}), **advance)
+            now = bar.tasks[0].completed + 1 if done is None else done
+            bar.update(task, description=name, total=total or bar.tasks[0].total, completed=now)
 
         yield tell
