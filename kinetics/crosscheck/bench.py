@@ -141,7 +141,7 @@ class Work:
         try:
             begin = [clock() for clock in clocks]
             result = self.call(len(self.times) + 1) if self.seeded else self.call()
-            self.times.append(tuple(c() - b for c, b in zip(clocks, begin, strict=True)))
+            self.times.append((clocks[0]() - begin[0], clocks[1]() - begin[1]))
             self.extra = self.figures(result)
             if self.error is not None and (self.seeded or not self.errors):
                 self.errors.append(self.error(result))
@@ -355,7 +355,7 @@ def sonine_cooling(e: float, start: str, times: FloatArray, order: int) -> Any:
 
 
 def monte_carlo(
-    e: float, start: str, times: Any, observable: str, samples: float, seed: int,
+    e: float, start: Any, times: Any, observable: str, samples: float, seed: int,
     dimension: int = 2, **law: Any,
 ) -> Any:  # fmt: skip
     """A Boltzmann-Grad run in 50 blocks, of one thread, with the free path MEAN_FREE_PATH."""

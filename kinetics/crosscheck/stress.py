@@ -1,8 +1,8 @@
 """The stability sweep: solvers and particles at their limits, a verdict for each case.
 
 One table of scenes (`all_cases`), one list of what every answer must keep (`invariants` of
-solutions, `of_particles` of runs), and references that are known apart from the solver (`limits`, `mixture`,
-kept values) or are a tighter solution. `run_stress` runs the cases and `StressReport` shows them.
+solutions, `of_particles` of runs), and references: what is known apart from the solver (`limits`,
+`mixture`, `kept`), or a `tighter` solution. `run_stress` runs the cases, `StressReport` shows them.
 The tests with random arguments, in tests/fuzz, ask for the same invariants.
 
 A law is a restitution, which stands for smooth disks, or a `CollisionLaw`.
@@ -955,16 +955,5 @@ class StressReport:
 
 
 def _cells(case: StressCase) -> dict[str, str]:
-    names = (
-        "verdict",
-        "group",
-        "name",
-        "asked",
-        "reached",
-        "invariant",
-        "violation",
-        "allowed",
-        "note",
-    )
-    values = ((name, getattr(case, name)) for name in names)
-    return {n: x if isinstance(x, str) else "" if x != x else f"{x:.1e}" for n, x in values}
+    shown = {"verdict": case.verdict, **{n: x for n, x in vars(case).items() if n != "seconds"}}
+    return {n: x if isinstance(x, str) else "" if x != x else f"{x:.1e}" for n, x in shown.items()}
