@@ -56,11 +56,8 @@ OTHER_LAWS: dict[str, dict[str, Any]] = {
     "spheres, et = 0.8": {"tangential_restitution": 0.8, "dimension": 3},
 }
 QUANTITIES = {
-    "msd": "<r^2>(t)",
-    "kurtosis": "kurtosis(t)",
-    "thermal_speed": "v0(t)",
-    "a2": "1 + a2(t)",
-}
+    "msd": "<r^2>(t)", "kurtosis": "kurtosis(t)", "thermal_speed": "v0(t)", "a2": "1 + a2(t)",
+}  # fmt: skip
 
 # -- measuring ------------------------------------------------------------------------------------
 
@@ -95,16 +92,9 @@ class Effort(NamedTuple):
 
 QUICK = Effort(True, 3, 11, 0.04, 5)
 FULL = Effort(
-    False,
-    5,
-    25,
-    0.12,
-    10,
-    (E, 0.95, 0.2),
-    (1000, 10_000, 100_000, 400_000),
-    tuple(range(1, 21)),
-    4097,
-)
+    False, 5, 25, 0.12, 10, (E, 0.95, 0.2), (1000, 10_000, 100_000, 400_000),
+    orders=tuple(range(1, 21)), nodes=4097,
+)  # fmt: skip
 
 
 @dataclass
