@@ -87,8 +87,6 @@ def main(arguments: list[str] | None = None) -> int:
         if own_process and not sys.warnoptions:
             warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, of single operations
         status = _run(sys.argv[1:] if arguments is None else arguments)
-    for stream in (sys.stdout, sys.stderr):
-        _flush(stream)
     if own_process and status in ENDED.values():
         os._exit(status)
     return status
@@ -133,15 +131,6 @@ def _say(message: str) -> None:
     """One line on standard error, if that takes it: what a command ends with is its status."""
     with contextlib.suppress(OSError, ValueError):
         click.echo(f"lorentz: {' '.join(message.split())}", err=True)
-
-
-def _flush(stream: Any) -> None:
-    """What a stream cannot take goes nowhere: Python would try again at the end, and complain."""
-    try:
-        if stream is not None:
-            stream.flush()
-    except (OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 # -- Ctrl-C and SIGTERM ---------------------------------------------------------------------------
