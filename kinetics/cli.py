@@ -1,8 +1,10 @@
-"""The command `lorentz`: one group, whose commands are in `kinetics.crosscheck`, with their work.
+"""The command `lorentz`: one group; a command is loaded from `kinetics.crosscheck.cli` when named.
 
-What a command needs is imported when it runs, so that `lorentz --help` stays quick.
+Exit status: 0; 1 where a comparison or a stability sweep says so; 2 for bad input, and for output
+that cannot be written (one line on standard error); 130 after Ctrl-C and 143 after SIGTERM.
 """
 
+import contextlib
 import os
 import signal
 import socket
@@ -10,26 +12,35 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from importlib import import_module
 from threading import Thread
 from typing import Any
 
 import click
 
-from kinetics.crosscheck.bench.command import bench
-from kinetics.crosscheck.commands.derive import derive
-from kinetics.crosscheck.commands.options import UNITS
-from kinetics.crosscheck.commands.simulate import simulate
-from kinetics.crosscheck.commands.solve import solve
-from kinetics.crosscheck.comparison.command import compare
-from kinetics.crosscheck.report.command import report
-from kinetics.crosscheck.stress.command import stress
+from kinetics.crosscheck.cli.options import UNITS
 
-CONTEXT = {"help_option_names": ["-h", "--help"], "show_default": True, "max_content_width": 100}
-BAD_INPUT, INTERRUPTED, TERMINATED = 2, 130, 143
-_ENDED = {int(signal.SIGINT): INTERRUPTED, int(signal.SIGTERM): TERMINATED}
+BAD_INPUT = 2
+ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
+"""Signals that end a command -> its exit status."""
 GRACE = 1.0
-"""Seconds that the command has after Ctrl-C or SIGTERM to save what is complete."""
+"""Seconds that a command has after a signal to remove what is half written and say what is saved:
+half of the two within which it promises to end."""
+COMMANDS = ("report", "solve", "simulate", "compare", "derive", "bench", "stress")
+
+
+class _Commands(click.Group):
+    """Commands that are imported when they are asked for, from the rooms of the cross-check."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(dict.fromkeys((*COMMANDS, *self.commands)))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name in COMMANDS and cmd_name not in self.commands:
+            home = "bench" if cmd_name == "stress" else cmd_name
+            module = import_module(f"kinetics.crosscheck.cli.{home}")
+            self.add_command(getattr(module, cmd_name))
+        return self.commands.get(cmd_name)
 
 
 def _print_version(context: click.Context, option: click.Parameter, asked: bool) -> None:
@@ -41,18 +52,16 @@ def _print_version(context: click.Context, option: click.Parameter, asked: bool)
 
 
 @click.group(
-    context_settings=CONTEXT,
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "show_default": True,
+                      "max_content_width": 100},
     invoke_without_command=True,
     epilog=UNITS,
-)
+)  # fmt: skip
 @click.option(
-    "--version",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=_print_version,
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version,
     help="Show the version and exit.",
-)
+)  # fmt: skip
 @click.pass_context
 def cli(context: click.Context) -> None:
     """The inelastic Lorentz gas: a kinetic solver, an event-driven simulator, sympy derivations,
@@ -62,169 +71,125 @@ def cli(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (report, solve, simulate, compare, derive, bench, stress):
-    cli.add_command(command)
-
-
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command: 0, or 2 for bad input (one line on standard error), 130 after Ctrl-C.
+    """Run the command and return its exit status, see above.
 
-    Without arguments it is the command line of this process, which then ends at once after Ctrl-C
-    or SIGTERM: Python would wait for what still runs in other threads.
+    Without arguments it is the command line of this process, which then ends at once after a
+    signal: Python would wait for what still runs in other threads.
     """
     own_process = arguments is None
+    if sys.stdout is None:  # closed by the shell: the next file would take its place
+        return _complain("standard output is closed; send it to a file, or to /dev/null")
     if hasattr(sys.stdout, "reconfigure"):  # a terminal that lacks a sign shows ? for it
         sys.stdout.reconfigure(errors="replace")
     with _ends_in_time(), warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        warnings.showwarning = lambda message, *_, **__: _say(f"warning: {message}")
         if own_process and not sys.warnoptions:
             warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, of single operations
-        status = _run(arguments)
-    if own_process and status in _ENDED.values():
+        status = _run(sys.argv[1:] if arguments is None else arguments)
+    if own_process and status in ENDED.values():
         os._exit(status)
     return status
 
 
-def _run(arguments: list[str] | None) -> int:
+def _run(arguments: list[str]) -> int:
     """Run the command and turn whatever may stop it into an exit status."""
     try:
-        status = cli.main(arguments, prog_name="lorentz", standalone_mode=False)
+        with cli.make_context("lorentz", list(arguments)) as context:
+            status = cli.invoke(context)
         sys.stdout.flush()
+        return status if isinstance(status, int) else 0
+    except click.exceptions.Exit as done:
+        return done.exit_code
     except click.ClickException as error:
         return _complain(error.format_message())
-    except ValueError as error:
-        return _complain(str(error))
     except MemoryError as error:
         return _complain(f"not enough memory: {error}")
     except (KeyboardInterrupt, click.Abort):
-        return INTERRUPTED
+        return ENDED[signal.SIGINT]
     except SystemExit as error:
-        if error.code != TERMINATED:
+        if error.code not in ENDED.values():
             raise
-        return TERMINATED
+        return int(error.code or 0)
     except BrokenPipeError:
-        _forget_output()
         return 0  # whoever read our output has gone
     except OSError as error:
-        _forget_output()
         where = f"{error.filename}: " if error.filename else ""
         return _complain(f"{where}{error.strerror or error}")
-    return status if isinstance(status, int) else 0
+    except ValueError as error:
+        return _complain(str(error))
 
 
 def _complain(message: str) -> int:
     line = " ".join(message.split())
-    if len(line) > 390:  # what is wrong stands first, and what is allowed last
-        line = f"{line[:240]} ... {line[-135:]}"
-    click.echo(f"lorentz: {line}", err=True)
+    # what is wrong stands first, and what is allowed last
+    _say(line if len(line) <= 390 else f"{line[:240]} ... {line[-135:]}")
     return BAD_INPUT
 
 
-def _show_warning(
-    message: Warning | str,
-    category: Any,
-    filename: str,
-    lineno: int,
-    file: Any = None,
-    line: Any = None,
-) -> None:
-    """Show a warning on one line, without the place in the source that it comes from."""
-    click.echo(f"lorentz: warning: {' '.join(str(message).split())}", err=True)
-
-
-def _forget_output() -> None:
-    """Let what standard output could not take go nowhere: Python would try again at the end."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _say(message: str) -> None:
+    """One line on standard error, if that takes it: what a command ends with is its status."""
+    with contextlib.suppress(OSError, ValueError):
+        click.echo(f"lorentz: {' '.join(message.split())}", err=True)
 
 
 # -- Ctrl-C and SIGTERM ---------------------------------------------------------------------------
 
 
-@contextmanager
+@contextlib.contextmanager
 def _ends_in_time() -> Iterator[None]:
-    """Meanwhile the first Ctrl-C or SIGTERM raises an exception here, and the process ends in time.
+    """Meanwhile the first signal raises an exception here, and the process ends in time.
 
-    Unwinding removes what is half written and ends the child process. But Python raises nothing
-    while compiled code runs, so the system also tells a thread of the signal, which ends the
-    process `GRACE` seconds later if it is still there.
+    Python raises nothing while compiled code runs, and drops what is raised in a destructor. So the
+    system also tells a thread, which ends the process `GRACE` seconds later if it is still there.
     """
-    before = {number: signal.getsignal(number) for number in _ENDED}
+    before = {number: signal.getsignal(number) for number in ENDED}
     report_dropped = sys.unraisablehook
-    sys.unraisablehook = _report_dropped
     listening, telling = socket.socketpair()
     telling.setblocking(False)
     other = signal.set_wakeup_fd(telling.fileno(), warn_on_full_buffer=False)
-    Thread(target=_end_in_time, args=(listening,), daemon=True).start()
-    signal.signal(signal.SIGTERM, _terminate)
-    if before[signal.SIGINT] is signal.default_int_handler:  # else it is to be ignored
-        signal.signal(signal.SIGINT, _interrupt)
+    Thread(target=_end_late, args=(listening,), daemon=True).start()
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, _raise)
     try:
         yield
     finally:
         signal.set_wakeup_fd(other)
         telling.close()
         sys.unraisablehook = report_dropped
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def _end_in_time(listening: socket.socket) -> None:
+def _end_late(listening: socket.socket) -> None:
     """Wait for a signal, then for the other end to be closed; end the process if it is not."""
-    status, end = 0, 0.0
     with listening:
-        try:
-            while told := listening.recv(1):
-                if not status and told[0] in _ENDED:
-                    status, end = _ENDED[told[0]], time.monotonic() + GRACE
-                if status:
-                    listening.settimeout(max(end - time.monotonic(), 1e-3))
-        except TimeoutError:
-            os._exit(status)
+        while told := listening.recv(1):
+            if status := ENDED.get(told[0]):
+                end = time.monotonic() + GRACE
+                listening.settimeout(GRACE)
+                with contextlib.suppress(TimeoutError):
+                    while listening.recv(1):
+                        listening.settimeout(max(end - time.monotonic(), 1e-3))
+                    return
+                if sys.stderr is not None and sys.stderr.isatty():
+                    os.write(2, b"\x1b[?25h\n")  # show the cursor, which a bar has hidden
+                os._exit(status)
 
 
-def _interrupt(number: int, frame: Any) -> None:
-    _ignore_the_next()
-    _raise(KeyboardInterrupt(), frame)
-
-
-def _terminate(number: int, frame: Any) -> None:
-    _ignore_the_next()
-    _raise(SystemExit(TERMINATED), frame)
-
-
-def _raise(exception: BaseException, frame: Any) -> None:
+def _raise(number: int, frame: Any) -> None:
     """Raise, but not in the middle of an import: half a compiled module may crash. Try again."""
     while frame is not None and hasattr(signal, "setitimer"):
         if frame.f_code.co_filename.startswith("<frozen importlib"):
-            _raise_later(exception)
+            signal.signal(signal.SIGALRM, lambda _, later: _raise(number, later))
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
             return
         frame = frame.f_back
-    raise exception
-
-
-def _raise_later(exception: BaseException) -> None:
-    signal.signal(signal.SIGALRM, lambda number, frame: _raise(exception, frame))
-    signal.setitimer(signal.ITIMER_REAL, 0.02)
-
-
-def _report_dropped(dropped: Any) -> None:
-    """Report what is raised in a destructor; a Ctrl-C that was dropped there is raised again."""
-    if not issubclass(dropped.exc_type, KeyboardInterrupt | SystemExit):
-        sys.__unraisablehook__(dropped)
-    elif hasattr(signal, "setitimer"):
-        ended = issubclass(dropped.exc_type, SystemExit)
-        _raise_later(SystemExit(TERMINATED) if ended else KeyboardInterrupt())
-
-
-def _ignore_the_next() -> None:
-    """Let no second signal interrupt what the first one has begun to clean up."""
-    for number in _ENDED:
-        signal.signal(number, signal.SIG_IGN)
+    for one in ENDED:  # no second signal interrupts what the first has begun to clean up
+        signal.signal(one, signal.SIG_IGN)
+    sys.unraisablehook = lambda dropped: None  # what is dropped from here on is this exception
+    raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(ENDED[number])
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
-"""The command `lorentz`: what it prints where, what it refuses and how, and what it loads."""
+"""The command `lorentz`: what it prints and writes, what it refuses and how, and what it loads."""
 
+import csv
 import json
 import math
 import os
@@ -9,281 +10,467 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import pytest
 
-from kinetics import cli
+import particles
+from kinetics import Beam, Monoenergetic, Scene, SpeedTable, cli, load, solve, solve_field
+from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, PoissonSpheres, simulate
 
-TINY = ["--media", "3", "--tracers", "4", "--count", "400", "--free-tracers", "100", "-t", "30"]
+SOLVE = ("solve", "--times", "1:1e4:3")
+TINY = (
+    "simulate",
+    "--medium",
+    "boltzmann-grad",
+    "--media",
+    "2",
+    "--tracers",
+    "3",
+    "--times",
+    "1,9",
+)
 
 BAD_INPUT = [
     # arguments; what the line must name: the argument, the value
-    (["report", "-e", "1.5"], ["restitution", "1.5"]),
-    (["report", "-e", "abc"], ["restitution", "abc"]),
-    (["report", "-e", "0.5", "-e", "0.5"], ["restitution", "0.5"]),
-    (["report", "--dimension", "4"], ["dimension", "4"]),
-    (["report", "--tangential-restitution", "2"], ["tangential_restitution", "2.0"]),
-    (["report", "--number-density", "-1"], ["number_density", "-1"]),
-    (["report", "--number-density", "0.9"], ["number_density", "0.9"]),
-    (["report", "-t", "-5"], ["until", "-5"]),
-    (["report", "-t", "5", "-t", "6"], ["until", "2", "4"]),
-    (["report", "--media", "1"], ["media", "1"]),
-    (["report", "--count", "0"], ["count", "0"]),
-    (["report", "--tracers", "0"], ["tracers", "0"]),
-    (["report", "--free-tracers", "0"], ["free_tracers", "0"]),
-    (["report", "--seed", "-1"], ["seed", "-1"]),
-    (["report", "--workers", "0"], ["workers", "0"]),
-    (["report", "--rtol", "0"], ["rtol", "0"]),
-    (["report", "--nonsense"], ["--nonsense"]),
-    (["nonsense"], ["nonsense"]),
-    (["solve", "-e", "1.01"], ["restitution", "1.01"]),
-    (["solve", "--number-density", "-0.04"], ["number_density", "-0.04"]),
-    (["solve", "--times", ""], ["times"]),
-    (["solve", "--times", "-1,1"], ["times", "-1"]),
-    (["solve", "--times", "1,two"], ["times", "two"]),
-    (["solve", "--outputs", "msd,speed_density"], ["outputs", "speed_density"]),
-    (["solve", "--outputs", ""], ["outputs"]),
-    (["solve", "--radii", "1,-2"], ["radii", "-2"]),
-    (["solve", "--wave-numbers", "-1"], ["wave_numbers", "-1"]),
-    (["solve", "--wave-numbers", "1e9"], ["wave_numbers", "1e+09"]),
-    (["solve", "--initial", "cold"], ["initial", "cold"]),
-    (["solve", "--rtol", "nan"], ["rtol", "nan"]),
-    (["solve", "--scaled", "-e", "1"], ["restitution", "1"]),
-    (["solve", "--scaled", "-e", "1e-250"], ["restitution", "1e-250"]),
-    (["solve", "--times", "1,2" + "x" * 5000], ["times", "1,2x", "numbers separated by commas"]),
-    (["simulate", "-e", "2"], ["restitution", "2"]),
-    (["simulate", "--number-density", "-1"], ["number_density", "-1"]),
-    (["simulate", "--number-density", "5"], ["number_density", "5"]),
-    (["simulate", "--times", ""], ["times"]),
-    (["simulate", "--times", "3,2"], ["times"]),
-    (["simulate", "--count", "-3"], ["count", "-3"]),
-    (["simulate", "--medium", "glass"], ["medium", "glass"]),
-    (["derive", "--only", "nonsense"], ["nonsense"]),
+    ("report -e 1.5", "restitution 1.5"),
+    ("report -e abc", "restitution abc"),
+    ("report --dimension 4", "dimension 4"),
+    ("report --number-density 0.9", "number_density 0.9"),
+    ("report --media 1", "media 1"),
+    ("report --seed -1", "seed -1"),
+    ("report --rtol 0", "rtol 0"),
+    ("report --nonsense", "--nonsense"),
+    ("nonsense", "nonsense"),
+    ("solve -e 1.01", "restitution 1.01"),
+    ("solve --number-density -0.04", "number_density -0.04"),
+    ("solve --times -1,1", "times -1"),
+    ("solve --times 1,two", "times two"),
+    ("solve --times 1:10", "times 1:1e6:50"),
+    ("solve --times 0:10:5", "times"),
+    ("solve --times 1:10:1e9", "times"),
+    ("solve --times 1,2" + "x" * 5000, "times 1,2x"),
+    ("solve --until -1", "until -1"),
+    ("solve --until inf", "until inf"),
+    ("solve --until 5 --times 1,2", "times"),
+    ("solve --outputs msd,speed_density", "outputs speed_density"),
+    ("solve --radii 1,-2", "radii -2"),
+    ("solve --speeds 1,,2", "speeds"),
+    ("solve --wave-numbers 1e9", "wave_numbers 1e+09"),
+    ("solve --initial cold", "initial cold"),
+    ("solve --initial a.csv", "initial a.csv"),
+    ("solve --initial rest", "initial rest"),
+    ("solve --speed 2", "speed beam"),
+    ("solve --direction 2", "direction beam"),
+    ("solve --rtol nan", "rtol nan"),
+    ("solve -o a.xlsx", ".csv .nc .h5"),
+    ("solve --scaled -e 1", "restitution 1"),
+    ("solve --scaled --times 1,2", "times --scaled"),
+    ("solve --field-steady --scaled", "field_steady"),
+    ("solve --field-steady -e 1", "restitution 1"),
+    ("solve --field-steady --scatterers overlapping", "scatterers"),
+    ("solve --field-steady --field-units 0,1,1", "field_units"),
+    ("solve --field-units 1,2,3", "field_units"),
+    ("solve --field 1 --outputs kurtosis", "outputs kurtosis"),
+    ("solve --field -1", "field -1"),
+    ("simulate -e 2", "restitution 2"),
+    ("simulate --tangential-restitution 2", "tangential_restitution 2"),
+    ("simulate --number-density 5", "number_density 5"),
+    ("simulate --times 3,2", "times"),
+    ("simulate --count -3", "count -3"),
+    ("simulate --medium glass", "medium glass"),
+    ("simulate --box-side 9", "--box-side"),
+    ("simulate --resume", "resume output"),
+    ("simulate --resume -o a.h5md", "resume"),
+    ("simulate --picture a.gif", "picture .png"),
+    ("simulate --dimension 3", "dimension 3"),
+    ("simulate --medium hard-spheres --dimension 2", "dimension 2"),
+    ("simulate --medium hard-spheres --box none", "box none"),
+    ("simulate --medium hard-spheres --field 1", "field 1"),
+    ("simulate --initial rest", "initial rest"),
+    ("simulate --count 1000000000000", "memory"),
+    ("derive --only nonsense", "nonsense"),
+    ("bench --case nonsense", "nonsense"),
+    ("bench -o no/such/folder", "no/such"),
+    ("stress --group nonsense", "groups nonsense"),
+    ("stress --quick extra", "extra"),
 ]
 
 
-@pytest.mark.parametrize(("arguments", "named"), BAD_INPUT, ids=lambda v: " ".join(v)[:80])
-def test_bad_input_gets_one_line_that_names_it(
-    lorentz: Any,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str],
-    named: list[str],
-) -> None:
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    line = lorentz.refused(*arguments).replace("-", "_")
-    assert all(name.replace("-", "_") in line for name in named), line
-    assert list(tmp_path.iterdir()) == []
 
 
-def test_a_density_that_is_too_high_to_fill_the_box_is_refused(lorentz: Any) -> None:
-    # Below the limit that the medium refuses at once, random placing may still come to an end.
-    line = lorentz.refused("simulate", "--number-density", "0.9", "--count", "100", "--media", "2")
-    assert "number_density" in line
+@pytest.mark.parametrize(("arguments", "named"), BAD_INPUT, ids=lambda v: v[:60])
+def test_bad_input_gets_one_line_that_names_it(lorentz: Any, arguments: str, named: str) -> None:
+    line = lorentz.refused(*arguments.split()).replace("-", "_")
+    assert all(name.replace("-", "_") in line for name in named.split()), line
+    assert os.listdir() == []
 
 
-def test_an_output_that_is_a_file_is_refused_before_any_work(
-    lorentz: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from kinetics.crosscheck.report import report
-
-    def never(*arguments: object) -> None:
-        raise AssertionError("the report was begun")
-
-    monkeypatch.setattr(report, "make_report", never)
-    file = tmp_path / "file"
-    file.write_text("mine")
-    for folder in (file, file / "deeper", Path("/proc/no/such")):
-        assert str(folder) in lorentz.refused("report", "-o", str(folder))
-    assert str(file) in lorentz.refused("derive", "--latex", str(file / "x.tex"))
-    assert file.read_text() == "mine"
+@pytest.mark.parametrize("arguments", [("--times", ""), ("--outputs", ""), ("-o", "")])
+def test_an_empty_value_is_refused(lorentz: Any, arguments: tuple[str, str]) -> None:
+    lorentz.refused("solve", *arguments)
 
 
-def run(*arguments: str, cwd: Path, **keywords: Any) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "kinetics.cli", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        **keywords,
-    )
+@pytest.mark.parametrize("arguments", [SOLVE, ("simulate",), ("derive", "--only", "ad8")])
+def test_an_output_is_refused_before_any_work(lorentz: Any, arguments: tuple[str, ...]) -> None:
+    option = "--latex" if arguments[0] == "derive" else "-o"
+    assert "mkdir -p no/such" in lorentz.refused(*arguments, option, "no/such/a.csv")
+    Path("file").write_text("mine")
+    for command in ("report", "bench", "stress"):
+        lorentz.refused(command, "-o", "file")
+    lorentz.refused(*arguments, option, "file/deeper.csv")
+    assert {name: Path(name).read_text() for name in os.listdir()} == {"file": "mine"}
+
+
+# -- what is loaded, and help ---------------------------------------------------------------------
 
 
 def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys\n"
         "from kinetics import cli\n"
-        "for arguments in ['--help'], ['report', '--help'], ['solve', '--help'],"
-        " ['simulate', '--help'], ['derive', '--help'], ['--version'], []:\n"
+        "for name in cli.COMMANDS:\n"
+        "    assert cli.main([name, '--help']) == 0, name\n"
+        "for arguments in ['--help'], ['--version'], []:\n"
         "    assert cli.main(arguments) == 0, arguments\n"
         "print(*sorted({m.split('.')[0] for m in sys.modules}), file=sys.stderr)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     loaded = set(done.stderr.split())
     assert done.returncode == 0, done.stderr
-    heavy = {"numpy", "scipy", "numba", "sympy", "mpmath", "matplotlib", "jinja2", "tqdm", "h5py"}
+    heavy = "numpy scipy numba sympy mpmath matplotlib jinja2 rich h5py pandas xarray pyarrow"
     assert "click" in loaded
-    assert not heavy & loaded
-    assert "report" in done.stdout
-    assert "Traceback" not in done.stderr
+    assert not set(heavy.split()) & loaded
+    assert all(f"\n  {name} " in done.stdout for name in cli.COMMANDS)
 
 
-def test_every_command_that_is_there_has_help(lorentz: Any) -> None:
-    assert set(cli.cli.commands) == {
-        "report",
-        "solve",
-        "simulate",
-        "derive",
-        "bench",
-        "stress",
-        "compare",
-    }
-    for name in cli.cli.commands:
-        out = lorentz(name, "--help")
-        assert f"lorentz {name}" in out
-        for parameter in cli.cli.commands[name].params:
-            # What an argument is, the command's own text says: click has no help for arguments.
-            if isinstance(parameter, click.Option):
-                assert parameter.help, f"{name} {parameter.name} has no help"
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_every_option_has_help(name: str) -> None:
+    command = cli.cli.get_command(click.Context(cli.cli), name)
+    assert command is not None
+    assert command.help
+    assert command.get_short_help_str()
+    for parameter in command.params:
+        # what an argument is, the command's own text says: click has no help for arguments
+        assert not isinstance(parameter, click.Option) or parameter.help, parameter.name
 
 
-def test_solve_prints_one_json_document(lorentz: Any) -> None:
-    document = lorentz.json("solve", "-e", "0.5", "--times", "1,10,100")
-    assert document["times"] == [1, 10, 100]
-    speeds = document["thermal_speed"]
-    assert 2**0.5 > speeds[0] > speeds[1] > speeds[2] > 0
+# -- solve ----------------------------------------------------------------------------------------
 
 
-def test_solve_prints_a_table_with_units(lorentz: Any) -> None:
+def test_solve_prints_a_table_or_one_json_document(lorentz: Any) -> None:
+    document = lorentz.json("solve", "-e", "0.5", "--times", "0,1:100:3")
+    expected = solve(Scene(0.5, times=[0, 1, 10, 100], outputs=("thermal_speed", "a2", "msd")))
+    assert document["times"] == [0, 1, 10, 100]
+    assert document["status"] == "converged"
+    assert document["msd"] == expected.msd.tolist()
     lines = lorentz("solve", "-e", "0.5", "--times", "1,10").splitlines()
-    assert lines[0].split("  ")[-1] == "<r^2> [d^2]"
-    assert [line.split()[0] for line in lines[1:3]] == ["1", "10"]
+    assert lines[0].split() == ["t", "[d/U]", "v0", "[U]", "a2", "<r^2>", "[d^2]"]
+    assert [float(x) for x in lines[2].split()] == pytest.approx(
+        [10.0, expected.thermal_speed[2], expected.a2[2], expected.msd[2]], rel=1e-5
+    )
 
 
 def test_solve_prints_what_is_asked_for(lorentz: Any) -> None:
     more = ["--outputs", "kurtosis", "--radii", "0,1", "--wave-numbers", "0.0,0.1"]
     arguments = ["solve", "-e", "0.5", "--times", "0,100", "--rtol", "1e-3", *more]
-    found = lorentz.json(*arguments)
+    found = lorentz.json(*arguments, "--collision-numbers", "1,5")
     assert "msd" not in found
     assert found["kurtosis"][1] > 2.0
     assert found["scaled_position_density"][1][0] == 0.0
     assert 0.5 < found["scaled_position_density"][1][1] < 0.7
     assert found["intermediate_scattering"][0] == [1.0, 1.0]
+    assert found["by_collision"]["collision_numbers"] == [1, 5]
     text = lorentz(*arguments)
-    assert "G(1)" in text
-    assert "F(0.1/d)" in text
+    assert all(head in text for head in ("<r^4>", "G(1)", "F(0.1/d)", "status: "))
 
 
-def test_solve_at_the_end_of_double_precision(lorentz: Any) -> None:
-    """t v/l overflows; G(R) is late, and does not depend on it."""
-    found = lorentz("solve", "--number-density", "1e12", "--times", "1e308", "--radii", "1,2")
-    assert "status: the error estimate meets rtol" in found
-
-
-def test_solve_scaled_prints_the_cooling_rate(lorentz: Any) -> None:
-    document = lorentz.json("solve", "--scaled", "-e", "0.5")
+def test_solve_scaled(lorentz: Any) -> None:
+    document = lorentz.json("solve", "--scaled", "-e", "0.5", "-o", "a.csv")
     b = math.sqrt(0.75)  # h = 2 sqrt(kappa lambda(1)) at e = 1/2
     kappa, rate = 1 - 0.5 * math.acos(0.5) / b, (1 - 0.25 * math.atanh(b) / b) / 2
     assert document["cooling_rate"] == pytest.approx(2 * math.sqrt(kappa * rate), rel=1e-9)
     assert document["moments"]["2"] == pytest.approx(1)
+    assert list(rows_of("a.csv")[0]) == ["c", "vdf"]
     assert "cooling_rate" in lorentz("solve", "--scaled", "-e", "0.5")
 
 
-@pytest.mark.parametrize("medium", ["hard-disks", "poisson", "boltzmann-grad"])
-def test_simulate_prints_estimates_with_errors(lorentz: Any, medium: str) -> None:
-    arguments = ["simulate", "--medium", medium, "--count", "400", "--media", "4", "--times", "1,9"]
+def test_solve_the_steady_state_in_a_field(lorentz: Any) -> None:
+    arguments = ("solve", "--field-steady", "-e", "0.5", "--dimension", "3", "--rtol", "1e-4")
+    found = lorentz.json(*arguments, "--field-units", "9.81,0.001,1e8", "-o", "a.csv")
+    state = solve_field(0.5, 3, rtol=1e-4)
+    assert found["drift"] == state.drift
+    assert found["diffusion_parallel"] == state.diffusion_parallel
+    assert found["status"] == "converged"
+    assert found["plan"][0]["part"] == "angular harmonics"
+    path = 1.0 / (math.pi * 1e-6 * 1e8)
+    assert found["in_units"]["drift"] == pytest.approx(state.drift * math.sqrt(9.81 * path))
+    assert rows_of("a.csv")[0]["drift [sqrt(g l)]"] == pytest.approx(state.drift)
+    assert f"drift                    {state.drift:.13g}" in lorentz(*arguments)
+
+
+def test_solve_averages_over_time_in_a_field(lorentz: Any) -> None:
+    asked = ("--outputs", "mean_velocity,displacement_tensor,collisions", "--rtol", "1e-4")
+    arguments = ("solve", "--field", "0.08", "--initial", "rest", "--times", "1,100", *asked)
+    found = lorentz.json(*arguments)
+    assert found["field"] == 0.08
+    assert found["mean_velocity"][1][0] == pytest.approx(solve_field(0.7).drift, rel=1e-4)
+    heads = lorentz(*arguments).splitlines()[0]
+    assert all(head in heads for head in ("<v_x> [U]", "var(x) [d^2]", "collisions"))
+
+
+def test_starts_from_the_command_line(lorentz: Any) -> None:
+    Path("start.csv").write_text("speed,density\n0,0\n1,1\n2,0\n")
+    for options, initial in (
+        (["--initial", "beam", "--speed", "2", "--direction", "1"], Beam(1.0, Monoenergetic(2.0))),
+        (["--initial", "monoenergetic", "--speed", "0.5"], Monoenergetic(0.5)),
+        (["--initial", "start.csv"], SpeedTable([0, 1, 2], [0, 1, 0])),
+    ):
+        expected = solve(Scene(0.7, initial=initial, times=[10.0], outputs="msd")).msd
+        found = lorentz.json("solve", *options, "--times", "10", "--outputs", "msd")
+        assert found["msd"] == expected.tolist()
+    for text in ("0,0\n1,one\n", "0,0\n", "\x00", "0;0\n1;1\n"):
+        Path("start.csv").write_text(text)
+        assert "start.csv" in lorentz.refused("solve", "--initial", "start.csv")
+
+
+# -- files ----------------------------------------------------------------------------------------
+
+
+def rows_of(path: str) -> list[dict[str, float]]:
+    with open(path, encoding="utf-8", newline="") as file:
+        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+def test_a_table_in_a_file_has_heads_with_units_and_a_column_for_each_point(lorentz: Any) -> None:
+    pandas = pytest.importorskip("pandas")
+    asked = ("solve", "--outputs", "thermal_speed", "--rtol", "1e-4", "--times", "300")
+    points = ("--speeds", "0.1,0.2", "--radii", "1,2")
+    lorentz(*asked, *points, "-o", "a.csv")
+    lorentz(*asked, *points, "-o", "a.parquet")
+    outputs = ("thermal_speed", "speed_density", "position_density")
+    expected = solve(Scene(0.7, times=[300.0], outputs=outputs), 1e-4)
+    (row,) = rows_of("a.csv")
+    assert row["time [d/U]"] == 300.0
+    assert row["thermal_speed [U]"] == expected.thermal_speed[0]
+    f, g = expected.speed_density([0.1, 0.2])[0], expected.scaled_position_density([1, 2])[0]
+    assert [row["speed_density(v=0.1) [1/U]"], row["speed_density(v=0.2) [1/U]"]] == f.tolist()
+    assert [row[f"scaled_position_density(R={k})"] for k in (1, 2)] == g.tolist()
+    assert pandas.read_parquet("a.parquet").iloc[0].to_dict() == row
+
+
+@pytest.mark.parametrize("name", ["a.h5", "A.H5"])
+def test_a_result_that_can_be_loaded(lorentz: Any, name: str) -> None:
+    found = lorentz.json(*SOLVE, "-o", name)
+    assert load(name).msd.tolist() == found["msd"]
+
+
+def test_a_netcdf_file(lorentz: Any) -> None:
+    xarray = pytest.importorskip("xarray")
+    found = lorentz.json(*SOLVE, "-o", "a.nc")
+    with xarray.open_dataset("a.nc") as dataset:
+        assert dataset.msd.values.tolist() == found["msd"]
+        assert dataset.msd.attrs["units"] == "d^2"
+    assert os.listdir() == ["a.nc"]
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.svg"])
+def test_a_picture_of_a_run(lorentz: Any, name: str) -> None:
+    arguments = ("simulate", "--media", "2", "--count", "400", "--tracers", "3", "--until", "50")
+    plain = lorentz(*arguments)
+    assert lorentz(*arguments, "--picture", name) == plain
+    assert Path(name).stat().st_size > 10_000
+
+
+# -- simulate and derive --------------------------------------------------------------------------
+
+
+def test_the_file_of_a_run_holds_what_python_gives(lorentz: Any) -> None:
+    arguments = [
+        "simulate", "-e", "0.6", "--media", "3", "--tracers", "4", "--count", "400", "--times",
+        "1,9", "--initial", "monoenergetic", "--max-collisions", "7", "--seed", "5", "-o", "run.h5",
+        "--observables", "positions, velocities", "--tangential-restitution", "0.8",
+    ]  # fmt: skip
     document = lorentz.json(*arguments)
-    assert document["times"] == [1, 9]
-    for name in ("thermal_speed", "a2", "msd", "collisions"):
-        assert len(document[name]["value"]) == len(document[name]["error"]) == 2
-    assert document["statuses"]["finished"] == 400
-    lines = lorentz(*arguments).splitlines()
-    assert lines[0].split()[:2] == ["t", "[d/U]"]
-    assert f"{document['msd']['value'][1]:.6g}" in lines[2]
+    expected = simulate(
+        HardDisks(0.04, 400), 0.6, "monoenergetic", [1, 9], media=3, tracers=4, max_collisions=7,
+        seed=5, observables=["positions", "velocities"], tangential_restitution=0.8,
+    )  # fmt: skip
+    np.testing.assert_array_equal(Ensemble.load("run.h5").positions, expected.positions)
+    assert document["kurtosis"]["value"] == expected.kurtosis.value.tolist()
+    assert document["missing"] == expected.missing.tolist()
+    assert document["tangential_restitution"] == 0.8
+    before = Path("run.h5").read_bytes()
+    lorentz.refused(*arguments)  # it exists
+    lorentz.refused(*arguments, "--resume", "--seed", "6")
+    assert Path("run.h5").read_bytes() == before
+    assert f"{expected.msd.value[1]:.6g}" in lorentz(*arguments, "--resume")
 
 
-def test_derive_prints_one_equation_with_its_steps(lorentz: Any, tmp_path: Path) -> None:
-    file = tmp_path / "sonine9.tex"
-    document = lorentz.json("derive", "--only", "sonine9", "--latex", str(file))
+@pytest.mark.parametrize(
+    ("options", "medium"),
+    [
+        ("--medium boltzmann-grad --dimension 3", BoltzmannGrad(0.04, dimension=3)),
+        ("--medium hard-spheres --count 100", HardSpheres(0.04, count=100)),
+        ("--medium poisson-spheres --count 100", PoissonSpheres(0.04, count=100)),
+        ("--medium hard-disks --count 100", HardDisks(0.04, 100)),
+    ],
+)
+def test_media(lorentz: Any, options: str, medium: Any) -> None:
+    found = lorentz.json(*TINY, *options.split())
+    expected = simulate(medium, 0.7, times=[1, 9], media=2, tracers=3)
+    assert found["medium"] == options.split()[1]
+    assert found["dimension"] == medium.dimension
+    assert found["msd"] == {n: getattr(expected.msd, n).tolist() for n in ("value", "error")}
+    assert found["statuses"]["finished"] == 6
+
+
+def test_scatterers_from_a_file(lorentz: Any) -> None:
+    Path("disks.csv").write_text("x,y\n3,3\n1,8\n8,2\n")
+    arguments = ["simulate", "--positions", "disks.csv", "--media", "2", "--times", ""]
+    found = lorentz.json(*arguments, "--max-collisions", "9", "--box-side", "10")
+    assert (found["number_density"], found["medium"]) == (0.03, "positions")
+    assert found["statuses"]["collision_cap"] == 200
+    assert "mean free path" in lorentz(*arguments, "--max-collisions", "9", "--box-side", "10")
+    Path("disks.csv").write_bytes(bytes(range(256)))
+    assert "disks.csv" in lorentz.refused(*arguments, "--box-side", "10")
+
+
+def test_a_run_in_a_field(lorentz: Any) -> None:
+    arguments = (
+        "simulate", "--medium", "boltzmann-grad", "-e", "0.6", "--number-density", "0.5",
+        "--initial", "rest", "--field", "1.5", "--depth", "2", "--times", "0,1,40", "--media", "4",
+        "--tracers", "50",
+    )  # fmt: skip
+    printed = lorentz.json(*arguments)
+    times = [0.0, 1.0, 40.0]
+    run = simulate(
+        BoltzmannGrad(0.5), 0.6, "rest", times, media=4, tracers=50, field=1.5, depth=2.0
+    )
+    names = "drift drift_of_moving trapped_fraction velocity_tensor mean_displacement passed"
+    for name in (*names.split(), "dispersion_parallel", "mean_passage_time"):
+        assert np.array_equal(printed[name]["value"], getattr(run, name).value), name
+        assert np.array_equal(printed[name]["error"], getattr(run, name).error), name
+    out = lorentz(*arguments)
+    assert all(text in out for text in ("<v_x> [U]", "passed 2 d", "first passage"))
+
+
+def test_derive_prints_one_equation_with_its_steps(lorentz: Any) -> None:
+    document = lorentz.json("derive", "--only", "sonine9", "--latex", "a.tex")
     assert document["checks"][0]["label"] == "sonine9"
-    assert "\\end{document}" in file.read_text(encoding="utf-8")
-    assert [p.name for p in file.parent.iterdir()] == ["sonine9.tex"]
+    assert "\\end{document}" in Path("a.tex").read_text(encoding="utf-8")
+    assert os.listdir() == ["a.tex"]
     assert "sonine9" in lorentz("derive", "--only", "sonine9")
 
 
-@pytest.mark.slow
-def test_a_report_of_two_restitutions(lorentz: Any, tmp_path: Path) -> None:
-    output = tmp_path / "out"
-    arguments = ["report", "-o", str(output), "-e", "0.5", "-e", "1", *TINY]
-    document = lorentz.json(*arguments)
-    assert sorted(p.name for p in output.iterdir()) == ["report.html", "report.json"]
-    assert document == json.loads((output / "report.json").read_text(encoding="utf-8"))
-    strict = [r for r in document["rows"] if r["kind"] == "numerical"]
-    assert len(strict) == 3
-    assert {r["verdict"] for r in strict} == {"agrees"}
-    assert {c["status"] for c in document["algebra"]} >= {"verified"}
-    page = (output / "report.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == len(document["figures"]) + 1  # and the picture of the system
-    # The same seed gives the same report, to the byte, whatever the number of threads.
-    before = {p.name: p.read_bytes() for p in output.iterdir()}
-    table = lorentz(*arguments, "--workers", "1")
-    assert "h(e)" in table
-    assert str(output / "report.html") in table
-    same = [
-        (b.replace(b'"workers": null', b'"workers": 1'), (output / name).read_bytes())
-        for name, b in before.items()
-    ]
-    assert all(a == b for a, b in same)
+# -- the terminal, and streams that take nothing --------------------------------------------------
 
 
-@pytest.mark.slow
-def test_a_report_without_a_cooling_restitution(lorentz: Any, tmp_path: Path) -> None:
-    output = tmp_path / "out"
-    lorentz("report", "-o", str(output), "-e", "1", *TINY)
-    document = json.loads((output / "report.json").read_text(encoding="utf-8"))
-    assert "cooling-rate" not in document["figures"]
-    assert document["cases"][0]["scaled"] is None
+def test_what_is_printed_fits_100_columns_and_is_in_no_notation_of_python(lorentz: Any) -> None:
+    outputs = "thermal_speed,temperature,a2,collisions,msd,kurtosis,diffusion_coefficient"
+    for arguments in (
+        (*SOLVE, "--outputs", outputs, "--radii", "1:8:12", "--rtol", "1e-5"),
+        ("solve", "--scaled"),
+        ("solve", "--field-steady", "--field-units", "9.81,0.001,1e8"),
+        (*TINY[:-1], "1,1e7"),
+    ):
+        text = lorentz(*arguments)
+        assert max(map(len, text.splitlines())) <= 100
+        assert not any(sign in text for sign in ("e+", "e-0", "np.", "\x1b"))
+
+
+def run(*arguments: str, **keywords: Any) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "kinetics.cli", *arguments]
+    pipes = {name: keywords.pop(name, subprocess.PIPE) for name in ("stdout", "stderr")}
+    return subprocess.run(command, text=True, **pipes, **keywords)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminal")
-def test_progress_is_shown_on_a_terminal_only(tmp_path: Path) -> None:
+def test_progress_and_colour_are_shown_on_a_terminal_only() -> None:
     import fcntl
     import pty
     import struct
     import termios
 
-    arguments = ["simulate", "--media", "20", "--count", "400", "--times", "1", "--json"]
-    master, terminal = pty.openpty()
-    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
-    command = [sys.executable, "-m", "kinetics.cli", *arguments]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=terminal, cwd=tmp_path)
-    os.close(terminal)
-    shown = os.read(master, 100_000).decode()
-    os.close(master)
-    assert "/20" in shown
-    assert json.loads(done.stdout)["tracers"] == 100
-    assert run(*arguments, cwd=tmp_path).stderr == ""
+    def shown(stream: str, *arguments: str) -> tuple[str, Any]:
+        master, terminal = pty.openpty()
+        fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
+        done = run(*arguments, **{stream: terminal}, env=os.environ | {"TERM": "xterm-256color"})
+        os.close(terminal)
+        text = os.read(master, 100_000).decode()
+        os.close(master)
+        return text, done
+
+    text, done = shown("stderr", *TINY, "--json")
+    assert "/2" in text
+    assert json.loads(done.stdout)["tracers"] == 3
+    assert run(*TINY, "--json").stderr == ""
+    text, _ = shown("stdout", *TINY)
+    assert "\x1b[1m" in text
 
 
-def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
-    done = subprocess.run(
-        f"{sys.executable} -m kinetics.cli derive --only sonine9 --json | head -c 1",
-        shell=True,
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-    )
-    assert done.stderr == ""
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize(
+    ("redirect", "status", "lines"),
+    [
+        (">/dev/full", 2, 1),
+        (">&-", 2, 1),
+        (">/dev/full 2>/dev/full", 2, 0),
+        (">&- 2>&-", 2, 0),
+        ("2>/dev/full", 0, 0),
+        ("2>&-", 0, 0),
+        ("-e 7 2>/dev/full", 2, 0),
+        ("--json | head -c 1", 0, 0),
+    ],
+)
+def test_a_stream_that_takes_nothing_makes_no_traceback(
+    redirect: str, status: int, lines: int
+) -> None:
+    command = f"set -o pipefail; {sys.executable} -m kinetics.cli {' '.join(TINY)} {redirect}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert done.returncode == status, done.stderr
+    assert done.stderr.count("\n") == lines
+    assert done.stderr.startswith("lorentz: " * lines)
+
+
+@pytest.mark.parametrize("error", [MemoryError("834 GiB"), ValueError("two\nlines"), OSError("x")])
+def test_whatever_stops_a_command_is_one_line(
+    lorentz: Any, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(particles, "simulate", fail)
+    assert str(error).split()[-1] in lorentz.refused("simulate")
+
+
+def test_warnings_are_one_line_and_numpys_are_not_shown() -> None:
+    code = """
+import sys, warnings
+import numpy as np
+import particles
+from kinetics import cli
+
+def simulate(*_, **__):
+    np.float64(1e300) * np.float64(1e300)
+    warnings.warn("mind the\\nstep")
+    raise ValueError("the end")
+
+particles.simulate = simulate
+sys.exit(cli.main())
+"""
+    command = [sys.executable, "-c", code, "simulate"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.stderr == "lorentz: warning: mind the step\nlorentz: the end\n"
+    assert done.returncode == 2
 
 
 def test_a_status_that_a_command_sets_is_the_one_of_the_process(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """`lorentz stress` ends with 1 if a case ended as it must not."""
-
-    @click.command()
-    @click.pass_context
-    def bad(context: click.Context) -> None:
-        context.exit(1)
-
-    monkeypatch.setitem(cli.cli.commands, "bad", bad)
-    assert cli.main(["bad"]) == 1
+    for status in (0, 1):
+        command = click.Command("bad", callback=lambda status=status: status)
+        monkeypatch.setitem(cli.cli.commands, "bad", command)
+        assert cli.main(["bad"]) == status

@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
@@ -106,3 +106,10 @@ def plain(value: Any) -> Any:
 def dumps(value: Any) -> str:
     """Strict JSON of a value (see `plain`) and a newline."""
     return json.dumps(plain(value), allow_nan=False, indent=1) + "\n"
+
+
+def markdown_table(rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """Lines of a Markdown table, the keys of the first row its heads, and an empty line."""
+    lines = [list(rows[0]), ["---"] * len(rows[0]), *(row.values() for row in rows)]
+    cells = ([cell.replace("|", "\\|") for cell in line] for line in lines)
+    return [*(f"| {' | '.join(line)} |" for line in cells), ""]

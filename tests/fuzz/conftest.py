@@ -1,4 +1,4 @@
-"""What the fuzz tests share: helpers, a folder for what they write, handlers kept as they were."""
+"""The fuzz tests write in a folder of their own, and leave signal handlers as they were."""
 
 import signal
 import sys
@@ -7,19 +7,13 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))  # for fuzzing.py and the others beside it
+sys.path.insert(0, str(Path(__file__).parent))  # for fuzzing.py
 
 
 @pytest.fixture(autouse=True)
-def _keep_signal_handlers() -> Iterator[None]:
-    numbers = (signal.SIGTERM, signal.SIGINT)
-    before = [signal.getsignal(number) for number in numbers]
-    yield
-    for number, handler in zip(numbers, before, strict=True):
-        signal.signal(number, handler)
-
-
-@pytest.fixture(autouse=True)
-def _folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run may be given any name for its file."""
+def _apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.chdir(tmp_path)
+    before = [(number, signal.getsignal(number)) for number in (signal.SIGTERM, signal.SIGINT)]
+    yield
+    for number, handler in before:
+        signal.signal(number, handler)

@@ -1,0 +1,96 @@
+"""The commands `bench` and `stress`: measure, print the tables, and write them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.cli.options import json_option, output_path, progress
+
+CASES = ("scaled", "cooling", "position", "field", "accuracy", "skipping", "particles")
+
+
+def _output_option(names: str) -> Any:
+    return click.option(
+        "-o", "--output", type=output_path, help=f"Folder for {names}. [default: none is written]"
+    )
+
+
+@click.command(short_help="Measure run time against error, and what skipping saves.")
+@click.option("--quick", is_flag=True, help="Fewer cases, about a minute; else about ten.")
+@click.option(
+    "--case", "cases", multiple=True, type=click.Choice(CASES),
+    help="Measure this alone; may be repeated. [default: all]",
+)  # fmt: skip
+@_output_option("bench.json, bench.md and work-precision.svg")
+@json_option
+def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
+    """Measure every method on the same problems, against references of 1e-13 or better.
+
+    Prints Markdown tables: run time for an error, error asked against error reached, what skipping
+    saves, collisions per second, and what failed.
+    """
+    from kinetics.crosscheck.bench import run_bench
+
+    _require(output)
+    with progress() as tell:
+        report = run_bench(quick, cases or None, tell)
+    _show(report, output, as_json)
+
+
+@click.command(short_help="Drive solvers and particles to their limits; a verdict for each case.")
+@click.option("--quick", is_flag=True, help="Fewer cases, in one to two minutes.")
+@click.option(
+    "--group", "groups", multiple=True, help="Run this group alone; may be repeated. [default: all]"
+)
+@_output_option("stress.json and stress.md")
+@json_option
+def stress(quick: bool, groups: tuple[str, ...], output: Path | None, as_json: bool) -> int:
+    """Drive solvers and particles to their limits, and give each case a verdict.
+
+    Restitution to within 1e-10 of 0 and 1, times to 1e300, speeds from 1e-150 to 1e150, rough
+    starts, dense media, grazing and corner starts: error reached against error asked, invariants,
+    and the worst case of each group. Ends with status 1 if a case ended as it must not. All of it
+    takes about half an hour; Ctrl-C or SIGTERM reports what has been run by then.
+    """
+    from kinetics.crosscheck.stress import run_stress
+
+    def interrupted(report: Any) -> None:
+        _show(report, output, as_json)
+        click.echo(f"lorentz: interrupted: {report.not_run} cases were not run", err=True)
+
+    _require(output)
+    with progress() as tell:
+        report = run_stress(quick, groups or None, tell, interrupted)
+    _show(report, output, as_json)
+    return int(bool(report.rejected))
+
+
+def _require(output: Path | None) -> None:
+    """Raise ValueError, before the work, for a folder that cannot be written."""
+    from kinetics.crosscheck.files import require_writable_folder
+
+    if output is not None:
+        require_writable_folder(output)
+
+
+def _show(report: Any, output: Path | None, as_json: bool) -> None:
+    """Print what a run gave, Markdown with its tables drawn on a terminal, and write its files."""
+    from kinetics.crosscheck.files import write_together
+
+    if as_json:
+        click.echo(report.to_json(), nl=False)
+    elif sys.stdout.isatty():
+        from rich.console import Console
+        from rich.markdown import Markdown
+
+        Console().print(Markdown(report.markdown()))
+    else:
+        click.echo(report.markdown(), nl=False)
+    if output is not None:
+        for path in write_together(output, report.files()):
+            if not as_json:
+                click.echo(f"wrote {path}")

@@ -1,0 +1,195 @@
+"""Options that several commands have, and what all of them show on the terminal alike."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+
+MOST_NUMBERS = 100_000  # of one range
+WIDTH = 100  # columns of a table
+UNITS = (
+    "Lengths are in d (diameter of a scatterer and of the tracer), speeds in U (standard deviation "
+    "of one component of the initial velocity), times in d/U, densities in d^-2 (in space d^-3)."
+)
+
+
+class Numbers(click.ParamType):
+    """Numbers and ranges of numbers, "0,1,10:1000:5": a tuple of floats, perhaps empty.
+
+    A range A:B:N is N numbers from A to B, each larger than the one before by the same factor.
+    """
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, ...]:
+        """The numbers, or click's complaint that names the option and the text."""
+        if isinstance(value, tuple) or not value.strip():
+            return value or ()
+        try:
+            return tuple(x for part in value.split(",") for x in _numbers(part))
+        except ValueError:
+            what = "it must be numbers separated by commas, or a range such as 1:1e6:50"
+            self.fail(f"{value!r}: {what}, from 1 to 1e6 in 50", param, ctx)
+
+
+class OutputPath(click.Path):
+    """A path to write to. The empty text, as of a variable that is not set, is refused."""
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """The path, or click's complaint that names the option."""
+        if value == "":
+            self.fail("'' is no path; it must name a file or a folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+output_path = OutputPath(path_type=Path)
+
+
+def _numbers(part: str) -> tuple[float, ...]:
+    """One number, or those of a range."""
+    if ":" not in part:
+        return (float(part),)
+    first, last, count = part.split(":")
+    low, high, n = float(first), float(last), int(count)
+    if not (0.0 < low < math.inf and 0.0 < high < math.inf and 2 <= n <= MOST_NUMBERS):
+        raise ValueError(part)
+    inner = (low * (high / low) ** (k / (n - 1)) for k in range(1, n - 1))
+    return (low, *(float(f"{x:.14g}") for x in inner), high)
+
+
+restitution_option = click.option(
+    "-e", "--restitution", type=float, default=0.7, help="Coefficient of restitution, 0 to 1."
+)
+tangential_option = click.option(
+    "--tangential-restitution", type=float, default=1.0,
+    help="What a collision leaves of the tangential velocity, 0 to 1.",
+)  # fmt: skip
+density_option = click.option(
+    "--number-density", type=float, default=0.04, help="Scatterers per d^2; in space per d^3."
+)
+times_option = click.option(
+    "--times", type=Numbers(), default="1,3,10,30,100,300,1000",
+    help="Output times in d/U, increasing, separated by commas; 1:1e6:50 is 50 of them from 1 to "
+    "1e6, at equal ratios.",
+)  # fmt: skip
+until_option = click.option(
+    "-t", "--until", type=float,
+    help="Last time in d/U: in place of --times, 31 times up to it, 10 in a decade.",
+)  # fmt: skip
+seed_option = click.option("--seed", type=int, default=1, help="Seed of every random number.")
+workers_option = click.option(
+    "--workers", type=int, default=None, help="Threads. [default: one per processor]"
+)
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON document and nothing else."
+)
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """The names in a text that separates them by commas."""
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def given(names: Iterable[str]) -> list[str]:
+    """Those of the parameters that stand on the command line, as their options are written."""
+    context = click.get_current_context()
+    options = {one.name: one.opts[-1] for one in context.command.params}
+    found = (n for n in names if context.get_parameter_source(n) is not ParameterSource.DEFAULT)
+    return [options[name] for name in found if name in options]
+
+
+def refuse_given(names: Iterable[str], beside: str) -> None:
+    """Raise click.UsageError if one of the parameters was given, which mean nothing `beside`."""
+    for option in given(names):
+        raise click.UsageError(f"{option}: not with {beside}")
+
+
+def times_until(times: tuple[float, ...], until: float | None) -> tuple[float, ...]:
+    """The times of --times, or of --until in its place. Raises ValueError for one not above 0."""
+    if until is None:
+        return times
+    refuse_given(["times"], "--until, which stands in its place")
+    if not 0.0 < until < math.inf:
+        raise ValueError(f"until: got {until:g}; it must be a finite time above 0")
+    return _numbers(f"{until / 1e3!r}:{until!r}:31")
+
+
+# -- on the terminal ------------------------------------------------------------------------------
+
+
+def print_json(document: Any) -> None:
+    """Print one strict JSON document on standard output."""
+    from kinetics.crosscheck.files import dumps
+
+    click.echo(dumps(document), nl=False)
+
+
+def written(value: Any, digits: int = 6) -> str:
+    """A number as a physicist writes it: 0.0123, 1e6, 4.5e-7; other values as text."""
+    if not isinstance(value, float):
+        return str(value)
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+
+
+def columns(heads: Sequence[str], values: Iterable[Iterable[float]]) -> str:
+    """A table of numbers, one column per head; what is too wide goes on in a table below.
+
+    Each of these begins with the first column. Heads are bold where the terminal has colours.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    cells = [
+        [head, *(written(float(x)) for x in column)]
+        for head, column in zip(heads, values, strict=True)
+    ]
+    blocks, width = [cells[:1]], 0
+    for column in cells[1:]:
+        wide = max(map(len, column)) + 2
+        if len(blocks[-1]) > 1 and width + wide > WIDTH:
+            blocks.append(cells[:1])
+        if len(blocks[-1]) == 1:
+            width = max(map(len, cells[0]))
+        blocks[-1].append(column)
+        width += wide
+    console = Console(width=10_000, force_terminal=sys.stdout.isatty())
+    with console.capture() as capture:
+        for block in blocks:
+            table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="bold")
+            for head, *_ in block:
+                table.add_column(head.replace("[", r"\["), justify="right", no_wrap=True)
+            for row in zip(*(column[1:] for column in block), strict=True):
+                table.add_row(*row)
+            console.print(table)
+    return capture.get().rstrip("\n")
+
+
+@contextmanager
+def progress(total: int | None = None) -> Iterator[Callable[..., None]]:
+    """A function tell(name, total, done) for the beginning of each part of long work.
+
+    It moves a bar on standard error, by one part where ``done`` is not told, if that is a terminal.
+    """
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda *_, **__: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    shown = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*shown, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=total)
+
+        def tell(name: str, total: int | None = None, done: int | None = None) -> None:
+            now = bar.tasks[0].completed + 1 if done is None else done
+            bar.update(task, description=name, total=total or bar.tasks[0].total, completed=now)
+
+        yield tell

@@ -1,0 +1,250 @@
+"""The command `simulate`: follows particles and prints estimates with their errors."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.cli import options
+
+# name in the result -> head of its column
+ESTIMATES = {
+    "thermal_speed": "v0 [U]",
+    "a2": "a2",
+    "msd": "<r^2> [d^2]",
+    "kurtosis": "kurtosis",
+    "collisions": "collisions",
+}
+IN_FIELD = {
+    "drift": "<v_x> [U]",
+    "thermal_speed": "v0 [U]",
+    "dispersion_parallel": "var x [d^2]",
+    "dispersion_perpendicular": "var y [d^2]",
+    "collisions": "collisions",
+}
+ENDS = ("finished", "collision_cap", "trapped", "escaped")
+ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
+OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension")
+PICTURES = (".png", ".svg", ".pdf")
+_DRAWN, _DOTS_PER_INCH = 8, 160
+
+
+@click.command(epilog=options.UNITS, short_help="Follow particles from collision to collision.")
+@click.option(
+    "--medium",
+    type=click.Choice(
+        ["hard-disks", "poisson", "hard-spheres", "poisson-spheres", "boltzmann-grad"]
+    ),
+    default="hard-disks",
+    help="Disks or spheres that do not overlap, that may, or none: random free paths.",
+)
+@options.restitution_option
+@options.tangential_option
+@options.density_option
+@click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
+@click.option(
+    "--box", type=click.Choice(["periodic", "none"]), default="periodic",
+    help="A periodic box, or the unbounded plane, made where a tracer goes (or space, of "
+    "poisson-spheres).",
+)  # fmt: skip
+@click.option(
+    "--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
+    help="Scatterers where this file says: columns x and y. Needs --box-side.",
+)  # fmt: skip
+@click.option("--box-side", type=float, help="Side of the periodic box of --positions.")
+@click.option(
+    "--dimension", type=int,
+    help="Of --medium boltzmann-grad: 2 for disks, as it is if not given, 3 for spheres. Other "
+    "media have their own. Densities of spheres are in d^-3.",
+)  # fmt: skip
+@click.option("--media", type=int, default=100, help="Configurations of scatterers.")
+@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@click.option("--max-collisions", type=int, help="Stop a tracer after so many collisions.")
+@click.option(
+    "--initial", type=click.Choice(["gaussian", "monoenergetic", "rest"]), default="gaussian",
+    help="Initial velocities: Gaussian, all of speed U, or none (in a field).",
+)  # fmt: skip
+@click.option(
+    "--field", type=float, default=0.0,
+    help="Uniform acceleration along +x in U^2/d; not among spheres.",
+)  # fmt: skip
+@click.option("--depth", type=float, help="In a field, record when x = DEPTH [d] is first reached.")
+@options.times_option
+@options.until_option
+@click.option(
+    "--observables", default="", metavar="NAMES",
+    help="What to save beside the averages, separated by commas: speed_histogram, "
+    "velocity_component_histogram, displacement_histogram, free_path_histogram, positions, "
+    "velocities, finals.",
+)  # fmt: skip
+@click.option(
+    "-o", "--output", type=options.output_path, metavar="HDF5",
+    help="Save here, configuration by configuration; FILE.h5md: positions and velocities as H5MD, "
+    "for other programs, written at the end.",
+)  # fmt: skip
+@click.option(
+    "--picture", type=options.output_path, metavar="FILE",
+    help="Draw the paths of the first 8 tracers among the scatterers, coloured by speed: .png, "
+    ".svg or .pdf.",
+)  # fmt: skip
+@click.option("--resume", is_flag=True, help="Go on from --output if it is there.")
+@options.seed_option
+@options.workers_option
+@options.json_option
+def simulate(
+    until: float | None, picture: Path | None, number_density: float, times: tuple[float, ...],
+    observables: str, output: Path | None, as_json: bool, **arguments: Any,
+) -> None:  # fmt: skip
+    """Follow particles from collision to collision; every estimate with its standard error.
+
+    With --output, a run that was stopped in whatever way goes on with --resume to the same bits.
+    """
+    import particles
+    from kinetics.crosscheck.files import require_file
+
+    times = options.times_until(times, until)
+    for name, file, endings in (("output", output, ()), ("picture", picture, PICTURES)):
+        if file is not None:
+            require_file(name, file, endings)
+    names = options.names_in(observables)
+    h5md = output if output is not None and output.suffix.lower() == ".h5md" else None
+    if h5md is not None:
+        if arguments["resume"]:
+            raise ValueError("--resume: an H5MD file is written at the end; give --output FILE.h5")
+        if h5md.exists():
+            raise ValueError(f"output: got {str(h5md)!r}; it exists, and nothing is overwritten")
+        output, names = None, tuple(dict.fromkeys((*names, "positions", "velocities")))
+    described = {name: arguments.pop(name) for name in OF_THE_MEDIUM}
+    scatterers = make_medium(number_density, **described)
+    media = arguments["media"]
+    with _saying_how_to_go_on(output, media), options.progress(media) as tell:
+        run = particles.simulate(
+            scatterers,
+            times=times or None,
+            observables=names or None,
+            output=output,
+            progress=lambda done, total: tell("configurations", total, done),
+            **arguments,
+        )
+    if picture is not None:
+        write_picture(run, picture)
+    if h5md is not None:
+        run.write_h5md(h5md)
+    if as_json:
+        kind = described["medium"] if described["positions"] is None else "positions"
+        options.print_json(_document(run, kind, arguments))
+    else:
+        click.echo(_text(run))
+
+
+def make_medium(
+    number_density: float, medium: str, count: int, box: str, positions: Path | None,
+    box_side: float | None, dimension: int | None,
+) -> Any:  # fmt: skip
+    """The medium that the options describe. Raises ValueError where they do not fit."""
+    import particles
+
+    if (positions is None) != (box_side is None):
+        raise ValueError("--positions and --box-side: give both or neither")
+    if medium == "boltzmann-grad" and positions is None:
+        chosen: Any = 2 if dimension is None else dimension
+        return particles.BoltzmannGrad(number_density, dimension=chosen)
+    spheres = medium.endswith("spheres") and positions is None
+    if dimension not in (None, 3 if spheres else 2):
+        others = "boltzmann-grad" if spheres else "boltzmann-grad, hard-spheres or poisson-spheres"
+        raise ValueError(
+            f"dimension = {dimension}: must be {3 if spheres else 2} unless the medium is {others}"
+        )
+    if positions is not None and box_side is not None:
+        return particles.Positions.from_csv(positions, box_side)
+    if medium == "hard-spheres":
+        if box == "none":
+            raise ValueError("box = 'none': hard-spheres need a periodic box")
+        return particles.HardSpheres(number_density, count=count)
+    if spheres:
+        return particles.PoissonSpheres(number_density, count=None if box == "none" else count)
+    disks = particles.HardDisks if medium == "hard-disks" else particles.Poisson
+    return disks(number_density, count, box=None if box == "none" else "periodic")
+
+
+def write_picture(run: Any, path: Path) -> None:
+    """Draw the paths of the first tracers of the first configuration."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from kinetics.crosscheck.files import write_together
+
+    figure = Figure(figsize=(6.4, 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    run.plot_trajectories(min(_DRAWN, run.tracers), ax=figure.subplots())
+    file = io.BytesIO()
+    figure.savefig(file, format=path.suffix[1:].lower(), dpi=_DOTS_PER_INCH, bbox_inches="tight")
+    write_together(path.parent, {path.name: file.getvalue()})
+
+
+@contextmanager
+def _saying_how_to_go_on(output: Path | None, media: int) -> Iterator[None]:
+    """After Ctrl-C or SIGTERM, say on standard error what is saved and how the run goes on."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit):
+        import h5py
+
+        with suppress(OSError, KeyError), h5py.File(output or "no file", "r") as file:
+            done = f"{file.attrs['done']} of {media} configurations are saved in {output}"
+            click.echo(f"lorentz: {done}; the same command with --resume goes on", err=True)
+        raise
+
+
+def _document(run: Any, kind: str, arguments: dict[str, Any]) -> dict[str, Any]:
+    """What --json prints; kind: of the medium, arguments: those of `simulate`."""
+    estimates = ["mean_free_path", *ESTIMATES]
+    if run.field:
+        estimates += ["drift_of_moving", "trapped_fraction"]
+        estimates += ["drift", "mean_velocity", "velocity_tensor", "mean_displacement"]
+        estimates += ["dispersion", "dispersion_parallel", "dispersion_perpendicular"]
+    if run.plan.depth is not None:
+        estimates += ["passed", "mean_passage_time"]
+    return {
+        "medium": kind,
+        **{
+            name: getattr(run, name)
+            for name in ("restitution", "tangential_restitution", "number_density", "field")
+        },
+        "dimension": run.medium.dimension,
+        **{name: arguments[name] for name in ARGUMENTS},
+        "statuses": {name: getattr(run.statuses, name) for name in ENDS},
+        **{name: getattr(run, name) for name in ("times", "samples", "missing", "trapped")},
+        **{name: _value_and_error(getattr(run, name)) for name in estimates},
+    }
+
+
+def _text(run: Any) -> str:
+    """The estimates as a table, one row for each time, the mean free path, how tracers ended."""
+
+    def line(what: str, estimate: Any, unit: str) -> str:
+        return f"{what}: {estimate.value:.6g} +- {estimate.error:.2g} {unit}"
+
+    lines, heads, values = [], ["t [d/U]"], [run.times]
+    shown = dict(IN_FIELD if run.field else ESTIMATES)
+    if run.plan.depth is not None:
+        shown["passed"] = f"passed {run.plan.depth:g} d"
+    for name, head in shown.items() if run.times.size else ():
+        heads += [head, "+-"]
+        values += _value_and_error(getattr(run, name)).values()
+    if run.times.size:
+        lines.append(options.columns(heads, values))
+    lines.append(line("mean free path", run.mean_free_path, "d"))
+    if run.plan.depth is not None and run.times.size:
+        lines.append(line("mean time of the first passage", run.mean_passage_time, "d/U"))
+    ends = (f"{getattr(run.statuses, name)} {name}" for name in ENDS)
+    return "\n".join([*lines, f"tracers: {', '.join(ends)}"])
+
+
+def _value_and_error(estimate: Any) -> dict[str, Any]:
+    return {"value": estimate.value, "error": estimate.error}

@@ -1,0 +1,335 @@
+"""The command `solve`: prints what the kinetic equation gives for a scene, or for one state."""
+
+from __future__ import annotations
+
+import textwrap
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.cli import options
+from kinetics.errors import InputError
+from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
+
+LAW = ("restitution", "tangential_restitution", "dimension")
+MEDIUM = ("scatterers", "density_order", "number_density")
+HEADS = {row.name: row.head for row in OUTPUTS.values() if row.is_number}
+"""Outputs that are one number for each time -> heads of their columns."""
+TENSORS = {
+    "mean_velocity": (("<v_x> [U]", (0,)),),
+    "mean_displacement": (("<x> [d]", (0,)),),
+    "velocity_tensor": (("<v_x^2> [U^2]", (0, 0)), ("<v_y^2> [U^2]", (1, 1))),
+    "displacement_tensor": (("var(x) [d^2]", (0, 0)), ("var(y) [d^2]", (1, 1))),
+}
+"""Outputs that are vectors or tensors, with --field -> heads of the parts that are printed."""
+DENSITIES = {
+    "speeds": ("speed_density", "f({} U)"),
+    "scaled_radii": ("scaled_position_density", "G({})"),
+    "wave_numbers": ("intermediate_scattering", "F({}/d)"),
+}
+"""Points -> the density that is asked for at them, and the heads of its columns."""
+OVER_TIME = (
+    "times", "until", "initial", "speed", "direction", "field", "outputs", "speeds", "radii",
+    "collision_numbers", "wave_numbers",
+)  # fmt: skip
+"""Options that mean nothing where no scene is solved over time."""
+IN_FIELD = tuple(name for name in FIELD_OUTPUTS if name in (*HEADS, *TENSORS))
+"""Averages that are solved with --field."""
+BY_COLLISION = ("thermal_speed", "a2", "msd")
+"""Those that are printed by collision number as well."""
+STATES = ("gaussian", "monoenergetic", "beam", "rest")
+SCALED = ("cooling_rate", "a2", "error_estimate", "nodes")
+STEADY = (
+    "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
+    "diffusion_perpendicular", "error_estimate", "message",
+)  # fmt: skip
+ENDINGS = (".csv", ".parquet", ".nc", ".h5")
+
+_points = partial(click.option, type=options.Numbers(), default="")
+
+
+@click.command(epilog=options.UNITS, short_help="Solve the kinetic equation.")
+@options.restitution_option
+@options.tangential_option
+@click.option(
+    "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
+)
+@options.density_option
+@click.option(
+    "--initial", default="gaussian", metavar="NAME|FILE.csv",
+    help="Initial velocities: gaussian, monoenergetic, beam (all along one direction), with "
+    "--field also rest; or a .csv file of two columns, the speed in U and its density in 1/U.",
+)  # fmt: skip
+@click.option("--speed", type=float, default=1.0, help="Of monoenergetic or beam, in U.")
+@click.option(
+    "--direction", type=float, default=0.0, help="Of beam: its angle to the x axis, in radians."
+)
+@click.option(
+    "--scatterers", type=click.Choice(["dilute", "overlapping", "hard disks"]), default="dilute",
+    help="Dilute: the paper's equation; else with the correction for this density.",
+)  # fmt: skip
+@click.option(
+    "--density-order", type=click.Choice(["leading", "first", "second"]), default="second",
+    help="How far that correction goes: n ln n, n, or a fitted (n ln n)^2.",
+)  # fmt: skip
+@options.times_option
+@options.until_option
+@click.option(
+    "--scaled", is_flag=True, help="Solve the scaled equation: h, a2 and moments of F(c)."
+)
+@click.option(
+    "--field", type=float, default=0.0,
+    help="A uniform acceleration along x, in U^2/d: averages, and f(v) with --speeds, with it.",
+)  # fmt: skip
+@click.option(
+    "--field-steady", is_flag=True,
+    help="Solve the steady state in a uniform field: drift and dispersion, in units of g and l.",
+)  # fmt: skip
+@_points(
+    "--field-units", metavar="G,D,RHO",
+    help="With --field-steady, also in your units: the acceleration, the diameter and the density "
+    "of the scatterers, separated by commas, such as 9.81,0.001,1e8 in SI units.",
+)  # fmt: skip
+@click.option(
+    "--outputs", default="thermal_speed,a2,msd",
+    help=f"Averages, separated by commas, of {', '.join(HEADS)}; with --field of "
+    f"{', '.join(IN_FIELD)}.",
+)  # fmt: skip
+@_points("--speeds", help="v in U at which to print f(v).")
+@_points("--radii", help="R at which to print G(R), commas.")
+@_points("--collision-numbers", help="N at which to print averages, commas.")
+@_points("--wave-numbers", help="k in 1/d at which to print F.")
+@click.option(
+    "--rtol", type=float, help="Relative tolerance asked for; by default 1e-10, with --radii 1e-6."
+)
+@click.option(
+    "-o", "--output", type=options.output_path, metavar="FILE",
+    help="Write the result here: .csv or .parquet (a row for each time), .nc (netCDF) or .h5 (for "
+    "kinetics.load).",
+)  # fmt: skip
+@options.json_option
+def solve(
+    scaled: bool, field_steady: bool, field_units: tuple[float, ...], outputs: str,
+    speeds: tuple[float, ...], radii: tuple[float, ...], wave_numbers: tuple[float, ...],
+    rtol: float | None, output: Path | None, as_json: bool, until: float | None, **system: Any,
+) -> None:  # fmt: skip
+    """Solve the kinetic equation: averages over time or by collision number, densities, F(k, t)."""
+    mode = "--scaled" if scaled else "--field-steady" if field_steady else ""
+    if mode:
+        options.refuse_given((*OVER_TIME, *(("field_steady",) if scaled else MEDIUM)), mode)
+    if output is not None:
+        from kinetics.crosscheck.files import require_file
+
+        require_file("output", output, ENDINGS)
+    system["times"] = options.times_until(system["times"], until)
+    asked: dict[str, Any] = {}
+    if rtol is None:  # G(R) cannot have 1e-10, and averages in a field take long for it
+        rtol = 1e-6 if (radii or system["field"]) and not mode else 1e-10
+    law = {name: system[name] for name in LAW}
+    if field_units and (not field_steady or len(field_units) != 3 or not min(field_units) > 0):
+        raise click.UsageError("--field-units takes three numbers above 0, with --field-steady")
+    if field_steady:
+        result, found = steady_state(law, field_units, rtol)
+    elif scaled:
+        if system["scatterers"] != "dilute":
+            law |= {name: system[name] for name in MEDIUM}
+        result, found = scaled_state(law, rtol)
+    else:
+        points = {"speeds": speeds, "scaled_radii": radii, "wave_numbers": wave_numbers}
+        asked = {name: at for name, at in points.items() if at}
+        result, found = over_time(system, outputs, asked, rtol)
+    if output is not None:
+        write_result(result, output, asked)
+    if as_json:
+        options.print_json(found)
+    else:
+        click.echo((state_text if mode else text_over_time)(found))
+
+
+def over_time(
+    system: dict[str, Any], outputs: str, asked: dict[str, Any], rtol: float
+) -> tuple[Any, dict[str, Any]]:
+    """The Solution and the JSON document; asked : points by the names in :data:`DENSITIES`."""
+    from kinetics import Scene
+    from kinetics import solve as solve_scene
+    from kinetics.validation import not_negative, one_of, refuse
+
+    known = IN_FIELD if system.get("field") else HEADS
+    names = [one_of("outputs", name, known) for name in options.names_in(outputs)]
+    if not names:
+        refuse("outputs", outputs, f"name at least one of {', '.join(known)}")
+    for name, at in asked.items():  # refused before minutes of work
+        not_negative(name.removeprefix("scaled_"), at)
+    densities = [DENSITIES[name][0] for name in asked]
+    wanted = names + [name.removeprefix("scaled_") for name in densities]
+    initial = initial_state(*(system.pop(name) for name in ("initial", "speed", "direction")))
+    scene = Scene(**system, initial=initial, outputs=tuple(wanted))
+    solution = solve_scene(scene, rtol=rtol)
+    found: dict[str, Any] = {
+        **{name: system[name] for name in (*LAW, *MEDIUM)},
+        "initial": initial if isinstance(initial, str) else repr(scene.state),
+        **({"field": system["field"]} if system.get("field") else {}),
+        "rtol": rtol,
+        "status": solution.status.name.lower(),
+        "message": solution.message,
+        "times": solution.times,
+        **{name: getattr(solution, name) for name in names},
+    }
+    for (name, at), density in zip(asked.items(), densities, strict=True):
+        found |= {name: at, density: getattr(solution, density)(at)}
+    if system.get("field") and "speed_density" in found:
+        found["uncollided"] = solution.uncollided
+    if numbers := system.get("collision_numbers", ()):
+        after = solution.by_collision
+        found["by_collision"] = {
+            "collision_numbers": [int(n) for n in numbers],
+            **{name: getattr(after, name) for name in BY_COLLISION},
+        }
+    return solution, found
+
+
+def text_over_time(found: dict[str, Any]) -> str:
+    """The same as tables, one row per time, and the status."""
+    shown = {HEADS[name]: found[name] for name in HEADS if name in found}
+    for name, parts in TENSORS.items():
+        shown |= {head: found[name][:, *place] for head, place in parts if name in found}
+    tables = [shown]
+    for at, (name, head) in DENSITIES.items():
+        if name in found:
+            heads = [head.format(options.written(float(x))) for x in found[at]]
+            tables.append(dict(zip(heads, found[name].T, strict=True)))
+    lines = [options.columns(["t [d/U]", *t], [found["times"], *t.values()]) for t in tables]
+    if "by_collision" in found:
+        heads = ["N", *(HEADS[name] for name in BY_COLLISION)]
+        lines.append(options.columns(heads, found["by_collision"].values()))
+    return "\n".join([*lines, *textwrap.wrap(f"status: {found['message']}", options.WIDTH)])
+
+
+# -- one state, with no time in it ----------------------------------------------------------------
+
+
+def scaled_state(law: dict[str, Any], rtol: float) -> tuple[Any, dict[str, Any]]:
+    """The scaling state: h, a2 and the moments <c> to <c^6>."""
+    from kinetics import solve_scaled
+
+    state = solve_scaled(**law, rtol=rtol)
+    figures = {name: getattr(state, name) for name in SCALED}
+    moments = {f"{p}": state.moment(p) for p in range(1, 7)}
+    return state, law | figures | {"status": state.status.name.lower(), "moments": moments}
+
+
+def steady_state(
+    law: dict[str, Any], units: tuple[float, ...], rtol: float
+) -> tuple[Any, dict[str, Any]]:
+    """The steady state in a field, in units of g and l, and in the user's own.
+
+    units : acceleration, diameter and number density, in any consistent units; or nothing
+    """
+    from dataclasses import asdict
+
+    from kinetics import solve_field
+
+    state = solve_field(**law, rtol=rtol)
+    found = law | {name: getattr(state, name) for name in STEADY}
+    found |= {"status": state.status.name.lower(), "plan": [asdict(step) for step in state.plan]}
+    return state, found | ({"in_units": asdict(state.in_units(*units))} if units else {})
+
+
+def state_text(found: dict[str, Any]) -> str:
+    """The same, one line for each figure."""
+
+    def line(name: str, value: Any) -> str:
+        return f"{name:24} {options.written(value, 13)}"
+
+    lines = [line(name, x) for name, x in found.items() if not isinstance(x, dict | list)]
+    if "plan" in found:
+        lines.insert(0, "speeds in sqrt(g l), diffusion coefficients in sqrt(g l^3)")
+    lines += [line(f"<c^{p}>", x) for p, x in found.get("moments", {}).items()]
+    if "in_units" in found:
+        lines.append("in the units of acceleration, diameter and number density:")
+        lines += [line(name, x) for name, x in found["in_units"].items()]
+    return "\n".join(lines)
+
+
+# -- files ----------------------------------------------------------------------------------------
+
+
+def initial_state(text: str, speed: float, direction: float) -> Any:
+    """What a Scene takes as `initial`; speed in U, direction in radians, of those that have one.
+
+    text : one of :data:`STATES`, or the path of a .csv file: speed in U, density in 1/U
+    """
+    from kinetics import Beam, Monoenergetic, SpeedTable
+
+    if text not in STATES and not text.endswith(".csv"):
+        names = ", ".join(STATES)
+        raise InputError(f"initial: got {text!r}; it must be {names}, or a .csv file of speeds")
+    if text not in ("monoenergetic", "beam") and speed != 1.0:
+        raise InputError(f"speed: got {speed:g}; it is of --initial monoenergetic and beam")
+    if text != "beam" and direction != 0.0:
+        raise InputError(f"direction: got {direction:g}; it is of --initial beam")
+    if text == "beam":
+        return Beam(direction, Monoenergetic(speed))
+    if text == "monoenergetic" and speed != 1.0:
+        return Monoenergetic(speed)
+    return text if text in STATES else SpeedTable(*_two_columns(text))
+
+
+def _two_columns(path: str) -> Any:
+    """Two columns of numbers, below one line of names if there is one."""
+    import csv
+
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.reader(file) if row]
+    except (UnicodeDecodeError, csv.Error):
+        raise InputError(f"initial: {path} must be a CSV file, text in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"initial: {path} cannot be read ({error.strerror})") from None
+    found = []
+    for number, row in enumerate(rows, 1):
+        try:
+            speed, density = map(float, row)
+            found.append((speed, density))
+        except ValueError:
+            if number > 1:
+                what = f"row {number} of {path} must be two numbers, a speed and its density"
+                raise InputError(f"initial: {what}") from None
+    if len(found) < 2:
+        raise InputError(f"initial: {path} has {len(found)} rows of two numbers; it must have two")
+    return zip(*found, strict=True)
+
+
+def write_result(result: Any, path: Path, points: dict[str, Any]) -> None:
+    """Write a result, whole or not at all; points : where its densities are asked for."""
+    from kinetics.crosscheck.files import write_together
+
+    ending = path.suffix.lower()
+    if ending == ".h5":
+        result.save(path)
+    elif ending == ".nc":
+        contents = bytes(result.to_xarray(**points).to_netcdf(engine="scipy"))
+        write_together(path.parent, {path.name: contents})
+    else:
+        frame = rows_of(result, points)
+        write = frame.to_csv if ending == ".csv" else frame.to_parquet
+        write_together(path.parent, {path.name: write(index=False)})
+
+
+def rows_of(result: Any, points: dict[str, Any]) -> Any:
+    """The data frame of a result, its heads with units, a column for each point of a density."""
+    frame = result.to_dataframe()
+    units = dict(frame.attrs["units"])
+    for name, one in (result.to_xarray(**points) if points else {}).items():
+        unit = one.attrs["units"]
+        if one.dims == ("time",) and name not in frame:  # it comes with a density
+            frame[name], units[name] = one.values, unit
+        elif name.startswith(tuple(DENSITIES[at][0] for at in points)) and len(one.dims) == 2:
+            for x, column in zip(one[one.dims[1]].values, one.values.T, strict=True):
+                head = f"{name}({one.dims[1]}={x:g})"
+                frame[head], units[head] = column, unit
+    heads = {n: n if units.get(n, "1") == "1" else f"{n} [{units[n]}]" for n in frame}
+    frame.attrs = {}  # which a Parquet file cannot hold
+    return frame.rename(columns=heads)

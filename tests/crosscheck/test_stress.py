@@ -1,0 +1,266 @@
+"""The stability sweep: verdicts, references, and a planted wrong answer that it must see."""
+
+import json
+import math
+import signal
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kinetics
+from kinetics import Beam, CollisionLaw, InputError, Monoenergetic, ScalingSolution, Scene, solve
+from kinetics.crosscheck import stress
+from kinetics.crosscheck.stress import (
+    BROKEN,
+    CAREFUL,
+    HOLDS,
+    LONGEST,
+    MISSED,
+    SAYS_SO,
+    SLOW,
+    Case,
+    Outcome,
+    all_cases,
+    attempt,
+    invariants,
+    judge,
+    run_stress,
+    scaling,
+)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "seconds", "expected"),
+    [
+        (Outcome(1e-8, 1e-9), 0.0, HOLDS),
+        (Outcome(1e-8, 2e-8), 0.0, MISSED),
+        (Outcome(1e-8, 2e-8, converged=False), 0.0, SAYS_SO),
+        (Outcome(1e-8, 1e-9, converged=False), 0.0, CAREFUL),
+        (Outcome(1e-8, 1e-9, converged=False, in_part=True), 0.0, SAYS_SO),
+        (Outcome(1e-8, 1e-9, converged=False, known_to=1e-8), 0.0, SAYS_SO),
+        (Outcome(1e-8, 2e-8, in_part=True, known_to=1.0), 0.0, MISSED),
+        (Outcome(converged=False), 0.0, SAYS_SO),
+        (Outcome(1e-8, math.inf, converged=False), 0.0, BROKEN),
+        (Outcome(1e-8, 1e-9, invariants={"mass": (1e-12, 1e-13)}), 0.0, BROKEN),
+        (Outcome(1e-8, 1e-9, invariants={"mass": (math.nan, 1.0)}), 0.0, BROKEN),
+        (Outcome(1e-8, 1e-9, invariants={"mass": (0.0, 0.0)}), 0.0, HOLDS),
+        (Outcome(), 0.0, HOLDS),
+        (Outcome(1e-8, 1e-9), 2 * LONGEST, SLOW),
+        (Outcome(1e-8, 2e-8), 2 * LONGEST, MISSED),
+    ],
+)
+def test_judge(outcome: Outcome, seconds: float, expected: str) -> None:
+    assert judge(outcome, seconds) == expected
+
+
+def test_whatever_a_case_raises_is_its_verdict() -> None:
+    def refuses() -> Outcome:
+        raise InputError("nodes: got 3")
+
+    def warns() -> Outcome:
+        warnings.warn("careful", RuntimeWarning, stacklevel=1)
+        return Outcome()
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a user's own filters must not hide one
+        found = [attempt(Case("g", "n", work)) for work in (refuses, warns, lambda: 1 // 0)]  # type: ignore[list-item]
+    assert [c.verdict for c in found] == [BROKEN] * 3
+    assert [c.note.split(":")[0] for c in found] == [
+        "InputError", "RuntimeWarning", "ZeroDivisionError",
+    ]  # fmt: skip
+
+
+def test_the_worst_invariant_is_shown() -> None:
+    kept = {"a": (1e-3, 1.0), "b": (1e-14, 1e-13), "c": (0.0, 0.0)}
+    case = attempt(Case("g", "n", lambda: Outcome(invariants=kept)))
+    assert (case.invariant, case.violation, case.allowed) == ("b", 1e-14, 1e-13)
+    broken = {"a": (math.nan, 0.0), "b": (9.0, 1.0)}
+    case = attempt(Case("g", "n", lambda: Outcome(invariants=broken)))
+    assert (case.verdict, case.invariant) == (BROKEN, "a")
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        *(CollisionLaw(e) for e in (0.0, 1e-8, 0.3, 0.9, 0.999)), CollisionLaw(1e-10, dimension=3),
+        CollisionLaw(0.7, 0.8, 3), CollisionLaw(1.0, 0.8), stress.other_laws(True)[-1],
+    ],
+    ids=stress.label_of,
+)  # fmt: skip
+def test_integrals_over_the_impact_parameter_give_the_closed_forms(law: CollisionLaw) -> None:
+    known = ScalingSolution(**law.arguments)
+    expected = (known.cooling_rate, 1 + known.a2, law.mean_log_loss, known.diffusion_slope)
+    assert scaling(law) == pytest.approx(expected, rel=1e-12)
+
+
+def test_closed_forms_at_the_elastic_limit() -> None:
+    # kappa -> 2 (1-e)/3, h -> 4 (1-e)/3, a2 -> -1/2, kappa slope -> 2/(4/3)
+    h, one_a2, kappa, slope = scaling(CollisionLaw(1 - 1e-10))
+    gap = 1.0 - (1 - 1e-10)
+    found = (h / gap, one_a2, kappa / gap, kappa * slope)
+    assert found == pytest.approx((4 / 3, 0.5, 2 / 3, 1.5), rel=1e-9)
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_cases_have_names_of_their_own(quick: bool) -> None:
+    names = [(case.group, case.name) for case in all_cases(quick)]
+    assert len(set(names)) == len(names)
+
+
+def named(group: str, name: str) -> Case:
+    return next(c for c in all_cases(True) if c.group == group and c.name.startswith(name))
+
+
+def wrong(factor: float, only: int) -> Callable[..., Any]:
+    """A solver whose averages and densities are all too large, in some of its calls."""
+    calls = iter(range(1000))
+
+    class Wrong:
+        def __init__(self, found: Any) -> None:
+            self.found = found
+
+        def __getattr__(self, name: str) -> Any:
+            value = getattr(self.found, name)
+            if name in ("speed_density", "intermediate_scattering", "scaled_position_density"):
+                return lambda *a, **o: value(*a, **o) * factor
+            if name == "values":
+                return {key: array * factor for key, array in value.items()}
+            kept = ("scene", "times", "status", "uncollided", "moment", "error_estimate")
+            return value if name in kept or not hasattr(value, "shape") else value * factor
+
+    def solver(*arguments: Any, **options: Any) -> Any:
+        found = solve(*arguments, **options)
+        return Wrong(found) if next(calls) == only else found
+
+    return solver
+
+
+@pytest.mark.parametrize(
+    ("group", "name"),
+    [
+        ("cooling", "e = 0.7, gaussian, scale 1,"),
+        ("cooling", "e = 0.7, gaussian, kept references, short"),
+        ("cooling", "spheres, e = 0.7, et = 0.8, gaussian"),
+        ("starts", "e = 0.2, two delta"),
+        ("starts", "disks, e = 0.7, et = 0.8, two delta"),
+        ("spectral density", "e = 0.7, gaussian, its own"),
+        ("late density", "e = 0.7, gaussian"),
+        ("conservative density", "e = 0.7, gaussian, 512"),
+        ("moments of position", "e = 0.7, gaussian"),
+        ("moments of position", "spheres, e = 0.7, gaussian"),
+        ("position density", "e = 0.7, gaussian, t = 1e-300"),
+        ("scattering function", "e = 0.7, gaussian, t = 1"),
+        ("over time in a field", "e = 0.7, rest"),
+    ],
+)
+def test_a_wrong_answer_is_found(monkeypatch: pytest.MonkeyPatch, group: str, name: str) -> None:
+    """An error of a tenth in what a solver says, which claims to have converged."""
+    case = named(group, name)
+    assert attempt(case).accepted
+    monkeypatch.setattr(kinetics, "solve", wrong(1.1, only=0))
+    found = attempt(case)
+    assert found.verdict in (MISSED, BROKEN)
+    if group == "starts":  # no invariant sees it
+        assert found.verdict == MISSED
+
+
+@pytest.mark.parametrize(
+    ("group", "name"),
+    [
+        ("scaled equation", "e = 0.7, rtol 1e-04"),
+        ("steady state", "e = 0"),
+        ("grazing", "e = 0.5, passing the circle at -1e-08"),
+        ("corners", "e = 0.5"),
+        ("thin media", "HardDisks, 1e-06"),
+        ("no tracer inside a disk", "e = 0.5"),
+        ("density", "e = 0.5, et = 0.8, HardSpheres"),
+        ("many collisions", "disks, e = 0.9, et = 0.8"),
+    ],
+)
+def test_a_case_of_each_other_group(group: str, name: str) -> None:
+    assert attempt(named(group, name)).accepted
+
+
+@pytest.mark.slow
+def test_the_quick_sweep() -> None:
+    assert run_stress(quick=True).rejected == ()
+
+
+@pytest.mark.parametrize("length", [-150, -40, 0, 150])
+@pytest.mark.parametrize("speed", [-120, 0, 120])
+@pytest.mark.parametrize("e", [0.0, 0.7, 1.0 - 1e-9])
+def test_averages_do_not_depend_on_the_units(e: float, length: int, speed: int) -> None:
+    """Mean free path and speeds times 1e-150 to 1e150: the answers are those of l = v = 1."""
+    powers = {"thermal_speed": (0, 1), "a2": (0, 0), "collisions": (0, 0), "msd": (2, 0),
+              "kurtosis": (0, 0), "mean_displacement": (1, 0), "mean_velocity": (0, 1)}  # fmt: skip
+    names = tuple(n for n, (a, b) in powers.items() if abs(a * length + b * speed) < 290)
+    times = 10.0 ** np.array([-8.0, -3.0, 0.0, 3.0])
+    one = solve(Scene(e, 0.5, 1.0, initial=Beam(0.3), times=times, outputs=names), 1e-9)
+    start = Beam(0.3, Monoenergetic(10.0**speed))
+    times = times * 10.0 ** (length - speed)
+    scene = Scene(e, 0.5 * 10.0**-length, 1.0, initial=start, times=times, outputs=names)
+    other = solve(scene, 1e-9)
+    for name in names:
+        a, b = powers[name]
+        scaled = other.values[name] / 10.0 ** (a * length) / 10.0 ** (b * speed)
+        size = 1.0 if name == "a2" else np.max(np.abs(one.values[name]))
+        np.testing.assert_allclose(scaled, one.values[name], rtol=1e-8, atol=1e-8 * size)
+
+
+def test_the_invariants_see_what_is_violated() -> None:
+    found = solve(Scene(0.5, times=[0.0, 1.0, 9.0], outputs=("thermal_speed", "msd", "kurtosis")))
+    assert all(violation <= allowed for violation, allowed in invariants(found).values())
+    values = {name: array[::-1].copy() for name, array in found.values.items()}
+    values["kurtosis"] = 0.1 * values["kurtosis"]
+    bad = type("Bad", (), {**{n: getattr(found, n) for n in (
+        "scene", "times", "rtol", "error_estimate", "moment")}, "values": values})  # fmt: skip
+    violated = {name for name, (v, allowed) in invariants(bad).items() if v > allowed}
+    assert {"thermal_speed does not grow", "msd does not fall", "kurtosis >= 1"} <= violated
+
+
+# -- the command ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
+    cases = [
+        Case("limits", "fine", lambda: Outcome(1e-8, 1e-9, invariants={"|F|": (0.0, 1e-13)})),
+        Case("limits", "wrong", lambda: Outcome(1e-8, 1e-6)),
+        Case("others", "not finite", lambda: Outcome(1e-8, math.inf)),
+    ]
+    monkeypatch.setattr(stress, "all_cases", lambda quick: cases)
+    return cases
+
+
+def test_the_command(made_up: list[Case], tmp_path: Any, capsys: Any) -> None:
+    assert kinetics.cli.main(["stress", "--json", "-o", str(tmp_path / "out")]) == 1
+    document = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert set(document) >= {"format", "verdicts", "cases", "quick", "seconds", "not_run"}
+    assert [c["verdict"] for c in document["cases"]] == [HOLDS, MISSED, BROKEN]
+    assert json.loads((tmp_path / "out" / "stress.json").read_text()) == document
+    page = (tmp_path / "out" / "stress.md").read_text()
+    assert all(word in page for word in ("wrong", "not finite", "fine"))
+    assert kinetics.cli.main(["stress"]) == 1
+    assert "wrong" in capsys.readouterr().out
+    made_up[1:] = []
+    assert kinetics.cli.main(["stress"]) == 0
+    assert kinetics.cli.main(["stress", "--group", "other"]) == 2
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt(), SystemExit(143)])
+def test_an_interruption_reports_what_has_been_run(
+    made_up: list[Case], tmp_path: Any, interruption: BaseException, capsys: Any
+) -> None:
+    def stop() -> Outcome:
+        raise interruption
+
+    made_up[1:] = [Case("limits", "stopped", stop), made_up[0]]
+    status = kinetics.cli.main(["stress", "-o", str(tmp_path)])
+    assert status == (143 if isinstance(interruption, SystemExit) else 130)
+    assert "2 cases were not run" in capsys.readouterr().err
+    kept = json.loads((tmp_path / "stress.json").read_text())
+    assert ([c["name"] for c in kept["cases"]], kept["not_run"]) == (["fine"], 2)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
