@@ -239,7 +239,8 @@ class _Sheet:
                     side.set_major_formatter(_power_of_ten)
                 else:
                     prune = "both" if small and self.below is None else None
-                    side.set_major_locator(MaxNLocator(4 if small else 6, prune=prune))
+                    steps, most = [1, 2, 2.5, 5, 10], 4 if small else 6
+                    side.set_major_locator(MaxNLocator(most, prune=prune, steps=steps))
         if self._legend:
             self.figure.legend(
                 handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
@@ -679,8 +680,10 @@ def picture(results: Results) -> Drawn:
             tangential_restitution=system.tangential_restitution, **many,
         )  # fmt: skip
         said, which = " or 20 bounces", {"collisions": 20}
-    sheet = _Sheet(system.restitutions, tall=3.6)
-    ax = sheet.axes[0]
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
+    ax = figure.add_subplot()
     run.plot_trajectories(tracers, ax=ax, **which)
     # the middle of the scale of colours: seen on white and on black
     middle = mpl.colormaps["plasma"](np.linspace(0.3, 0.85, 32))
@@ -691,7 +694,7 @@ def picture(results: Results) -> Drawn:
         f"{tracers} tracers among hard disks at e = {e:g}, until {until:g} d/U{said}, coloured by "
         "their speed, from the open circle to the dots. Shaded: where no centre of a tracer can be."
     )
-    return Drawn("picture", "The system", caption, sheet.done("", "", "", "x  [d]", "y  [d]").figure)
+    return Drawn("picture", "The system", caption, figure)
 
 
 # -- tracers in a field ----------------------------------------------------------------------------

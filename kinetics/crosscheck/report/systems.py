@@ -142,7 +142,8 @@ class Cooling(_System):
     @property
     def stages(self) -> int:
         """How often a report of it tells progress."""
-        return (3 if self.is_papers_law else 4) * len(self.restitutions) + 4
+        each, more = (3, 4) if self.is_papers_law else (4, 2)
+        return each * len(self.restitutions) + more
 
     def quick(self) -> "Cooling":
         """The same system with fewer samples, and G(R) to fewer digits."""
@@ -224,7 +225,7 @@ class Falling(_System):
     def stages(self) -> int:
         """How often a report of it tells progress."""
         each = 1 + len(self.restitutions) + len(self.followed)
-        return len(self.dimensions) * each + len(self.among_hard_disks) + 1
+        return len(self.dimensions) * each + len(self.among_hard_disks) + 2
 
     def quick(self) -> "Falling":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""
