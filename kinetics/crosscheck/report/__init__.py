@@ -10,32 +10,24 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-    from kinetics.crosscheck.report.figures import Drawn
-    from kinetics.crosscheck.report.runs import Results
-    from kinetics.crosscheck.report.story import Story
-    from kinetics.crosscheck.report.systems import System
+from typing import Any
 
 SCHEMA = "inelastic-lorentz/report/2"
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was run, compared and found; `document` is what the JSON file holds."""
+    """What was run (`runs.Results`), compared (a pandas DataFrame), found, drawn and derived."""
 
-    results: "Results"
-    table: "DataFrame"
-    story: "Story"
-    figures: "list[Drawn]"
+    results: Any
+    table: Any
+    story: Any
+    figures: list[Any]
     checks: list[dict[str, Any]]
 
     @cached_property
     def document(self) -> dict[str, Any]:
-        """Plain data: headline, claims, rows, verdict_counts, algebra, tables, figures, settings."""
+        """What the JSON file holds: headline, claims, rows, verdict_counts, algebra and more."""
         from kinetics import __version__
         from kinetics.crosscheck.files import plain
         from kinetics.crosscheck.report import page, rows
@@ -50,7 +42,6 @@ class Report:
             "title": page.title(system),
             "headline": {k: page.with_numbers(v) for k, v in headline.items()},
             "claims": story.claims,
-            "notes": story.notes,
             "symbols": page.symbols(system),
             "units": page.units(system),
             "settings": system.described(),
@@ -71,43 +62,39 @@ class Report:
 
         return page.text(self.document)
 
-    def files(self, formats: Sequence[str] = ()) -> dict[str, str | bytes]:
-        """Contents by name: the page, its JSON, its tables as CSV, and figures in the formats."""
-        from kinetics.crosscheck.files import dumps
-        from kinetics.crosscheck.report import page, story
+    def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
+        """Write the page, its JSON, its tables as CSV and figures in these formats, or nothing.
 
+        Returns their paths, the page first.
+        """
         import pandas as pd
 
+        from kinetics.crosscheck.files import dumps, write_together
+        from kinetics.crosscheck.report import page, rows, story
+
         name = self.results.system.name
-        tables = {key: pd.DataFrame(rows) for key, rows in self.story.tables.items()}
-        tables |= {"rows": self.table, "points": story.points(self.results)}
-        found: dict[str, str | bytes] = {
-            f"{name}.json": dumps(self.document),
-            f"{name}.html": page.render(self.document, self.figures, story.chance(self.table)),
-        }
+        tables = {key: pd.DataFrame(table) for key, table in self.story.tables.items()}
+        tables |= {"rows": self.table, "points": rows.points(self.results)}
+        html = page.render(self.document, self.figures, story.chance(self.table))
+        found: dict[str, str | bytes] = {f"{name}.html": html, f"{name}.json": dumps(self.document)}
         found |= {f"{name}-{key}.csv": table.to_csv(index=False) for key, table in tables.items()}
-        return found | {
-            f"{name}-{drawn.name}.{kind}": drawn.file(kind)
-            for kind in dict.fromkeys(formats) for drawn in self.figures
-        }  # fmt: skip
-
-    def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
-        """Write all files into the folder, or none of them; returns their paths."""
-        from kinetics.crosscheck.files import write_together
-
-        return write_together(folder, self.files(formats))
+        for kind in dict.fromkeys(formats):
+            found |= {f"{name}-{drawn.name}.{kind}": drawn.file(kind) for drawn in self.figures}
+        return write_together(folder, found)
 
 
-def make_report(system: "System", progress: Callable[[str], None] | None = None) -> Report:
-    """Run the three methods on a system (see `systems`), and compare them.
+def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
+    """Run the three methods on a system (of `systems.py`), and compare them.
 
-    progress is called with the name of each stage, `system.stages` times. ValueError for what
-    cannot be simulated; RuntimeError if the derivations fail.
+    progress is called with the name of each stage, `system.stages` times with that of writing.
+    ValueError for what cannot be simulated; RuntimeError if the derivations fail.
     """
-    from kinetics.crosscheck.report import figures, page, rows, runs, story
+    from kinetics.crosscheck.report import page
 
     tell = progress or (lambda stage: None)
     with page.algebra(system) as waiting:
+        from kinetics.crosscheck.report import figures, rows, runs, story
+
         results = runs.gather(system, tell)
         tell("comparing")
         table = rows.comparisons(results)

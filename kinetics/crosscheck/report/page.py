@@ -2,9 +2,7 @@
 
     python -m kinetics.crosscheck.report.page LABEL ...
 
-prints the rows of these labels of `derivations` (none: those of the paper's report) as JSON, for
-`algebra`; `--write` writes the equations of the page as `derivations` prints them, so that a page
-waits for no sympy.
+prints the rows of these labels of `derivations` (none: those of the paper's report) as JSON.
 """
 
 import json
@@ -16,34 +14,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 from kinetics.crosscheck.words import Verdict, number, numeral
 
-EQUATIONS = {
-    "collision": ("The rule of a bounce, v* before it and v after it (eq. (1)).", ["vchange"]),
-    "rule": ("The rule of a bounce; e_t is left of the velocity across the line of centres.",
-             ["beyond:rule"]),
-    "lorentz": ("The inelastic Lorentz equation (eq. (9)), which the solver discretises and the "
-                "Boltzmann-Grad particles sample.", ["inelaslorentz2"]),
-    "averages": ("A bounce with impact parameter y d, y uniform, multiplies the speed by s, "
-                 "s² = e² + (1 − e²)y². Cooling needs λ(p) = 1 − ⟨sᵖ⟩ and κ = ⟨−ln s⟩.",
-                 ["beyond:log-loss", "beyond:loss-1"]),
-    "cooling": ("The thermal speed falls at a rate h(e), which the scaling state has exactly.",
-                ["vdiff", "beyond:cooling-rate"]),
-    "diffusion": ("The late slope d⟨r²⟩/d ln t in units of l²; χ is the angle of deflection.",
-                  ["beyond:slope", "beyond:cosine"]),
-    "one_collision": ("With the impact parameter y d a bounce multiplies the speed by s and turns "
-                      "it by χ.", ["beyond:one-collision"]),
-    "measure_plane": ("Among disks y is uniform.", ["beyond:measure-plane"]),
-    "measure_space": ("Among spheres y² is uniform.", ["beyond:measure-space"]),
-    "averages_space": ("Averages over y: ⟨sᵖ⟩ = 1 − λ(p), κ = ⟨−ln s⟩ and ⟨cos χ⟩.",
-                       ["beyond:space-power", "beyond:space-log", "beyond:space-cosine"]),
-    "moments": ("The scaling state has v₀ = 2l/(ht).", ["beyond:any-moments"]),
-    "slope": ("⟨r²⟩ after N collisions, and d⟨r²⟩/d ln t at long times.", ["beyond:any-slope"]),
-}  # fmt: skip
-"""What the page says of an equation, and its labels in `derivations`."""
 _OF_PAPER = ("averages", "cooling", "diffusion")
 _OF_LAW = {
     2: ("one_collision", "measure_plane", "moments", "slope"),
@@ -114,7 +88,7 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
 
 
 def printed_equations() -> dict[str, list[str]]:
-    """MathML of the equations of the page, from `derivations`; takes a second."""
+    """MathML of the page's equations as `derivations` prints them: what its JSON file keeps."""
     from derivations import printed_equation
     from derivations.typesetting import mathml
 
@@ -123,12 +97,13 @@ def printed_equations() -> dict[str, list[str]]:
         element = mathml(printed_equation(label).formula, order="rev-lex")
         return element.replace("<math>", '<math display="block">')
 
-    return {name: [block(label) for label in labels] for name, (_, labels) in EQUATIONS.items()}
+    equations = kept()["equations"].items()
+    return {name: [block(label) for label in labels] for name, (_, *labels) in equations}
 
 
 @cache
-def _kept() -> dict[str, Any]:
-    """The "numbers" of the paper's labels, and the "mathml" of the equations."""
+def kept() -> dict[str, Any]:
+    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
     found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
     return found
 
@@ -137,7 +112,7 @@ def with_numbers(text: Any) -> Any:
     """A text, or several, with the numbers of the paper's equations in place of their labels."""
     if not isinstance(text, str):
         return [with_numbers(each) for each in text]
-    numbers = _kept()["numbers"]
+    numbers = kept()["numbers"]
     every = sorted(numbers, key=len, reverse=True)
     end = r"(?![\w#]|\.\d)"
     for start, known in (
@@ -180,8 +155,7 @@ def symbols(system: Any) -> str:
     path = "1/(πd²ρ₀)" if system.dimension == 3 else "1/(2dρ₀)"
     return (
         f"v₀² = ⟨v²⟩; dv₀/dt = −h v₀²/(2l); l = {path} free path; F(c) density of c = v/v₀; G(R) "
-        "of R = r/√⟨r²⟩; a₂ = "
-        + ("3⟨c⁴⟩/5 − 1." if system.dimension == 3 else "⟨c⁴⟩/2 − 1.")
+        "of R = r/√⟨r²⟩; a₂ = " + ("3⟨c⁴⟩/5 − 1." if system.dimension == 3 else "⟨c⁴⟩/2 − 1.")
     )
 
 
@@ -202,15 +176,6 @@ def deviation(row: Mapping[str, Any]) -> str:
     return number(100 * value, error, "+") + " %"
 
 
-def _where(row: Mapping[str, Any]) -> str:
-    at = [
-        f"{name} = {numeral(row[key], '.3g')}"
-        for key, name in (("distance", "R"), ("time", "t"), ("c", "c"))
-        if row[key] is not None
-    ][:1]
-    return ", ".join([*at, *([f"worst of {row['looks']}"] if row["looks"] > 1 else [])])
-
-
 # -- the page --------------------------------------------------------------------------------------
 
 
@@ -226,35 +191,38 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
         trim_blocks=True,
     )  # fmt: skip
     made.filters |= {"numeral": numeral, "number": number, "cited": with_numbers}
-    settings, mathml = document["settings"], _kept()["mathml"]
+    settings = document["settings"]
     in_field, dimension = "dimensions" in settings, settings.get("dimension", 2)
     papers_law = not in_field and dimension == 2 and settings["tangential_restitution"] == 1
     below = () if in_field else _OF_PAPER if papers_law else _OF_LAW[dimension]
 
     def equation(name: str) -> tuple[str, Markup]:
-        return EQUATIONS[name][0], Markup("".join(mathml[name]))
+        return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
 
     return made.get_template("report.html.j2").render(
         doc=document,
         figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
         strip=[equation("collision" if papers_law or in_field else "rule"), equation("lorentz")],
         equations=[equation(name) for name in below],
-        deviation=deviation,
         summary=_summary(document),
         tables=_tables(document),
         chance=chance,
         formula=Markup,
+        deviation=deviation,
         in_field=in_field,
     )
 
 
 def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Restitutions, and for each quantity its name and a cell for each of them."""
-    rows = document["tables"]["summary"]
+    rows, lines = document["tables"]["summary"], {}
     restitutions = sorted({row["restitution"] for row in rows})
-    lines: dict[str, dict[float, str]] = {}
     for row in rows:
-        shown = number(row["value"], row["error"], row["sign"], 4 if row["unit"] == "" else 2)
+        percent = row["quantity"].endswith("%")
+        plain = numeral(row["value"], "+.1f") if percent else number(row["value"], digits=4)
+        shown = (
+            number(row["value"], row["error"], "+" if percent else "") if row["error"] else plain
+        )
         lines.setdefault(row["quantity"], {})[row["restitution"]] = shown
     head = [f"e = {e:g}" for e in restitutions]
     return head, [[q, *(c.get(e, "–") for e in restitutions)] for q, c in lines.items()]
@@ -262,56 +230,38 @@ def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
-    from kinetics.crosscheck.report.rows import OBSERVABLES, matrix
-
     rows, every = document["rows"], sorted({row["restitution"] for row in document["rows"]})
     verdicts: list[list[Any]] = []
+    for (observable, system), whos in matrix(rows).items():
+        verdicts.append([f"{kept()['observables'][observable][0]}, {system}"])
+        verdicts += [[w, *(cells.get(e, "–") for e in every)] for w, cells in whos.items()]
     detail: list[list[Any]] = []
-    last = None
-    for (observable, system, who), cells in matrix(rows).items():
-        if (observable, system) != last:
-            last = (observable, system)
-            verdicts.append([f"{OBSERVABLES[observable].title}, {system}"])
-        verdicts.append([who, *(cells.get(e, "–") for e in every)])
     for row in rows:
-        if (row["observable"], row["system"]) != last:
-            last = (row["observable"], row["system"])
-            detail.append([f"{OBSERVABLES[row['observable']].title}, {row['system']}"])
-        sigmas = (row["sigmas"], row["corrected_sigmas"])
+        heading = [f"{kept()['observables'][row['observable']][0]}, {row['system']}"]
+        if heading not in detail:
+            detail.append(heading)
+        at = [
+            f"{name} = {numeral(row[key], '.3g')}"
+            for key, name in (("distance", "R"), ("time", "t"), ("c", "c"))
+            if row[key] is not None
+        ][:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
+        sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
         detail.append([
-            numeral(row["restitution"], "g"), f"{row['source']} / {row['against']}", _where(row),
+            f"e = {row['restitution']:g}", f"{row['source']} / {row['against']}", ", ".join(at),
             number(row["value"], row["error"]), number(row["theory"]),
             *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
         ])  # fmt: skip
+    detail_head = ["e", "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
     found = [
-        ("verdicts", "Verdicts", "Who against whom, with the relative difference ± one standard "
-         "error.", ["who / against whom", *(f"e = {e:g}" for e in every)], verdicts),
-        ("rows", "Every comparison", document["units"], ["e", "who / against whom", "at",
-         "value ± s.e.", "theory", "σ", "σ corrected", "verdict"], detail),
+        ("verdicts", "Verdicts", "Who against whom: relative differences ± one standard error.",
+         ["who / against whom", *(f"e = {e:g}" for e in every)], verdicts),
+        ("rows", "Every comparison", document["units"], detail_head, detail),
     ]  # fmt: skip
-    tables = document["tables"]
-    if "finite_density" in tables:
-        found.append(_levels(tables["finite_density"]))
-    if "dimensions" in tables:
+    if "hard_disks" in document["tables"]:
         lines = [
-            [f"{OBSERVABLES[r['observable']].short}, e = {r['restitution']:g}, {r['scatterers']}",
-             *(number(r[name]) for name in ("exact", "solver", "equation")),
-             number(r["value"], r["error"])]
-            for r in sorted(tables["dimensions"],
-                            key=lambda r: (list(OBSERVABLES).index(r["observable"]), r["restitution"]))
-        ]  # fmt: skip
-        note = (
-            "The same law at the same l; ⟨r²⟩ and its slope in l². Closed form and solver: limits "
-            "of late times; equation and particles: at the last time (rates: last decade)."
-        )
-        head = ["quantity", "closed form", "solver", "equation", "dilute particles"]
-        found.append(("dimensions", "Disks and spheres side by side", note, head, lines))
-    if "hard_disks" in tables:
-        lines = [
-            [f"e = {r['restitution']:g}", f"{r['density']:g}",
-             number(r["drift_over_density"], r["error"]),
+            [f"e = {r['restitution']:g}", f"{r['density']:g}", number(r["drift"], r["error"]),
              f"{100 * r['trapped']:.1f} % by t = {r['until']:.0f}", f"{r['captures']:.2g}"]
-            for r in tables["hard_disks"]
+            for r in document["tables"]["hard_disks"]
         ]  # fmt: skip
         note = "The mean velocity while they move, over the equation’s; captures per free path."
         head = ["restitution", "density ρ₀d²", "drift", "trapped", "captures"]
@@ -320,29 +270,13 @@ def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [dict(zip(names, table, strict=True)) for table in found]
 
 
-def _levels(rows: Sequence[Mapping[str, Any]]) -> tuple[str, str, str, list[str], list[list[str]]]:
-    """Hard disks beside the theory of a finite density."""
-    from kinetics.crosscheck.report.rows import OBSERVABLES
-    from kinetics.crosscheck.report.runs import LEVELS
-
-    lines: list[list[str]] = []
+def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str, dict[Any, Any]]]:
+    """Rows by (observable, system), then by "source / against", then by restitution."""
+    found: dict[tuple[str, str], dict[str, dict[Any, Any]]] = {}
     for row in rows:
-        heading = f"e = {row['restitution']:g}, until t = {row['time']:g} d/U"
-        if [heading] not in lines:
-            lines.append([heading])
-        cells = []
-        for level in LEVELS:
-            off = 100 * (row["value"] / row[level] - 1), 100 * row["error"] / row[level]
-            cells.append(f"{number(row[level])} ({number(*off, '+')} %)")
-        disks = number(row["value"], row["error"])
-        lines.append([OBSERVABLES[row["observable"]].short, *cells, disks])
-    note = (
-        "The theory level by level, each with what the one before it has: the free path of the "
-        "medium; the leading order ρ₀d² ln(ρ₀d²) of returns, nothing fitted; the first order; a "
-        "second order fitted to other simulations. In brackets: hard disks over it."
-    )
-    head = ["quantity", *LEVELS, "hard disks"]
-    return "finite-density", "Hard disks predicted: the finite density", note, head, lines
+        whos = found.setdefault((row["observable"], row["system"]), {})
+        whos.setdefault(f"{row['source']} / {row['against']}", {})[row["restitution"]] = row
+    return found
 
 
 # -- the terminal ----------------------------------------------------------------------------------
@@ -358,36 +292,26 @@ _COLUMNS = 4  # restitutions beside each other
 
 def text(document: Mapping[str, Any]) -> str:
     """Every comparison with its deviations, four restitutions beside each other."""
-    from kinetics.crosscheck.report.rows import OBSERVABLES, matrix
-
     every = sorted({row["restitution"] for row in document["rows"]})
-    legend = "Differences. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."
-    out = [legend]
+    out = ["Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."]
     for first in range(0, len(every), _COLUMNS):
-        shown, last = every[first : first + _COLUMNS], None
-        out.append("\n" + " " * 26 + "".join(f"{f'e = {e:g}':18}" for e in shown).rstrip())
-        for (observable, system, who), cells in matrix(document["rows"]).items():
-            found = [cells.get(e) for e in shown]
-            if not any(found):
-                continue
-            if (observable, system) != last:
-                out.append(f"{OBSERVABLES[observable].short}, {system}")
-                last = (observable, system)
-            names = " / ".join(_SHORT.get(name, name) for name in who.split(" / "))
-            line = f"  {names:24}"
-            for row in found:
-                mark = " " if row is None else _MARK.get(row["verdict"], " ")
-                mark = "~" if row is not None and row["kind"] == "approximation" else mark
-                line += f"{mark} {'–' if row is None else deviation(row).removesuffix(' %'):16}"
-            out.append(line.rstrip())
+        shown = every[first : first + _COLUMNS]
+        out.append("\n" + " " * 28 + "".join(f"{f'e = {e:g}':18}" for e in shown).rstrip())
+        for (observable, system), whos in matrix(document["rows"]).items():
+            out.append(f"{kept()['observables'][observable][1]}, {system}")
+            for who, cells in whos.items():
+                names = "  " + " / ".join(_SHORT.get(name, name) for name in who.split(" / "))
+                line = f"{names:26}"
+                for e in shown:
+                    row = cells.get(e, {"kind": "", "verdict": ""})
+                    mark = "~" if row["kind"] == "approximation" else _MARK.get(row["verdict"], " ")
+                    cell = deviation(row).removesuffix(" %") if row["kind"] else "–"
+                    line += f"{mark} {cell:16}"
+                out.append(line.rstrip())
     return "\n".join(out)
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--write"]:
-        kept = {"numbers": _kept()["numbers"], "mathml": printed_equations()}
-        Path(str(_FILE)).write_text(json.dumps(kept, ensure_ascii=False) + "\n", encoding="utf-8")
-    else:
-        from derivations import report_subset
+    from derivations import report_subset
 
-        json.dump(algebra_rows(sys.argv[1:] or report_subset), sys.stdout)
+    json.dump(algebra_rows(sys.argv[1:] or report_subset), sys.stdout)

@@ -45,6 +45,11 @@ class Measured:
         known = list(parts)
         return Measured(np.array([p.value for p in known]), np.array([p.error for p in known]))
 
+    @property
+    def last(self) -> "Measured":
+        """The last one, of shape ()."""
+        return Measured(np.asarray(np.ravel(self.value)[-1]), np.asarray(np.ravel(self.error)[-1]))
+
     def __truediv__(self, scale: float | Array) -> "Measured":
         return Measured(np.asarray(self.value / scale), np.asarray(self.error / scale))
 

@@ -4,35 +4,15 @@ One row looks at one number, or at several times or bins, of which it shows the 
 are named in `COLUMNS`; the thresholds of the verdicts stand in `kinetics.crosscheck.words`.
 """
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report.reduce import (
-    LEAST_EXPECTED,
-    POSITION_EDGES,
-    SPEED_EDGES,
-    Array,
-    Measured,
-    bin_average,
-    bin_measure,
-    middles,
-)
-from kinetics.crosscheck.report.runs import (
-    EXACT,
-    EXTRAPOLATED,
-    FIT,
-    FREE,
-    KINETIC,
-    LIMIT,
-    RESCALED,
-    SOLVER,
-    SONINE,
-    Case,
-    Results,
-)
+from kinetics.crosscheck.report import page, reduce, runs
+from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report.runs import Case, Results
 from kinetics.crosscheck.report.systems import Cooling
 from kinetics.crosscheck.words import (
     Verdict,
@@ -48,41 +28,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-class Names(NamedTuple):
-    """How an observable is called: over a table with its unit, and where space is short."""
-
-    title: str
-    short: str
-
-
-OBSERVABLES = {
-    "free_path": Names("Mean free path l / d", "mean free path"),
-    "cooling_rate": Names("Cooling rate h(e)", "h(e)"),
-    "a2": Names("Second Sonine coefficient a₂ (deviations relative to 1 + a₂)", "a₂"),
-    "thermal_speed": Names("Thermal speed v₀(t) / U", "v₀(t)"),
-    "scaled_vdf": Names("Scaled velocity distribution F(c)", "F(c)"),
-    "msd": Names("Mean square displacement ⟨r²(t)⟩ / d²", "⟨r²(t)⟩"),
-    "msd_slope": Names("Slope d⟨r²⟩/d ln t / d²", "d⟨r²⟩/d ln t"),
-    "kurtosis": Names("Kurtosis of the displacement ⟨r⁴⟩/⟨r²⟩²", "⟨r⁴⟩/⟨r²⟩²"),
-    "position": Names("Scaled displacement distribution G(R)", "G(R)"),
-    "tail_exponent": Names("Local exponent n(R) of p ~ exp(−(R/b)ⁿ)", "n(R)"),
-    "drift": Names("Drift u = ⟨v_z⟩ / √(gl)", "drift u"),
-    "mean_square_speed": Names("Mean square speed ⟨v²⟩ / gl", "⟨v²⟩"),
-    "mean_square_along": Names("Mean square velocity along the field ⟨v_z²⟩ / gl", "⟨v_z²⟩"),
-    "mean_speed": Names("Mean speed ⟨v⟩ / √(gl)", "⟨v⟩"),
-    "diffusion_parallel": Names("Dispersion along the field D∥ / √(gl³)", "D∥"),
-    "diffusion_perpendicular": Names("Dispersion across the field D⊥ / √(gl³)", "D⊥"),
-    "drift_from_rest": Names("Mean velocity from rest ⟨v_z(t)⟩ / √(gl)", "⟨v_z(t)⟩"),
-    "square_from_rest": Names("Mean square speed from rest ⟨v²(t)⟩ / gl", "⟨v²(t)⟩"),
-    "momentum": Names("Balance of the momentum: ⟨v v_z⟩ = 1/λ₁(1)", "⟨v v_z⟩"),
-    "energy": Names("Balance of the energy: λ(2)⟨v³⟩ / 2⟨v_z⟩ = 1", "energy"),
-    "cube": Names("Balance of ⟨v³⟩: λ(3)⟨v⁴⟩ / 3⟨v v_z⟩ = 1", "⟨v³⟩"),
-    "direction": Names("Balance of the speed: ⟨cos φ⟩ / λ(1)⟨v²⟩ = 1", "⟨cos φ⟩"),
-    "logarithm": Names("Balance of ln v: ⟨cos φ / v⟩ / κ⟨v⟩ = 1", "ln v"),
-    "inverse": Names("Balance of 1/v: ⟨cos φ / v²⟩ / (⟨1/s⟩ − 1) = 1", "1/v"),
-    "drift_among_disks": Names("Drift among hard disks as ρ₀ → 0, over the equation's", "ρ₀ → 0"),
-}
-"""Every observable that a row can have, in the order of the tables."""
+OBSERVABLES: dict[str, list[str]] = page.kept()["observables"]
+"""Every observable of a row in the order of the tables: its title with its unit, its short name."""
 COLUMNS = (
     "system", "dimension", "observable", "restitution", "kind", "source", "against", "value",
     "theory", "deviation", "error", "time", "c", "distance", "sigmas", "corrected_sigmas", "looks",
@@ -152,7 +99,7 @@ def _row(
 
 def _numerical(observable: str, value: float, theory: float, tolerance: float) -> dict[str, Any]:
     """The solver's value against the closed form."""
-    row = _row(observable, "numerical", SOLVER, EXACT, value, theory)
+    row = _row(observable, "numerical", runs.SOLVER, runs.EXACT, value, theory)
     verdict = judge_numerical(row["deviation"], tolerance)
     return row | {"verdict": verdict.value, "note": f"asked for {numeral(tolerance, 'g')}"}
 
@@ -205,7 +152,7 @@ def _measured(
     """What a source of a case measured against what somebody says there, called `said`."""
     expected = case.theory[against][observable] if theory is None else theory
     found = case.measured[source][observable]
-    if against == RESCALED:  # the theory changes with the run: the error is of the difference
+    if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
         found = Measured(found.value, case.differences.get(observable, found.error))
     place, groups = case.places.get(observable), case.groups[source]
     return estimated(observable, (source, said or against), found, expected, groups, place, note)
@@ -213,17 +160,17 @@ def _measured(
 
 def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (source,) = case.measured
-    solver, exact = case.theory[SOLVER], case.theory.get(EXACT, {})
+    solver, exact = case.theory[runs.SOLVER], case.theory.get(runs.EXACT, {})
     for name in case.measured[source]:
         if name in solver and name not in exact:
-            yield from _measured(case, name, source, SOLVER)
+            yield from _measured(case, name, source, runs.SOLVER)
     for name, theory in exact.items():
         yield _numerical(name, solver[name], theory, system.rtol)
         if name in _TURNED:
-            yield from _measured(case, name, source, EXACT)
-    if case.restitution >= NEARLY_ELASTIC and source != EXTRAPOLATED:
-        for name, value in case.theory.get(LIMIT, {}).items():
-            yield _row(name, "approximation", LIMIT, SOLVER, value, solver[name])
+            yield from _measured(case, name, source, runs.EXACT)
+    if case.restitution >= NEARLY_ELASTIC and source != runs.EXTRAPOLATED:
+        for name, value in case.theory.get(runs.LIMIT, {}).items():
+            yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
 
 def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
@@ -232,11 +179,11 @@ def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
 
     def particles(name: str, note: str = "") -> Iterable[dict[str, Any]]:
-        yield from _measured(case, name, free, KINETIC, note)
-        yield from _measured(case, name, hard, KINETIC, "finite density")
-        yield from _measured(case, name, hard, RESCALED, left)
+        yield from _measured(case, name, free, runs.KINETIC, note)
+        yield from _measured(case, name, hard, runs.KINETIC, "finite density")
+        yield from _measured(case, name, hard, runs.RESCALED, left)
 
-    def printed(name: str, source: str, against: str = EXACT, **where: Any) -> dict[str, Any]:
+    def printed(name: str, source: str, against: str = runs.EXACT, **where: Any) -> dict[str, Any]:
         value, of = theory[source][name], theory[against][name]
         value, of = float(np.ravel(value)[-1]), float(np.ravel(of)[-1])
         return _row(name, "approximation", source, against, value, of, **where)
@@ -246,52 +193,52 @@ def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     sooner = f"{system.scatterers} that exclude each other are met sooner; not in the equation"
     contact = f"g: {author} contact value of hard {system.scatterers} in equilibrium"
     path, said = "free_path", f"1/({of}ρ₀)"
-    yield from _measured(case, path, free, KINETIC, said=said)
-    yield from _measured(case, path, hard, KINETIC, sooner, said=said)
+    yield from _measured(case, path, free, runs.KINETIC, said=said)
+    yield from _measured(case, path, hard, runs.KINETIC, sooner, said=said)
     yield from _measured(case, path, hard, "contact", contact, said=f"1/({of}ρ₀g)")
     if case.cools:
         for name in ("cooling_rate", "a2"):
-            yield _numerical(name, theory[SOLVER][name], theory[EXACT][name], system.rtol)
+            yield _numerical(name, theory[runs.SOLVER][name], theory[runs.EXACT][name], system.rtol)
         note = (
             f"slope of 1/v0 from t = {times[early]:.4g} to {times[-1]:.4g} d/U; "
             f"the exact h of late times is {found.exact.cooling_rate:.5f}"
         )
         yield from particles("cooling_rate", note)
         yield from _vdf(case, system)
-        exact = theory[EXACT]["msd_slope"]
+        exact = theory[runs.EXACT]["msd_slope"]
         reached = numeral(found.late.msd_slope[-1] / exact - 1, ".0e")
         note = (
             f"from t = {times[early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
-            f"{exact:.5g} d², reached to {reached} at t = {numeral(found.late.times[-1], '.0e')} d/U"
+            f"{exact:.5g} d², reached to {reached} at t = {numeral(runs.LATEST, '.0e')} d/U"
         )
         yield from particles("msd_slope", note)
     for name in ("a2", "thermal_speed", "msd", "kurtosis"):
         yield from particles(name)
     for run, note in ((free, ""), (hard, "finite density")):
-        share = theory[KINETIC]["position"]
-        filled = _filled(share, case.samples[run], np.diff(POSITION_EDGES))
-        yield from _measured(case, "position", run, KINETIC, note, filled)
-        yield from _measured(case, "tail_exponent", run, KINETIC, note)
+        share = theory[runs.KINETIC]["position"]
+        filled = _filled(share, case.samples[run], np.diff(reduce.POSITION_EDGES))
+        yield from _measured(case, "position", run, runs.KINETIC, note, filled)
+        yield from _measured(case, "tail_exponent", run, runs.KINETIC, note)
     if not paper:
         return
     end = {"time": float(times[-1])}
-    late = np.where(np.arange(times.size) >= early, theory[FIT]["msd"], np.nan)
+    late = np.where(np.arange(times.size) >= early, theory[runs.FIT]["msd"], np.nan)
     walk = f"random walk, eq. (22), with l = {sonine.FITTED_FREE_PATH} d"
-    yield printed("msd", FIT, KINETIC, **end, note=walk)
-    yield printed("msd", SONINE, KINETIC, **end, note="eq. (C9)")
+    yield printed("msd", runs.FIT, runs.KINETIC, **end, note=walk)
+    yield printed("msd", runs.SONINE, runs.KINETIC, **end, note="eq. (C9)")
     claim = "the paper's own claim, for late times: here the last decade"
-    yield from _measured(case, "msd", hard, FIT, claim, late)
+    yield from _measured(case, "msd", hard, runs.FIT, claim, late)
     if not case.cools:
         return
-    yield printed("cooling_rate", SONINE)
-    yield printed("cooling_rate", FIT)
-    yield from _measured(case, "cooling_rate", hard, FIT, "the paper's own claim")
-    yield printed("a2", SONINE)
-    yield printed("msd_slope", FIT, note="limit of late times")
-    yield printed("msd_slope", SONINE, note="limit of late times")
+    yield printed("cooling_rate", runs.SONINE)
+    yield printed("cooling_rate", runs.FIT)
+    yield from _measured(case, "cooling_rate", hard, runs.FIT, "the paper's own claim")
+    yield printed("a2", runs.SONINE)
+    yield printed("msd_slope", runs.FIT, note="limit of late times")
+    yield printed("msd_slope", runs.SONINE, note="limit of late times")
     kurtosis = float(found.kinetic.kurtosis[-1])
     note = "eq. (53) has 4 at every time; a Gaussian has 2, which is the limit of late times"
-    who = ("paper's integral", KINETIC, PAPER_KURTOSIS, kurtosis)
+    who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, kurtosis)
     yield _row("kurtosis", "approximation", *who, **end, note=note)
     for source, form, low, high, note in POSITION_FORMS:
         r, density = sure_density(case, np.linspace(low, high, 61))
@@ -299,13 +246,13 @@ def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
             where = {**end, "distance": float(r[k]), "note": note + ", at its worst"}
-            who = (source, KINETIC, float(values[k]), float(density[k]))
+            who = (source, runs.KINETIC, float(values[k]), float(density[k]))
             yield _row("position", "approximation", *who, **where)
 
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
     """F(c): the solver against the closed form, relative to its peak; particles in bins."""
-    c, solved = middles(SPEED_EDGES), case.solved
+    c, solved = reduce.middles(reduce.SPEED_EDGES), case.solved
     exact, solver = (np.asarray(state.vdf(c)) for state in (solved.exact, solved.scaled))
     k = int(np.argmax(np.abs(solver - exact)))
     row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol)
@@ -315,22 +262,22 @@ def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
         "c": float(c[k]), "looks": len(c),
         "note": f"worst bin centre, relative to the peak; {row['note']}",
     }  # fmt: skip
-    kinetic = case.theory[KINETIC]["scaled_vdf"]
-    final = bin_average(solved.scaled.vdf, case.dimension)
+    kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
+    final = reduce.bin_average(solved.scaled.vdf, case.dimension)
     change = float(np.max(np.abs(kinetic - final)) / np.max(final))
     note = (
-        f"mean over a bin of c at the last time, bins of {LEAST_EXPECTED} samples or more; "
+        f"mean over a bin of c at the last time, bins of {reduce.LEAST_EXPECTED} samples or more; "
         f"still to change by {change:.1%} of the peak"
     )
-    for run, against in zip(case.measured, (KINETIC, RESCALED), strict=True):
+    for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
         expected = case.theory[against]["scaled_vdf"]
-        filled = _filled(expected, case.samples[run], bin_measure(case.dimension))
+        filled = _filled(expected, case.samples[run], reduce.bin_measure(case.dimension))
         yield from _measured(case, "scaled_vdf", run, against, note, filled)
 
 
 def _filled(density: Array, samples: int, measure: Array) -> Array:
     """The density in those bins in which it expects enough samples, NaN in others."""
-    return np.where(samples * density * measure >= LEAST_EXPECTED, density, np.nan)
+    return np.where(samples * density * measure >= reduce.LEAST_EXPECTED, density, np.nan)
 
 
 def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
@@ -347,10 +294,21 @@ def records(table: "DataFrame") -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in found]
 
 
-def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str], dict[Any, Any]]:
-    """Rows by (observable, system, "source / against"), then by restitution."""
-    lines: dict[tuple[str, str, str], dict[Any, Any]] = {}
-    for row in rows:
-        key = (row["observable"], row["system"], f"{row['source']} / {row['against']}")
-        lines.setdefault(key, {})[row["restitution"]] = row
-    return lines
+def points(results: Results) -> "DataFrame":
+    """Everything measured and every theory at its times and bins, one number in a row."""
+    import pandas as pd
+
+    found = []
+    for case in results.cases:
+        sources = {name: {k: (m.value, m.error) for k, m in each.items()}
+                   for name, each in case.measured.items()}  # fmt: skip
+        sources |= {name: {k: (v, np.nan) for k, v in x.items()} for name, x in case.theory.items()}
+        for source, numbers in sources.items():
+            for name, (value, error) in numbers.items():
+                place, at = case.places.get(name, ("", np.nan))
+                if np.shape(value) in ((), np.shape(at)):  # else shares over time and density
+                    columns = {"at": place, "x": at, "value": value, "error": error}
+                    first = {"system": case.system, "restitution": case.restitution}
+                    first |= {"source": source, "observable": name}
+                    found.append(pd.DataFrame({**first, **columns}, index=range(np.size(at))))
+    return pd.concat(found, ignore_index=True)

@@ -17,60 +17,29 @@ import numpy as np
 from kinetics import ScalingSolution, Scene, Solution, solve, solve_field, solve_scaled, sonine
 from kinetics.collision import CollisionLaw, law_in_medium
 from kinetics.collision.medium import HIGHEST_DENSITY
-from kinetics.crosscheck.report.reduce import (
-    BANDS,
-    POSITION_EDGES,
-    SPEED_EDGES,
-    Array,
-    Measured,
-    band_exponent,
-    band_middles,
-    bin_average,
-    bin_measure,
-    contact_value,
-    cooling_rate_between,
-    jackknife_error,
-    jackknifed,
-    last_vdf,
-    measured_exponent,
-    middles,
-    msd_slope_between,
-    printed_msd_slopes,
-    scaled_density,
-    weighted_fit,
-)
-from kinetics.crosscheck.report.systems import (
-    SCATTERERS,
-    Cooling,
-    Falling,
-    System,
-    half_cross_section,
-)
+from kinetics.crosscheck.report import reduce
+from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Falling, System
+from kinetics.crosscheck.report.systems import half_cross_section as half_section
 from kinetics.validation import refuse
 from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
 
 KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
 FREE, EXTRAPOLATED, LIMIT = "Boltzmann-Grad", "hard disks, extrapolated", "limit e → 1"
-DILUTE, PATH, LEADING = "dilute equation", "path of the medium", "leading order"
-FIRST, FITTED = "first order", "fitted second order"
-LEVELS = (DILUTE, PATH, LEADING, FIRST, FITTED)
-"""What the theory of a finite density knows, each level with what the one before it has."""
+PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
+"""What the theory of a finite density knows, each with what the one before it has."""
 
 OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
 """Observables of a gas that cools that have a value at each time."""
-PAPER_CAP = 100
-"""Collisions after which the paper stops a sample."""
 LATEST = 1e9
 """Last time in d/U of the equation alone."""
 FORGOTTEN, LONGER = 10.0, 3.0
 """Relaxation times in a field after which e^-10 of the start is left; the last time over that."""
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
 """Of the approach to the steady state in a field, in sqrt(l/g)."""
-TRAP_RESTITUTIONS = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.6])
 _GROUPS = 100  # independent groups of tracers of a Boltzmann-Grad run, for its jackknife
-_LARGEST_BOX = 10_000  # scatterers in the box of a scan at most
-_TRAP_FLIGHT = 40.0  # d rho0 t U of the scan of traps: 1000 d/U at the paper's density
+_DISKS = 10_000  # in the box in a field
 
 Tell = Callable[[str], None]
 
@@ -128,23 +97,12 @@ def gather(system: System, tell: Tell) -> Results:
 
 
 def _cooling(system: Cooling, tell: Tell) -> Results:
-    more: dict[str, Any] = {}
     with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
         cases = [
             cooling_case(system, e, last, tell, beside)
             for e, last in zip(system.restitutions, system.final_times, strict=True)
         ]
-        if system.is_papers_law:
-            tell("hard disks at other densities")
-            if system.number_density <= HIGHEST_DENSITY:
-                more["levels"] = [row for case in cases for row in _levels(case, system)]
-            case = min(cases, key=lambda case: abs(case.restitution - 0.7))
-            more["density"] = _density_scan(case, system)
-            tell("traps")
-            more["traps"] = _trap_scan(system)
-        else:
-            more["dimensions"] = _both_dimensions(cases, system, tell)
-    return Results(system, cases, more)
+    return Results(system, cases, {})
 
 
 def cooling_case(
@@ -169,26 +127,27 @@ def cooling_case(
     free = _free_run(e, times, seed, system)
     tell(f"e = {e:g}: kinetic equation")
     found = solving.result()
-    thinner = 1 / (2 * path) / half_cross_section(d)
+    thinner = 1 / (2 * path) / half_section(d)
     found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
     position = found.position
-    shares = [_position_share(position, edges) for edges in (POSITION_EDGES, BANDS)]
+    shares = [_position_share(position, edges) for edges in (reduce.POSITION_EDGES, reduce.BANDS)]
     vdf = {
-        name: bin_average(last_vdf(solution), d)
+        name: reduce.bin_average(reduce.last_vdf(solution), d)
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
     }
+    contact = reduce.contact_value(system.number_density, d)
     of_kinetic = {
         "free_path": 1 / (2 * half_rate),
         "scaled_vdf": vdf[KINETIC],
-        "position": shares[0] / np.diff(POSITION_EDGES),
-        "tail_exponent": band_exponent(shares[1], d),
+        "position": shares[0] / np.diff(reduce.POSITION_EDGES),
+        "tail_exponent": reduce.band_exponent(shares[1], d),
     }
     theory = {
         KINETIC: _over_time(found.kinetic, early, half_rate) | of_kinetic,
         RESCALED: _over_time(found.rescaled, early, half_rate) | {"scaled_vdf": vdf[RESCALED]},
-        "contact": {"free_path": 1 / (2 * half_rate) / contact_value(system.number_density, d)},
+        "contact": {"free_path": 1 / (2 * half_rate) / contact},
     }
     if found.exact is not None:
         slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
@@ -208,9 +167,9 @@ def cooling_case(
         samples={FREE: free.media * free.tracers, hard: packed.media * packed.tracers},
         places={
             **{name: ("time", times) for name in OVER_TIME},
-            "scaled_vdf": ("c", middles(SPEED_EDGES)),
-            "position": ("distance", middles(POSITION_EDGES)),
-            "tail_exponent": ("distance", band_middles(d)),
+            "scaled_vdf": ("c", reduce.middles(reduce.SPEED_EDGES)),
+            "position": ("distance", reduce.middles(reduce.POSITION_EDGES)),
+            "tail_exponent": ("distance", reduce.band_middles(d)),
         },
         differences=differences,
         solved=found,
@@ -248,7 +207,7 @@ def _solved(
 def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamespace:
     """The equation at the times of the particles and much later, in place, and among hard disks."""
     density, rtol = system.number_density, system.rtol
-    found = SimpleNamespace(**_scaling_states(law, rtol), dense=None, dense_slope=None)
+    found = SimpleNamespace(**_scaling_states(law, rtol), dense=None, dense_slope=None, levels={})
     found.kinetic = _solved(law, density, times, (*OVER_TIME, "speed_density"), rtol)
     late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), 55)
     found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
@@ -260,7 +219,8 @@ def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamesp
         if found.exact is not None:
             ends = np.array([LATEST / 10, LATEST])
             far = _solved(law, density, ends, outputs, rtol, **medium)
-            found.dense_slope = msd_slope_between(ends, far.msd, 0)
+            found.dense_slope = reduce.msd_slope_between(ends, far.msd, 0)
+        found.levels = _levels(law, times, system)
     return found
 
 
@@ -274,7 +234,7 @@ def _scaling_states(law: CollisionLaw, rtol: float) -> dict[str, Any]:
 
 def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
     """What the paper's formulas say."""
-    walk, printed = printed_msd_slopes(e, density) if e < 1 else (math.nan, math.nan)
+    walk, printed = reduce.printed_msd_slopes(e, density) if e < 1 else (math.nan, math.nan)
     return {
         FIT: {
             "cooling_rate": float(sonine.cooling_rate_fitted(e)),
@@ -308,8 +268,8 @@ def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
 def _rates(
     times: Array, averages: dict[str, Array], early: int, half_rate: float
 ) -> dict[str, Array]:
-    rate = cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
-    slope = msd_slope_between(times, averages["msd"], early)
+    rate = reduce.cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
+    slope = reduce.msd_slope_between(times, averages["msd"], early)
     return {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
 
 
@@ -323,7 +283,7 @@ def _reduced(
     """
     d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
     log_speed, _, *place = np.moveaxis(by_group, -1, 0)
-    collisions = place.pop(2)
+    place.pop(2)  # collisions
     speeds = np.exp(log_speed)
     caught = run.statuses.trap_tracers
     speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
@@ -334,19 +294,17 @@ def _reduced(
     replicates = [_over_time(part, early, half_rate) for part in parts]
     found = _over_time(run, early, half_rate)
     errors = {
-        name: jackknife_error(np.array([values[name] for values in replicates]))
+        name: reduce.jackknife_error(np.array([values[name] for values in replicates]))
         for name in ("cooling_rate", "msd_slope")
     }
-    bins = np.diff(POSITION_EDGES)
+    bins = np.diff(reduce.POSITION_EDGES)
     measured = {
         **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
         **{name: Measured(found[name], error) for name, error in errors.items()},
         "free_path": Measured.of(run.mean_free_path),
-        "scaled_vdf": scaled_density(speeds, SPEED_EDGES, bin_measure(d)),
-        "position": scaled_density(distances, POSITION_EDGES, bins),
-        "tail_exponent": measured_exponent(distances, d),
-        "most_collisions": Measured(np.max(collisions), np.asarray(np.nan)),
-        "above_cap": Measured(np.mean(collisions > PAPER_CAP), np.asarray(np.nan)),
+        "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
+        "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
+        "tail_exponent": reduce.measured_exponent(distances, d),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }
     if rescaled is None:
@@ -363,7 +321,7 @@ def _reduced(
         expected |= _rates(run.times, expected, early, half_rate)
         apart.append({name: values[name] - expected[name] for name in values})
     names = apart[0]
-    return measured, {n: jackknife_error(np.array([row[n] for row in apart])) for n in names}
+    return measured, {n: reduce.jackknife_error(np.array([row[n] for row in apart])) for n in names}
 
 
 def _without_each(run: Ensemble) -> list[Ensemble]:
@@ -379,169 +337,34 @@ def _without_each(run: Ensemble) -> list[Ensemble]:
     ]
 
 
-# -- other densities, restitutions and dimensions --------------------------------------------------
-
-
-def _disks(e: float, density: float, time: float, seed: int, system: Cooling) -> Ensemble:
-    """Hard disks until one time, in a box that may be smaller than the report's."""
-    return simulate(
-        HardDisks(density, min(system.count, _LARGEST_BOX)), restitution=e, times=[time],
-        media=system.media, tracers=system.tracers, seed=system.seed + seed,
-        workers=system.workers,
+def picture(system: Any) -> tuple[Ensemble, str]:
+    """A few tracers among hard disks whose paths are drawn, and which they are in words."""
+    many: dict[str, Any] = {"media": 2, "seed": system.seed, "workers": 1}
+    if system.in_field:
+        e, density, until = 0.5, 0.06, 150.0
+        run = simulate(HardDisks(density, 2000), e, times=[until], tracers=4, field=0.12, **many)
+        return run, f"e = {e:g}, with the field, g l = U², to the right until {until:g} d/U"
+    # near the middle: tracers stay near at e = 0, and fly far at 1
+    e = min(system.restitutions, key=lambda each: abs(each - 0.7))
+    until = system.final_times[system.restitutions.index(e)]
+    medium = HardDisks(system.number_density, min(system.count, 2000))
+    run = simulate(
+        medium, e, times=[until], tracers=3, observables=("finals",),
+        tangential_restitution=system.tangential_restitution, **many,
     )  # fmt: skip
+    return run, f"e = {e:g}, until {until:g} d/U or 20 bounces"
 
 
-def _allowed(factors: Sequence[float], system: Cooling) -> list[float]:
-    """Multiples of the report's density that can be placed at random; its own always."""
-    own = system.number_density
-    return [f * own for f in factors if f <= 1 or f * own <= 0.25]
-
-
-def level(
-    case: Case, density: float, times: Array, outputs: tuple[str, ...], name: str, rtol: float
-) -> Solution:
-    """The equation of hard disks at one of the `LEVELS`; density in d^-2, times in d/U."""
-    law = CollisionLaw(case.restitution)
-    if name in (DILUTE, PATH):
-        if name == PATH:
-            medium = law_in_medium(law, "hard disks", density, 1.0, "leading")
-            density = 0.5 / medium.mean_free_path(density, 1.0)
-        return _solved(law, density, times, outputs, rtol)
-    order = {LEADING: "leading", FIRST: "first", FITTED: "second"}[name]
-    more = {"scatterers": "hard disks", "density_order": order}
-    return _solved(law, density, times, outputs, rtol, **more)
-
-
-def _levels(case: Case, system: Cooling) -> list[dict[str, Any]]:
-    """Hard disks at the last time (rates: over the last decade) beside each level of the theory."""
-    names = ("thermal_speed", "cooling_rate", "msd", "msd_slope", "kurtosis")
-    outputs, found, early = ("thermal_speed", "msd", "kurtosis"), {}, case.solved.early
-    for name in LEVELS:
-        solved = case.solved.kinetic
-        if name != DILUTE:
-            solved = level(case, system.number_density, case.times, outputs, name, system.rtol)
-        averages = {key: np.asarray(getattr(solved, key)) for key in outputs}
-        found[name] = averages | _rates(case.times, averages, early, system.half_rate)
-    rows = []
-    for name in names if case.cools else names[2:]:
-        disks = case.measured["hard disks"][name]
-        row = {"restitution": case.restitution, "observable": name, "time": case.times[-1]}
-        row |= {key: float(np.ravel(values[name])[-1]) for key, values in found.items()}
-        value, error = float(np.ravel(disks.value)[-1]), float(np.ravel(disks.error)[-1])
-        rows.append(row | {"value": value, "error": error})
-    return rows
-
-
-def _density_scan(case: Case, system: Cooling) -> dict[str, Any]:
-    """Hard disks over the dilute equation at the same d rho0 t, their limit, and <r^2> in theory.
-
-    ratios: by observable, (n_densities,); fits: weighted polynomials in the density; limits: their
-    values at density 0, 1 if the equation is the dilute limit; levels: <r^2> over a finer grid.
-    """
-    densities = _allowed((1 / 8, 1 / 4, 1 / 2, 1.0, 2.0), system)
-    found: dict[str, list[Measured]] = {"free_path": [], "thermal_speed": [], "msd": []}
-    for index, n in enumerate(densities):
-        stretch = system.number_density / n
-        run = _disks(case.restitution, n, float(case.times[-1]) * stretch, 1000 + index, system)
-        kinetic = case.solved.kinetic
-        expected = (0.5 / n, kinetic.thermal_speed[-1], kinetic.msd[-1] * stretch**2)
-        values = (run.mean_free_path, run.thermal_speed, run.msd)
-        for ratios, value, of in zip(found.values(), values, expected, strict=True):
-            known = Measured.of(value)
-            last = Measured(np.ravel(known.value)[-1:], np.ravel(known.error)[-1:])
-            ratios.append(last[0] / of)
-    scan: dict[str, Any] = {
-        "restitution": case.restitution, "densities": np.array(densities),
-        "ratios": {name: Measured.joined(ratios) for name, ratios in found.items()},
-        "fits": {}, "limits": {}, "levels": {},
-    }  # fmt: skip
-    degree = min(2, len(densities) - 2)
-    for name, ratio in scan["ratios"].items():
-        scan["fits"][name], scan["limits"][name] = extrapolate(scan["densities"], ratio, degree)
-    if system.number_density <= HIGHEST_DENSITY:
-        grid = np.linspace(0.0, densities[-1], 9)[1:]
-        for name in LEVELS[1:]:
-            curve = []
-            for n in grid[grid <= HIGHEST_DENSITY].tolist():
-                stretch = system.number_density / n
-                solved = level(case, n, case.times[-1:] * stretch, ("msd",), name, 1e-6)
-                curve.append(solved.msd[-1] / (case.solved.kinetic.msd[-1] * stretch**2))
-            scan["levels"][name] = np.array([[0.0, *grid[: len(curve)]], [1.0, *curve]])
-    return scan
-
-
-def extrapolate(x: Array, measured: Measured, degree: int) -> tuple[Array, Measured]:
-    """Weighted polynomial fit, lowest coefficient first, and its value at x = 0 with its error.
-
-    x and `measured` have shape (n,). Points without a positive error are left out; NaN if fewer
-    than degree + 1 remain.
-    """
-    used = measured.error > 0
-    if np.count_nonzero(used) <= degree:
-        return np.full(degree + 1, np.nan), Measured(np.asarray(np.nan), np.asarray(np.nan))
-    scale = np.max(x)
-    fit, limit = weighted_fit(np.vander(x[used] / scale, degree + 1, True), measured[used])
-    return fit / scale ** np.arange(degree + 1), limit
-
-
-def _trap_scan(system: Cooling) -> dict[str, Any]:
-    """Share of hard-disk tracers caught in corners by a time, over the restitution."""
-    shares = {}
-    for i, n in enumerate(_allowed((1.0, 4.0), system)):
-        caught = []
-        for j, e in enumerate(TRAP_RESTITUTIONS.tolist()):
-            run = _disks(e, n, _TRAP_FLIGHT / n, 2000 + 100 * i + j, system)
-            caught.append(share_caught(run.statuses.trap_tracers, run.media, run.tracers))
-        shares[n] = Measured.joined(caught)
-    return {"time": _TRAP_FLIGHT / system.number_density, "shares": shares}
-
-
-def share_caught(caught: Array, media: int, tracers: int) -> Measured:
-    """Share of tracers caught, shape (), from configuration and tracer of each, (n, 2)."""
-    by_medium = np.bincount(caught[:, 0].astype(int), minlength=media) / tracers
-    without = (by_medium.sum() - by_medium) / (media - 1)
-    return Measured(np.asarray(by_medium.mean()), jackknife_error(without))
-
-
-def _both_dimensions(cases: Sequence[Case], system: Cooling, tell: Tell) -> list[dict[str, Any]]:
-    """Disks and spheres of the same law at the same mean free path l, <r^2> in units of l^2.
-
-    "exact" and "solver" are limits of late times; "equation", "value" and "error" are of the last
-    time (rates: of the last decade). None where there is no such number.
-    """
-    rows: list[dict[str, Any]] = []
-    d = 5 - system.dimension
-    density = system.number_density * half_cross_section(system.dimension) / half_cross_section(d)
-    other = replace(system, dimension=d, number_density=density)
-    for case in cases:
-        e, law, early = case.restitution, other.law(case.restitution), case.solved.early
-        tell(f"e = {e:g}: {other.scatterers} beside {system.scatterers}")
-        run = _free_run(e, case.times, system.seed + 5000 + system.restitutions.index(e), other)
-        equation = _solved(law, density, case.times, (*OVER_TIME, "speed_density"), system.rtol)
-        beside = SimpleNamespace(**_scaling_states(law, system.rtol), kinetic=equation)
-        particles, _ = _reduced(run, early, other.half_rate)
-        both = {system.dimension: (case.solved, case.measured[FREE]), d: (beside, particles)}
-        for dimension, (found, measured) in sorted(both.items()):
-            square = (2 * system.half_rate) ** 2
-            solved = _over_time(found.kinetic, early, system.half_rate)
-            for name in ("cooling_rate", *OVER_TIME, "msd_slope"):
-                if found.exact is None and name == "cooling_rate":
-                    continue
-                unit = square if name.startswith("msd") else 1.0
-                value, error = (
-                    float(np.ravel(x)[-1]) * unit
-                    for x in (measured[name].value, measured[name].error)
-                )
-                limit = "diffusion_slope" if name == "msd_slope" else name
-                rows.append({
-                    "scatterers": SCATTERERS[dimension], "restitution": e, "observable": name,
-                    "exact": getattr(found.exact, limit, None)
-                    if name != "kurtosis" or found.exact is None else 1 + 2 / dimension,
-                    "solver": getattr(found.scaled, name, None),
-                    "equation": float(np.ravel(solved[name])[-1]) * unit,
-                    "value": value, "error": error,
-                })  # fmt: skip
-    return rows
+def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float]:
+    """<r^2> at the last time, in d^2, of the equation of hard disks by what is known of them."""
+    density, found = system.number_density, {}
+    medium = law_in_medium(law, "hard disks", density, 1.0, "leading")
+    thinner = 0.5 / medium.mean_free_path(density, 1.0)
+    found[PATH] = _solved(law, thinner, times[-1:], ("msd",), system.rtol).msd[-1]
+    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
+        more = {"scatterers": "hard disks", "density_order": order}
+        found[name] = _solved(law, density, times[-1:], ("msd",), system.rtol, **more).msd[-1]
+    return found
 
 
 # -- tracers in a uniform field --------------------------------------------------------------------
@@ -648,7 +471,7 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
         "cube": lambda s: loss[3] * s["v^4"] / (3 * s["v v_z"]),
         "direction": lambda s: s["cos"] / (loss[1] * s["v^2"]),
     }
-    measured = {name: jackknifed(s, of) for name, of in quantities.items()}
+    measured = {name: reduce.jackknifed(s, of) for name, of in quantities.items()}
     averages = {name: float(getattr(state, name)) for name in tuple(quantities)[:6]}
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
@@ -741,7 +564,7 @@ def _among_hard_disks(restitution: float, system: Falling) -> Case:
         seed = system.seed + 7000 + round(1e5 * density) + round(1e6 * restitution)
         # from a Gaussian start: from rest all tracers of one configuration fall alike
         runs.append(simulate(
-            HardDisks(density, count=_LARGEST_BOX), restitution, "gaussian", times * path,
+            HardDisks(density, count=_DISKS), restitution, "gaussian", times * path,
             media=system.configurations, tracers=system.tracers, seed=seed,
             workers=system.workers, field=1.0 / path, observables=("positions",),
         ))  # fmt: skip
@@ -754,14 +577,16 @@ def _among_hard_disks(restitution: float, system: Falling) -> Case:
         for run in runs
     ]
     measured = {
-        "drift_among_disks": weighted_fit(basis, ratio)[1],
+        "drift_among_disks": reduce.weighted_fit(basis, ratio)[1],
         "drift_over_density": ratio,
         "captures": Measured.joined(map(_ratio, caught, ways)),
         "trapped": Measured.joined(run.trapped_fraction for run in runs),
     }
     theory = {
         SOLVER: {"drift_among_disks": 1.0},
-        "free path alone": {"drift_over_density": np.array([contact_value(x) ** -0.5 for x in n])},
+        "free path alone": {
+            "drift_over_density": np.array([reduce.contact_value(x) ** -0.5 for x in n])
+        },
     }
     name = "hard disks in a field"
     case = _field_case(state, name, runs[0], EXTRAPOLATED, measured, theory, times)
@@ -786,4 +611,4 @@ def moving_drift(run: Ensemble, first: float, last: float) -> Measured:
 def _ratio(above: Array, below: Array) -> Measured:
     """Sum over sum, of numbers of each configuration, and its standard error."""
     replicates = (above.sum() - above) / (below.sum() - below)
-    return Measured(np.asarray(above.sum() / below.sum()), jackknife_error(replicates))
+    return Measured(np.asarray(above.sum() / below.sum()), reduce.jackknife_error(replicates))

@@ -142,8 +142,7 @@ class Cooling(_System):
     @property
     def stages(self) -> int:
         """How often a report of it tells progress."""
-        each, more = (3, 4) if self.is_papers_law else (4, 2)
-        return each * len(self.restitutions) + more
+        return 3 * len(self.restitutions) + 2
 
     def quick(self) -> "Cooling":
         """The same system with fewer samples, and G(R) to fewer digits."""
