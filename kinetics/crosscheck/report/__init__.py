@@ -6,7 +6,7 @@ particles, `reduce.py` makes numbers of the runs, `rows.py` one table of all com
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -39,12 +39,10 @@ class Report:
         found: dict[str, Any] = plain({
             "schema": SCHEMA,
             "software": {"inelastic-lorentz": __version__} | known,
-            "title": page.title(system),
+            **page.head(system),
             "headline": {k: page.with_numbers(v) for k, v in headline.items()},
             "claims": story.claims,
-            "symbols": page.symbols(system),
-            "units": page.units(system),
-            "settings": system.described(),
+            "settings": asdict(system),
             "verdicts": {word.value: text for word, text in MEANING.items()},
             "verdict_counts": rows.counts(self.table),
             "rows": rows.records(self.table),

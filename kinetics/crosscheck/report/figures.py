@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from html import escape
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -34,15 +35,7 @@ VARIABLES = {INK: "var(--ink)", FAINT: "var(--faint)"}
 VARIABLES |= {colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)}
 VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
 MARKERS = "os^DvP"
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none", "svg.hashsalt": "inelastic-lorentz", "font.family": "sans-serif",
-    "font.size": 10.5, "mathtext.default": "it", "axes.grid": True, "grid.color": FAINT,
-    "grid.linewidth": 0.5, "legend.fontsize": 9.5, "lines.linewidth": 1.5, "axes.axisbelow": True,
-    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color"), INK),
-    **dict.fromkeys(("xtick.color", "ytick.color"), INK),
-    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
-    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), "none"),
-}  # fmt: skip
+STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
 """The style sheet of every figure."""
 _DASHED, _DOTTED, _BOTH = (0, (4, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5))
 _DASHES: dict[str, Any] = {
@@ -75,7 +68,7 @@ class Drawn:
 
         buffer = io.BytesIO()
         dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(fname=STYLE):
             self.figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
         return buffer.getvalue()
 
@@ -237,7 +230,7 @@ def figures(results: Results) -> list[Drawn]:
         chosen += [approach, msd_slope] if cools else []
     chosen += [picture] if "disks" in results.system.scatterers else []
     drawn = []
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(fname=STYLE):
         for make in chosen:
             figure, words = make(results)
             title, caption = (make.__doc__ or "").split("\n\n")

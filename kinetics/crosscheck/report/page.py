@@ -127,36 +127,15 @@ def with_numbers(text: Any) -> Any:
 # -- words of the page -----------------------------------------------------------------------------
 
 
-def title(system: Any) -> str:
-    """The heading of the page."""
-    if system.in_field:
-        return "The inelastic Lorentz gas in a uniform field"
-    return "The inelastic Lorentz gas: three methods compared"
-
-
-def units(system: Any) -> str:
-    """In which units every number stands."""
-    if system.in_field:
-        return (
-            "l, the mean free path; g, the acceleration of the field, along z; speeds in √(gl), "
-            "times in √(l/g), dispersion in √(gl³)."
-        )
-    root = "√3" if system.dimension == 3 else "√2"
-    return (
-        "d, the diameter of a scatterer; U, the standard deviation of a velocity component at the "
-        f"start (v₀(0) = {root} U); times in d/U."
-    )
-
-
-def symbols(system: Any) -> str:
-    """What the letters of the page mean."""
-    if system.in_field:
-        return "u = ⟨v_z⟩ drift; D∥, D⊥ half the growth of the variance along and across the field."
-    path = "1/(πd²ρ₀)" if system.dimension == 3 else "1/(2dρ₀)"
-    return (
-        f"v₀² = ⟨v²⟩; dv₀/dt = −h v₀²/(2l); l = {path} free path; F(c) density of c = v/v₀; G(R) "
-        "of R = r/√⟨r²⟩; a₂ = " + ("3⟨c⁴⟩/5 − 1." if system.dimension == 3 else "⟨c⁴⟩/2 − 1.")
-    )
+def head(system: Any) -> dict[str, str]:
+    """The "title" of the page, what its "symbols" mean, and in which "units" all numbers stand."""
+    spheres = not system.in_field and system.dimension == 3
+    words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
+    if spheres:
+        words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
+    found = kept()["head"]["field" if system.in_field else "cooling"]
+    texts = (text.format(**words) for text in found)
+    return dict(zip(("title", "symbols", "units"), texts, strict=True))
 
 
 def deviation(row: Mapping[str, Any]) -> str:
@@ -215,7 +194,8 @@ def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> 
 
 def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
     """Restitutions, and for each quantity its name and a cell for each of them."""
-    rows, lines = document["tables"]["summary"], {}
+    rows: list[dict[str, Any]] = document["tables"]["summary"]
+    lines: dict[str, dict[float, str]] = {}
     restitutions = sorted({row["restitution"] for row in rows})
     for row in rows:
         percent = row["quantity"].endswith("%")
@@ -257,15 +237,6 @@ def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
          ["who / against whom", *(f"e = {e:g}" for e in every)], verdicts),
         ("rows", "Every comparison", document["units"], detail_head, detail),
     ]  # fmt: skip
-    if "hard_disks" in document["tables"]:
-        lines = [
-            [f"e = {r['restitution']:g}", f"{r['density']:g}", number(r["drift"], r["error"]),
-             f"{100 * r['trapped']:.1f} % by t = {r['until']:.0f}", f"{r['captures']:.2g}"]
-            for r in document["tables"]["hard_disks"]
-        ]  # fmt: skip
-        note = "The mean velocity while they move, over the equation’s; captures per free path."
-        head = ["restitution", "density ρ₀d²", "drift", "trapped", "captures"]
-        found.append(("hard-disks", "Tracers among hard disks", note, head, lines))
     names = ("id", "title", "note", "head", "lines")
     return [dict(zip(names, table, strict=True)) for table in found]
 
@@ -282,33 +253,35 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str,
 # -- the terminal ----------------------------------------------------------------------------------
 
 _MARK = {Verdict.DIFFERS: "!", Verdict.UNCLEAR: "?", Verdict.NOT_TESTED: "-"}
+_MARK |= dict.fromkeys((Verdict.CLOSE, Verdict.ROUGH, Verdict.FAR), "~")
 _SHORT = {
     "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
     "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
     "paper's integral": "integral", "hard disks, extrapolated": "disks",
 }  # fmt: skip
-_COLUMNS = 4  # restitutions beside each other
 
 
 def text(document: Mapping[str, Any]) -> str:
-    """Every comparison with its deviations, four restitutions beside each other."""
-    every = sorted({row["restitution"] for row in document["rows"]})
-    out = ["Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."]
-    for first in range(0, len(every), _COLUMNS):
-        shown = every[first : first + _COLUMNS]
-        out.append("\n" + " " * 28 + "".join(f"{f'e = {e:g}':18}" for e in shown).rstrip())
-        for (observable, system), whos in matrix(document["rows"]).items():
-            out.append(f"{kept()['observables'][observable][1]}, {system}")
-            for who, cells in whos.items():
-                names = "  " + " / ".join(_SHORT.get(name, name) for name in who.split(" / "))
-                line = f"{names:26}"
-                for e in shown:
-                    row = cells.get(e, {"kind": "", "verdict": ""})
-                    mark = "~" if row["kind"] == "approximation" else _MARK.get(row["verdict"], " ")
-                    cell = deviation(row).removesuffix(" %") if row["kind"] else "–"
-                    line += f"{mark} {cell:16}"
-                out.append(line.rstrip())
-    return "\n".join(out)
+    """Every comparison with its deviation in per cent, in columns for each restitution."""
+    import pandas as pd
+
+    lines = {
+        (
+            kept()["observables"][observable][1],
+            system,
+            " / ".join(_SHORT.get(n, n) for n in names),
+        ): {
+            f"e = {e:g}": f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
+            for e, row in cells.items()
+        }
+        for (observable, system), whos in matrix(document["rows"]).items()
+        for names, cells in ((who.split(" / "), cells) for who, cells in whos.items())
+    }
+    table = pd.DataFrame.from_dict(lines, orient="index").fillna("")
+    legend = (
+        "Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."
+    )
+    return f"{legend}\n\n{table.to_string(line_width=100)}"
 
 
 if __name__ == "__main__":

@@ -66,8 +66,8 @@ def comparisons(results: Results) -> "DataFrame":
     rows: list[dict[str, Any]] = []
     for case in results.cases:
         of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
-        known = isinstance(results.system, Cooling)
-        found = _of_cooling(case, results.system) if known else _of_field(case, results.system)
+        compare = _of_cooling if isinstance(results.system, Cooling) else _of_field
+        found = compare(case, results.system)
         rows += [{**of, **row} for row in found]
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     order = list(OBSERVABLES)
@@ -90,7 +90,12 @@ def _row(
     observable: str, kind: str, source: str, against: str, value: float, theory: float, **more: Any
 ) -> dict[str, Any]:
     deviation = float((value - theory) / scale_of(observable, theory))
-    row = {"observable": observable, "kind": kind, "source": source, "against": against}
+    row: dict[str, Any] = {
+        "observable": observable,
+        "kind": kind,
+        "source": source,
+        "against": against,
+    }
     row |= {"value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1}
     if kind == "approximation":
         row["verdict"] = judge_approximation(deviation).value
@@ -131,7 +136,7 @@ def estimated(
     within, verdict = float(np.max(seen[usable])), judge_sigmas(corrected)
     if verdict is Verdict.AGREES and within > LOW_POWER:
         verdict = Verdict.NOT_TESTED
-    where = {} if place is None else {place[0]: float(place[1][k])}
+    where: dict[str, Any] = {} if place is None else {place[0]: float(place[1][k])}
     row = _row(
         observable, "statistical", *who, value[k], expected[k], error=float(error[k]),
         sigmas=sigmas, looks=looks, groups=groups, corrected_sigmas=corrected,
@@ -173,7 +178,7 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
             yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
 
-def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
+def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
     (free, hard), theory, found = case.measured, case.theory, case.solved
     times, early, paper = case.times, found.early, system.is_papers_law
     left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
@@ -221,7 +226,7 @@ def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
         yield from _measured(case, "tail_exponent", run, runs.KINETIC, note)
     if not paper:
         return
-    end = {"time": float(times[-1])}
+    end: dict[str, Any] = {"time": float(times[-1])}
     late = np.where(np.arange(times.size) >= early, theory[runs.FIT]["msd"], np.nan)
     walk = f"random walk, eq. (22), with l = {sonine.FITTED_FREE_PATH} d"
     yield printed("msd", runs.FIT, runs.KINETIC, **end, note=walk)
@@ -245,9 +250,13 @@ def _of_cooling(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
         if r.size:
             values = form(r)
             k = int(np.argmax(np.abs(np.log(values / density))))
-            where = {**end, "distance": float(r[k]), "note": note + ", at its worst"}
-            who = (source, runs.KINETIC, float(values[k]), float(density[k]))
-            yield _row("position", "approximation", *who, **where)
+            where: dict[str, Any] = {
+                **end,
+                "distance": float(r[k]),
+                "note": note + ", at its worst",
+            }
+            both = float(values[k]), float(density[k])
+            yield _row("position", "approximation", source, runs.KINETIC, *both, **where)
 
 
 def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
@@ -300,7 +309,7 @@ def points(results: Results) -> "DataFrame":
 
     found = []
     for case in results.cases:
-        sources = {name: {k: (m.value, m.error) for k, m in each.items()}
+        sources: dict[str, dict[str, Any]] = {name: {k: (m.value, m.error) for k, m in each.items()}
                    for name, each in case.measured.items()}  # fmt: skip
         sources |= {name: {k: (v, np.nan) for k, v in x.items()} for name, x in case.theory.items()}
         for source, numbers in sources.items():

@@ -189,8 +189,7 @@ def _followed(
 def _free_run(e: float, times: Array, seed: int, system: Cooling) -> Ensemble:
     """Tracers of the Boltzmann-Grad limit, in groups for the jackknife."""
     groups = min(_GROUPS, system.free_tracers // 2)
-    more = {"dimension": 3} if system.dimension == 3 else {}
-    medium = BoltzmannGrad(system.number_density, **more)
+    medium = BoltzmannGrad(system.number_density, dimension=3 if system.dimension == 3 else 2)
     counts = {"media": groups, "tracers": system.free_tracers // groups}
     return _followed(medium, e, times, seed, system, **counts)
 
@@ -371,7 +370,8 @@ def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float
 
 
 def _in_field(system: Falling, tell: Tell) -> Results:
-    cases, more = [], {"lines": {}, "approach": [], "dense": []}
+    cases: list[Case] = []
+    more: dict[str, Any] = {"lines": {}, "approach": [], "dense": []}
     for d in system.dimensions:
         tell(f"{SCATTERERS[d]}: solver")
         at = np.unique([*system.line, *system.restitutions])
@@ -382,10 +382,10 @@ def _in_field(system: Falling, tell: Tell) -> Results:
         for e in system.restitutions:
             tell(f"{SCATTERERS[d]}, e = {e:g}")
             cases.append(_steady(e, d, system))
-        for e in system.followed:
+        for e in system.approach or ():
             tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
             more["approach"].append(_from_rest(e, d, system))
-    for e in system.among_hard_disks:
+    for e in system.dense:
         tell(f"hard disks, e = {e:g}")
         more["dense"].append(_among_hard_disks(e, system))
     return Results(system, [*cases, *more["approach"], *more["dense"]], more)
@@ -582,7 +582,7 @@ def _among_hard_disks(restitution: float, system: Falling) -> Case:
         "captures": Measured.joined(map(_ratio, caught, ways)),
         "trapped": Measured.joined(run.trapped_fraction for run in runs),
     }
-    theory = {
+    theory: dict[str, dict[str, Any]] = {
         SOLVER: {"drift_among_disks": 1.0},
         "free path alone": {
             "drift_over_density": np.array([reduce.contact_value(x) ** -0.5 for x in n])

@@ -1,16 +1,16 @@
 """What a report compares: smooth disks as in the paper, any other law, spheres, or a field.
 
 `Cooling` is a gas that is left alone, `Falling` one in a uniform field. Both are values with the
-same few members, so that everything after this file takes either.
+same few members, so that everything after this file takes either. InputError for what cannot be
+used.
 """
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.errors import InputError
 from kinetics.validation import (
     check_positive,
     check_restitution,
@@ -25,8 +25,6 @@ PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
 OTHER_FINAL_TIME = 1000.0
 """Final time in d/U of a restitution that the paper does not have."""
 FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
-_QUICK_RESTITUTIONS = (0.0, 0.5, 0.9)
-_APPROACH = (0.5, 0.9)
 _LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
 _QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
 
@@ -38,20 +36,21 @@ def half_cross_section(dimension: int) -> float:
 
 @dataclass(frozen=True)
 class _System:
-    """What both kinds of system have; rtol is asked of the solver, workers are threads."""
-
     restitutions: tuple[float, ...] = ()
-    rtol: float = 1e-10
+    rtol: float = 1e-10  # asked of the solver
     seed: int = 1
-    workers: int | None = None
+    workers: int | None = None  # threads
 
     _least: ClassVar[Mapping[str, int]] = {}
-    name: ClassVar[str] = "report"
-    """The name of its files."""
+    name: ClassVar[str] = "report"  # of its files
     in_field: ClassVar[bool] = False
 
-    def _check(self, default: tuple[float, ...]) -> tuple[float, ...]:
-        """The restitutions, or the default; InputError for those and for counts out of range."""
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _checked(self, default: tuple[float, ...]) -> tuple[float, ...]:
+        """The restitutions, or the default; checks the counts and tolerances too."""
         found = tuple(check_restitution(e) for e in self.restitutions or default)
         if len(set(found)) != len(found):
             refuse("restitutions", found, "each may stand only once")
@@ -61,13 +60,8 @@ class _System:
         if self.workers is not None:
             whole_number("workers", self.workers, 1, 2**31)
         for name in ("rtol", "position_rtol", "time_rtol"):
-            if hasattr(self, name):
-                check_rtol(getattr(self, name))
+            check_rtol(getattr(self, name, 1e-6))
         return found
-
-    def described(self) -> dict[str, Any]:
-        """The settings by name, for the document."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -76,8 +70,7 @@ class Cooling(_System):
 
     Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2, or d^-3
     in space. Empty restitutions stand for the paper's, empty final times for the paper's or
-    `OTHER_FINAL_TIME`; a single final time is that of all restitutions. InputError for anything
-    that cannot be used.
+    `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
     """
 
     final_times: tuple[float, ...] = ()
@@ -96,38 +89,30 @@ class Cooling(_System):
     }  # fmt: skip
 
     def __post_init__(self) -> None:
-        restitutions = self._check(tuple(PAPER_FINAL_TIME))
-        times = self.final_times or tuple(
-            PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in restitutions
-        )
-        times = tuple(check_positive("until", t) for t in times)
-        times = times * len(restitutions) if len(times) == 1 else times
-        if len(times) != len(restitutions):
-            raise InputError(
-                f"until: got {len(times)} for {len(restitutions)} restitutions; "
-                "there must be one for each"
-            )
+        found = self._checked(tuple(PAPER_FINAL_TIME))
+        default = tuple(PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in found)
+        times = tuple(check_positive("until", t) for t in self.final_times or default)
+        times = times * len(found) if len(times) == 1 else times
+        if len(times) != len(found):
+            refuse("until", len(times), f"there must be one for each of {len(found)} restitutions")
         check_positive("number_density", self.number_density)
-        law = law_of(restitutions[0], self.tangential_restitution, self.dimension)
-        for name, value in {
-            "restitutions": restitutions, "final_times": times, "dimension": law.dimension,
-            "tangential_restitution": law.tangential_restitution,
-        }.items():  # fmt: skip
-            object.__setattr__(self, name, value)
+        law = law_of(found[0], self.tangential_restitution, self.dimension)
+        self._set(restitutions=found, final_times=times, dimension=law.dimension)
+        self._set(tangential_restitution=law.tangential_restitution)
 
     def law(self, restitution: float) -> CollisionLaw:
         """The collision law of one restitution."""
         return law_of(restitution, self.tangential_restitution, self.dimension)
 
     @property
-    def is_papers_law(self) -> bool:
-        """Whether scatterers are smooth disks in the plane, for which the paper's formulas are."""
-        return self.is_smooth and self.dimension == 2
-
-    @property
     def is_smooth(self) -> bool:
         """Whether a bounce keeps the tangential velocity."""
         return self.tangential_restitution == 1.0
+
+    @property
+    def is_papers_law(self) -> bool:
+        """Whether scatterers are smooth disks in the plane, for which the paper's formulas are."""
+        return self.is_smooth and self.dimension == 2
 
     @property
     def scatterers(self) -> str:
@@ -147,12 +132,10 @@ class Cooling(_System):
     def quick(self) -> "Cooling":
         """The same system with fewer samples, and G(R) to fewer digits."""
         return replace(
-            self,
-            media=min(self.media, 40),
-            tracers=min(self.tracers, 25),
+            self, media=min(self.media, 40), tracers=min(self.tracers, 25),
             free_tracers=min(self.free_tracers, 20_000),
             position_rtol=max(self.position_rtol, 1e-5),
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -160,30 +143,21 @@ class Falling(_System):
     """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
 
     The mean free path l and the acceleration g are the units, so that speeds are in sqrt(g l) and
-    times in sqrt(l/g). InputError for anything that cannot be used.
-
-    restitutions : from 0 to below 1; empty for `FIELD_RESTITUTIONS`
-    approach : restitutions at which the approach to the steady state is followed; None for
-        0.5 and 0.9, or for the first and the last of the restitutions that were asked for
-    collisions : about so many in each run, which sets the number of its tracers
-    densities, dense : number densities of hard disks, in d^-2, and the restitutions there
-    configurations, tracers : of hard disks, and of tracers in each of them
-    groups : independent groups of tracers, behind the errors
-    time_rtol : asked of the solver over time
+    times in sqrt(l/g). Restitutions are below 1; empty for `FIELD_RESTITUTIONS`.
     """
 
     rtol: float = 1e-8
     dimensions: tuple[int, ...] = (2, 3)
-    approach: tuple[float, ...] | None = None
-    line: tuple[float, ...] = _LINE
-    collisions: int = 8_000_000
+    approach: tuple[float, ...] | None = None  # restitutions followed over time; None for two
+    line: tuple[float, ...] = _LINE  # restitutions at which the solver alone is drawn
+    collisions: int = 8_000_000  # about so many in each run, which sets its tracers
     most_tracers: int = 200_000
-    groups: int = 100
-    densities: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08)
-    dense: tuple[float, ...] = (0.5, 0.7, 0.9)
-    configurations: int = 200
-    tracers: int = 60
-    time_rtol: float = 1e-6
+    groups: int = 100  # independent ones of tracers, behind the errors
+    densities: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08)  # of hard disks, d^-2
+    dense: tuple[float, ...] = (0.5, 0.7, 0.9)  # the restitutions there
+    configurations: int = 200  # of hard disks
+    tracers: int = 60  # in each of them
+    time_rtol: float = 1e-6  # asked of the solver over time
 
     name: ClassVar[str] = "field"
     in_field: ClassVar[bool] = True
@@ -193,27 +167,17 @@ class Falling(_System):
     }  # fmt: skip
 
     def __post_init__(self) -> None:
-        restitutions = tuple(sorted(self._check(FIELD_RESTITUTIONS)))
-        if restitutions[-1] == 1.0:
+        found = tuple(sorted(self._checked(FIELD_RESTITUTIONS)))
+        if found[-1] == 1.0:
             allowed = "each must be below 1: elastic tracers reach no steady state in a field"
-            refuse("restitutions", restitutions, allowed)
+            refuse("restitutions", found, allowed)
         for dimension in self.dimensions:
             CollisionLaw(0.5, 1.0, dimension)
-        object.__setattr__(self, "restitutions", restitutions)
-        if self.approach is None:
-            ends = tuple(dict.fromkeys((restitutions[0], restitutions[-1])))
-            found = _APPROACH if restitutions == FIELD_RESTITUTIONS else ends
-            object.__setattr__(self, "approach", found)
-
-    @property
-    def followed(self) -> tuple[float, ...]:
-        """The restitutions at which the approach to the steady state is followed."""
-        return self.approach or ()
-
-    @property
-    def among_hard_disks(self) -> tuple[float, ...]:
-        """The restitutions at which tracers fall among hard disks too."""
-        return self.dense if 2 in self.dimensions else ()
+        ends = tuple(dict.fromkeys((found[0], found[-1])))
+        followed = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
+        approach = followed if self.approach is None else self.approach
+        dense = self.dense if 2 in self.dimensions else ()
+        self._set(restitutions=found, approach=approach, dense=dense)
 
     @property
     def scatterers(self) -> str:
@@ -223,26 +187,20 @@ class Falling(_System):
     @property
     def stages(self) -> int:
         """How often a report of it tells progress."""
-        each = 1 + len(self.restitutions) + len(self.followed)
-        return len(self.dimensions) * each + len(self.among_hard_disks) + 2
+        each = 1 + len(self.restitutions) + len(self.approach or ())
+        return len(self.dimensions) * each + len(self.dense) + 2
 
     def quick(self) -> "Falling":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""
         every = self.restitutions == FIELD_RESTITUTIONS
         return replace(
-            self,
-            restitutions=_QUICK_RESTITUTIONS if every else self.restitutions,
-            approach=self.followed[:1],
-            line=_QUICK_LINE,
-            densities=self.densities[1::2],
-            dense=self.dense[:2],
-            configurations=min(self.configurations, 50),
-            tracers=min(self.tracers, 20),
-            collisions=min(self.collisions, 500_000),
-            most_tracers=min(self.most_tracers, 10_000),
-            rtol=max(self.rtol, 1e-6),
+            self, restitutions=(0.0, 0.5, 0.9) if every else self.restitutions,
+            approach=(self.approach or ())[:1], line=_QUICK_LINE, densities=self.densities[1::2],
+            dense=self.dense[:2], configurations=min(self.configurations, 50),
+            tracers=min(self.tracers, 20), collisions=min(self.collisions, 500_000),
+            most_tracers=min(self.most_tracers, 10_000), rtol=max(self.rtol, 1e-6),
             time_rtol=max(self.time_rtol, 1e-4),
-        )
+        )  # fmt: skip
 
 
 System = Cooling | Falling
