@@ -146,7 +146,7 @@ def deviation(row: Mapping[str, Any]) -> str:
     if value is None:
         return "–"
     if row["kind"] == "numerical":
-        return numeral(value, ".0e")
+        return numeral(100 * value, ".0e") + " %"
     if row["error"] is None:
         if value >= 1:
             return f"factor {numeral(1 + value, '.2g')}"

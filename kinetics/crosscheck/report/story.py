@@ -242,7 +242,7 @@ def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
 
     compared = (
         f"Tracers fall from rest among fixed {results.system.scatterers}, and lose speed at every "
-        "bounce. Solver and Boltzmann-Grad particles are of the limit of low density."
+        "bounce. Solver and Boltzmann-Grad particles are of the dilute limit."
     )
     others = table[(table.kind == "statistical") & table.verdict.isin(["unclear", "differs"])]
     said = "; ".join(
