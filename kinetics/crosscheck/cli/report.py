@@ -1,5 +1,103 @@
-"""The command `report`, from where it still is."""
+"""The command `report`. What it needs is imported when it runs: --help stays quick."""
 
-from kinetics.crosscheck.report.command import report
+from __future__ import annotations
 
-__all__ = ["report"]
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kinetics.crosscheck.cli import options
+
+
+@click.command(
+    epilog=options.UNITS, short_help="Compare the three on one system: HTML, JSON, verdicts."
+)
+@click.option(
+    "-o", "--output", type=options.output_path, default=Path("lorentz-report"),
+    help="Folder for report.html, report.json and its tables as CSV.",
+)  # fmt: skip
+@click.option("--quick", is_flag=True, help="A tenth of the samples.")
+@click.option(
+    "--field", "in_field", is_flag=True,
+    help="Tracers that fall in a uniform field, among disks and among spheres, instead: drift, "
+    "dispersion, approach to the steady state. Writes field.html and field.json. With --field "
+    "only -e, --dimension (for one of both), --rtol, --quick, --figures, --seed and --workers.",
+)  # fmt: skip
+@click.option(
+    "-e", "--restitution", "restitutions", type=float, multiple=True,
+    help="Restitution, 0 to 1; may be repeated. [default: the paper's 0.4 0.6 0.7 0.9]",
+)  # fmt: skip
+@click.option(
+    "-t", "--until", "final_times", type=float, multiple=True,
+    help="Last time in d/U: once for all, or once per restitution. "
+    "[default: the paper's 3000 300 500 1000; 1000 for other restitutions]",
+)  # fmt: skip
+@options.tangential_option
+@click.option(
+    "--dimension", type=int, default=2, help="3: spheres; number densities are then in d^-3."
+)
+@options.density_option
+@click.option("--count", type=int, default=40_000, help="Hard disks, or spheres, in the box.")
+@click.option("--media", type=int, default=100, help="Configurations of them.")
+@click.option("--tracers", type=int, default=100, help="Tracers in each configuration.")
+@click.option(
+    "--free-tracers", type=int, default=200_000, help="Tracers of each Boltzmann-Grad run."
+)
+@click.option("--rtol", type=float, default=1e-10, help="Relative tolerance asked of the solver.")
+@click.option(
+    "--figures", multiple=True, type=click.Choice(("pdf", "png", "svg")),
+    help="Write each figure as a file beside the page; may be repeated.",
+)  # fmt: skip
+@options.seed_option
+@options.workers_option
+@options.json_option
+def report(
+    output: Path,
+    quick: bool,
+    in_field: bool,
+    figures: tuple[str, ...],
+    as_json: bool,
+    **system: Any,
+) -> None:
+    """Compare the kinetic equation, the particles and the algebra on the paper's system.
+
+    Of spheres, or with a tangential restitution, without the paper's formulas, which are of smooth
+    disks.
+
+    Writes report.html, which needs nothing beside it, report.json with every number in it, and its
+    tables as CSV, and prints a verdict per comparison.
+    """
+    # The matrices are small: BLAS threads wait more than they work. NumPy reads this when imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from kinetics.crosscheck import report as work
+    from kinetics.crosscheck.files import require_writable_folder
+    from kinetics.crosscheck.report.systems import Cooling, Falling
+
+    asked: Any = Falling(**_of_field(system)) if in_field else Cooling(**system)
+    asked = asked.quick() if quick else asked
+    require_writable_folder(output)
+    with options.progress(asked.stages) as tell:
+        found = work.make_report(asked, tell)
+        tell("writing")
+        written = found.write(output, figures)
+    if as_json:
+        options.print_json(found.document)
+        return
+    click.echo(found.text())
+    click.echo(f"wrote {written[0]} and {len(written) - 1} files beside it")
+    click.echo(found.document["headline"]["line"])
+
+
+_IN_FIELD = ("restitutions", "dimension", "rtol", "seed", "workers")
+"""Options of the report on the system that the report in a field has too."""
+
+
+def _of_field(system: dict[str, Any]) -> dict[str, Any]:
+    """The options that the user gave; click.UsageError for those that mean nothing in a field."""
+    options.refuse_given([name for name in system if name not in _IN_FIELD], "--field")
+    asked = {name: system[name] for name in _IN_FIELD if options.given([name])}
+    if "dimension" in asked:
+        asked["dimensions"] = (asked.pop("dimension"),)
+    return asked

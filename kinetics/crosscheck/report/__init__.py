@@ -1,25 +1,104 @@
 """The report: the three methods on one system, compared number by number, as a page and as JSON.
 
-May import the core of `kinetics`, `particles` and (inside functions, as SymPy is slow to load)
-`derivations`, `kinetics.crosscheck.{files,strict_json,text_tables,verdicts}`, and no other room of
-the cross-check. `lorentz compare` borrows the drawing and the templates from here.
-
-Begin with `report.py`, which calls the others in this order:
-
-- `settings`: what is asked; `case`: what the methods answer, as plain arrays
-- `run_methods`, `scans`, `algebra`: run the solver, the particles and the derivations
-- `observables`: reduces densities and averages to numbers that can be compared
-- `row`, `case_rows`: one comparison and its verdict; all comparisons of one restitution
-- `questions`: the claims of the paper as questions, answered with these numbers
-- `causes`, `claims`, `headline`: what lifts the paper's 1.45, the paper's claims judged, and the
-  findings with which the page opens; `picture`: tracers among the disks
-- `figure_lines`, `all_figures`, `scan_figures`: the data of each figure; `figures`: makes files of
-  them, with `strokes` (colours, markers), `drawing` (one panel) and `layout` (all of them)
-- `citations`: the paper's equations by their numbers
-- `templates`, `page`: sentences and the HTML page, whose prose stands in `../templates`
-
-The report of tracers in a uniform field (`lorentz report --field`) shares rows, figures and the
-frame of the document (`frame`) with it, and has files of its own, of which `field_report.py` comes
-first: `field_settings`, `field_runs`, `field_density`, `field_limits`, `field_rows`,
-`field_figures` and `field_page`.
+Begin with `systems.py` (what is compared), then follow the work: `runs.py` runs the solver and the
+particles, `reduce.py` makes numbers of the runs, `rows.py` one table of all comparisons,
+`figures.py` the pictures, `story.py` the findings in words, `page.py` the HTML page.
 """
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+SCHEMA = "inelastic-lorentz/report/2"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was run (`runs.Results`), compared (a pandas DataFrame), found, drawn and derived."""
+
+    results: Any
+    table: Any
+    story: Any
+    figures: list[Any]
+    checks: list[dict[str, Any]]
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """What the JSON file holds: headline, claims, rows, verdict_counts, algebra and more."""
+        from kinetics import __version__
+        from kinetics.crosscheck.files import plain
+        from kinetics.crosscheck.report import page, rows
+        from kinetics.crosscheck.words import MEANING
+
+        story, system = self.story, self.results.system
+        known = {name: version(name) for name in ("numpy", "scipy", "numba", "sympy", "matplotlib")}
+        headline = {"compared": story.compared, "findings": story.findings, "line": story.line}
+        found: dict[str, Any] = plain({
+            "schema": SCHEMA,
+            "software": {"inelastic-lorentz": __version__} | known,
+            **page.head(system),
+            "headline": {k: page.with_numbers(v) for k, v in headline.items()},
+            "claims": story.claims,
+            "settings": asdict(system),
+            "verdicts": {word.value: text for word, text in MEANING.items()},
+            "verdict_counts": rows.counts(self.table),
+            "rows": rows.records(self.table),
+            "algebra": self.checks,
+            "tables": story.tables,
+            "figures": [
+                {"name": x.name, "title": x.title, "caption": x.caption} for x in self.figures
+            ],
+        })  # fmt: skip
+        return found
+
+    def text(self) -> str:
+        """What the terminal shows: a line for each comparison, with its deviations in per cent."""
+        from kinetics.crosscheck.report import page
+
+        return page.text(self.document)
+
+    def write(self, folder: Path, formats: Sequence[str] = ()) -> list[Path]:
+        """Write the page, its JSON, its tables as CSV and figures in these formats, or nothing.
+
+        Returns their paths, the page first.
+        """
+        import pandas as pd
+
+        from kinetics.crosscheck.files import dumps, write_together
+        from kinetics.crosscheck.report import page, rows, story
+
+        name = self.results.system.name
+        tables = {key: pd.DataFrame(table) for key, table in self.story.tables.items()}
+        tables |= {"rows": self.table, "points": rows.points(self.results)}
+        html = page.render(self.document, self.figures, story.chance(self.table))
+        found: dict[str, str | bytes] = {f"{name}.html": html, f"{name}.json": dumps(self.document)}
+        found |= {f"{name}-{key}.csv": table.to_csv(index=False) for key, table in tables.items()}
+        for kind in dict.fromkeys(formats):
+            found |= {f"{name}-{drawn.name}.{kind}": drawn.file(kind) for drawn in self.figures}
+        return write_together(folder, found)
+
+
+def make_report(system: Any, progress: Callable[[str], None] | None = None) -> Report:
+    """Run the three methods on a system (of `systems.py`), and compare them.
+
+    progress is called with the name of each stage, `system.stages` times with that of writing.
+    ValueError for what cannot be simulated; RuntimeError if the derivations fail.
+    """
+    from kinetics.crosscheck.report import page
+
+    tell = progress or (lambda stage: None)
+    with page.algebra(system) as waiting:
+        from kinetics.crosscheck.report import figures, rows, runs, story
+
+        results = runs.gather(system, tell)
+        tell("comparing")
+        table = rows.comparisons(results)
+        drawn = figures.figures(results)
+        checks = waiting()
+    return Report(results, table, story.tell(results, table, checks), drawn, checks)
+
+
+__all__ = ["Report", "make_report"]

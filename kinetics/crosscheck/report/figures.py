@@ -1,155 +1,594 @@
-"""Figures: the data of one, as it stands in the JSON file, and the files drawn from it.
+"""The figures of a report: one function each, in plain matplotlib, with its title and its caption.
 
-A figure's data are plain lists and strings:
-
-    {"title", "description", "x": {"label", "unit", "scale", "limits"}, "y": {...},
-     "series": [{"source", "restitution", "group", "x", "y", "error"}]}
-
-`source` is who says so and decides the stroke; `restitution` decides colour and marker, None is
-ink. A series may have a "group" (a text, or None) instead, which then decides the colour, and an
-"x_range" [[low, high], ...], the range of x over which each point is an average.
-
-Where it helps, a figure has also
-
-- "order": the restitutions of the report, which have the same colours in all its figures;
-- "panels": true for one panel for each restitution;
-- "ratio": {"y": {...}, "series": [...]}, drawn in a panel below;
-- "spans": [{"restitution", "low", "high"}], ranges of x over which a rate is averaged.
+The same restitution has the same colour and marker in every figure; a stroke is who says so. An SVG
+in a page takes its colours from the page's CSS variables: one picture serves light and dark.
 """
 
 import io
+import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
 from html import escape
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.crosscheck.report.layout import arranged
-from kinetics.crosscheck.report.strokes import CSS_VARIABLE, STYLE
-from kinetics.crosscheck.report.templates import paragraphs
-from kinetics.crosscheck.strict_json import plain
+from kinetics import ScalingSolution, sonine
+from kinetics.collision.medium import SETTLED
+from kinetics.crosscheck.report import reduce, runs
+from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report.rows import PAPER_KURTOSIS, sure_density
+from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, SONINE, Case, Results
+from kinetics.crosscheck.report.systems import SCATTERERS
+from kinetics.crosscheck.words import numeral
 
-Data = dict[str, Any]
-FigureData = Mapping[str, Any]
+INK, FAINT = "#16191d", "#dde1e6"
+COLOURS = ("#0072b2", "#c04f00", "#007a58", "#b3478f", "#876600", "#3c4bb0")
+"""Of the restitutions of a report, in their order (after Okabe and Ito, dark enough for text)."""
+GROUPS = ("#8a1538", "#00707a", "#6b4a2b", "#5a6572")
+"""Of what is no restitution: disks and spheres, observables, densities."""
+VARIABLES = {INK: "var(--ink)", FAINT: "var(--faint)"}
+VARIABLES |= {colour: f"var(--series-{i})" for i, colour in enumerate(COLOURS)}
+VARIABLES |= {colour: f"var(--group-{i})" for i, colour in enumerate(GROUPS)}
+MARKERS = "os^DvP"
+STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
+"""The style sheet of every figure."""
+_DASHED, _DOTTED, _BOTH = (0, (4, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5))
+_DASHES: dict[str, Any] = {
+    **dict.fromkeys((SONINE, "paper, tail"), _DASHED),
+    **dict.fromkeys(("paper's integral", "limiting law", "exact tail", "exact limit"), _DOTTED),
+    **dict.fromkeys((FIT, "paper, peak", "Gaussian", "path alone"), _BOTH),
+}
+_WIDTH, _LEFT, _RIGHT, _BELOW, _GAP = 5.0, 0.78, 0.12, 0.52, 0.2  # inches, as are all lengths
+_LEGEND_LINE, _LEGEND_COLUMNS = 0.2, 3
+_TIME, _RESTITUTION, _FIELD_TIME = "time $t$  [d/U]", "restitution $e$", "time $t$  [√(l/g)]"
+_FINE = np.sqrt(1.0 - np.geomspace(1.0, 1e-6, 120))  # e, ever closer to 1
 
 
-def axis(
-    label: str, unit: str = "", scale: str = "linear", limits: tuple[float, float] | None = None
-) -> Data:
-    """One axis; limits None leaves them to what is drawn."""
-    ends = None if limits is None else list(limits)
-    return {"label": label, "unit": unit, "scale": scale, "limits": ends}
+Made = tuple[Any, dict[str, str]]
+"""A figure of matplotlib, and the words that its caption leaves open."""
 
 
-def series(
-    source: str,
-    x: ArrayLike,
-    y: ArrayLike,
-    error: ArrayLike | None = None,
-    restitution: float | None = None,
-    group: str | None = None,
-    x_range: ArrayLike | None = None,
-) -> Data:
-    """One line, or points with their standard errors; x, y and error of one length.
+@dataclass(frozen=True)
+class Drawn:
+    """A figure with its words."""
 
-    x_range (n, 2): the range of x that each point is an average over.
+    name: str
+    title: str
+    caption: str
+    figure: Any
+
+    def file(self, kind: str) -> bytes:
+        """As a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
+        import matplotlib as mpl
+
+        buffer = io.BytesIO()
+        dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
+        with mpl.rc_context(fname=STYLE):
+            self.figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
+        return buffer.getvalue()
+
+    def svg(self) -> str:
+        """As an element of a page: own ids, the page's colours, and what a screen reader says."""
+        prefix, text = f"fig-{self.name}-", self.file("svg").decode()
+        text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
+        text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href=", "href=")
+        text = re.sub(r'\b(id="|href="#)(?=[^"])', rf"\1{prefix}", text)
+        text = text.replace("url(#", f"url(#{prefix}")
+        for colour, variable in VARIABLES.items():
+            text = text.replace(colour, variable)
+        head, body = text.split(">", 1)
+        head = re.sub(r'\s(width|height)="[^"]*"', "", head)  # the page gives the size
+        return (
+            f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
+            f'<title id="{prefix}title">{escape(self.title)}</title>'
+            f'<desc id="{prefix}desc">{escape(self.caption)}</desc>{body.strip()}'
+        )
+
+
+class _Sheet:
+    """Axes in a grid of rows of these heights, and a legend of all that is drawn on them.
+
+    Margins are set by hand: a layout engine would draw everything a second time to find them.
     """
-    ranges = {} if x_range is None else {"x_range": plain(np.asarray(x_range, dtype=float))}
-    return {
-        "source": source,
-        "restitution": restitution,
-        "group": group,
-        "x": _floats(x),
-        "y": _floats(y),
-        "error": None if error is None else _floats(error),
-        **ranges,
-    }
+
+    def __init__(
+        self, order: Sequence[float], heights: Sequence[float] = (2.9,), columns: int = 1,
+        panels: bool = False, share: bool = True,
+    ) -> None:  # fmt: skip
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self.figure, self.order, self.columns = Figure(), list(order), columns
+        FigureCanvasAgg(self.figure)  # knows the other formats as well
+        gap = 0.4 if panels else _GAP  # panels have titles
+        wide, self.top = _GAP if share else _LEFT, 0.3 if panels else 0.12
+        width = (_WIDTH - _LEFT - _RIGHT - (columns - 1) * wide) / columns
+        self.tall = sum(heights) + (len(heights) - 1) * gap
+        grid = {"hspace": gap * len(heights) / sum(heights), "wspace": wide / width}
+        axes = self.figure.subplots(
+            len(heights), columns, squeeze=False, sharex="all" if share else "none",
+            sharey="all" if panels and share else "none",
+            gridspec_kw={**grid, "height_ratios": heights},
+        )  # fmt: skip
+        self.axes = list(axes.flat)
+        self._legend: dict[str, dict[str, Any]] = {}
+
+    def style(self, key: Any) -> tuple[str, str]:
+        """Colour and marker of a restitution, of a group (its name and number), or ink."""
+        if key is None:
+            return INK, "o"
+        k = key[1] if isinstance(key, tuple) else self.order.index(key)
+        colours = GROUPS if isinstance(key, tuple) else COLOURS
+        return colours[k % len(colours)], MARKERS[k % len(MARKERS)]
+
+    def _enter(self, source: str, stroke: dict[str, Any], key: Any, named: bool) -> None:
+        if source:
+            self._legend.setdefault(source, {"color": INK, **stroke})
+        if key is not None and named:
+            colour, marker = self.style(key)
+            label = key[0] if isinstance(key, tuple) else f"e = {key:g}"
+            self._legend.setdefault(label, {"color": colour, "marker": marker, "linestyle": "-"})
+
+    def line(
+        self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, key: Any = None, named: bool = True
+    ) -> None:
+        """A line; thin and not in the legend for source "", its key there only if `named`."""
+        stroke = {"linestyle": _DASHES.get(source, "-")}
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        ax.plot(x, y, color=self.style(key)[0], **stroke, linewidth=1.5 if source else 0.8)
+        self._enter(source, stroke, key, named)
+
+    def points(
+        self, ax: Any, source: str, x: ArrayLike, measured: Measured, key: Any = None,
+        named: bool = True, largest: float = math.inf,
+    ) -> None:  # fmt: skip
+        """Points with bars of one standard error; without those of a larger error."""
+        x, value, error = np.broadcast_arrays(x, measured.value, measured.error)
+        seen = np.isfinite(value) & (error > 0) & (error < largest)
+        if ax.get_yscale() == "log":
+            seen &= (value > 0) & (error < 0.5 * value)
+        colour, marker = self.style(key)
+        stroke: dict[str, Any] = {"linestyle": "none", "markersize": 3.8}
+        if source.startswith("hard"):
+            stroke |= {"markerfacecolor": "none", "markersize": 4.6}
+        bars = {"color": colour, "marker": marker, "elinewidth": 1.0}
+        ax.errorbar(x[seen], value[seen], error[seen], **bars, **stroke)
+        self._enter(source, {"marker": "o", **stroke}, key, named)
+
+    def marks(self, ax: Any, source: str, x: ArrayLike, y: ArrayLike, marker: str) -> None:
+        """Marks without errors, in ink."""
+        stroke = {"marker": marker, "linestyle": "none", "markersize": 6.0}
+        ax.plot(x, y, color=INK, **stroke)
+        self._enter(source, stroke, None, False)
+
+    def done(self, x: str, *y: str) -> Any:
+        """Labels (one of y for each row, or for all), ticks and the legend; the figure."""
+        from matplotlib.lines import Line2D
+        from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+
+        lines, many = math.ceil(len(self._legend) / _LEGEND_COLUMNS), len(self.axes) > 1
+        high = _BELOW + self.tall + self.top + _LEGEND_LINE * lines
+        self.figure.set_size_inches(_WIDTH, high)
+        self.figure.subplots_adjust(
+            _LEFT / _WIDTH, _BELOW / high, 1 - _RIGHT / _WIDTH, (_BELOW + self.tall) / high
+        )
+        for k, ax in enumerate(self.axes):
+            row, column = divmod(k, self.columns)
+            if k >= len(self.axes) - self.columns:
+                ax.set_xlabel(ax.get_xlabel() or x)
+            if column == 0:
+                ax.set_ylabel(y[min(row, len(y) - 1)])
+            for side in (ax.xaxis, ax.yaxis):
+                if side.get_scale() != "log":
+                    prune = "both" if self.columns > 1 else None
+                    steps = [1, 2, 2.5, 5, 10]
+                    side.set_major_locator(MaxNLocator(4 if many else 6, prune=prune, steps=steps))
+                    continue
+                low, top = side.get_view_interval()
+                subs = (1.0,) if top > 30 * low else (1.0, 2.0, 5.0)
+                side.set_major_locator(LogLocator(subs=subs, numticks=5 if many else 7))
+                side.set_minor_locator(NullLocator())
+                side.set_major_formatter(_power_of_ten if top > 30 * low else _plain)
+        if self._legend:
+            self.figure.legend(
+                handles=[Line2D([], [], **stroke) for stroke in self._legend.values()],
+                labels=list(self._legend), loc="upper left", ncols=_LEGEND_COLUMNS,
+                handlelength=2.0, columnspacing=1.0, borderaxespad=0.2,
+            )  # fmt: skip
+        return self.figure
 
 
-def figure(
-    name: str,
-    x: Data,
-    y: Data,
-    lines: Sequence[Data],
-    template: str = "figures.txt.j2",
-    **values: Any,
-) -> Data:
-    """The data of one figure; `values` fill its title and description, which the template has."""
-    title, description = paragraphs(template, name.replace("-", "_"), **values)
-    return {"title": title, "description": description, "x": x, "y": y, "series": list(lines)}
+def _power_of_ten(value: float, _: int | None = None) -> str:
+    exponent = str(round(math.log10(value)))
+    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def _floats(values: ArrayLike) -> list[float | None]:
-    """Floats, and None for what has no finite value: JSON has no NaN."""
-    floats: list[float | None] = plain(np.atleast_1d(np.asarray(values, dtype=float)))
-    return floats
+def _plain(value: float, _: int | None = None) -> str:
+    return f"{value:g}"
 
 
-def svg(name: str, data: FigureData) -> str:
-    """One figure as an `<svg>` element that can stand in a page beside others.
+def figures(results: Results) -> list[Drawn]:
+    """Every figure that the results allow; the first three are those of the head of the page.
 
-    Its ids carry the figure's name, its colours are the page's CSS variables, its text alternative
-    is the title and description of the data, and the same data give the same text.
+    The docstring of each has its title and its caption, in which "{words}" are filled.
     """
-    return embeddable(_drawn(data, "svg").decode(), name, data["title"], data["description"])
-
-
-def figure_files(
-    figures: Mapping[str, FigureData], prefix: str, formats: Iterable[str]
-) -> dict[str, bytes]:
-    """Every figure in every format, by the name of its file: PREFIX-NAME.FORMAT."""
-    return {
-        f"{prefix}-{name}.{kind}": figure_file(data, kind)
-        for name, data in figures.items()
-        for kind in dict.fromkeys(formats)
-    }
-
-
-def figure_file(data: FigureData, kind: str) -> bytes:
-    """One figure as a file of its own, in the page's light colours: kind "svg", "pdf" or "png"."""
-    drawn = _drawn(data, kind)
-    if kind != "svg":
-        return drawn
-    head, body = drawn.decode().split("<svg", 1)
-    attributes, rest = body.split(">", 1)
-    alternative = _alternative(data["title"], data["description"])
-    return f'{head}<svg{attributes} role="img">{alternative}{rest}'.encode()
-
-
-def _alternative(title: str, description: str, prefix: str | None = None) -> str:
-    """What a reader hears who cannot see the figure, with ids if there is a prefix for them."""
-    ids = ("", "") if prefix is None else (f' id="{prefix}title"', f' id="{prefix}desc"')
-    return f"<title{ids[0]}>{escape(title)}</title><desc{ids[1]}>{escape(description)}</desc>"
-
-
-def _drawn(data: FigureData, kind: str) -> bytes:
-    """The figure as matplotlib's file."""
     import matplotlib as mpl
 
-    buffer = io.BytesIO()
-    with mpl.rc_context(STYLE):
-        figure = arranged(data)
-        dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
-        figure.savefig(buffer, format=kind, metadata=dates[kind], dpi=200)
-    return buffer.getvalue()
+    more, cools = results.more, bool(results.cooling)
+    if results.system.in_field:
+        chosen: list[Callable[[Results], Made]] = [drift, dispersion]
+        chosen += [from_rest] if more["approach"] else []
+        chosen += [among_hard_disks] if more["dense"] else []
+    else:
+        chosen = [cooling_rate, msd, vdf, inverse_speed, vdf_tail] if cools else [msd]
+        chosen += [position, tail_exponent, kurtosis]
+        chosen += [approach, msd_slope] if cools else []
+    chosen += [picture] if "disks" in results.system.scatterers else []
+    drawn = []
+    with mpl.rc_context(fname=STYLE):
+        for make in chosen:
+            figure, words = make(results)
+            title, caption = (make.__doc__ or "").split("\n\n")
+            caption = " ".join(caption.split()).format(**words).strip()
+            drawn.append(Drawn(make.__name__.replace("_", "-"), title, caption, figure))
+    return drawn
 
 
-def embeddable(text: str, name: str, title: str, description: str) -> str:
-    """Matplotlib's file as an element: own ids, own colours, no metadata, a text alternative."""
-    prefix = f"fig-{name}-"
-    text = text[text.index("<svg") :]
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", text).replace("xlink:href=", "href=")
-    text = re.sub(r'\b(id="|href="#)(?=[^"])', rf"\1{prefix}", text)
-    text = text.replace("url(#", f"url(#{prefix}")
-    for colour, variable in CSS_VARIABLE.items():
-        text = text.replace(colour, variable)
-    head, body = text.split(">", 1)
-    # The page gives the size; the view box keeps the proportions.
-    head = re.sub(r'\s(width|height)="[^"]*"', "", head)
-    return (
-        f'{head} role="img" aria-labelledby="{prefix}title {prefix}desc">'
-        f"{_alternative(title, description, prefix)}{body.strip()}"
-    )
+def _panels(results: Results, cases: Sequence[Case]) -> tuple[_Sheet, list[tuple[Case, Any]]]:
+    """A sheet with a panel for each restitution."""
+    across = min(2, len(cases))
+    tall = (1.75,) * math.ceil(len(cases) / across)
+    sheet = _Sheet(results.system.restitutions, tall, across, panels=True)
+    for spare in sheet.axes[len(cases) :]:
+        spare.set_axis_off()
+    for case, ax in zip(cases, sheet.axes, strict=False):
+        colour = sheet.style(case.restitution)[0]
+        ax.set_title(f"e = {case.restitution:g}", loc="left", color=colour, fontsize=10.5, pad=3)
+    return sheet, list(zip(cases, sheet.axes, strict=False))
+
+
+# -- a gas that cools ------------------------------------------------------------------------------
+
+
+@cache
+def exact_rates(tangential: float, dimension: int) -> tuple[Array, Array]:
+    """Restitutions from 0 to 1, with that from which on the printed a2 is real, and exact h."""
+    e = np.sort([*np.linspace(0.0, 0.99, 67), 0.999, sonine.THRESHOLD_RESTITUTION + 1e-12])
+    states = (ScalingSolution(float(x), tangential, dimension) for x in e)
+    return e, np.array([state.cooling_rate for state in states])
+
+
+def cooling_rate(results: Results) -> Made:
+    """Cooling rate
+
+    {over} over e; below, all over the exact rate of late times.{said} Particles: the slope of 1/v₀
+    over their last decade of time, read with the l of the dilute limit.
+    """
+    system: Any = results.system
+    sheet, smooth, said = _Sheet(system.restitutions, (2.4, 1.15)), system.is_smooth, ""
+    e, exact = exact_rates(system.tangential_restitution, system.dimension)
+    for ax, scale in zip(sheet.axes, (1 - e if smooth else e**0, exact), strict=True):
+        sheet.line(ax, "exact", e, exact / scale)
+        if system.is_papers_law:
+            sheet.line(ax, FIT, e, sonine.cooling_rate_fitted(e) / scale)
+            sheet.line(ax, SONINE, e, sonine.cooling_rate(e) / scale)
+            said = " Exactly it is √2 at e = 0 and 4/3 as e → 1; Sonine exists above e = 0.58."
+    for case in results.cooling:
+        x, limit = case.restitution, case.theory[EXACT]["cooling_rate"]
+        for ax, scale in zip(sheet.axes, (1 - x if smooth else 1.0, limit), strict=True):
+            sheet.marks(ax, "solver", x, case.theory[SOLVER]["cooling_rate"] / scale, "x")
+            same = case.theory[KINETIC]["cooling_rate"] / scale
+            sheet.marks(ax, "equation, same times", x, same, "_")
+            for source, found in case.measured.items():
+                sheet.points(ax, source, x, found["cooling_rate"] / scale, x, named=False)
+    over, y = ("h/(1 − e)", "$h(e)/(1-e)$") if smooth else ("h", "$h(e)$")
+    return sheet.done(_RESTITUTION, y, "over exact"), {"over": over, "said": said}
+
+
+def msd(results: Results) -> Made:
+    """Mean square displacement
+
+    ⟨r²⟩ over time; below, hard scatterers over the dilute equation, which forgets every scatterer.
+    {said}
+    """
+    system: Any = results.system
+    sheet, hard, said = _Sheet(system.restitutions, (2.4, 1.15)), f"hard {system.scatterers}", ""
+    top, below = sheet.axes
+    top.set_xscale("log")
+    for case in results.cases:
+        e, t, kinetic = case.restitution, case.times, case.theory[KINETIC]["msd"]
+        sheet.line(top, KINETIC, t, kinetic, e)
+        for source, found in case.measured.items():
+            sheet.points(top, source, t, found["msd"], e)
+        sheet.points(below, hard, t, case.measured[hard]["msd"] / kinetic, e, largest=0.1)
+        if case.solved.dense is not None:
+            sheet.line(below, "corrected equation", t, case.solved.dense.msd / kinetic, e)
+            said = "Lines there: the equation of hard disks at this density, with nothing fitted"
+            settled = numeral(SETTLED / (2 * system.half_rate), ".2g")
+            said += f" here, trusted from {settled} d/U on."
+        if system.is_papers_law:
+            sheet.line(top, FIT, t, case.theory[FIT]["msd"], e)
+    below.axhline(1, color=INK, linewidth=0.8)
+    return sheet.done(_TIME, r"$\langle r^2\rangle$  [d²]", "over dilute"), {"said": said}
+
+
+def vdf(results: Results, last: float = 2.5, log: bool = False) -> Made:
+    """Scaled velocity distribution
+
+    F(c), c = v/v₀, at the last time; for e > 0 it vanishes at c = 0.{reason}
+    """
+    sheet, panels = _panels(results, results.cooling)
+    hard, near, reason = f"hard {results.system.scatterers}", [], ""
+    c, at = np.linspace(0.01, last, 120), reduce.middles(reduce.SPEED_EDGES)
+    for case, ax in panels:
+        e, inside = case.restitution, at < last
+        if log:
+            ax.set(yscale="log", ylim=(1e-6, 3.0))
+        sheet.line(ax, KINETIC, c, reduce.last_vdf(case.solved.kinetic)(c), e, named=False)
+        for source, found in case.measured.items():
+            sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
+        sheet.line(ax, "Gaussian", c, reduce.gaussian_vdf(c, case.dimension))
+        exact, far = case.solved.exact, c[c > 3]
+        if log and np.isfinite(exact.tail_power):  # else no power times an exponential
+            tail = np.exp(exact.log_tail_amplitude - exact.tail_rate * far) * far**exact.tail_power
+            sheet.line(ax, "exact tail", far, tail, e, named=False)
+        first, equation = case.measured[hard]["scaled_vdf"], case.theory[KINETIC]["scaled_vdf"]
+        near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
+    most, error, expected, e = max(near)
+    if most > 3 * expected:
+        reason = (
+            f" Near c = 0 {hard} have more (e = {e:g}: {most:.2f} ± {error:.2f}, equation "
+            f"{expected:.2g}): tracers that bounce to and fro between two near scatterers, or in a "
+            "corner of them, come to rest. The dilute equation has no such pairs."
+        )
+    return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"reason": reason}
+
+
+def vdf_tail(results: Results) -> Made:
+    """Tail of the velocity distribution
+
+    F(c) on a logarithmic scale. The exact tail of late times is a power of c times exp(−2c/h),
+    amplitude included; it is reached late for e near 1.
+    """
+    return vdf(results, last=6.0, log=True)
+
+
+def inverse_speed(results: Results) -> Made:
+    """Inverse thermal speed
+
+    2l (1/v₀(t) − 1/v₀(0))/t{over} with the l of the dilute limit, the J of the paper's Figure 2
+    over its abscissa; the paper reads a constant.
+    """
+    system: Any = results.system
+    sheet, panels = _panels(results, results.cooling)
+    for case, ax in panels:
+        e, t, start = case.restitution, case.times, 1 / math.sqrt(case.dimension)
+        scale = (1 - e if system.is_smooth else 1.0) * system.half_rate * t
+        ax.set_xscale("log")
+        slowing = (1 / case.theory[KINETIC]["thermal_speed"] - start) / scale
+        sheet.line(ax, KINETIC, t, slowing, e, named=False)
+        limit = case.theory[EXACT]["cooling_rate"] * system.half_rate * t / scale
+        sheet.line(ax, "exact limit", t, limit, e, named=False)
+        for source, found in case.measured.items():
+            v = found["thermal_speed"]
+            points = Measured((1 / v.value - start) / scale, v.error / v.value**2 / scale)
+            sheet.points(ax, source, t, points, e, named=False, largest=0.2)
+        if system.is_papers_law:
+            sheet.line(ax, FIT, t, sonine.FITTED_COOLING_FACTOR)
+    over = "/(1 − e)" if system.is_smooth else ""
+    return sheet.done(_TIME, r"$J/(d\rho_0 t)$"), {"over": over}
+
+
+def position(results: Results) -> Made:
+    """Scaled displacement distribution
+
+    G(R), R = r/√⟨r²⟩, a density over R, at the last time. The forms of the paper have fitted
+    constants (peak η = 0.75, tail η = 0.25, γ = 7.39); they are of smooth disks.
+    """
+    sheet, panels = _panels(results, results.cases)
+    r, at = np.linspace(0.04, 6.0, 120), reduce.middles(reduce.POSITION_EDGES)
+    for case, ax in panels:
+        e, d = case.restitution, case.dimension
+        ax.set(yscale="log", ylim=(1e-5, 3.0))
+        g = case.solved.position.scaled_position_density(r)[-1]
+        sheet.line(ax, KINETIC, r, np.where(g > 0, g, np.nan), e, named=False)
+        for source, found in case.measured.items():
+            sheet.points(ax, source, at, found["position"], e, named=False)
+        if results.system.is_papers_law:
+            sheet.line(ax, "paper, peak", r, sonine.position_peak(r))
+            sheet.line(ax, "paper, tail", r[r > 1], sonine.position_tail(r[r > 1]))
+            sheet.line(ax, "paper's integral", r, sonine.position_integral(r))
+        else:  # as of c: a density in the plane or in space
+            surface = d * reduce.ball(d) * r ** (d - 1)
+            sheet.line(ax, "Gaussian", r, surface * reduce.gaussian_vdf(r, d))
+    return sheet.done("scaled distance $R$", "$G(R)$"), {}
+
+
+def tail_exponent(results: Results) -> Made:
+    """How the tail of G(R) falls
+
+    Local exponent n of p = G(R)/R (in space G(R)/R²) ~ exp(−(R/b)ⁿ) at the last time: 1 is an
+    exponential, 2 a Gaussian. Crosses: the equation over the bands of the particles.
+    """
+    sheet, panels = _panels(results, results.cases)
+    for case, ax in panels:
+        e, at = case.restitution, reduce.band_middles(case.dimension)
+        ax.set(ylim=(0.5, 2.6), xlim=(0.0, 6.0))
+        known, _ = sure_density(case, np.linspace(0.3, 6.0, 60))
+        n = case.solved.position.position_tail(known)[0][-1]
+        sheet.line(ax, KINETIC, known, n, e, named=False)
+        sheet.marks(ax, "same bands", at, case.theory[KINETIC]["tail_exponent"], "x")
+        for source, found in case.measured.items():
+            sheet.points(ax, source, at, found["tail_exponent"], e, named=False, largest=0.5)
+        for value in (1.0, 2.0):
+            ax.axhline(value, color=INK, linewidth=0.8)
+    return sheet.done("scaled distance $R$", "$n(R)$"), {}
+
+
+def _over_time(results: Results, name: str, until: float, unit: str = "") -> tuple[_Sheet, Any]:
+    """A sheet with the equation to late times and the particles, over their exact limit."""
+    sheet = _Sheet(results.system.restitutions)
+    sheet.axes[0].set_xscale("log")
+    for case in results.cases if name == "kurtosis" else results.cooling:
+        e, t, late, ax = case.restitution, case.times, case.solved.late, sheet.axes[0]
+        shown, scale = late.times <= until, case.theory[EXACT][unit] if unit else 1.0
+        sheet.line(ax, KINETIC, late.times[shown], getattr(late, name)[shown] / scale, e)
+        for source, found in case.measured.items():
+            at = t if np.ndim(found[name].value) else math.sqrt(t[case.solved.early] * t[-1])
+            sheet.points(ax, source, at, found[name] / scale, e)
+    return sheet, sheet.axes[0]
+
+
+def kurtosis(results: Results) -> Made:
+    """Kurtosis of the displacement
+
+    ⟨r⁴⟩/⟨r²⟩²: were G(R) the same at all times, it would be constant.
+    """
+    sheet, ax = _over_time(results, "kurtosis", runs.LATEST)
+    ends = [results.cases[0].times[0], runs.LATEST]
+    sheet.line(ax, "Gaussian", ends, 1 + 2 / results.cases[0].dimension)
+    if results.system.is_papers_law:
+        sheet.line(ax, "paper's integral", ends, PAPER_KURTOSIS)
+    return sheet.done(_TIME, r"$\langle r^4\rangle/\langle r^2\rangle^2$"), {}
+
+
+def approach(results: Results) -> Made:
+    """Approach to the scaling state
+
+    The second Sonine coefficient a₂(t) from a Gaussian start, where it is 0.
+    """
+    last = 1e5
+    sheet, ax = _over_time(results, "a2", last)
+    for case in results.cooling:
+        e, ends = case.restitution, [case.times[0], last]
+        sheet.line(ax, "exact limit", ends, case.theory[EXACT]["a2"], e)
+        if results.system.is_papers_law:
+            sheet.line(ax, SONINE, ends, case.theory[SONINE]["a2"], e)
+    return sheet.done(_TIME, "$a_2(t)$"), {}
+
+
+def msd_slope(results: Results) -> Made:
+    """Slope of the mean square displacement
+
+    d⟨r²⟩/d ln t over its exact limit 2l²/(κ(1 − ⟨cos χ⟩)): where it is 1, ⟨r²⟩ grows as ln t.
+    Particles: the mean slope over their last decade, at its middle.
+    """
+    sheet, ax = _over_time(results, "msd_slope", runs.LATEST, unit="msd_slope")
+    for case in results.cooling if results.system.is_papers_law else ():
+        for source in (FIT, SONINE):
+            value = case.theory[source]["msd_slope"] / case.theory[EXACT]["msd_slope"]
+            sheet.line(ax, source, [1e4, runs.LATEST], value, case.restitution)
+    ax.axhline(1, color=INK, linewidth=0.8)
+    return sheet.done(_TIME, r"$\mathrm{d}\langle r^2\rangle/\mathrm{d}\ln t$ over limit"), {}
+
+
+def picture(results: Results) -> Made:
+    """The system
+
+    Tracers among hard disks, {said}, coloured by their speed, from the open circle to the dots.
+    Shaded: where no centre of a tracer can be.
+    """
+    import matplotlib as mpl
+    from matplotlib.colors import ListedColormap
+    from matplotlib.figure import Figure
+
+    run, said = runs.picture(results.system)
+    figure = Figure(figsize=(_WIDTH, 0.85 * _WIDTH), layout="constrained")
+    ax = figure.add_subplot()
+    most = 300 if results.system.in_field else 20
+    run.plot_trajectories(run.tracers, ax=ax, collisions=most)
+    # the middle of the scale of colours: seen on white and on black
+    middle = ListedColormap(mpl.colormaps["plasma"](np.linspace(0.3, 0.85, 64)))
+    for drawn in ax.collections:
+        if drawn.get_array() is not None:
+            drawn.set_cmap(middle)
+    return figure, {"said": said}
+
+
+# -- tracers in a field ----------------------------------------------------------------------------
+
+
+def _steady(results: Results, dimension: int, name: str) -> tuple[Array, Measured, Array]:
+    """Restitutions, what particles say, and what the solver says."""
+    cases = [c for c in results.cases if c.dimension == dimension and "drift" in c.theory[SOLVER]]
+    measured = Measured.joined(case.measured[FREE][name] for case in cases)
+    solved = np.array([case.theory[SOLVER][name] for case in cases])
+    return np.array([case.restitution for case in cases]), measured, solved
+
+
+def drift(results: Results) -> Made:
+    """Drift over the restitution
+
+    The mean velocity u along the field in the steady state. Dotted: the law of nearly elastic
+    collisions. Below, particles of the dilute limit over the solver.
+    """
+    sheet = _Sheet((), (2.4, 1.15))
+    top, below = sheet.axes
+    for d, line in results.more["lines"].items():
+        group = (SCATTERERS[d], d - 2)
+        sheet.line(top, SOLVER, line["restitution"], line["drift"], group)
+        sheet.line(top, "limiting law", _FINE, runs.near_elastic(_FINE, d)["drift"], group)
+        e, measured, solved = _steady(results, d, "drift")
+        sheet.points(top, FREE, e, measured, group)
+        beside = 0.004 * (2 * d - 5)  # so that disks and spheres are both seen
+        sheet.points(below, FREE, e + beside, measured / solved, group)
+    below.axhline(1, color=INK, linewidth=0.8)
+    top.set(ylim=(0, None), xlim=(-0.02, 1.0))
+    return sheet.done(_RESTITUTION, "drift $u$  [√(gl)]", "over the solver"), {}
+
+
+def dispersion(results: Results) -> Made:
+    """Dispersion about the drift
+
+    Half the growth rate of the variance of the displacement along the field and in one direction
+    across it. Dotted: the law of nearly elastic collisions.
+    """
+    lines = results.more["lines"]
+    sheet = _Sheet((), columns=len(lines), panels=True)
+    for ax, (d, line) in zip(sheet.axes, lines.items(), strict=True):
+        laws = runs.near_elastic(_FINE, d)
+        for k, name in enumerate(("diffusion_parallel", "diffusion_perpendicular")):
+            group = (("$D_∥$, along", "$D_⊥$, across")[k], k)
+            sheet.line(ax, SOLVER, line["restitution"], line[name], group)
+            sheet.line(ax, "limiting law", _FINE, laws[name], group)
+            sheet.points(ax, FREE, *_steady(results, d, name)[:2], group)
+        ax.set(ylim=(0.0, 1.05), xlim=(-0.02, 1.0))
+        ax.set_title(SCATTERERS[d], loc="left", fontsize=10.5, pad=3)
+    return sheet.done(_RESTITUTION, "$D$  [√(gl³)]"), {}
+
+
+def from_rest(results: Results) -> Made:
+    """From rest to the steady state
+
+    Tracers start at rest and first fall freely: they exceed the drift before they collide.
+    """
+    sheet, at = _Sheet((), (1.7, 1.7)), runs.APPROACH_TIMES
+    sheet.axes[0].set_xscale("log")
+    for ax, name in zip(sheet.axes, ("drift_from_rest", "square_from_rest"), strict=True):
+        for k, case in enumerate(results.more["approach"]):
+            group = (f"{SCATTERERS[case.dimension]}, e = {case.restitution:g}", k)
+            sheet.line(ax, SOLVER, at, case.theory[SOLVER][name], group)
+            sheet.points(ax, FREE, at[::2], case.measured[FREE][name][::2], group)
+    return sheet.done(_FIELD_TIME, "$⟨v_z⟩$  [√(gl)]", "$⟨v^2⟩$  [gl]"), {}
+
+
+def among_hard_disks(results: Results) -> Made:
+    """Falling among hard disks
+
+    How fast tracers fall while they are not trapped, over the drift of the equation. Dash-dotted:
+    the shorter free path alone; the rest is disks met again.
+    """
+    cases = results.more["dense"]
+    sheet, n = _Sheet([case.restitution for case in cases]), cases[0].places["captures"][1]
+    fine, (ax,) = np.linspace(0.0, float(n[-1]), 40), sheet.axes
+    sheet.line(ax, "path alone", fine, [reduce.contact_value(float(x)) ** -0.5 for x in fine])
+    for case in cases:
+        found = case.measured[runs.EXTRAPOLATED]
+        sheet.points(ax, "particles", n, found["drift_over_density"], case.restitution)
+    ax.axhline(1, color=INK, linewidth=0.8)
+    return sheet.done(r"density $\rho_0 d^2$", "$u$ / $u$ of the equation"), {}

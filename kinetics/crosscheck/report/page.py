@@ -1,278 +1,290 @@
-"""The report's document as one HTML page with nothing beside it, and as a table of text."""
+"""The report as one HTML page with nothing beside it and as text, and the formulas that it shows.
 
-from collections.abc import Iterable, Mapping, Sequence
+    python -m kinetics.crosscheck.report.page LABEL ...
+
+prints the rows of these labels of `derivations` (none: those of the paper's report) as JSON.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
-from markupsafe import Markup
+from kinetics.crosscheck.words import Verdict, number, numeral
 
-from kinetics.crosscheck.report.all_figures import PAPER_FIGURES
-from kinetics.crosscheck.report.equations import report_equations
-from kinetics.crosscheck.report.figures import svg
-from kinetics.crosscheck.report.headline import HEAD_FIGURES
-from kinetics.crosscheck.report.row import OBSERVABLES, Names, relative_error
-from kinetics.crosscheck.report.templates import environment, number, numeral
-from kinetics.crosscheck.text_tables import aligned
-from kinetics.crosscheck.verdicts import EXPLAINED, WORDS, Verdict
-
-CLASSES = {
-    "no difference": "agrees", "unclear": "unclear", "differs": "differs",
-    "holds": "holds", "holds in part": "partly", "does not hold": "fails",
-}  # fmt: skip
-"""The class of the style sheet for each word that is explained, or that judges a claim."""
-CONTENTS = {
-    "claims": "The paper’s claims, judged",
-    "causes": "What lifts the paper’s 1.45",
-    "answers": "Questions and answers in numbers",
-    "figures": "Figures",
-    "finite-density": "Hard disks predicted: the finite density",
-    "findings": "What explains the differences",
-    "dimensions": "Disks and spheres side by side",
-    "verdicts": "Verdicts",
-    "equations": "The equations",
-    "rows": "Every comparison",
-    "algebra": "The algebra",
-    "method": "How it was made",
+_OF_PAPER = ("averages", "cooling", "diffusion")
+_OF_LAW = {
+    2: ("one_collision", "measure_plane", "moments", "slope"),
+    3: ("one_collision", "measure_space", "averages_space", "moments", "slope"),
 }
-"""Sections of the page by their id, as far as a report has them."""
-_MARKS = "●■▲◆▼✚"
-"""The markers of the restitutions, as `strokes` draws them."""
-_DIGITS = {"%": 3, "d/U": 3, "σ": 3}
-"""Digits of a number without an error, by its unit; others have five."""
-_LOW_POWER = 0.1
-"""Relative difference that would have been seen, above which "no difference" says little."""
+_ANY_LAW = ("rule", "one-collision", "any-moments", "any-slope")
+_IN_DIMENSION = {
+    2: ("measure-plane", "plane-equal"),
+    3: ("measure-space", "space-power", "space-log", "space-cosine", "space-e-zero"),
+}
+_FILE = files("kinetics.crosscheck") / "templates" / "report.json"
+_WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
+"""Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
 
-def render(document: Mapping[str, Any]) -> str:
-    """The page. Every text of the document is escaped."""
-    settings = document["settings"]
-    restitutions = settings["restitutions"]
-    parts = {
-        "claims": document["claims"], "causes": document["causes"],
-        "answers": document["answers"], "dimensions": document.get("dimensions"),
-        "finite-density": document.get("finite_density"),
-    }  # fmt: skip
-    page = environment().get_template("report.html.j2")
-    return page.render(
-        doc=document,
-        contents=[(id, title) for id, title in CONTENTS.items() if parts.get(id, True)],
-        head_figures=_head_figures(document),
-        picture=picture_of(document),
-        explained=EXPLAINED,
-        classes=CLASSES,
-        causes=[_cause_cells(step) for step in document["causes"]],
-        marks=list(zip(restitutions, _MARKS * len(restitutions), strict=False)),
-        scatterers="spheres" if settings.get("dimension") == 3 else "disks",
-        tables=[_number_table(item, restitutions) for item in document["answers"]],
-        figure_groups=_figure_groups(document),
-        svgs={name: Markup(svg(name, data)) for name, data in document["figures"].items()},
-        equations=report_equations(settings.get("dimension")),
-        matrix=matrix(document["rows"], restitutions, OBSERVABLES),
-        dimensions=dimension_pairs(document),
-        is_papers_law="dimension" not in settings,
-        observables=_observables(document),
-        deviation=deviation,
-        said=verdict_words,
-        dimension_cells=_dimension_cells,
-        # Written by sympy's printer from the package's own formulas, not from anybody's data.
-        formula=Markup,
-    )
+# -- the algebra, and the paper's equations by their numbers ---------------------------------------
 
 
-def picture_of(document: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """Title, description and "svg" of a picture of the system, if the document has one."""
-    picture = document.get("picture")
-    # Drawn by matplotlib, its texts escaped: nothing of a user's goes in.
-    return None if picture is None else {**picture, "svg": Markup(picture["svg"])}
+@contextmanager
+def algebra(system: Any) -> Iterator[Callable[[], list[dict[str, Any]]]]:
+    """Derive the formulas of the report in a process of its own; gives a function that waits.
 
-
-def _head_figures(document: Mapping[str, Any]) -> list[str]:
-    """The figures beside the findings; the others stand in their own section."""
-    return [name for name in HEAD_FIGURES if name in document["figures"]]
-
-
-def _cause_cells(step: Mapping[str, Any]) -> dict[str, str]:
-    """The cells of one restitution in the table of causes."""
-
-    def percent(value: Mapping[str, float]) -> str:
-        return number(100 * value["value"], 100 * value["error"], "+") + " %"
-
-    predicted = step["predicted"]
-    return {
-        "e": f"{step['restitution']:g}",
-        "exact": numeral(step["exact"], ".4f"),
-        "start": numeral(100 * step["start"], "+.1f") + " %",
-        "same_times": numeral(step["same_times"], ".4f"),
-        "density": percent(step["density"]),
-        "predicted": "–" if predicted is None else numeral(100 * predicted, "+.1f") + " %",
-        "disks": number(step["disks"]["value"], step["disks"]["error"]),
-        "free_path": percent(step["free_path"]),
-        "fit": f"{step['fit']:g}",
-    }
-
-
-def verdict_words(row: Mapping[str, Any]) -> dict[str, str]:
-    """The word of a row's verdict, what is added to it, and the class of the style sheet."""
-    word, more, style = WORDS[row["verdict"]], "", str(row["verdict"])
-    if row["verdict"] == Verdict.AGREES and row["kind"] == "statistical":
-        within = row["within"]
-        more = f"better than {numeral(100 * within, '.2g')} %"
-        if within > _LOW_POWER:
-            style = "weak"
-    return {"word": word, "more": more, "style": style}
-
-
-def _observables(document: Mapping[str, Any]) -> dict[str, Names]:
-    """The names of the observables; in space p is G(R)/(4 pi R^2)."""
-    if document["settings"].get("dimension") != 3:
-        return OBSERVABLES
-    title, short = OBSERVABLES["tail_exponent"]
-    return OBSERVABLES | {"tail_exponent": Names(title.replace("G(R)/R ", "G(R)/R² "), short)}
-
-
-def _figure_groups(document: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
-    """Heading and names of the figures; those of another law than the paper's have no heading."""
-    names = list(document["figures"])
-    names = [name for name in names if name not in _head_figures(document)]
-    papers = [name for name in names if name in PAPER_FIGURES]
-    if "dimension" in document["settings"]:
-        return [("", names)]
-    others = [name for name in names if name not in papers]
-    return [("The paper's figures", papers), ("Figures that the paper lacks", others)]
-
-
-def _number_table(answer: Mapping[str, Any], restitutions: list[float]) -> list[dict[str, Any]]:
-    """The numbers of an answer as a table: one line per name, one cell per restitution."""
-    lines: dict[str, dict[float | None, str]] = {}
-    for n in answer["numbers"]:
-        name = n["name"].replace(" - ", " − ").replace("a2", "a₂")
-        name += f"  [{n['unit']}]" if n["unit"] else ""
-        shown = number(n["value"], n["error"], digits=_DIGITS.get(n["unit"], 5))
-        lines.setdefault(name, {})[n["restitution"]] = shown
-    return [
-        {"name": name, "all": cells.get(None), "cells": [cells.get(e, "–") for e in restitutions]}
-        for name, cells in lines.items()
-    ]
-
-
-def matrix(
-    rows: Iterable[Mapping[str, Any]], restitutions: Sequence[float], observables: Iterable[str]
-) -> list[dict[str, Any]]:
-    """The short table: one line per comparison, one cell (or None) per restitution.
-
-    In the order of the observables.
+    The process ends with the context. RuntimeError with its last line if it fails; a report in a
+    field has no formulas.
     """
-    lines: dict[tuple[str, str, str], dict[float, Mapping[str, Any]]] = {}
-    for row in rows:
-        key = (row["observable"], row["source"], row["against"])
-        lines.setdefault(key, {})[row["restitution"]] = row
-    order = list(observables)
+    if system.in_field:
+        yield list
+        return
+    more = () if system.is_papers_law else _ANY_LAW + _IN_DIMENSION[system.dimension]
+    # The child must find the packages where this process did, installed or not.
+    paths = os.pathsep.join(p for p in sys.path if p)
+    with subprocess.Popen(
+        [sys.executable, "-P", "-m", __name__, *(f"beyond:{name}" for name in more)],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=dict(os.environ, PYTHONPATH=paths),
+        start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends the child
+    ) as process:  # fmt: skip
+
+        def wait() -> list[dict[str, Any]]:
+            out, err = process.communicate()
+            if process.returncode:
+                last = (err.strip().splitlines() or ["no message"])[-1]
+                raise RuntimeError(f"the derivations failed: {last}")
+            found: list[dict[str, Any]] = json.loads(out)
+            return found
+
+        try:
+            yield wait
+        finally:
+            process.kill()
+
+
+def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
+    """One row per label: title, status, note, and both formulas as sympy's text and as MathML."""
+    from derivations import verify
+
+    names = ("label", "title", "proof", "note", "printed_mathml", "derived_mathml")
     return [
-        {
-            "observable": observable,
-            "comparison": f"{source} / {against}",
-            "rows": [lines[observable, source, against].get(e) for e in restitutions],
+        {name: getattr(check, name) for name in names}
+        | {
+            "status": str(check.status),
+            "printed": "" if check.printed is None else str(check.printed),
+            "derived": "" if check.derived is None else str(check.derived),
+            "numbers": {each.name: float(each.value) for each in check.numbers},
         }
-        for observable, source, against in sorted(lines, key=lambda key: order.index(key[0]))
+        for check in verify(labels)
     ]
 
 
-def dimension_pairs(document: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Disks beside spheres: one line per quantity and restitution, its two rows of the document."""
-    lines: dict[tuple[str, float], list[Mapping[str, Any]]] = {}
-    for row in document.get("dimensions", ()):
-        lines.setdefault((row["observable"], row["restitution"]), []).append(row)
-    order = list(OBSERVABLES)
-    return [
-        {"observable": observable, "restitution": e, "rows": lines[observable, e]}
-        for observable, e in sorted(lines, key=lambda key: (order.index(key[0]), key[1]))
-    ]
+def printed_equations() -> dict[str, list[str]]:
+    """MathML of the page's equations as `derivations` prints them: what its JSON file keeps."""
+    from derivations import printed_equation
+    from derivations.typesetting import mathml
+
+    def block(label: str) -> str:
+        # Ascending powers read better: 1 - e^2.
+        element = mathml(printed_equation(label).formula, order="rev-lex")
+        return element.replace("<math>", '<math display="block">')
+
+    equations = kept()["equations"].items()
+    return {name: [block(label) for label in labels] for name, (_, *labels) in equations}
 
 
-def dimension_table(document: Mapping[str, Any]) -> str:
-    """The same as text for the terminal; empty where the report has no such table."""
-    pairs = dimension_pairs(document)
-    if not pairs:
-        return ""
-    heads = ("closed form", "solver", "equation", "particles")
-    lines = [["", "", *(f"{of}: {head}" for of in ("disks", "spheres") for head in heads)]]
-    for pair in pairs:
-        cells = [cell for row in pair["rows"] for cell in _dimension_cells(row)]
-        name = OBSERVABLES[pair["observable"]].short
-        lines.append([name, f"e = {pair['restitution']:g}", *cells])
-    return aligned(lines)
+@cache
+def kept() -> dict[str, Any]:
+    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
+    found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
+    return found
 
 
-def _dimension_cells(row: Mapping[str, Any]) -> list[str]:
-    limits = [number(row[name]) for name in ("exact", "solver", "equation")]
-    return [*limits, number(row["value"], row["error"])]
+def with_numbers(text: Any) -> Any:
+    """A text, or several, with the numbers of the paper's equations in place of their labels."""
+    if not isinstance(text, str):
+        return [with_numbers(each) for each in text]
+    numbers = kept()["numbers"]
+    every = sorted(numbers, key=len, reverse=True)
+    end = r"(?![\w#]|\.\d)"
+    for start, known in (
+        (r"\b(?:eq\. |label )", every),
+        (r"(?<![\w:])", [label for label in every if label not in _WORDS]),
+    ):
+        pattern = rf"{start}({'|'.join(map(re.escape, known))}){end}"
+        text = re.sub(pattern, lambda match: f"eq. ({numbers[match[1]]})", text)
+    return text
 
 
-def text(document: Mapping[str, Any]) -> str:
-    """What the terminal shows: the verdicts, and disks beside spheres."""
-    parts = verdict_table(document), dimension_table(document)
-    return "\n\n".join(part for part in parts if part)
+# -- words of the page -----------------------------------------------------------------------------
 
 
-def verdict_table(document: Mapping[str, Any]) -> str:
-    """Text for the terminal, of 100 columns at most: one line per comparison, four restitutions."""
-    every = document["settings"]["restitutions"]
-    parts = [
-        _verdict_columns(document, range(k, min(k + 4, len(every))))
-        for k in range(0, len(every), 4)
-    ]
-    return "\n\n".join([_TABLE_LEGEND, *parts])
-
-
-_TABLE_LEGEND = (
-    "Differences in %. No mark: none seen; ? unclear; ! differs; ~ a formula is off by so much."
-)
-_MARK = {"differs": "!", "unclear": "?", "agrees": " ", "undefined": " "}
-SHORT = {
-    "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
-    "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
-    "paper's integral": "integral", "hard disks, extrapolated": "disks",
-}  # fmt: skip
-"""Names where columns are few; "own l": with the mean free path that the same run measured."""
-
-
-def _verdict_columns(document: Mapping[str, Any], which: range) -> str:
-    every = document["settings"]["restitutions"]
-    lines = [["", *(f"e = {every[k]:g}" for k in which)]]
-    titles = []
-    last = None
-    for line in matrix(document["rows"], every, OBSERVABLES):
-        if line["observable"] != last:
-            last = line["observable"]
-            titles.append((len(lines), OBSERVABLES[last].short))
-        who, against = (SHORT.get(name, name) for name in line["comparison"].split(" / "))
-        cells = []
-        for k in which:
-            row = line["rows"][k]
-            text = "–" if row is None else _percent(row)
-            cells.append(f"{_MARK.get(row['verdict'], '~') if row else ' '} {text}")
-        lines.append([f"  {who} / {against}", *cells])
-    shown = aligned(lines).splitlines()
-    for at, title in reversed(titles):
-        shown.insert(at, title)
-    return "\n".join(shown)
+def head(system: Any) -> dict[str, str]:
+    """The "title" of the page, what its "symbols" mean, and in which "units" all numbers stand."""
+    spheres = not system.in_field and system.dimension == 3
+    words = {"path": "1/(2dρ₀)", "fourth": "⟨c⁴⟩/2", "root": "√2"}
+    if spheres:
+        words = {"path": "1/(πd²ρ₀)", "fourth": "3⟨c⁴⟩/5", "root": "√3"}
+    found = kept()["head"]["field" if system.in_field else "cooling"]
+    texts = (text.format(**words) for text in found)
+    return dict(zip(("title", "symbols", "units"), texts, strict=True))
 
 
 def deviation(row: Mapping[str, Any]) -> str:
     """A row's relative deviation, with its standard error where it has one."""
+    from kinetics.crosscheck.report.rows import scale_of
+
     value = row["deviation"]
     if value is None:
         return "–"
     if row["kind"] == "numerical":
-        return numeral(value, ".0e")
+        return numeral(100 * value, ".0e") + " %"
     if row["error"] is None:
         if value >= 1:
             return f"factor {numeral(1 + value, '.2g')}"
         return numeral(100 * value, "+.1f") + " %"
-    return number(100 * value, relative_error(row), "+") + " %"
+    error = float(100 * row["error"] / scale_of(row["observable"], row["theory"]))
+    return number(100 * value, error, "+") + " %"
 
 
-def _percent(row: Mapping[str, Any]) -> str:
-    """A row's deviation for a table whose numbers are all in per cent."""
-    if row["kind"] == "numerical" and row["deviation"] is not None:
-        return numeral(100 * row["deviation"], ".0e")
-    return deviation(row).removesuffix(" %")
+# -- the page --------------------------------------------------------------------------------------
+
+
+def render(document: Mapping[str, Any], figures: Sequence[Any], chance: str) -> str:
+    """The page. Every text of the document is escaped."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    # Formulas are of this package's own printer, figures are matplotlib's with escaped texts:
+    # nothing of a user's goes in unescaped.
+    made = Environment(
+        loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True,
+    )  # fmt: skip
+    made.filters |= {"numeral": numeral, "number": number, "cited": with_numbers}
+    settings = document["settings"]
+    in_field, dimension = "dimensions" in settings, settings.get("dimension", 2)
+    papers_law = not in_field and dimension == 2 and settings["tangential_restitution"] == 1
+    below = () if in_field else _OF_PAPER if papers_law else _OF_LAW[dimension]
+
+    def equation(name: str) -> tuple[str, Markup]:
+        return kept()["equations"][name][0], Markup("".join(kept()["mathml"][name]))
+
+    return made.get_template("report.html.j2").render(
+        doc=document,
+        figures=[(drawn, Markup(drawn.svg())) for drawn in figures],
+        strip=[equation("collision" if papers_law or in_field else "rule"), equation("lorentz")],
+        equations=[equation(name) for name in below],
+        summary=_summary(document),
+        tables=_tables(document),
+        chance=chance,
+        formula=Markup,
+        deviation=deviation,
+        in_field=in_field,
+    )
+
+
+def _summary(document: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
+    """Restitutions, and for each quantity its name and a cell for each of them."""
+    rows: list[dict[str, Any]] = document["tables"]["summary"]
+    lines: dict[str, dict[float, str]] = {}
+    restitutions = sorted({row["restitution"] for row in rows})
+    for row in rows:
+        percent = row["quantity"].endswith("%")
+        plain = numeral(row["value"], "+.1f") if percent else number(row["value"], digits=4)
+        shown = (
+            number(row["value"], row["error"], "+" if percent else "") if row["error"] else plain
+        )
+        lines.setdefault(row["quantity"], {})[row["restitution"]] = shown
+    head = [f"e = {e:g}" for e in restitutions]
+    return head, [[q, *(c.get(e, "–") for e in restitutions)] for q, c in lines.items()]
+
+
+def _tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The folded tables: id, title, note, head and lines; a line of one cell is a heading."""
+    rows, every = document["rows"], sorted({row["restitution"] for row in document["rows"]})
+    verdicts: list[list[Any]] = []
+    for (observable, system), whos in matrix(rows).items():
+        verdicts.append([f"{kept()['observables'][observable][0]}, {system}"])
+        verdicts += [[w, *(cells.get(e, "–") for e in every)] for w, cells in whos.items()]
+    detail: list[list[Any]] = []
+    for row in rows:
+        heading = [f"{kept()['observables'][row['observable']][0]}, {row['system']}"]
+        if heading not in detail:
+            detail.append(heading)
+        at = [
+            f"{name} = {numeral(row[key], '.3g')}"
+            for key, name in (("distance", "R"), ("time", "t"), ("c", "c"))
+            if row[key] is not None
+        ][:1] + ([f"worst of {row['looks']}"] if row["looks"] > 1 else [])
+        sigmas = (row[name] for name in ("sigmas", "corrected_sigmas"))
+        detail.append([
+            f"e = {row['restitution']:g}", f"{row['source']} / {row['against']}", ", ".join(at),
+            number(row["value"], row["error"]), number(row["theory"]),
+            *("" if s is None else numeral(s, ".1f") for s in sigmas), row,
+        ])  # fmt: skip
+    detail_head = ["e", "who / against whom", "at", "value ± s.e.", "theory", "σ", "corrected", ""]
+    found = [
+        ("verdicts", "Verdicts", "Who against whom: relative differences ± one standard error.",
+         ["who / against whom", *(f"e = {e:g}" for e in every)], verdicts),
+        ("rows", "Every comparison", document["units"], detail_head, detail),
+    ]  # fmt: skip
+    names = ("id", "title", "note", "head", "lines")
+    return [dict(zip(names, table, strict=True)) for table in found]
+
+
+def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], dict[str, dict[Any, Any]]]:
+    """Rows by (observable, system), then by "source / against", then by restitution."""
+    found: dict[tuple[str, str], dict[str, dict[Any, Any]]] = {}
+    for row in rows:
+        whos = found.setdefault((row["observable"], row["system"]), {})
+        whos.setdefault(f"{row['source']} / {row['against']}", {})[row["restitution"]] = row
+    return found
+
+
+# -- the terminal ----------------------------------------------------------------------------------
+
+_MARK = {Verdict.DIFFERS: "!", Verdict.UNCLEAR: "?", Verdict.NOT_TESTED: "-"}
+_MARK |= dict.fromkeys((Verdict.CLOSE, Verdict.ROUGH, Verdict.FAR), "~")
+_SHORT = {
+    "kinetic equation, measured l": "equation, own l", "kinetic equation": "equation",
+    "Boltzmann-Grad": "dilute limit", "hard disks": "disks", "hard spheres": "spheres",
+    "paper's integral": "integral", "hard disks, extrapolated": "disks",
+}  # fmt: skip
+
+
+def text(document: Mapping[str, Any]) -> str:
+    """Every comparison with its deviation in per cent, in columns for each restitution."""
+    import pandas as pd
+
+    lines = {
+        (
+            kept()["observables"][observable][1],
+            system,
+            " / ".join(_SHORT.get(n, n) for n in names),
+        ): {
+            f"e = {e:g}": f"{_MARK.get(row['verdict'], ' ')} {deviation(row).removesuffix(' %')}"
+            for e, row in cells.items()
+        }
+        for (observable, system), whos in matrix(document["rows"]).items()
+        for names, cells in ((who.split(" / "), cells) for who, cells in whos.items())
+    }
+    table = pd.DataFrame.from_dict(lines, orient="index").fillna("")
+    legend = (
+        "Differences in %. No mark: none seen; - not tested; ? unclear; ! differs; ~ a formula."
+    )
+    return f"{legend}\n\n{table.to_string(line_width=100)}"
+
+
+if __name__ == "__main__":
+    from derivations import report_subset
+
+    json.dump(algebra_rows(sys.argv[1:] or report_subset), sys.stdout)

@@ -1,48 +1,54 @@
-"""One report of a made-up case, and its page: drawing it takes most of the time of its tests."""
+"""One tiny report of each kind of system, made once and shared by all tests of the report."""
 
 from collections.abc import Callable
-from copy import deepcopy
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from kinetics.crosscheck.report.case import Case, Scans
-from kinetics.crosscheck.report.case_rows import rows_of_case
-from kinetics.crosscheck.report.page import render
-from kinetics.crosscheck.report.report import build_document
-from kinetics.crosscheck.report.settings import ReportSettings
+from kinetics.crosscheck.report import Report, make_report
+from kinetics.crosscheck.report.systems import Cooling, Falling
 
-MakeCase = Callable[..., Case]
-CHECKS = [
-    {
-        "label": "sonine9",
-        "title": "M2",
-        "status": "verified",
-        "proof": "exact",
-        "printed": "Eq(M_2, 1)",
-        "derived": "Eq(M_2, 1)",
-        "note": "",
-        "numbers": {},
-        "printed_mathml": "<math><mi>M</mi></math>",
-        "derived_mathml": "<math><mi>M</mi></math>",
-    }
-]
+TINY = {"count": 400, "media": 12, "tracers": 10, "free_tracers": 2000, "n_times": 6}
+TINY |= {"rtol": 1e-6, "position_rtol": 1e-3, "final_times": (60.0,)}
+SYSTEMS: dict[str, Any] = {
+    "paper": Cooling(restitutions=(0.4, 0.7), **TINY),
+    "rough": Cooling(restitutions=(1.0,), tangential_restitution=0.5, **TINY),
+    "spheres": Cooling(restitutions=(0.5,), dimension=3, **TINY),
+    "elastic": Cooling(restitutions=(1.0,), **TINY),
+    "field": Falling(
+        (0.5, 0.9), approach=(0.5,), line=(0.0, 0.7, 0.99), collisions=40_000, most_tracers=1000,
+        groups=10, densities=(0.02, 0.04, 0.08), dense=(0.5,), configurations=10, tracers=4,
+        dimensions=(2,), rtol=1e-4, time_rtol=1e-3,
+    ),
+}  # fmt: skip
 
 
-@pytest.fixture(scope="session")
-def built(make_case: MakeCase, scans: Scans, settings: ReportSettings) -> dict[str, Any]:
-    cases = [make_case()]
-    rows = [row for case in cases for row in rows_of_case(case, settings)]
-    return build_document(settings, cases, scans, rows, CHECKS)
+@dataclass(frozen=True)
+class Made:
+    report: Report
+    folder: Path
+    stages: list[str]
 
+    @property
+    def name(self) -> str:
+        return self.report.results.system.name
 
-@pytest.fixture
-def document(built: dict[str, Any]) -> dict[str, Any]:
-    """A copy that a test may change."""
-    return deepcopy(built)
+    @property
+    def page(self) -> Path:
+        return self.folder / f"{self.name}.html"
 
 
 @pytest.fixture(scope="session")
-def text(built: dict[str, Any]) -> str:
-    """The page of the document as it is: drawing it takes most of the time of these tests."""
-    return render(built)
+def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Made]:
+    @cache
+    def make(kind: str) -> Made:
+        stages: list[str] = []
+        report = make_report(SYSTEMS[kind], stages.append)
+        folder = tmp_path_factory.mktemp(kind)
+        report.write(folder, ("png",) if kind == "elastic" else ())
+        return Made(report, folder, stages)
+
+    return make

@@ -1,38 +1,101 @@
-"""The numbers to which particles, solutions and printed formulas are reduced for a comparison."""
+"""The numbers to which runs and solutions are reduced so that they can be compared.
+
+Errors are jackknifed over independent groups of tracers: configurations of scatterers where there
+are any.
+"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics import Solution, sonine
-from kinetics.crosscheck.report.case import Array, Case, Measured
 from kinetics.numerics.gauss import panels_between
 
+Array = NDArray[np.float64]
+
+SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 16)])
+"""Bins of c = v/v0 for F(c)."""
+POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
+"""Bins of R = r/sqrt(<r^2>) for G(R)."""
 BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
-"""Bands of R = r/sqrt(<r^2>) between which the fall of G(R) is measured; the first is p(0)."""
-LARGEST_EXPONENT_ERROR = 0.5
-"""Standard error of n(R) above which it is left out."""
-SURE = 20.0
-"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
+"""Bands of R between which the fall of G(R) is measured; the first is p(0)."""
+LEAST_EXPECTED = 50
+"""Samples that a bin must be expected to hold before its jackknife error is trusted."""
 
 
-def contact_value(number_density: float, diameter: float = 1.0, dimension: int = 2) -> float:
+@dataclass(frozen=True)
+class Measured:
+    """An estimate with its standard error, of the same shape; NaN where nothing was measured."""
+
+    value: Array
+    error: Array
+
+    @staticmethod
+    def of(estimate: Any) -> "Measured":
+        """Of anything that has both."""
+        return Measured(np.asarray(estimate.value), np.asarray(estimate.error))
+
+    @staticmethod
+    def joined(parts: Iterable[Any]) -> "Measured":
+        """Several estimates of one shape as one, along a new first axis."""
+        known = list(parts)
+        return Measured(np.array([p.value for p in known]), np.array([p.error for p in known]))
+
+    @property
+    def last(self) -> "Measured":
+        """The last one, of shape ()."""
+        return Measured(np.asarray(np.ravel(self.value)[-1]), np.asarray(np.ravel(self.error)[-1]))
+
+    def __truediv__(self, scale: float | Array) -> "Measured":
+        return Measured(np.asarray(self.value / scale), np.asarray(self.error / scale))
+
+    def __getitem__(self, where: Any) -> "Measured":
+        return Measured(np.asarray(self.value[where]), np.asarray(self.error[where]))
+
+
+def jackknife_error(replicates: Array) -> Array:
+    """Standard error from n >= 2 estimates that each leave out one group, shape (n, ...)."""
+    n = len(replicates)
+    return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
+
+
+def jackknifed(sums: dict[str, Array], of: Callable[[dict[str, Array]], Array]) -> Measured:
+    """A function of averages that are given for each of n groups, and its standard error."""
+    n = len(next(iter(sums.values())))
+    value = of({name: np.asarray(x.mean()) for name, x in sums.items()})
+    without = {name: (x.sum() - x) / (n - 1) for name, x in sums.items()}
+    return Measured(np.asarray(value), jackknife_error(of(without)))
+
+
+def weighted_fit(basis: Array, measured: Measured) -> tuple[Array, Measured]:
+    """The coefficients (k,) of least squares, and the first one with the error that follows.
+
+    basis (n, k): the functions at the points; measured (n,), its errors above 0.
+    """
+    inverse = np.linalg.pinv(basis / measured.error[:, None])
+    found = inverse @ (measured.value / measured.error)
+    return found, Measured(np.asarray(found[0]), np.asarray(np.linalg.norm(inverse[0])))
+
+
+def contact_value(number_density: float, dimension: int = 2) -> float:
     """The pair correlation at contact, g(d), by which the mean free path is divided.
 
     Of hard disks that of D. Henderson, Mol. Phys. 30, 971 (1975), number_density in d^-2; of hard
     spheres that of N. F. Carnahan and K. E. Starling, J. Chem. Phys. 51, 635 (1969), in d^-3.
     """
     if dimension == 3:
-        fraction = math.pi * number_density * diameter**3 / 6
+        fraction = math.pi * number_density / 6
         return (1 - fraction / 2) / (1 - fraction) ** 3
-    fraction = math.pi * number_density * diameter**2 / 4
+    fraction = math.pi * number_density / 4
     return (1 - 7 * fraction / 16) / (1 - fraction) ** 2
 
 
 def cooling_rate_between(times: Array, thermal_speed: Array, early: int, half_rate: float) -> float:
-    """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. veq over d rho0.
+    """Estimate h from 1/v0 at index `early` and at the last time: the slope of eq. (7) over d rho0.
 
     times and thermal_speed (n_times,) in d/U and U; half_rate is 1/(2 l) in 1/d, for disks d rho0.
     """
@@ -49,7 +112,7 @@ def msd_slope_between(times: Array, msd: Array, early: int) -> float:
 
 
 def printed_msd_slopes(restitution: float, number_density: float) -> tuple[float, float]:
-    """Late d<r^2>/d ln t of the printed formulas, in d^2: random walk (eq. msd), Sonine (ad8).
+    """Late d<r^2>/d ln t of the printed formulas, in d^2: random walk (eq. 22), Sonine (eq. C9).
 
     NaN where the formula has no real value; e must be below 1.
     """
@@ -78,6 +141,11 @@ def middles(edges: Array) -> Array:
     return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
+def bin_measure(dimension: int) -> Array:
+    """Area, or volume, of each bin of c."""
+    return np.asarray(ball(dimension) * np.diff(SPEED_EDGES**dimension))
+
+
 def last_vdf(solution: Solution) -> Callable[[Array], Array]:
     """F(c) of a solution at its last time, from its radial density over v = c v0(t)."""
     v0, law = float(solution.thermal_speed[-1]), solution.scene.law
@@ -89,59 +157,12 @@ def last_vdf(solution: Solution) -> Callable[[Array], Array]:
     return vdf
 
 
-def bin_average(vdf: Callable[[Array], ArrayLike], edges: Array, dimension: int = 2) -> Array:
-    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each.
-
-    edges (n_bins + 1,); returns (n_bins,), a density in the plane, or in space.
-    """
+def bin_average(vdf: Callable[[Array], ArrayLike], dimension: int) -> Array:
+    """F(c) averaged over the area, or volume, of each bin of c, by 8 Gauss points in each."""
     d = dimension
-    c, weight = panels_between(edges, 8)
+    c, weight = panels_between(SPEED_EDGES, 8)
     shares = (d * c ** (d - 1) * np.asarray(vdf(c)) * weight).reshape(-1, 8).sum(axis=1)
-    return np.asarray(shares / np.diff(edges**d))
-
-
-def largest_change(case: Case, kinetic: Array) -> float:
-    """Largest difference of the binned VDF `kinetic` from the scaling state, over its peak."""
-    final = bin_average(case.scaling_state[1].vdf, case.speed_edges, case.dimension)
-    return float(np.max(np.abs(kinetic - final)) / np.max(final))
-
-
-def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
-    """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
-    density = case.position.scaled_position_density(r)[-1]
-    known = density > SURE * case.position.rtol
-    return r[known], density[known]
-
-
-def bin_density(case: Case, edges: Array) -> Array:
-    """G(R) of the kinetic equation at the last time, averaged over each bin of R."""
-    return _share(case, edges) / np.diff(edges)
-
-
-def bands_of(case: Case) -> Array:
-    """The kinetic equation's `band_exponent`, from the shares that a histogram would have."""
-    return band_exponent(_share(case, BANDS), case.dimension)
-
-
-def _share(case: Case, edges: Array) -> Array:
-    root = math.sqrt(float(case.position.msd[-1]))
-    return np.asarray(case.position.position_fraction(edges * root)[-1])
-
-
-def jackknife_error(replicates: Array) -> Array:
-    """Standard error from n >= 2 estimates that each leave out one group, shape (n, ...)."""
-    n = len(replicates)
-    return np.asarray(np.sqrt((n - 1) * np.var(replicates, axis=0)))
-
-
-def weighted_fit(basis: Array, measured: Measured) -> tuple[Array, Measured]:
-    """The coefficients (k,) of least squares, and the first one with the error that follows.
-
-    basis (n, k): the functions at the points; measured (n,), its errors above 0.
-    """
-    inverse = np.linalg.pinv(basis / measured.error[:, None])
-    found = inverse @ (measured.value / measured.error)
-    return found, Measured(np.asarray(found[0]), np.asarray(np.linalg.norm(inverse[0])))
+    return np.asarray(shares / np.diff(SPEED_EDGES**d))
 
 
 def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
@@ -158,8 +179,7 @@ def scaled_density(samples: Array, edges: Array, measure: Array) -> Measured:
 def _shares(samples: Array, edges: Array) -> tuple[Array, Array]:
     """Share of the samples in each bin of x/rms, and the same without each of the groups."""
     groups, size = samples.shape
-    everything = np.sort(samples, axis=None)
-    by_group = np.sort(samples, axis=1)
+    everything, by_group = np.sort(samples, axis=None), np.sort(samples, axis=1)
     squares = np.sum(samples**2, axis=1)
 
     def share(without: int | None) -> Array:
@@ -183,31 +203,24 @@ def band_exponent(shares: Array, dimension: int = 2) -> Array:
     over a band, R its root mean square radius, and p0 the first band's. NaN where a band is empty
     or above the first.
     """
-    area = ball(dimension) * np.diff(BANDS**dimension)
     with np.errstate(divide="ignore", invalid="ignore"):
-        p = shares / area
+        p = shares / (ball(dimension) * np.diff(BANDS**dimension))
         fall = np.log(np.log(p[..., :1] / p[..., 1:]))
-        exponent = np.diff(fall, axis=-1) / np.diff(np.log(_radii(dimension)[1:]))
+        exponent = np.diff(fall, axis=-1) / np.diff(np.log(_radii(dimension)))
     return np.where(np.isfinite(exponent), exponent, np.nan)
 
 
 def _radii(dimension: int) -> Array:
-    """Root mean square radius of each band, as of a density that is flat in it."""
+    """Root mean square radius of each band but the first, as of a density that is flat in it."""
     if dimension == 3:
-        return np.asarray(np.sqrt(0.6 * np.diff(BANDS**5) / np.diff(BANDS**3)))
-    return np.asarray(np.sqrt((BANDS[1:] ** 2 + BANDS[:-1] ** 2) / 2))
+        return np.asarray(np.sqrt(0.6 * np.diff(BANDS**5) / np.diff(BANDS**3)))[1:]
+    return np.asarray(np.sqrt((BANDS[1:] ** 2 + BANDS[:-1] ** 2) / 2))[1:]
 
 
 def band_middles(dimension: int = 2) -> Array:
     """The R at which `band_exponent` stands: geometric means of neighbouring bands."""
-    radii = _radii(dimension)[1:]
+    radii = _radii(dimension)
     return np.asarray(np.sqrt(radii[1:] * radii[:-1]))
-
-
-def band_ranges(dimension: int = 2) -> Array:
-    """The two radii between which each `band_exponent` is a difference, (n_bands - 2, 2)."""
-    radii = _radii(dimension)[1:]
-    return np.column_stack([radii[:-1], radii[1:]])
 
 
 def measured_exponent(samples: Array, dimension: int = 2) -> Measured:

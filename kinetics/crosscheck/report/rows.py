@@ -1,0 +1,323 @@
+"""Every comparison of a report as one table: who says what against whom, and the verdict on it.
+
+One row looks at one number, or at several times or bins, of which it shows the worst. The columns
+are named in `COLUMNS`; the thresholds of the verdicts stand in `kinetics.crosscheck.words`.
+"""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetics import sonine
+from kinetics.crosscheck.report import page, reduce, runs
+from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report.runs import Case, Results
+from kinetics.crosscheck.report.systems import Cooling
+from kinetics.crosscheck.words import (
+    Verdict,
+    corrected_sigmas,
+    judge_approximation,
+    judge_numerical,
+    judge_sigmas,
+    numeral,
+    worst,
+)
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+OBSERVABLES: dict[str, list[str]] = page.kept()["observables"]
+"""Every observable of a row in the order of the tables: its title with its unit, its short name."""
+COLUMNS = (
+    "system", "dimension", "observable", "restitution", "kind", "source", "against", "value",
+    "theory", "deviation", "error", "time", "c", "distance", "sigmas", "corrected_sigmas", "looks",
+    "groups", "verdict", "note", "within",
+)  # fmt: skip
+"""Of the table: `source` says `value` (± `error`), `against` says `theory`.
+
+`time` is in d/U (in a field √(l/g)), `c` a scaled speed, `distance` a scaled distance R, where they
+have a meaning. `deviation` is relative to the theory, for a2 to 1 + a2 = <c^4>/2 (a2 itself passes
+through 0). `within` is the relative difference that would have been seen at 95 % at every time or
+bin."""
+PAPER_KURTOSIS = 4.0
+"""<R^4>/<R^2>^2 of (2R/eta) K0(R sqrt(2/eta)), eq. (53), for every eta."""
+NEARLY_ELASTIC = 0.9
+"""The limiting laws in a field are compared from this restitution on."""
+LOW_POWER = 0.1
+"""Relative difference that must have been seen for "agrees"; else nothing was tested."""
+SURE = 20.0
+"""Multiples of its tolerance above which G(R) is known well enough for its logarithm."""
+POSITION_FORMS = (
+    ("paper, peak", sonine.position_peak, 0.2, 1.2, "eq. (59), η = 0.75, for 0.2 ≤ R ≤ 1.2"),
+    ("paper, tail", sonine.position_tail, 2.0, 4.0, "eq. (58), η = 0.25, γ = 7.39, for 2 ≤ R ≤ 4"),
+    ("paper's integral", sonine.position_integral, 0.2, 4.0, "eq. (53), η = 1/2, 0.2 ≤ R ≤ 4"),
+)
+"""Source, the printed G(R), and the R between which it is held against the equation."""
+_TWO_SIDED = 1.96  # standard errors of a Gaussian's two-sided 95 %
+_TURNED = {"momentum", "energy", "cube", "direction"}  # relations of averages of finite variance
+
+
+def comparisons(results: Results) -> "DataFrame":
+    """The table of all rows of a report, with `COLUMNS`, in the order of `OBSERVABLES`."""
+    import pandas as pd
+
+    rows: list[dict[str, Any]] = []
+    for case in results.cases:
+        of = {"system": case.system, "dimension": case.dimension, "restitution": case.restitution}
+        compare = _of_cooling if isinstance(results.system, Cooling) else _of_field
+        found = compare(case, results.system)
+        rows += [{**of, **row} for row in found]
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    order = list(OBSERVABLES)
+    table = table.sort_values("observable", key=lambda x: x.map(order.index), kind="stable")
+    return table.astype({"groups": "Int64", "looks": "int64"}).reset_index(drop=True)
+
+
+def counts(table: "DataFrame") -> dict[str, int]:
+    """How many rows have each verdict, those that occur."""
+    found = table["verdict"].value_counts()
+    return {v.value: int(found[v.value]) for v in Verdict if v.value in found}
+
+
+def scale_of(observable: str, theory: Any) -> Any:
+    """What deviations are relative to: |theory|, but 1 + a2 = <c^4>/2 for a2."""
+    return 1 + theory if observable == "a2" else abs(theory)
+
+
+def _row(
+    observable: str, kind: str, source: str, against: str, value: float, theory: float, **more: Any
+) -> dict[str, Any]:
+    deviation = float((value - theory) / scale_of(observable, theory))
+    row: dict[str, Any] = {
+        "observable": observable,
+        "kind": kind,
+        "source": source,
+        "against": against,
+    }
+    row |= {"value": float(value), "theory": float(theory), "deviation": deviation, "looks": 1}
+    if kind == "approximation":
+        row["verdict"] = judge_approximation(deviation).value
+    return {**row, "note": "", **more}
+
+
+def _numerical(observable: str, value: float, theory: float, tolerance: float) -> dict[str, Any]:
+    """The solver's value against the closed form."""
+    row = _row(observable, "numerical", runs.SOLVER, runs.EXACT, value, theory)
+    verdict = judge_numerical(row["deviation"], tolerance)
+    return row | {"verdict": verdict.value, "note": f"asked for {numeral(tolerance, 'g')}"}
+
+
+def estimated(
+    observable: str,
+    who: tuple[str, str],
+    measured: Measured,
+    theory: Any,
+    groups: int,
+    place: tuple[str, Array] | None = None,
+    note: str = "",
+) -> list[dict[str, Any]]:
+    """The row of an estimate at one or several places: the worst. NaN is left out.
+
+    who: source and against; groups: independent ones behind the errors; place: "time", "c" or
+    "distance" and its values. Empty where nothing has an error to compare with.
+    """
+    value, error, expected = np.broadcast_arrays(
+        *(np.atleast_1d(a) for a in (measured.value, measured.error, theory))
+    )
+    found = worst(value, error, expected)
+    if found is None:
+        return []
+    k, sigmas, looks = found
+    corrected = corrected_sigmas(sigmas, groups, looks)
+    usable = (error > 0) & np.isfinite(error) & np.isfinite(value) & np.isfinite(expected)
+    seen = (np.abs(value - expected) + _TWO_SIDED * error) / scale_of(observable, expected)
+    within, verdict = float(np.max(seen[usable])), judge_sigmas(corrected)
+    if verdict is Verdict.AGREES and within > LOW_POWER:
+        verdict = Verdict.NOT_TESTED
+    where: dict[str, Any] = {} if place is None else {place[0]: float(place[1][k])}
+    row = _row(
+        observable, "statistical", *who, value[k], expected[k], error=float(error[k]),
+        sigmas=sigmas, looks=looks, groups=groups, corrected_sigmas=corrected,
+        verdict=verdict.value, within=within, note=note, **where,
+    )  # fmt: skip
+    return [row]
+
+
+def _measured(
+    case: Case,
+    observable: str,
+    source: str,
+    against: str,
+    note: str = "",
+    theory: Any = None,
+    said: str = "",
+) -> list[dict[str, Any]]:
+    """What a source of a case measured against what somebody says there, called `said`."""
+    expected = case.theory[against][observable] if theory is None else theory
+    found = case.measured[source][observable]
+    if against == runs.RESCALED:  # the theory changes with the run: the error is of the difference
+        found = Measured(found.value, case.differences.get(observable, found.error))
+    place, groups = case.places.get(observable), case.groups[source]
+    return estimated(observable, (source, said or against), found, expected, groups, place, note)
+
+
+def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
+    (source,) = case.measured
+    solver, exact = case.theory[runs.SOLVER], case.theory.get(runs.EXACT, {})
+    for name in case.measured[source]:
+        if name in solver and name not in exact:
+            yield from _measured(case, name, source, runs.SOLVER)
+    for name, theory in exact.items():
+        yield _numerical(name, solver[name], theory, system.rtol)
+        if name in _TURNED:
+            yield from _measured(case, name, source, runs.EXACT)
+    if case.restitution >= NEARLY_ELASTIC and source != runs.EXTRAPOLATED:
+        for name, value in case.theory.get(runs.LIMIT, {}).items():
+            yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
+
+
+def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
+    (free, hard), theory, found = case.measured, case.theory, case.solved
+    times, early, paper = case.times, found.early, system.is_papers_law
+    left = "what remains is beyond the free path: recollisions, corners, correlated free paths"
+
+    def particles(name: str, note: str = "") -> Iterable[dict[str, Any]]:
+        yield from _measured(case, name, free, runs.KINETIC, note)
+        yield from _measured(case, name, hard, runs.KINETIC, "finite density")
+        yield from _measured(case, name, hard, runs.RESCALED, left)
+
+    def printed(name: str, source: str, against: str = runs.EXACT, **where: Any) -> dict[str, Any]:
+        value, of = theory[source][name], theory[against][name]
+        value, of = float(np.ravel(value)[-1]), float(np.ravel(of)[-1])
+        return _row(name, "approximation", source, against, value, of, **where)
+
+    of = "2d" if system.dimension == 2 else "πd²"
+    author = "Henderson's" if system.dimension == 2 else "Carnahan and Starling's"
+    sooner = f"{system.scatterers} that exclude each other are met sooner; not in the equation"
+    contact = f"g: {author} contact value of hard {system.scatterers} in equilibrium"
+    path, said = "free_path", f"1/({of}ρ₀)"
+    yield from _measured(case, path, free, runs.KINETIC, said=said)
+    yield from _measured(case, path, hard, runs.KINETIC, sooner, said=said)
+    yield from _measured(case, path, hard, "contact", contact, said=f"1/({of}ρ₀g)")
+    if case.cools:
+        for name in ("cooling_rate", "a2"):
+            yield _numerical(name, theory[runs.SOLVER][name], theory[runs.EXACT][name], system.rtol)
+        note = (
+            f"slope of 1/v0 from t = {times[early]:.4g} to {times[-1]:.4g} d/U; "
+            f"the exact h of late times is {found.exact.cooling_rate:.5f}"
+        )
+        yield from particles("cooling_rate", note)
+        yield from _vdf(case, system)
+        exact = theory[runs.EXACT]["msd_slope"]
+        reached = numeral(found.late.msd_slope[-1] / exact - 1, ".0e")
+        note = (
+            f"from t = {times[early]:.4g} to {times[-1]:.4g} d/U; the exact limit is "
+            f"{exact:.5g} d², reached to {reached} at t = {numeral(runs.LATEST, '.0e')} d/U"
+        )
+        yield from particles("msd_slope", note)
+    for name in ("a2", "thermal_speed", "msd", "kurtosis"):
+        yield from particles(name)
+    for run, note in ((free, ""), (hard, "finite density")):
+        share = theory[runs.KINETIC]["position"]
+        filled = _filled(share, case.samples[run], np.diff(reduce.POSITION_EDGES))
+        yield from _measured(case, "position", run, runs.KINETIC, note, filled)
+        yield from _measured(case, "tail_exponent", run, runs.KINETIC, note)
+    if not paper:
+        return
+    end: dict[str, Any] = {"time": float(times[-1])}
+    late = np.where(np.arange(times.size) >= early, theory[runs.FIT]["msd"], np.nan)
+    walk = f"random walk, eq. (22), with l = {sonine.FITTED_FREE_PATH} d"
+    yield printed("msd", runs.FIT, runs.KINETIC, **end, note=walk)
+    yield printed("msd", runs.SONINE, runs.KINETIC, **end, note="eq. (C9)")
+    claim = "the paper's own claim, for late times: here the last decade"
+    yield from _measured(case, "msd", hard, runs.FIT, claim, late)
+    if not case.cools:
+        return
+    yield printed("cooling_rate", runs.SONINE)
+    yield printed("cooling_rate", runs.FIT)
+    yield from _measured(case, "cooling_rate", hard, runs.FIT, "the paper's own claim")
+    yield printed("a2", runs.SONINE)
+    yield printed("msd_slope", runs.FIT, note="limit of late times")
+    yield printed("msd_slope", runs.SONINE, note="limit of late times")
+    kurtosis = float(found.kinetic.kurtosis[-1])
+    note = "eq. (53) has 4 at every time; a Gaussian has 2, which is the limit of late times"
+    who = ("paper's integral", runs.KINETIC, PAPER_KURTOSIS, kurtosis)
+    yield _row("kurtosis", "approximation", *who, **end, note=note)
+    for source, form, low, high, note in POSITION_FORMS:
+        r, density = sure_density(case, np.linspace(low, high, 61))
+        if r.size:
+            values = form(r)
+            k = int(np.argmax(np.abs(np.log(values / density))))
+            where: dict[str, Any] = {
+                **end,
+                "distance": float(r[k]),
+                "note": note + ", at its worst",
+            }
+            both = float(values[k]), float(density[k])
+            yield _row("position", "approximation", source, runs.KINETIC, *both, **where)
+
+
+def _vdf(case: Case, system: Cooling) -> Iterable[dict[str, Any]]:
+    """F(c): the solver against the closed form, relative to its peak; particles in bins."""
+    c, solved = reduce.middles(reduce.SPEED_EDGES), case.solved
+    exact, solver = (np.asarray(state.vdf(c)) for state in (solved.exact, solved.scaled))
+    k = int(np.argmax(np.abs(solver - exact)))
+    row = _numerical("scaled_vdf", float(solver[k]), float(exact[k]), system.rtol)
+    deviation = float((solver[k] - exact[k]) / np.max(exact))
+    row |= {"deviation": deviation, "verdict": judge_numerical(deviation, system.rtol).value}
+    yield row | {
+        "c": float(c[k]), "looks": len(c),
+        "note": f"worst bin centre, relative to the peak; {row['note']}",
+    }  # fmt: skip
+    kinetic = case.theory[runs.KINETIC]["scaled_vdf"]
+    final = reduce.bin_average(solved.scaled.vdf, case.dimension)
+    change = float(np.max(np.abs(kinetic - final)) / np.max(final))
+    note = (
+        f"mean over a bin of c at the last time, bins of {reduce.LEAST_EXPECTED} samples or more; "
+        f"still to change by {change:.1%} of the peak"
+    )
+    for run, against in zip(case.measured, (runs.KINETIC, runs.RESCALED), strict=True):
+        expected = case.theory[against]["scaled_vdf"]
+        filled = _filled(expected, case.samples[run], reduce.bin_measure(case.dimension))
+        yield from _measured(case, "scaled_vdf", run, against, note, filled)
+
+
+def _filled(density: Array, samples: int, measure: Array) -> Array:
+    """The density in those bins in which it expects enough samples, NaN in others."""
+    return np.where(samples * density * measure >= reduce.LEAST_EXPECTED, density, np.nan)
+
+
+def sure_density(case: Case, r: Array) -> tuple[Array, Array]:
+    """Those of the R (n,) at which the last G(R) is well above its error, and G(R) there."""
+    position = case.solved.position
+    density = position.scaled_position_density(r)[-1]
+    known = density > SURE * position.rtol
+    return r[known], density[known]
+
+
+def records(table: "DataFrame") -> list[dict[str, Any]]:
+    """The rows as dictionaries; None where a column has no value."""
+    found = table.astype(object).where(table.notna(), None).to_dict("records")
+    return [{str(key): value for key, value in row.items()} for row in found]
+
+
+def points(results: Results) -> "DataFrame":
+    """Everything measured and every theory at its times and bins, one number in a row."""
+    import pandas as pd
+
+    found = []
+    for case in results.cases:
+        sources: dict[str, dict[str, Any]] = {name: {k: (m.value, m.error) for k, m in each.items()}
+                   for name, each in case.measured.items()}  # fmt: skip
+        sources |= {name: {k: (v, np.nan) for k, v in x.items()} for name, x in case.theory.items()}
+        for source, numbers in sources.items():
+            for name, (value, error) in numbers.items():
+                place, at = case.places.get(name, ("", np.nan))
+                if np.shape(value) in ((), np.shape(at)):  # else shares over time and density
+                    columns = {"at": place, "x": at, "value": value, "error": error}
+                    first = {"system": case.system, "restitution": case.restitution}
+                    first |= {"source": source, "observable": name}
+                    found.append(pd.DataFrame({**first, **columns}, index=range(np.size(at))))
+    return pd.concat(found, ignore_index=True)

@@ -1,0 +1,614 @@
+"""Runs the solver and the particles on every system, and reduces what they give to `Case` values.
+
+A `Case` is all that is compared at one restitution: numbers of the particles by who measured them,
+and of the theory by who says so, under the same names of observables. Rows, figures and the
+findings read nothing else, whatever the system.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from kinetics import ScalingSolution, Scene, Solution, solve, solve_field, solve_scaled, sonine
+from kinetics.collision import CollisionLaw, law_in_medium
+from kinetics.collision.medium import HIGHEST_DENSITY
+from kinetics.crosscheck.report import reduce
+from kinetics.crosscheck.report.reduce import Array, Measured
+from kinetics.crosscheck.report.systems import SCATTERERS, Cooling, Falling, System
+from kinetics.crosscheck.report.systems import half_cross_section as half_section
+from kinetics.validation import refuse
+from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, simulate
+
+KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
+EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
+FREE, EXTRAPOLATED, LIMIT = "Boltzmann-Grad", "hard disks, extrapolated", "limit e → 1"
+PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
+"""What the theory of a finite density knows, each with what the one before it has."""
+
+OVER_TIME = ("thermal_speed", "a2", "msd", "kurtosis")
+"""Observables of a gas that cools that have a value at each time."""
+LATEST = 1e9
+"""Last time in d/U of the equation alone."""
+FORGOTTEN, LONGER = 10.0, 3.0
+"""Relaxation times in a field after which e^-10 of the start is left; the last time over that."""
+APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
+"""Of the approach to the steady state in a field, in sqrt(l/g)."""
+_GROUPS = 100  # independent groups of tracers of a Boltzmann-Grad run, for its jackknife
+_DISKS = 10_000  # in the box in a field
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What every method gives at one restitution.
+
+    measured : by source and observable, estimates with their errors
+    theory : by who says so and observable; arrays where there are several times or bins
+    groups, samples : of each source, independent groups of tracers and tracers
+    places : of an observable, the name and the values of what it depends on
+    differences : standard errors of the hard scatterers minus `RESCALED`, which both change
+    solved : the solutions behind, which figures draw between the points
+    """
+
+    system: str
+    restitution: float
+    dimension: int
+    times: Array
+    measured: dict[str, dict[str, Measured]]
+    theory: dict[str, dict[str, Any]]
+    groups: dict[str, int]
+    samples: dict[str, int]
+    places: dict[str, tuple[str, Array]]
+    differences: dict[str, Array] = field(default_factory=dict)
+    solved: Any = None
+
+    @property
+    def cools(self) -> bool:
+        """Whether there is a scaling state: the law is not elastic."""
+        return getattr(self.solved, "exact", None) is not None
+
+
+@dataclass(frozen=True)
+class Results:
+    """Everything that was run: the cases, and what varies another parameter, by name."""
+
+    system: System
+    cases: Sequence[Case]
+    more: dict[str, Any]
+
+    @property
+    def cooling(self) -> list[Case]:
+        """The cases that cool."""
+        return [case for case in self.cases if case.cools]
+
+
+def gather(system: System, tell: Tell) -> Results:
+    """Run everything that a report of the system needs; ValueError for what cannot be simulated."""
+    return _in_field(system, tell) if isinstance(system, Falling) else _cooling(system, tell)
+
+
+# -- a gas that cools ------------------------------------------------------------------------------
+
+
+def _cooling(system: Cooling, tell: Tell) -> Results:
+    with ThreadPoolExecutor(1) as beside:  # the solver works while tracers are followed
+        cases = [
+            cooling_case(system, e, last, tell, beside)
+            for e, last in zip(system.restitutions, system.final_times, strict=True)
+        ]
+    return Results(system, cases, {})
+
+
+def cooling_case(
+    system: Cooling, e: float, last: float, tell: Tell, beside: ThreadPoolExecutor
+) -> Case:
+    """Both simulations and the equation until the last time, in d/U. Calls `tell` three times."""
+    law, d, half_rate = system.law(e), system.dimension, system.half_rate
+    times = np.geomspace(min(1.0, last / 10), last, system.n_times)
+    early = int(np.searchsorted(times, last / 10))
+    seed, hard = system.seed + 2 * system.restitutions.index(e), f"hard {system.scatterers}"
+    dense: Medium = HardDisks(system.number_density, system.count)
+    if d == 3:
+        dense = HardSpheres(system.number_density, count=system.count)
+    tell(f"e = {e:g}: {hard}")
+    solving = beside.submit(_solutions, law, times, system)
+    counts = {"media": system.media, "tracers": system.tracers}
+    packed = _followed(dense, e, times, seed + 1, system, **counts)
+    path = float(packed.mean_free_path.value)
+    if not np.isfinite(path):
+        refuse("until", last, f"no tracer among {hard} has collided by then, some must")
+    tell(f"e = {e:g}: {FREE} particles")
+    free = _free_run(e, times, seed, system)
+    tell(f"e = {e:g}: kinetic equation")
+    found = solving.result()
+    thinner = 1 / (2 * path) / half_section(d)
+    found.rescaled = _solved(law, thinner, times, (*OVER_TIME, "speed_density"), system.rtol)
+    found.early = early
+    measured, differences = _reduced(packed, early, half_rate, found.rescaled)
+    position = found.position
+    shares = [_position_share(position, edges) for edges in (reduce.POSITION_EDGES, reduce.BANDS)]
+    vdf = {
+        name: reduce.bin_average(reduce.last_vdf(solution), d)
+        for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
+    }
+    contact = reduce.contact_value(system.number_density, d)
+    of_kinetic = {
+        "free_path": 1 / (2 * half_rate),
+        "scaled_vdf": vdf[KINETIC],
+        "position": shares[0] / np.diff(reduce.POSITION_EDGES),
+        "tail_exponent": reduce.band_exponent(shares[1], d),
+    }
+    theory = {
+        KINETIC: _over_time(found.kinetic, early, half_rate) | of_kinetic,
+        RESCALED: _over_time(found.rescaled, early, half_rate) | {"scaled_vdf": vdf[RESCALED]},
+        "contact": {"free_path": 1 / (2 * half_rate) / contact},
+    }
+    if found.exact is not None:
+        slope = found.exact.diffusion_slope * found.late.scene.mean_free_path**2
+        names = ("cooling_rate", "a2")
+        theory[EXACT] = {n: getattr(found.exact, n) for n in names} | {"msd_slope": slope}
+        theory[SOLVER] = {n: getattr(found.scaled, n) for n in names}
+    if system.is_papers_law:
+        theory |= _printed(e, times, system.number_density)
+    return Case(
+        system=system.scatterers if system.is_smooth else f"rough {system.scatterers}",
+        restitution=e,
+        dimension=d,
+        times=times,
+        measured={FREE: _reduced(free, early, half_rate)[0], hard: measured},
+        theory=theory,
+        groups={FREE: free.media, hard: packed.media},
+        samples={FREE: free.media * free.tracers, hard: packed.media * packed.tracers},
+        places={
+            **{name: ("time", times) for name in OVER_TIME},
+            "scaled_vdf": ("c", reduce.middles(reduce.SPEED_EDGES)),
+            "position": ("distance", reduce.middles(reduce.POSITION_EDGES)),
+            "tail_exponent": ("distance", reduce.band_middles(d)),
+        },
+        differences=differences,
+        solved=found,
+    )
+
+
+def _followed(
+    medium: Medium, e: float, times: Array, seed: int, system: Cooling, media: int, tracers: int
+) -> Ensemble:
+    return simulate(
+        medium, restitution=e, times=times, seed=seed, workers=system.workers, media=media,
+        tracers=tracers, observables=("finals",),
+        tangential_restitution=system.tangential_restitution,
+    )  # fmt: skip
+
+
+def _free_run(e: float, times: Array, seed: int, system: Cooling) -> Ensemble:
+    """Tracers of the Boltzmann-Grad limit, in groups for the jackknife."""
+    groups = min(_GROUPS, system.free_tracers // 2)
+    medium = BoltzmannGrad(system.number_density, dimension=3 if system.dimension == 3 else 2)
+    counts = {"media": groups, "tracers": system.free_tracers // groups}
+    return _followed(medium, e, times, seed, system, **counts)
+
+
+def _solved(
+    law: CollisionLaw, density: float, times: Array, outputs: tuple[str, ...], rtol: float,
+    **more: Any,
+) -> Solution:  # fmt: skip
+    """The kinetic equation from a Gaussian start; times in d/U, density in d^-2 or d^-3."""
+    scene = Scene(number_density=density, times=times, outputs=outputs, **law.arguments, **more)
+    return solve(scene, rtol=rtol)
+
+
+def _solutions(law: CollisionLaw, times: Array, system: Cooling) -> SimpleNamespace:
+    """The equation at the times of the particles and much later, in place, and among hard disks."""
+    density, rtol = system.number_density, system.rtol
+    found = SimpleNamespace(**_scaling_states(law, rtol), dense=None, dense_slope=None, levels={})
+    found.kinetic = _solved(law, density, times, (*OVER_TIME, "speed_density"), rtol)
+    late = np.geomspace(times[0], max(LATEST, 10 * times[-1]), 55)
+    found.late = _solved(law, density, late, (*OVER_TIME, "diffusion_coefficient"), rtol)
+    place = ("msd", "position_density")
+    found.position = _solved(law, density, times[-1:], place, system.position_rtol)
+    if system.is_papers_law and density <= HIGHEST_DENSITY:
+        outputs, medium = ("thermal_speed", "a2", "msd"), {"scatterers": "hard disks"}
+        found.dense = _solved(law, density, times, outputs, rtol, **medium)
+        if found.exact is not None:
+            ends = np.array([LATEST / 10, LATEST])
+            far = _solved(law, density, ends, outputs, rtol, **medium)
+            found.dense_slope = reduce.msd_slope_between(ends, far.msd, 0)
+        found.levels = _levels(law, times, system)
+    return found
+
+
+def _scaling_states(law: CollisionLaw, rtol: float) -> dict[str, Any]:
+    """The scaling state in closed form and as solved; None if elastic."""
+    if law.is_elastic:
+        return {"exact": None, "scaled": None}
+    solved = solve_scaled(**law.arguments, rtol=rtol)
+    return {"exact": ScalingSolution(**law.arguments), "scaled": solved}
+
+
+def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]]:
+    """What the paper's formulas say."""
+    walk, printed = reduce.printed_msd_slopes(e, density) if e < 1 else (math.nan, math.nan)
+    return {
+        FIT: {
+            "cooling_rate": float(sonine.cooling_rate_fitted(e)),
+            "msd": sonine.msd_random_walk(times, e, density),
+            "msd_slope": walk,
+        },
+        SONINE: {
+            "cooling_rate": float(sonine.cooling_rate(e)),
+            "a2": float(sonine.a2(e)),
+            "msd": sonine.msd_sonine(times, e, density),
+            "msd_slope": printed,
+        },
+    }
+
+
+def _position_share(position: Solution, edges: Array) -> Array:
+    root = math.sqrt(float(position.msd[-1]))
+    return np.asarray(position.position_fraction(edges * root)[-1])
+
+
+def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
+    """Averages over time of a solution or a run, and the rates of its last decade."""
+    values = (getattr(source, name) for name in OVER_TIME)
+    averages = {
+        name: np.asarray(getattr(value, "value", value))
+        for name, value in zip(OVER_TIME, values, strict=True)
+    }
+    return averages | _rates(source.times, averages, early, half_rate)
+
+
+def _rates(
+    times: Array, averages: dict[str, Array], early: int, half_rate: float
+) -> dict[str, Array]:
+    rate = reduce.cooling_rate_between(times, averages["thermal_speed"], early, half_rate)
+    slope = reduce.msd_slope_between(times, averages["msd"], early)
+    return {"cooling_rate": np.asarray(rate), "msd_slope": np.asarray(slope)}
+
+
+def _reduced(
+    run: Ensemble, early: int, half_rate: float, rescaled: Solution | None = None
+) -> tuple[dict[str, Measured], dict[str, Array]]:
+    """All that is measured, and the errors of data minus theory with the run's own free path l.
+
+    Both change when a configuration is left out: the theory by its derivative in ln l, which
+    follows from dimensions: v0 and a2 depend on t/l alone, <r^2> is l^2 times a function of t/l.
+    """
+    d, by_group = run.medium.dimension, run.finals.reshape(run.media, run.tracers, -1)
+    log_speed, _, *place = np.moveaxis(by_group, -1, 0)
+    place.pop(2)  # collisions
+    speeds = np.exp(log_speed)
+    caught = run.statuses.trap_tracers
+    speeds[caught[:, 0], caught[:, 1]] = 0.0  # at rest in a corner
+    distances = np.hypot(*place[:2])
+    for third in place[2:]:
+        distances = np.hypot(distances, third)
+    parts = _without_each(run)
+    replicates = [_over_time(part, early, half_rate) for part in parts]
+    found = _over_time(run, early, half_rate)
+    errors = {
+        name: reduce.jackknife_error(np.array([values[name] for values in replicates]))
+        for name in ("cooling_rate", "msd_slope")
+    }
+    bins = np.diff(reduce.POSITION_EDGES)
+    measured = {
+        **{name: Measured.of(getattr(run, name)) for name in OVER_TIME},
+        **{name: Measured(found[name], error) for name, error in errors.items()},
+        "free_path": Measured.of(run.mean_free_path),
+        "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
+        "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
+        "tail_exponent": reduce.measured_exponent(distances, d),
+        "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
+    }
+    if rescaled is None:
+        return measured, {}
+    theory = {name: np.asarray(getattr(rescaled, name)) for name in OVER_TIME}
+    per_log_path = {
+        name: (2 * values if name == "msd" else 0) - np.gradient(values, np.log(run.times))
+        for name, values in theory.items()
+    }
+    log_path, apart = np.log(float(run.mean_free_path.value)), []
+    for part, values in zip(parts, replicates, strict=True):
+        moved = np.log(float(part.mean_free_path.value)) - log_path
+        expected = {name: value + moved * per_log_path[name] for name, value in theory.items()}
+        expected |= _rates(run.times, expected, early, half_rate)
+        apart.append({name: values[name] - expected[name] for name in values})
+    names = apart[0]
+    return measured, {n: reduce.jackknife_error(np.array([row[n] for row in apart])) for n in names}
+
+
+def _without_each(run: Ensemble) -> list[Ensemble]:
+    """The ensemble without one of its configurations, for each of them.
+
+    Its averages are made of sums over configurations.
+    """
+    sums = {name: run.arrays[name] for name in ("moments", "path_sums")}
+    totals = {name: array.sum(axis=0) for name, array in sums.items()}
+    return [
+        replace(run, arrays={**run.arrays, **{n: (totals[n] - sums[n][k])[None] for n in sums}})
+        for k in range(run.media)
+    ]
+
+
+def picture(system: Any) -> tuple[Ensemble, str]:
+    """A few tracers among hard disks whose paths are drawn, and which they are in words."""
+    many: dict[str, Any] = {"media": 2, "seed": system.seed, "workers": 1}
+    if system.in_field:
+        e, density, until = 0.5, 0.06, 150.0
+        run = simulate(HardDisks(density, 2000), e, times=[until], tracers=4, field=0.12, **many)
+        return run, f"e = {e:g}, with the field, g l = U², to the right until {until:g} d/U"
+    # near the middle: tracers stay near at e = 0, and fly far at 1
+    e = min(system.restitutions, key=lambda each: abs(each - 0.7))
+    until = system.final_times[system.restitutions.index(e)]
+    medium = HardDisks(system.number_density, min(system.count, 2000))
+    run = simulate(
+        medium, e, times=[until], tracers=3, observables=("finals",),
+        tangential_restitution=system.tangential_restitution, **many,
+    )  # fmt: skip
+    return run, f"e = {e:g}, until {until:g} d/U or 20 bounces"
+
+
+def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float]:
+    """<r^2> at the last time, in d^2, of the equation of hard disks by what is known of them."""
+    density, found = system.number_density, {}
+    medium = law_in_medium(law, "hard disks", density, 1.0, "leading")
+    thinner = 0.5 / medium.mean_free_path(density, 1.0)
+    found[PATH] = _solved(law, thinner, times[-1:], ("msd",), system.rtol).msd[-1]
+    for name, order in ((LEADING, "leading"), (FIRST, "first"), (FITTED, "second")):
+        more = {"scatterers": "hard disks", "density_order": order}
+        found[name] = _solved(law, density, times[-1:], ("msd",), system.rtol, **more).msd[-1]
+    return found
+
+
+# -- tracers in a uniform field --------------------------------------------------------------------
+
+
+def _in_field(system: Falling, tell: Tell) -> Results:
+    cases: list[Case] = []
+    more: dict[str, Any] = {"lines": {}, "approach": [], "dense": []}
+    for d in system.dimensions:
+        tell(f"{SCATTERERS[d]}: solver")
+        at = np.unique([*system.line, *system.restitutions])
+        states = [solve_field(float(e), d, rtol=1e-6) for e in at]
+        names = ("drift", "diffusion_parallel", "diffusion_perpendicular")
+        line = {name: np.array([getattr(state, name) for state in states]) for name in names}
+        more["lines"][d] = {"restitution": at, **line}
+        for e in system.restitutions:
+            tell(f"{SCATTERERS[d]}, e = {e:g}")
+            cases.append(_steady(e, d, system))
+        for e in system.approach or ():
+            tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
+            more["approach"].append(_from_rest(e, d, system))
+    for e in system.dense:
+        tell(f"hard disks, e = {e:g}")
+        more["dense"].append(_among_hard_disks(e, system))
+    return Results(system, [*cases, *more["approach"], *more["dense"]], more)
+
+
+def relaxation_time(state: Any) -> float:
+    """About how long the energy remembers, in sqrt(l/g).
+
+    From d<v^2>/dt = 2 u - lambda(2) <v^3>, whose last term varies by 3/2 of <v^2>, relatively.
+    """
+    return 1.0 / (1.5 * float(state.law.decay_rate(2.0)) * state.mean_speed)
+
+
+def _fallen(state: Any, times: Array, system: Falling, *observables: str) -> Ensemble:
+    """Boltzmann-Grad tracers from rest, so many that they make the collisions asked for."""
+    d, e = state.dimension, float(state.restitution)
+    wanted = system.collisions / (float(times[-1]) * state.mean_speed)
+    tracers = max(2, round(min(wanted, system.most_tracers) / system.groups))
+    # the density at which l = d, so that lengths in d are lengths in l
+    medium = BoltzmannGrad(_unit_density(d), dimension=3 if d == 3 else 2)
+    seed = system.seed + 1000 * d + round(1e6 * e)
+    return simulate(
+        medium, e, "rest", times, media=system.groups, tracers=tracers, seed=seed,
+        workers=system.workers, field=1.0, observables=observables,
+    )  # fmt: skip
+
+
+def _unit_density(dimension: int) -> float:
+    return 0.5 if dimension == 2 else 1.0 / math.pi
+
+
+def _field_case(
+    state: Any, system: str, run: Ensemble, source: str, measured: dict[str, Measured],
+    theory: dict[str, dict[str, Any]], times: Array, timed: Sequence[str] = (),
+) -> Case:  # fmt: skip
+    return Case(
+        system, float(state.restitution), state.dimension, times, {source: measured}, theory,
+        {source: run.media}, {source: run.media * run.tracers},
+        {name: ("time", times) for name in timed}, solved=state,
+    )  # fmt: skip
+
+
+def _steady(restitution: float, dimension: int, system: Falling) -> Case:
+    """Solve, follow particles until they have forgotten their start, and average from there on.
+
+    What should be 1 by an exact relation is formed before the error is taken, since both of its
+    sides come from the same tracers.
+    """
+    state = solve_field(restitution, dimension, rtol=system.rtol)
+    first = FORGOTTEN * relaxation_time(state)
+    times = np.linspace(first, LONGER * first, 9)
+    run = _fallen(state, times, system, "positions", "velocities")
+    law, d, n = state.law, dimension, times.size
+    v = run.velocities.reshape(n, run.media, run.tracers, d)
+    r = run.positions.reshape(n, run.media, run.tracers, d)[[0, -1]]
+    speed, along = np.linalg.norm(v, axis=-1), v[..., 0]
+
+    def mean(x: Array) -> Array:
+        return np.asarray(x.mean(axis=(0, 2)))  # of each group, over times and tracers
+
+    s = {
+        "v_z": mean(along), "v": mean(speed), "v^2": mean(speed**2), "v^3": mean(speed**3),
+        "v^4": mean(speed**4), "v_z^2": mean(along**2), "v v_z": mean(speed * along),
+        "cos": mean(along / speed),
+    }  # fmt: skip
+    for k in (0, 1):
+        s[f"z{k}"] = mean(r[k : k + 1, ..., 0])
+        s[f"zz{k}"] = mean(r[k : k + 1, ..., 0] ** 2)
+        s[f"xx{k}"] = mean((r[k : k + 1, ..., 1:] ** 2).mean(axis=-1))
+    elapsed = float(run.times[-1] - run.times[0])
+    loss = {p: float(law.decay_rate(float(p))) for p in (1, 2, 3)}
+    quantities: dict[str, Callable[[dict[str, Array]], Array]] = {
+        "drift": lambda s: (s["z1"] - s["z0"]) / elapsed,
+        "mean_square_speed": lambda s: s["v^2"],
+        "mean_square_along": lambda s: s["v_z^2"],
+        "mean_speed": lambda s: s["v"],
+        "diffusion_parallel": lambda s: (
+            (s["zz1"] - s["z1"] ** 2 - s["zz0"] + s["z0"] ** 2) / (2 * elapsed)
+        ),
+        "diffusion_perpendicular": lambda s: (s["xx1"] - s["xx0"]) / (2 * elapsed),
+        "momentum": lambda s: s["v v_z"],
+        "energy": lambda s: loss[2] * s["v^3"] / (2 * s["v_z"]),
+        "cube": lambda s: loss[3] * s["v^4"] / (3 * s["v v_z"]),
+        "direction": lambda s: s["cos"] / (loss[1] * s["v^2"]),
+    }
+    measured = {name: reduce.jackknifed(s, of) for name, of in quantities.items()}
+    averages = {name: float(getattr(state, name)) for name in tuple(quantities)[:6]}
+    solved, exact = exact_relations(state)
+    theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
+    name = f"{SCATTERERS[d]} in a field"
+    return _field_case(state, name, run, FREE, measured, theory, times)
+
+
+def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Both sides of each relation between averages that holds exactly: solver, and closed form.
+
+    They are moments of the equation for v v_z, v^2, v^3, v, ln v and 1/v, of which the rate of
+    change vanishes. That of 1/v has no finite side at e = 0.
+    """
+    law, moment, e = state.law, state.moment, float(state.restitution)
+    loss = {p: float(law.decay_rate(float(p))) for p in (-1, 1, 2, 3) if p > law.lowest_power}
+    solved = {
+        "momentum": moment(2.0, 1),
+        "energy": loss[2] * moment(3.0, 0) / (2.0 * moment(1.0, 1)),
+        "cube": loss[3] * moment(4.0, 0) / (3.0 * moment(2.0, 1)),
+        "direction": moment(0.0, 1) / (loss[1] * moment(2.0, 0)),
+        "logarithm": moment(-1.0, 1) / (law.mean_log_loss * moment(1.0, 0)),
+    }
+    if e > 0.0:
+        solved["inverse"] = moment(-2.0, 1) / -loss[-1]
+    exact = dict.fromkeys(solved, 1.0)
+    exact["momentum"] = (1.5 if state.dimension == 2 else 2.0) / (1.0 + e)
+    return solved, exact
+
+
+def near_elastic(restitution: Any, dimension: int) -> dict[str, Any]:
+    """The limiting laws as collisions become elastic, in sqrt(g l) and sqrt(g l^3).
+
+    With eps = 1 - e^2 the speeds are then distributed as exp(-a v^4) and grow as eps^(-1/4). The
+    energy that the field gives, g u, is what the collisions take: u = lambda(2) <v^3>/2. Across the
+    field a tracer diffuses as without a field, with the mean speed; along it the fluctuations of
+    the energy take part, no closed form is known, and the number is the solver's as e -> 1.
+    """
+    fall, loss, turn, along = {
+        2: (2 / 9, 2 / 3, 4 / 3, 0.176205),
+        3: (3 / 16, 1 / 2, 1.0, 0.202982),
+    }[dimension]  # a/eps, lambda(2)/eps, lambda_1(0) at e = 1, D along eps^(1/4)
+    d, eps = dimension, 1.0 - np.square(np.asarray(restitution, dtype=float))
+
+    def moment(p: int) -> float:
+        return fall ** (-p / 4) * math.gamma((p + d) / 4) / math.gamma(d / 4)
+
+    with np.errstate(divide="ignore"):
+        return {
+            "drift": loss * moment(3) / 2 * eps**0.25,
+            "diffusion_parallel": along * eps**-0.25,
+            "diffusion_perpendicular": moment(1) / (d * turn) * eps**-0.25,
+        }
+
+
+def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
+    """Solver and particles from rest, at `APPROACH_TIMES`."""
+    state = solve_field(restitution, dimension, rtol=system.rtol)
+    run = _fallen(state, APPROACH_TIMES, system)
+    density, outputs = _unit_density(dimension), ("mean_velocity", "thermal_speed")
+    more = {"field": 1.0, "initial": "rest"}
+    solved = _solved(state.law, density, APPROACH_TIMES, outputs, system.time_rtol, **more)
+    second = Measured.of(run.thermal_speed)
+    measured = {
+        "drift_from_rest": Measured.of(run.drift),
+        "square_from_rest": Measured(second.value**2, 2 * second.value * second.error),
+    }
+    theory = {
+        "drift_from_rest": solved.mean_velocity[:, 0],
+        "square_from_rest": solved.thermal_speed**2,
+    }
+    name = f"{SCATTERERS[dimension]} in a field"
+    case = (state, name, run, FREE, measured, {SOLVER: theory})
+    return _field_case(*case, APPROACH_TIMES, tuple(measured))
+
+
+def _among_hard_disks(restitution: float, system: Falling) -> Case:
+    """Tracers among hard disks at all densities of the system, and their drift as these vanish.
+
+    The equation is that of low density. Disks that stand close are met sooner and again, and a
+    tracer may come to rest in a corner of two of them, from which the field does not let it go. The
+    field is such that g l = U^2, with l = 1/(2 d rho) of the dilute limit. The drift is fitted by
+    1, n ln n and n, n = rho d^2, the orders in which a gas of fixed disks begins to differ.
+    """
+    state = solve_field(restitution, 2, rtol=1e-6)
+    first = FORGOTTEN * relaxation_time(state)
+    times = np.unique([*np.geomspace(1.0, LONGER * first, 14), first])
+    runs = []
+    for density in system.densities:
+        path = 0.5 / density
+        seed = system.seed + 7000 + round(1e5 * density) + round(1e6 * restitution)
+        # from a Gaussian start: from rest all tracers of one configuration fall alike
+        runs.append(simulate(
+            HardDisks(density, count=_DISKS), restitution, "gaussian", times * path,
+            media=system.configurations, tracers=system.tracers, seed=seed,
+            workers=system.workers, field=1.0 / path, observables=("positions",),
+        ))  # fmt: skip
+    n = np.array(system.densities)
+    ratio = Measured.joined(moving_drift(run, first, LONGER * first) for run in runs) / state.drift
+    basis = np.stack([np.ones(n.size), n * np.log(n), n], axis=1)
+    ways = [run.arrays["path_sums"][:, 0] * 2.0 * run.number_density for run in runs]
+    caught = [
+        np.bincount(run.statuses.trap_tracers[:, 0], minlength=run.media).astype(float)
+        for run in runs
+    ]
+    measured = {
+        "drift_among_disks": reduce.weighted_fit(basis, ratio)[1],
+        "drift_over_density": ratio,
+        "captures": Measured.joined(map(_ratio, caught, ways)),
+        "trapped": Measured.joined(run.trapped_fraction for run in runs),
+    }
+    theory: dict[str, dict[str, Any]] = {
+        SOLVER: {"drift_among_disks": 1.0},
+        "free path alone": {
+            "drift_over_density": np.array([reduce.contact_value(x) ** -0.5 for x in n])
+        },
+    }
+    name = "hard disks in a field"
+    case = _field_case(state, name, runs[0], EXTRAPOLATED, measured, theory, times)
+    return replace(case, places={"drift_over_density": ("density", n), "captures": ("density", n)})
+
+
+def moving_drift(run: Ensemble, first: float, last: float) -> Measured:
+    """How far tracers fall between two times, over how long they move between them, shape ().
+
+    Times in sqrt(l/g), the result in sqrt(g l). What is trapped moves no more, and neither falls.
+    """
+    path = 0.5 / run.number_density
+    at = np.searchsorted(run.times, np.array([first, last]) * path * (1 - 1e-12))
+    x = run.positions[at, :, 0].reshape(2, run.media, run.tracers) / path
+    ends = np.full((run.media, run.tracers), np.inf)
+    where = run.statuses.trap_tracers
+    ends[where[:, 0], where[:, 1]] = run.statuses.trap_times / path
+    fallen = ((x[1] - x[0]) * (ends > first)).sum(axis=1)
+    return _ratio(fallen, (np.clip(ends, first, last) - first).sum(axis=1))
+
+
+def _ratio(above: Array, below: Array) -> Measured:
+    """Sum over sum, of numbers of each configuration, and its standard error."""
+    replicates = (above.sum() - above) / (below.sum() - below)
+    return Measured(np.asarray(above.sum() / below.sum()), reduce.jackknife_error(replicates))

@@ -1,0 +1,206 @@
+"""What a report compares: smooth disks as in the paper, any other law, spheres, or a field.
+
+`Cooling` is a gas that is left alone, `Falling` one in a uniform field. Both are values with the
+same few members, so that everything after this file takes either. InputError for what cannot be
+used.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from kinetics.collision import CollisionLaw, law_of
+from kinetics.validation import (
+    check_positive,
+    check_restitution,
+    check_rtol,
+    refuse,
+    whole_number,
+)  # fmt: skip
+
+SCATTERERS = {2: "disks", 3: "spheres"}
+PAPER_FINAL_TIME = {0.4: 3000.0, 0.6: 300.0, 0.7: 500.0, 0.9: 1000.0}
+"""Final time in d/U of each restitution in the paper (captions of its figures 5 and 6)."""
+OTHER_FINAL_TIME = 1000.0
+"""Final time in d/U of a restitution that the paper does not have."""
+FIELD_RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
+_LINE = (*(k / 20 for k in range(19)), 0.925, 0.95, 0.97, 0.98, 0.99, 0.995, 0.999)
+_QUICK_LINE = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99, 0.995, 0.999)
+
+
+def half_cross_section(dimension: int) -> float:
+    """1/(2 l rho0) in d^(dimension - 1): the diameter of disks, pi/2 for spheres."""
+    return 1.0 if dimension == 2 else math.pi / 2
+
+
+@dataclass(frozen=True)
+class _System:
+    restitutions: tuple[float, ...] = ()
+    rtol: float = 1e-10  # asked of the solver
+    seed: int = 1
+    workers: int | None = None  # threads
+
+    _least: ClassVar[Mapping[str, int]] = {}
+    name: ClassVar[str] = "report"  # of its files
+    in_field: ClassVar[bool] = False
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _checked(self, default: tuple[float, ...]) -> tuple[float, ...]:
+        """The restitutions, or the default; checks the counts and tolerances too."""
+        found = tuple(check_restitution(e) for e in self.restitutions or default)
+        if len(set(found)) != len(found):
+            refuse("restitutions", found, "each may stand only once")
+        for name, low in {**self._least, "seed": 0}.items():
+            most = 2**31 if name == "free_tracers" else 2**63
+            whole_number(name, getattr(self, name), low, most)
+        if self.workers is not None:
+            whole_number("workers", self.workers, 1, 2**31)
+        for name in ("rtol", "position_rtol", "time_rtol"):
+            check_rtol(getattr(self, name, 1e-6))
+        return found
+
+
+@dataclass(frozen=True)
+class Cooling(_System):
+    """Tracers that are left alone from a Gaussian start, and lose speed at every bounce.
+
+    Lengths in d (the diameter of scatterer and of tracer), times in d/U, densities in d^-2, or d^-3
+    in space. Empty restitutions stand for the paper's, empty final times for the paper's or
+    `OTHER_FINAL_TIME`; a single final time is that of all restitutions.
+    """
+
+    final_times: tuple[float, ...] = ()
+    number_density: float = 0.04
+    count: int = 40_000  # hard disks, or spheres, in the box
+    media: int = 100  # configurations of them
+    tracers: int = 100  # in each of them
+    free_tracers: int = 200_000  # of the Boltzmann-Grad run, which has no configurations
+    n_times: int = 24
+    position_rtol: float = 1e-6  # asked of G(R), which costs most and is only drawn
+    tangential_restitution: float = 1.0
+    dimension: int = 2  # 3: spheres
+
+    _least: ClassVar[Mapping[str, int]] = {
+        "count": 1, "media": 2, "tracers": 1, "free_tracers": 2, "n_times": 2,
+    }  # fmt: skip
+
+    def __post_init__(self) -> None:
+        found = self._checked(tuple(PAPER_FINAL_TIME))
+        default = tuple(PAPER_FINAL_TIME.get(e, OTHER_FINAL_TIME) for e in found)
+        times = tuple(check_positive("until", t) for t in self.final_times or default)
+        times = times * len(found) if len(times) == 1 else times
+        if len(times) != len(found):
+            refuse("until", len(times), f"there must be one for each of {len(found)} restitutions")
+        check_positive("number_density", self.number_density)
+        law = law_of(found[0], self.tangential_restitution, self.dimension)
+        self._set(restitutions=found, final_times=times, dimension=law.dimension)
+        self._set(tangential_restitution=law.tangential_restitution)
+
+    def law(self, restitution: float) -> CollisionLaw:
+        """The collision law of one restitution."""
+        return law_of(restitution, self.tangential_restitution, self.dimension)
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether a bounce keeps the tangential velocity."""
+        return self.tangential_restitution == 1.0
+
+    @property
+    def is_papers_law(self) -> bool:
+        """Whether scatterers are smooth disks in the plane, for which the paper's formulas are."""
+        return self.is_smooth and self.dimension == 2
+
+    @property
+    def scatterers(self) -> str:
+        """What tracers hit: "disks" or "spheres"."""
+        return SCATTERERS[self.dimension]
+
+    @property
+    def half_rate(self) -> float:
+        """1/(2 l) in 1/d, l the mean free path of the kinetic equation: in the plane d rho0."""
+        return self.number_density * half_cross_section(self.dimension)
+
+    @property
+    def stages(self) -> int:
+        """How often a report of it tells progress."""
+        return 3 * len(self.restitutions) + 2
+
+    def quick(self) -> "Cooling":
+        """The same system with fewer samples, and G(R) to fewer digits."""
+        return replace(
+            self, media=min(self.media, 40), tracers=min(self.tracers, 25),
+            free_tracers=min(self.free_tracers, 20_000),
+            position_rtol=max(self.position_rtol, 1e-5),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Falling(_System):
+    """Tracers that fall from rest in a uniform field among smooth disks, and among spheres.
+
+    The mean free path l and the acceleration g are the units, so that speeds are in sqrt(g l) and
+    times in sqrt(l/g). Restitutions are below 1; empty for `FIELD_RESTITUTIONS`.
+    """
+
+    rtol: float = 1e-8
+    dimensions: tuple[int, ...] = (2, 3)
+    approach: tuple[float, ...] | None = None  # restitutions followed over time; None for two
+    line: tuple[float, ...] = _LINE  # restitutions at which the solver alone is drawn
+    collisions: int = 8_000_000  # about so many in each run, which sets its tracers
+    most_tracers: int = 200_000
+    groups: int = 100  # independent ones of tracers, behind the errors
+    densities: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08)  # of hard disks, d^-2
+    dense: tuple[float, ...] = (0.5, 0.7, 0.9)  # the restitutions there
+    configurations: int = 200  # of hard disks
+    tracers: int = 60  # in each of them
+    time_rtol: float = 1e-6  # asked of the solver over time
+
+    name: ClassVar[str] = "field"
+    in_field: ClassVar[bool] = True
+    is_papers_law: ClassVar[bool] = False
+    _least: ClassVar[Mapping[str, int]] = {
+        "configurations": 10, "tracers": 2, "groups": 10, "collisions": 1, "most_tracers": 100,
+    }  # fmt: skip
+
+    def __post_init__(self) -> None:
+        found = tuple(sorted(self._checked(FIELD_RESTITUTIONS)))
+        if found[-1] == 1.0:
+            allowed = "each must be below 1: elastic tracers reach no steady state in a field"
+            refuse("restitutions", found, allowed)
+        for dimension in self.dimensions:
+            CollisionLaw(0.5, 1.0, dimension)
+        ends = tuple(dict.fromkeys((found[0], found[-1])))
+        followed = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
+        approach = followed if self.approach is None else self.approach
+        dense = self.dense if 2 in self.dimensions else ()
+        self._set(restitutions=found, approach=approach, dense=dense)
+
+    @property
+    def scatterers(self) -> str:
+        """What tracers hit."""
+        return " and ".join(SCATTERERS[d] for d in self.dimensions)
+
+    @property
+    def stages(self) -> int:
+        """How often a report of it tells progress."""
+        each = 1 + len(self.restitutions) + len(self.approach or ())
+        return len(self.dimensions) * each + len(self.dense) + 2
+
+    def quick(self) -> "Falling":
+        """The same with fewer restitutions, unless others were asked for, and fewer samples."""
+        every = self.restitutions == FIELD_RESTITUTIONS
+        return replace(
+            self, restitutions=(0.0, 0.5, 0.9) if every else self.restitutions,
+            approach=(self.approach or ())[:1], line=_QUICK_LINE, densities=self.densities[1::2],
+            dense=self.dense[:2], configurations=min(self.configurations, 50),
+            tracers=min(self.tracers, 20), collisions=min(self.collisions, 500_000),
+            most_tracers=min(self.most_tracers, 10_000), rtol=max(self.rtol, 1e-6),
+            time_rtol=max(self.time_rtol, 1e-4),
+        )  # fmt: skip
+
+
+System = Cooling | Falling

@@ -1,0 +1,253 @@
+"""Reports of all systems: what they compare, what a reader gets, and what is in the files."""
+
+import csv
+import json
+import re
+from collections import Counter
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from pages import Page, check_alone, check_in_browser
+
+from kinetics.crosscheck.report import figures, page, rows
+from kinetics.crosscheck.report.reduce import Measured
+from kinetics.crosscheck.report.systems import Cooling, Falling
+from kinetics.errors import InputError
+
+KINDS = ("paper", "rough", "spheres", "elastic", "field")
+MOST_WORDS = 260  # before the first figure
+
+
+@pytest.fixture(params=KINDS)
+def each(request: Any, made: Callable[[str], Any]) -> Any:
+    return made(request.param)
+
+
+def test_the_golden_rows(made: Any) -> None:
+    found = made("paper").report
+    strict = found.table[found.table.source == "Boltzmann-Grad"]
+    assert not (strict.verdict == "differs").any()
+    assert set(found.table[found.table.kind == "numerical"].verdict) == {"agrees"}
+    known = {
+        ("cooling_rate", 0.4, "solver", "exact"): 0.8472488,
+        ("cooling_rate", 0.7, "Sonine", "exact"): 0.4537167,
+        ("a2", 0.4, "solver", "exact"): 0.4272511,
+        ("msd_slope", 0.4, "paper's fit", "exact"): 473.2213,
+        ("kurtosis", 0.7, "paper's integral", "kinetic equation"): 4.0,
+    }
+    keys = ["observable", "restitution", "source", "against"]
+    values = found.table.set_index(keys).value
+    for key, value in known.items():
+        assert values[key] == pytest.approx(value, rel=1e-5), key
+    assert len(found.table) == 82
+    counted = found.document["verdict_counts"]
+    assert counted == Counter(row["verdict"] for row in found.document["rows"])
+    assert counted["agrees"] + counted["not tested"] > 45
+
+
+def test_every_system_gives_the_same_table(each: Any) -> None:
+    table = each.report.table
+    assert list(table.columns) == list(rows.COLUMNS)
+    assert not table.duplicated(["system", "observable", "restitution", "source", "against"]).any()
+    compared = table[table.kind == "statistical"]
+    assert (compared.error > 0).all()
+    sigmas = (compared.value - compared.theory) / compared.error
+    np.testing.assert_allclose(compared.sigmas, sigmas)
+    assert (compared.groups >= 10).all()
+    assert each.report.results.system.stages == len(each.stages) + 1  # and that of writing
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "looks", "verdict"),
+    [
+        (1.02, 0.02, 1, "agrees"),
+        (1.02, 0.05, 1, "not tested"),
+        (1.3, 0.2, 1, "not tested"),
+        (1.3, 0.09, 1, "unclear"),
+        (1.3, 0.02, 1, "differs"),
+        (1.06, 0.02, 1, "unclear"),
+        (1.06, 0.02, 40, "agrees"),  # three errors in 40 looks are nothing
+    ],
+)
+def test_what_could_not_have_been_seen_is_not_tested(
+    value: float, error: float, looks: int, verdict: str
+) -> None:
+    measured = Measured(np.append(value, np.ones(looks - 1)), np.full(looks, error))
+    (row,) = rows.estimated("msd", ("a", "b"), measured, 1.0, groups=100)
+    assert row["verdict"] == verdict
+    assert row["within"] == pytest.approx(abs(value - 1) + 1.96 * error)
+
+
+def test_the_page_is_whole_by_itself(each: Any) -> None:
+    text = each.page.read_text(encoding="utf-8")
+    assert len(check_alone(text, len(each.report.figures)).tags) > 300
+    head = re.sub(
+        r"<math.*?</math>|<style>.*?</style>", "", text[: text.index("<figure")], flags=re.S
+    )
+    assert len(re.sub(r"<[^>]+>", " ", head[head.index("<main>") :]).split()) <= MOST_WORDS
+
+
+def test_findings_stand_before_figures_and_details_are_folded(made: Any) -> None:
+    text = made("paper").page.read_text(encoding="utf-8")
+    order = ['class="strip"', "Findings", "<figure", 'id="claims"', "<details"]
+    places = [text.index(part) for part in order]
+    assert places == sorted(places)
+    words = Page(text).words
+    assert words.count("1.45") <= 3  # found, judged, and nowhere else
+    assert "near scatterers" in words  # why F(0) of hard disks is not 0
+
+
+def test_the_files(each: Any) -> None:
+    document = json.loads((each.folder / f"{each.name}.json").read_text(encoding="utf-8"))
+    assert {"headline", "claims", "rows", "verdict_counts", "algebra"} <= set(document)
+    assert set(document["headline"]) == {"compared", "findings", "line"}
+    judged = each.report.results.system.is_papers_law and each.report.results.cooling
+    assert len(document["claims"]) == (7 if judged else 0)
+    assert {c["status"] for c in document["algebra"]} <= {"verified", "erratum"}
+    with open(each.folder / f"{each.name}-rows.csv", encoding="utf-8") as file:
+        lines = list(csv.DictReader(file))
+    assert [line["verdict"] for line in lines] == [row["verdict"] for row in document["rows"]]
+    drawn = [figure["name"] for figure in document["figures"]]
+    files = sorted(p.stem.split("-", 1)[1] for p in each.folder.glob("*.png"))
+    assert files in ([], sorted(drawn))
+    assert (each.folder / f"{each.name}-points.csv").stat().st_size > 1000
+
+
+def test_the_terminal_is_100_columns_wide(each: Any) -> None:
+    lines = each.report.text().splitlines()
+    assert max(map(len, lines)) <= 100
+    assert len(lines) > len(each.report.table) / 4
+
+
+def test_every_figure_has_words_units_and_ticks_that_do_not_collide(each: Any) -> None:
+    dimensional = {"t", "r^2", "u", "v_z", "v^2", "D", "x", "y"}
+    for drawn in each.report.figures:
+        assert len(drawn.title) > 8
+        assert len(drawn.caption) > 30
+        assert "{" not in drawn.caption
+        labels = [f() for ax in drawn.figure.axes for f in (ax.get_xlabel, ax.get_ylabel) if f()]
+        assert len(labels) >= 2
+        for label in labels:
+            symbol = re.search(r"\$⟨?(\\langle )?([\w^]+)", label)
+            if symbol and symbol[2] in dimensional and "/" not in label.split("[")[0]:
+                assert re.search(r"\[.+\]", label), label
+        assert overlaps(drawn.figure) == [], drawn.name
+
+
+def overlaps(figure: Any) -> list[tuple[str, str]]:
+    """Pairs of tick labels of the figure of which one covers a part of the other."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    boxes = []
+    for ax in figure.axes:
+        for side in (ax.xaxis, ax.yaxis):
+            low, high = sorted(side.get_view_interval())
+            for tick in side.get_major_ticks():
+                at = tick.get_loc()
+                for label in (tick.label1, tick.label2):
+                    if label.get_visible() and label.get_text() and low <= at <= high:
+                        boxes.append((label.get_text(), label.get_window_extent(renderer)))
+    return [
+        (one, other)
+        for k, (one, box) in enumerate(boxes)
+        for other, against in boxes[k + 1 :]
+        if box.overlaps(against)
+    ]
+
+
+def test_a_sheet_has_a_variable_for_every_colour_of_the_figures(each: Any) -> None:
+    style = (files("kinetics.crosscheck") / "templates" / "report.css").read_text("utf-8")
+    sheets = re.findall(r":root \{(.*?)\}", style, flags=re.DOTALL)
+    assert len(sheets) == 2  # light, on paper too, and dark
+    for sheet in sheets:
+        for variable in figures.VARIABLES.values():
+            assert sheet.count(variable[4:-1] + ":") == 1, variable
+    for drawn in each.report.figures:
+        if drawn.name != "picture":  # whose colours are speeds
+            known = {c.lower() for c in re.findall(r"#[0-9a-fA-F]{6}\b", drawn.svg())}
+            assert known <= {"#ffffff"}, drawn.name
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+def test_texts_have_enough_contrast(scheme: int) -> None:
+    """WCAG AA: 4.5 to 1, of every colour that is used for words, those in figures included."""
+    style = (files("kinetics.crosscheck") / "templates" / "report.css").read_text("utf-8")
+    sheet = re.findall(r":root \{(.*?)\}", style, flags=re.DOTALL)[scheme]
+    colours = dict(re.findall(r"--([\w-]+): (#\w{6});", sheet))
+    light, del_ = luminance(colours.pop("paper")), colours.pop("faint")
+    assert del_
+    for name, colour in colours.items():
+        low, high = sorted((light, luminance(colour)))
+        assert name == "panel" or (high + 0.05) / (low + 0.05) >= 4.5, name
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    r, g, b = (x / 12.92 if x <= 0.03928 else ((x + 0.055) / 1.055) ** 2.4 for x in parts)
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+@pytest.mark.parametrize(("width", "dark"), [(390, False), (1400, True)])
+def test_the_page_in_a_browser(made: Any, browser: Any, width: int, dark: bool) -> None:
+    for kind in ("paper", "field"):
+        found = made(kind)
+        asked = {"high": "document.documentElement.scrollHeight", "ink":
+                 "getComputedStyle(document.querySelector('figure svg text')).fill"}  # fmt: skip
+        drawn = len(found.report.figures)
+        seen = check_in_browser(browser, found.page, drawn, width, dark, more=asked)
+        assert (seen["ink"] == "rgb(231, 234, 238)") is dark
+
+
+def test_the_kept_equations_are_those_that_the_derivations_print() -> None:
+    assert page.printed_equations() == page.kept()["mathml"]
+
+
+def test_labels_of_the_paper_become_its_numbers() -> None:
+    assert page.with_numbers("see ad8#2, eq. msd and msd") == "see eq. (C9), eq. (22) and msd"
+    assert page.with_numbers(["beyond:slope", "sonine9"]) == ["beyond:slope", "eq. (B15)"]
+
+
+def test_failed_derivations_are_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page, "__name__", "kinetics.no_such_module")
+    with pytest.raises(RuntimeError, match="no_such_module"), page.algebra(Cooling()) as wait:
+        wait()
+
+
+@pytest.mark.parametrize(
+    ("make", "arguments", "name"),
+    [
+        (Cooling, {"restitutions": (1.5,)}, "restitution"),
+        (Cooling, {"restitutions": (0.5, 0.5)}, "restitutions"),
+        (Cooling, {"final_times": (1.0, 2.0)}, "until"),
+        (Cooling, {"final_times": (-1.0,)}, "until"),
+        (Cooling, {"media": 1}, "media"),
+        (Cooling, {"free_tracers": 1}, "free_tracers"),
+        (Cooling, {"dimension": 4}, "dimension"),
+        (Cooling, {"tangential_restitution": 2.0}, "tangential_restitution"),
+        (Cooling, {"number_density": -1.0}, "number_density"),
+        (Cooling, {"rtol": 0.0}, "rtol"),
+        (Cooling, {"workers": 0}, "workers"),
+        (Falling, {"restitutions": (1.0,)}, "restitutions"),
+        (Falling, {"groups": 1}, "groups"),
+        (Falling, {"dimensions": (4,)}, "dimension"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_by_its_name(
+    make: Any, arguments: dict[str, Any], name: str
+) -> None:
+    with pytest.raises(InputError, match=rf"^{name}\b"):
+        make(**arguments)
+
+
+def test_a_quick_report_is_of_the_same_system_with_fewer_samples() -> None:
+    for system in (Cooling(), Falling()):
+        quick = system.quick()
+        assert quick.stages <= system.stages
+        assert quick.tracers < system.tracers
+        assert len(quick.restitutions) <= len(system.restitutions)
+    assert Falling((0.3, 0.8)).quick().restitutions == (0.3, 0.8)
