@@ -41,7 +41,7 @@ HOMES = {
     # what a user saves, and what these are made of
     "ByCollision": "kinetics.moments.by_collision",
     "CollisionLaw": "kinetics.collision.law",
-    "Comparison": "kinetics.crosscheck.comparison.result",
+    "Comparison": "kinetics.crosscheck.compare.result",
     "SampledBounce": "kinetics.collision.samples",
     "FieldState": "kinetics.field.solution",
     "FieldUnits": "kinetics.field.solution",

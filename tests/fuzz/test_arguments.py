@@ -27,7 +27,7 @@ from kinetics import (
     solve,
     solve_scaled,
 )
-from kinetics.crosscheck.comparison.question import compare_data
+from kinetics.crosscheck.compare import compare_data
 from particles import BoltzmannGrad, HardDisks, Poisson, Positions, simulate
 
 Call = Callable[[Any], Any]

@@ -9,7 +9,7 @@ import numpy as np
 from fuzzing import broken, examples, extremes, fuzz, mostly, restitutions, result_or_refusal
 from hypothesis import strategies as st
 
-from kinetics.crosscheck.comparison.question import compare_data
+from kinetics.crosscheck.compare import compare_data
 
 _number = mostly(st.floats(-3.0, 3.0), extremes())
 _rows = st.lists(st.tuples(st.sampled_from([0.0, 0.0, 2.0, 1e3]), _number, _number), min_size=1)
@@ -56,7 +56,7 @@ def check_comparison(asked: dict[str, Any]) -> None:
     if found is None:
         return
     assert found.verdict is not None
-    document = found.document()
+    document = found.to_dict()
     for test in document["tests"]:
         assert 0.0 <= test["p_value"] <= 1.0
         assert math.isfinite(test["chi_square"])

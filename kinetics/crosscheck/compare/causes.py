@@ -1,0 +1,550 @@
+"""What may explain a difference: each cause is a row of the table CAUSES, and one fit.
+
+A cause says which parameters of the theory (`theory.Point`) are other than what was told: set to a
+value, or free. One that is right lowers the chi-square to what chance allows. Several may: they are
+ranked by the chi-square that they leave plus 2 for each fitted parameter (Akaike's criterion), and
+"explains" is said only of those within NEAR_BEST of the best. The theory among scatterers at a
+finite density has an error of its own: that makes its chi-square smaller, and what the larger
+covariance takes from the likelihood is counted against it. Units that do not belong together are
+looked for first: then nothing else is claimed. Notes are made in any case.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kinetics.crosscheck.compare.fit import (
+    SECOND_MOMENTS,
+    Components,
+    Fit,
+    choose_components,
+    components_of,
+    fit,
+)
+from kinetics.crosscheck.compare.judge import LEAST_EXPECTED, Both
+from kinetics.crosscheck.compare.result import Explanation
+from kinetics.crosscheck.compare.statistics import ChiSquare, chance, errors, hotelling
+from kinetics.crosscheck.compare.theory import OWN_ERROR, SPEED, SampledStart, bin_shares
+from kinetics.crosscheck.data.sample import R2, V2, N, Sample
+from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, numeral
+
+AGREES_ABOVE = chance(AGREES_BELOW)
+"""p-value from which on what a cause leaves agrees."""
+NEAR_BEST = 6.0
+"""Distance from the best in chi-square plus 2 per parameter up to which a cause explains as well:
+at this distance it is exp(3) = 20 times less likely."""
+_LEAST_GAIN = 16.0
+"""Of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation."""
+_FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
+"""Logarithms of the factors from which a unit or a free path is looked for."""
+MEDIA = {"hard disks": "hard disks that do not overlap", "overlapping": "overlapping disks"}
+"""The media that are tried, as in a Scene, and in words."""
+_LEAST_RESTITUTION = 0.2
+"""Below it the theory at a finite density is of the leading order only, its error not measured."""
+
+
+class Cause(NamedTuple):
+    """A cause of a difference.
+
+    changes : of the data and theory, the parameters that are set, one dictionary for each variant;
+        none where the cause does not apply
+    free : the parameter that is fitted, if one is
+    words : of data, theory and fit, the sentence and the headline
+    """
+
+    name: str
+    changes: Callable[[Both], Sequence[dict[str, Any]]]
+    words: Callable[[Both, Fit], tuple[str, str]]
+    free: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Tested:
+    """A cause with what it comes to, and the fit that says so."""
+
+    explanation: Explanation
+    fit: Fit
+
+    @property
+    def criterion(self) -> float:
+        """-2 ln likelihood, to a constant, plus 2 per parameter."""
+        left = self.explanation.chi_square_after or 0.0
+        return left + 2 * len(self.fit.free) + self.fit.widening
+
+
+def tested_causes(both: Both) -> tuple[list[Explanation], Any]:
+    """Every cause, the likeliest first, and the averages that the one that explains expects.
+
+    Empty where too few averages have a spread. None without one that explains.
+    """
+    # Not time 0: there a cause in the start would leave nothing that could differ.
+    usable = both.usable & (both.sample.times > 0)
+    components = components_of(both.names, usable, both.sample, 1)
+    if components.tested.size < 2:
+        return [], None
+    before = hotelling(*both.flat(components.tested), None, components.one_by_one)
+    if before is None:
+        return [], None
+    tested = []
+    for cause in CAUSES:
+        for change in cause.changes(both):
+            found = _fitted(both, components, change, cause.free)
+            if found is not None and found.chi_square is not None:
+                tested.append(Tested(_judged(both, cause, found, before), found))
+    ranked = sorted(tested, key=lambda one: one.criterion)
+    # A share of tracers at rest is one between none and nearly all.
+    at_rest = [one.fit.point.at_rest for one in ranked]
+    ranked = [
+        one for one, share in zip(ranked, at_rest, strict=True)
+        if one.fit.free != ("at_rest",) or 0 < share < 0.85
+    ]  # fmt: skip
+    every = [
+        replace(one.explanation, outcome="in part")
+        if one.explanation.outcome == "explains" and one.criterion > ranked[0].criterion + NEAR_BEST
+        else one.explanation
+        for one in ranked
+    ]
+    again = _recollisions(both)
+    if again is not None and ranked and ranked[0].criterion < before.value / 2:
+        # What is inferred from the averages is no finding where another cause is that likely.
+        again = replace(again, outcome={"found": "in part"}.get(again.outcome, again.outcome))
+    best = next((k for k, item in enumerate(every) if item.outcome == "explains"), None)
+    return every + ([again] if again else []), None if best is None else ranked[best].fit.theory
+
+
+def _fitted(
+    both: Both, components: Components, change: dict[str, Any], free: tuple[str, ...]
+) -> Fit | None:
+    point = both.point._replace(**change)
+    told = [getattr(point, name) for name in free]
+    starts: Any = [told]
+    if free and free[0] not in ("restitution", "at_rest"):
+        starts = [[math.log(told[0]) + shift] for shift in _FACTORS]
+    return fit(both.expectation, point, free, components, starts)
+
+
+def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanation:
+    """What a cause comes to, from the chi-square that it leaves."""
+    after, outcome = found.chi_square, "does not"
+    assert after is not None
+    if after.p_value >= AGREES_ABOVE:
+        # Averages that agreed already need no explaining.
+        outcome = "explains" if before.p_value < AGREES_ABOVE else "does not"
+    elif before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
+        outcome = "in part"
+    text, headline = cause.words(both, found)
+    text += (
+        f" The averages' chi-square goes from {numeral(before.value, '.4g')} to "
+        f"{numeral(after.value, '.4g')} with {after.freedom} degrees of freedom "
+        f"(p = {numeral(after.p_value, '.2g')})."
+    )
+    value, error = found.value(cause.free[0]) if cause.free else (None, None)
+    return Explanation(
+        cause.name, outcome, text, True, value, error, before.value, after.value, after.freedom,
+        after.p_value, headline,
+    )  # fmt: skip
+
+
+# -- the causes and their sentences ----------------------------------------------------------------
+
+
+def _pm(found: tuple[float, float], form: str = ".5g", of_error: str = ".2g") -> str:
+    return f"{numeral(found[0], form)} ± {numeral(found[1], of_error)}"
+
+
+def is_dense(both: Both) -> list[dict[str, Any]]:
+    """The media at the density of the scatterers, where there is a theory of them.
+
+    For smooth disks in the plane at a density that is told (not fitted to the same data); not for
+    particles that are known to meet no scatterer again.
+    """
+    from kinetics.collision.medium import HIGHEST_DENSITY
+
+    scene, fitted = both.solution.scene, both.found is not None and "path" in both.found.free
+    if fitted or both.sample.free or scene.scatterers != "dilute":
+        return []
+    known = scene.restitution >= _LEAST_RESTITUTION
+    known = known and scene.number_density * scene.diameter**2 <= HIGHEST_DENSITY
+    if not (known and both.sample.law.smooth_disks):
+        return []
+    return [{"scatterers": medium, "diameter": scene.diameter} for medium in MEDIA]
+
+
+def _of_density(both: Both, found: Fit) -> tuple[str, str]:
+    """What the theory is, how much it changes the averages, and for which times it is trusted."""
+    from kinetics.collision.medium import SETTLED, TESTED_DENSITY
+
+    scene, times, kind = both.solution.scene, both.sample.times, found.point.scatterers
+    n, settled = scene.number_density * scene.diameter**2, SETTLED * scene.mean_free_path
+    changes = " and ".join(
+        f"{'v₀' if name == 'thermal_speed' else '⟨r²⟩'} by "
+        f"{numeral(found.theory[k, -1] / both.theory[k, -1] - 1, '+.2%')}"
+        for k, name in enumerate(both.names)
+        if name in SECOND_MOMENTS
+    )
+    early, later = int(np.sum((times > 0) & (times < settled))), int(np.sum(times > 0))
+    own = [numeral(OWN_ERROR[name][k] * n, ".2%") for k in (1, 0) for name in SECOND_MOMENTS]
+    text = (
+        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: "
+        f'the kinetic equation of Scene(scatterers="{kind}"), in which tracers meet scatterers '
+        f"again. Nothing is fitted to these data. At the last time it changes {changes} from the "
+        f"dilute equation. It is trusted from {SETTLED:g} l/U = {numeral(settled, '.4g')} d/U on"
+        f"{f'; {early} of the {later} times are earlier' if early else ''}. It has an error of its "
+        "own, known from simulations, which is added to the covariance of the data: one standard "
+        f"deviation is {own[0]} of v₀ and {own[1]} of ⟨r²⟩ from that time on, {own[2]} and {own[3]} "
+        "before."
+    )
+    if n > TESTED_DENSITY:
+        text += f" It was compared with simulations up to n = {TESTED_DENSITY:g} only."
+    return text, f"the finite density of the scatterers ({kind}, no fitted number)"
+
+
+def _of_path(both: Both, found: Fit) -> tuple[str, str]:
+    scene, law, (value, error) = both.solution.scene, both.sample.law, found.value("path")
+    told, plane = scene.mean_free_path, law.dimension == 2
+    inverse, unit = ("1/(2dρ₀)", "d⁻²") if plane else ("1/(πd²ρ₀)", "d⁻³")
+    text = (
+        f"Another mean free path: l = {_pm((value, error))} d fits best, "
+        f"{numeral(value / told - 1, '+.1%')} from {inverse} = {numeral(told, '.5g')} d, as a "
+        f"density of {numeral(law.free_path(value), '.5g')} {unit} would have"
+    )
+    if plane:
+        other = numeral(told / value, ".5g")
+        text += f" (or, at the density told, a diameter of {other} in place of 1)"
+    text += "."
+    share = math.pi * scene.number_density * scene.diameter**2 / 4  # of the area, of disks
+    if law.smooth_disks and share < 0.5:
+        # Henderson, Mol. Phys. 30, 971 (1975): the pair correlation of hard disks at contact
+        disks = told * (1 - share) ** 2 / (1 - 7 * share / 16)
+        near = abs(value - disks) <= 3 * error and value < told
+        text += (
+            f" Hard disks that do not overlap have l = {numeral(disks, '.5g')} d at the density told "
+            f"({numeral(disks / told - 1, '+.1%')}, Henderson's contact value)"
+            f"{': that is the finite density of the scatterers' if near else ''}."
+        )
+    headline = f"l = {_pm((value, error))} d in place of {numeral(told, '.5g')} d"
+    if abs(math.log(value / told)) > 1 and plane:  # so far off, a wrong diameter is the likely reason
+        headline += f" (as if d were {told / value:.4g} of the unit told)"
+    return text, headline
+
+
+def _of_restitution(both: Both, found: Fit) -> tuple[str, str]:
+    told, e = numeral(both.point.restitution, ".5g"), _pm(found.value("restitution"))
+    return (
+        f"Another restitution: e = {e} fits best, instead of {told}.",
+        f"e = {e} in place of {told}",
+    )
+
+
+def _other_starts(both: Both) -> list[dict[str, Any]]:
+    """The data's own speeds at time 0, or the other named start."""
+    start = both.sample.start
+    if start is not None:
+        return [] if both.own_start else [{"start": SampledStart(start)}]
+    return [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.solution.scene.initial]
+
+
+def _of_start(both: Both, found: Fit) -> tuple[str, str]:
+    named = {"gaussian": "a Gaussian", "monoenergetic": "all speeds U"}
+    start = found.point.start
+    words = named[start] if isinstance(start, str) else "the data's own speeds at time 0"
+    return f"Another start: {words}, the rest as told.", f"another start ({words})"
+
+
+def _of_unit(symbol: str, name: str) -> Callable[[Both, Fit], tuple[str, str]]:
+    def words(both: Both, found: Fit) -> tuple[str, str]:
+        value = f"{symbol} = {_pm(found.value(name))}"
+        text = f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, the "
+        return text + "equation fits best.", f"{value} in place of 1 in the data's unit"
+
+    return words
+
+
+def _of_rest(both: Both, found: Fit) -> tuple[str, str]:
+    share = _pm(found.value("at_rest"), ".2%", ".2%")
+    return (
+        f"A share of {share} of the tracers that never moves fits best.",
+        f"a share of {share} of tracers that never move",
+    )
+
+
+def _always(both: Both) -> list[dict[str, Any]]:
+    return [{}]
+
+
+CAUSES = (
+    Cause("finite density", is_dense, _of_density),
+    Cause("free path", _always, _of_path, ("path",)),
+    Cause("restitution", _always, _of_restitution, ("restitution",)),
+    Cause("initial speeds", _other_starts, _of_start),
+    Cause("speed unit", lambda both: [] if both.own_start else [{}], _of_unit("U", "speed_unit"),
+          ("speed_unit",)),
+    Cause("time unit", _always, _of_unit("d/U", "time_unit"), ("time_unit",)),
+    Cause("length unit", _always, _of_unit("d", "length_unit"), ("length_unit",)),
+    Cause("tracers at rest", _always, _of_rest, ("at_rest",)),
+)  # fmt: skip
+"""Everything that may explain a difference. The first, which has no free parameter, stands before
+others that are as likely. A new cause is one row."""
+
+
+def _recollisions(both: Both) -> Explanation | None:
+    """Whether <r^2> stays below the theory once the speeds' own free path is put in."""
+    sample, names = both.sample, both.names
+    of_speeds = both.usable & (sample.times > 0) & np.isin(names, ("thermal_speed", "a2"))[:, None]
+    speeds = components_of(names, of_speeds, sample, 1)
+    if "msd" not in names or speeds.tested.size < 2 or sample.free or sample.tabulated:
+        return None
+    found = _fitted(both, speeds, {}, ("path",))
+    if found is None or found.chi_square is None:
+        return None
+    at = names.index("msd"), sample.times.size - 1
+    moved = both.expectation.theory(found.point)[1]
+    rest = found.moved(both.expectation.replicates - moved)[:, at[0], at[1]]
+    difference = float(both.expectation.values[at] - found.theory[at])
+    result = hotelling(np.array([difference]), rest[:, None])
+    if result is None or result.p_value > chance(DIFFERS_ABOVE):
+        return None
+    relative = difference / float(found.theory[at])
+    error = abs(relative) / math.sqrt(result.value)
+    fits = found.chi_square.p_value >= AGREES_ABOVE
+    text = (
+        f"The speeds alone have l = {numeral(found.point.path, '.5g')} d "
+        f"({'fits them' if fits else 'fits them best'}); with it ⟨r²⟩ at the last time is "
+        f"{numeral(relative, '+.1%')} ± {numeral(error, '.1%')} from the kinetic equation. "
+    ) + (
+        "Tracers that come back to scatterers they have met spread less than the equation, which "
+        "forgets them, says: recollisions of a finite density do that."
+        if relative < 0
+        else "Recollisions would make it smaller, not larger."
+    )
+    outcome = ("found" if fits else "in part") if relative < 0 else "does not"
+    return Explanation(
+        "recollisions", outcome, text, True, relative, error, p_value=result.p_value,
+        chi_square_after=result.value, dof=1,
+    )  # fmt: skip
+
+
+# -- units that do not belong together -------------------------------------------------------------
+
+_FAR, _MOST = 2.0, 0.5
+"""Factor by which speeds are in another unit, and the share of tracers that have not collided."""
+_EARLY, _APART = 0.1, 1.2
+"""Relative change of averages between the first two times, and the ratio of these, for which they
+tell of the time before collisions: later <r^2>/t^2 changes more between times that far apart."""
+_WRONG_ABOVE = 0.005
+"""|ln(|r|/(|v| t))| from which on units do not belong together."""
+_SAY = "Say so by --time-unit, --length-unit or --speed-unit. No other cause is looked for."
+
+
+def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
+    """What is said where units do not belong together; None where they do, or cannot be known."""
+    if sample.law.field:
+        return None
+    found = _of_averages(sample) if sample.tabulated else _of_flights(sample)
+    return found or _wrong_speeds(sample, start)
+
+
+def _of_flights(sample: Sample) -> Explanation | None:
+    flights = sample.flights
+    if flights is None or abs(math.log(flights.ratio)) < _WRONG_ABOVE:
+        return None
+    ratio, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
+    text = (
+        f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the tracers have "
+        f"flown straight, at r = {ratio} v t. In units that belong together it is r = v t, whatever "
+        f"the scatterers: so either times are {inverse} times too long, or positions or speeds are "
+        f"in another unit. {_SAY}"
+    )
+    headline = f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times too long"
+    return Explanation("time unit", "found", text, True, 1 / flights.ratio, headline=headline)
+
+
+def _of_averages(sample: Sample) -> Explanation | None:
+    """From <r^2>/(<v^2> t^2), which tends to 1 as t tends to 0: from the first two times.
+
+    Only where both change by less than _EARLY between them: tracers have hardly collided then.
+    """
+    first = np.flatnonzero(sample.times > 0)[:2]
+    if first.size < 2 or sample.times[first[1]] < _APART * sample.times[first[0]]:
+        return None
+    times, total = sample.times[first], sample.sums.sum(axis=0)
+
+    def averages(sums: Any) -> tuple[Any, Any]:
+        v2 = sample.speed_scale[first] ** 2 * sums[..., first, V2]
+        return sample.length_scale[first] ** 2 * sums[..., first, R2] / (v2 * times**2), v2
+
+    def at_zero(ratio: Any) -> Any:
+        slope = (ratio[..., 1] - ratio[..., 0]) / (times[1] - times[0])
+        return np.asarray(ratio[..., 0] - slope * times[0])
+
+    ratio, v2 = averages(total)
+    # Written so that averages that are not known are left out.
+    if not (abs(ratio[1] / ratio[0] - 1) < _EARLY and abs(v2[1] / v2[0] - 1) < _EARLY):
+        return None
+    start, error = at_zero(ratio), errors(at_zero(averages(total - sample.sums)[0]))
+    found = float(np.sqrt(max(float(start), 0.0)))
+    if not abs(start - 1) > max(DIFFERS_ABOVE * float(error), 2 * _WRONG_ABOVE) or found == 0:
+        return None
+    square, inverse = numeral(found**2, ".5g"), numeral(1 / found, ".5g")
+    text = (
+        f"⟨r²⟩/(⟨v²⟩ t²) tends to {square} as t tends to 0 (from t = {numeral(times[0], '.4g')} on). "
+        "In units that belong together it tends to 1, whatever the scatterers: so either times are "
+        f"{inverse} times too long, or positions or speeds are in another unit. {_SAY}"
+    )
+    headline = f"⟨r²⟩/(⟨v²⟩ t²) tends to {square} at early times, as if times were {inverse} times too long"
+    return Explanation("time unit", "found", text, True, 1 / found, headline=headline)
+
+
+def _wrong_speeds(sample: Sample, start: Any) -> Explanation | None:
+    """What is said where the first speeds are far from those of a named start; or None.
+
+    Speeds never rise, so that larger ones than at the start cannot be. Smaller ones cannot be while
+    most tracers have not collided. A factor of two is asked for: less may be another start.
+    """
+    if not isinstance(start, str):
+        return None
+    most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
+    total = sample.sums[:, 0].sum(axis=0)
+    ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
+    flights = sample.flights
+    early = flights is not None and flights.share > _MOST and flights.time <= sample.times[:2].max()
+    if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
+        return None
+    why = "and speeds never rise" if ratio > 1 else "and most tracers have not collided"
+    text = (
+        f"At t = {numeral(sample.times[0], '.4g')} the root mean square speed is "
+        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U, {why}: "
+        "speeds are in another unit. Say so by --speed-unit (a number, or data where there is a time "
+        "0), and give the diameter in the data's unit by --length-unit. No other cause is looked for."
+    )
+    headline = f"speeds at the first time are {ratio:.4g} times those of the start"
+    return Explanation("speed unit", "found", text, True, ratio, headline=headline)
+
+
+# -- notes -----------------------------------------------------------------------------------------
+
+_FAR_SLOWER = 8.0
+"""A trapped tracer is that many times slower than the upper end of the lowest bin: a wrong
+restitution, density or start, which shift all speeds a little, cannot put a tracer there."""
+_FEWEST_TRAPPED = 5
+
+
+def notes_of(both: Both) -> Iterator[Explanation]:
+    """Everything that is to be noted, whether or not data and theory differ."""
+    for note in (_traps, _missing, _not_forgotten):
+        if (found := note(both)) is not None:
+            yield found
+    if both.own_start and both.histograms:
+        text = (
+            "The theory starts from the data's own speeds. The averages' errors allow for that; the "
+            "densities' do not, and while most tracers have not collided their p-values are too high."
+        )
+        yield Explanation("own start", "noted", text, False)
+    for h in both.histograms[-1:]:
+        edge, unit = float(h.edges[-2]), "U" if h.name == SPEED else "d"
+        text = (
+            f"Tails: a bin needs {LEAST_EXPECTED} expected samples to be judged. At t = "
+            f"{numeral(h.time, '.4g')} everything above {numeral(edge, '.4g')} {unit} is one bin of "
+            f"{h.share[-1] * h.samples:.0f} samples; how the tail falls beyond that takes more."
+        )
+        yield Explanation("tails", "noted", text, False, edge)
+    for i, name in enumerate(both.names):
+        scale = both.theory[i, -1] + (1 if name == "a2" else 0)
+        relative = float(both.error[i, -1] / scale)
+        if name in ("a2", "kurtosis") and both.usable[i, -1] and relative > 0.1:
+            text = (
+                f"Too few samples for the fourth moment behind {name}: its standard error at the "
+                f"last time is {numeral(relative, '.0%')}."
+            )
+            yield Explanation("few samples", "noted", text, False, relative)
+
+
+def _traps(both: Both) -> Explanation | None:
+    """Tracers at the last time that are far slower than the theory's slowest."""
+    for found in [h for h in both.histograms if h.name == SPEED][-1:]:
+        binned, density = both.sample.speeds, both.densities[SPEED]
+        assert binned is not None
+        edges = binned.edges[found.index]
+        cut = int(np.searchsorted(edges, found.edges[1] / _FAR_SLOWER))
+        at = int(np.argmin(np.abs(density.times - found.time)))
+        count = int(binned.totals[found.index, : cut + 1].sum())
+        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * found.samples
+        excess = count - expected
+        if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
+            break
+        share, error = excess / found.samples, math.sqrt(count) / found.samples
+        text = (
+            f"Traps: at t = {numeral(found.time, '.4g')}, {count} tracers are slower than "
+            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected: an excess "
+            f"of {numeral(share, '.2%')} ± {numeral(error, '.2%')} of all. "
+            f"{int(both.sample.at_rest[found.index])} of them have speed zero. Tracers caught in "
+            "corners between scatterers, or stopped by a program, are such."
+        )
+        return Explanation("traps", "found", text, True, share, error)
+    if rest := int(both.sample.at_rest.max()):
+        text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
+        return Explanation("traps", "found", text, True, rest / int(both.sample.samples.max()))
+    return None
+
+
+def _missing(both: Both) -> Explanation | None:
+    """Fewer tracers at later times: what is left is biased, and the complete times tell."""
+    sample, samples = both.sample, both.sample.samples
+    most, least = int(samples.max()), int(np.argmin(samples))
+    complete = samples == most
+    if np.all(complete):
+        return None
+    whole, part = (
+        hotelling(*both.flat(choose_components(both.usable & times, sample.groups, 1)))
+        for times in (complete, ~complete)
+    )
+    missing = most - int(samples[least])
+    cap = f" (they are stopped after {sample.capped} collisions)" if sample.capped is not None else ""
+    text = (
+        f"Tracers are missing{cap}: of {most}, {missing} at t = {numeral(sample.times[least], '.4g')}. "
+        "A cap on collisions takes the fast ones away, and what is left is too slow."
+    )
+    if part is None:
+        return Explanation("missing tracers", "noted", text, False)
+    if whole is not None:
+        first, second = (
+            f"{numeral(c.value, '.4g')} with {c.freedom} degrees of freedom (p = "
+            f"{numeral(c.p_value, '.2g')})" for c in (whole, part)
+        )  # fmt: skip
+        text += f" At the times that have all of them the averages have chi-square {first}, at the "
+        text += f"others {second}."
+    i = both.names.index("thermal_speed") if "thermal_speed" in both.names else None
+    if i is not None and both.usable[i, least]:
+        off = both.difference[i, least] / both.theory[i, least]
+        text += f" The thermal speed is {numeral(off, '+.1%')} from the theory there."
+    outcome = "does not"
+    if part.p_value < AGREES_ABOVE:
+        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+    return Explanation(
+        "missing tracers", outcome, text, True, missing / most, None, part.value,
+        *((None, None, None) if whole is None else (whole.value, whole.freedom, whole.p_value)),
+    )  # fmt: skip
+
+
+def _not_forgotten(both: Both) -> Explanation | None:
+    """Whether the theory itself is still on its way to the scaling state."""
+    from kinetics import ScalingSolution
+
+    e, law = both.point.restitution, both.sample.law
+    if (e >= 1 and law.tangential_restitution >= 1) or "a2" not in both.names:
+        return None
+    i = both.names.index("a2")
+    exact = ScalingSolution(e, law.tangential_restitution, law.dimension).a2
+    last = float(both.theory[i, -1])
+    # Written so that a theory that is not finite is left out.
+    if not abs(last - exact) >= max(0.01 * (1 + exact), float(both.error[i, -1])):
+        return None
+    text = (
+        f"The start is not forgotten: at the last time the kinetic equation itself has a₂ = "
+        f"{numeral(last, '.4f')}, the scaling state {numeral(exact, '.4f')}. Such data differ from "
+        "the scaling state (its h, a₂ and F(c)) without anything being wrong."
+    )
+    return Explanation("start not forgotten", "noted", text, False, last - exact)

@@ -1,0 +1,779 @@
+"""Files of particle data: a format is one function and one row of `FORMATS`, at the end.
+
+A function is given the path, its name for messages and what was asked (`tracks.Asked`); it returns
+`Tracks`, or the columns that `tracks.from_columns` makes of it. Nothing in a file is executed,
+links into other files are not followed, and sizes are checked before memory is asked for.
+"""
+
+import csv
+import gzip
+import re
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.data.tracks import (
+    AXES,
+    LABELS,
+    MOST_TIMES,
+    SPEEDS,
+    Asked,
+    Averages,
+    Table,
+    Tracks,
+    checked,
+    find_columns,
+    from_columns,
+    name_of,
+    require_memory,
+)
+from kinetics.crosscheck.data.units import split_unit, stated
+from kinetics.errors import InputError, short
+
+Read = Tracks | Averages
+FRAMES = ("times", "positions", "velocities")
+"""The names of arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)."""
+_BLOCK = 8 << 20
+"""Bytes of a CSV file that are parsed at once, so that memory stays small."""
+_LONGEST_LINE = 1 << 20
+
+
+def read(source: Path | Table, asked: Asked) -> Read:
+    """Tracks, or a table of averages, from a file or from columns in memory.
+
+    InputError in one line for a file that is missing, damaged or of another format, without a
+    column, or with a value that is not a finite number.
+    """
+    where = name_of(source)
+    if isinstance(source, Table):
+        found = _arrays(where, source.columns, asked)
+    else:
+        reader = _reader(source, where)
+        try:
+            found = reader(source, where, asked)
+        except (InputError, MemoryError):
+            raise
+        except Exception as error:  # the libraries raise errors of nearly any class
+            why = getattr(error, "strerror", None)
+            bad = f"is damaged, or not an {source.suffix} file ({type(error).__name__})"
+            raise InputError(f"{where}: {f'cannot be read ({why})' if why else bad}") from None
+    return checked(where, found, asked) if isinstance(found, Tracks) else found
+
+
+def _reader(path: Path, where: str) -> Callable[[Path, str, Asked], Read]:
+    ending = path.suffix.lower()
+    if ending == ".gz" and path.stem.lower().endswith((".csv", ".tsv")):
+        ending = ".csv"
+    if ending not in FORMATS:
+        raise InputError(f"{where}: must be a file {', '.join(FORMATS)} or .csv.gz")
+    try:
+        there, why = path.is_file(), "not a file" if path.exists() else "no such file"
+    except (OSError, ValueError) as error:  # a name that no file can have
+        there, why = False, getattr(error, "strerror", None) or str(error)
+    if not there:
+        raise InputError(f"{where}: {why}")
+    return FORMATS[ending]
+
+
+# -- columns ---------------------------------------------------------------------------------------
+
+
+def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
+    """Columns of one length, or arrays of frames, by the names of the file.
+
+    Each has a dtype and a shape, or is a sequence, and numpy.asarray reads it.
+    """
+    if {*FRAMES} <= {*arrays}:
+        shapes = [np.shape(arrays[name]) for name in FRAMES]
+        if len(shapes[1]) != 3 or shapes[0] != shapes[1][:1] or shapes[0][0] > MOST_TIMES:
+            raise InputError(
+                f"{where}: times, positions, velocities have shapes {shapes[0]}, {shapes[1]}, "
+                f"{shapes[2]}; they must be (n_times,), at most {MOST_TIMES}, and twice "
+                "(n_times, n_tracers, 2 or 3)"
+            )
+        times, place, velocity = (_numbers(where, name, arrays[name]) for name in FRAMES)
+        return Tracks(times, place, velocity, np.arange(shapes[1][1]))
+    names = list(arrays)
+    found = find_columns(where, names, asked)
+    columns = {ours: np.asarray(arrays[names[k]]) for ours, k in found.items()}
+    units = {ours: split_unit(names[k])[1] for ours, k in found.items()}
+    return from_columns(where, columns, asked, units)
+
+
+def _numbers(where: str, name: str, values: Any) -> Any:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf" or array.dtype.itemsize > 8:
+        raise InputError(f"{where}: array {name!r} is of type {array.dtype}; needed are numbers")
+    return array.astype(float)
+
+
+_REMARK = re.compile(rb"^[ \t\r]*(#.*)?$", re.MULTILINE)
+_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+([eE][+-]?[0-9]+)?")
+
+
+def _csv(path: Path, where: str, asked: Asked) -> Read:
+    """Commas, semicolons or tabs, whichever the first line has; blank lines and # are passed over.
+
+    pyarrow rounds every number correctly, so that a double that was written with 17 digits comes
+    back to its last bit. It knows neither remarks nor line numbers; both are added here.
+    """
+    opened = gzip.open(path, "rb") if path.suffix.lower() == ".gz" else open(path, "rb")
+    with opened as file:
+        header, line = "", 1
+        while not header:
+            raw = file.readline(_LONGEST_LINE)
+            if not raw:
+                raise InputError(f"{where}: is empty; its first line must name the columns")
+            header, line = _header(where, raw), line + 1
+        separator = max(",;\t", key=header.count)
+        names = header.split(separator)
+        if all(_fault(name.strip()) == "" for name in names):
+            raise InputError(f"{where}: has no header; its first line must name the columns")
+        found = find_columns(where, names, asked)
+        require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
+        parts: list[list[Any]] = []
+        while text := file.read(_BLOCK):
+            end = file.readline(_LONGEST_LINE)  # only whole lines are parsed
+            if len(end) == _LONGEST_LINE:
+                raise InputError(f"{where}: has a line that is longer than a megabyte")
+            block = _block(where, text + end, line, names, separator, found)
+            parts += [block] if block is not None else []
+            line += (text + end).count(b"\n")
+            if not (text + end).endswith(b"\n"):
+                raise InputError(f"{where}: line {line} has no end; the file may be cut off there")
+            if path.suffix == ".gz" and len(parts) % 16 == 0:
+                require_memory(where, 8.0 * sum(len(x) for part in parts for x in part))
+    columns = {ours: _joined([part[k] for part in parts]) for k, ours in enumerate(found)}
+    units = {ours: split_unit(names[k])[1] for ours, k in found.items()}
+    return from_columns(where, columns, asked, units)
+
+
+def _joined(parts: Sequence[Any]) -> Any:
+    """The pieces of a column; labels that are texts somewhere as whole numbers everywhere."""
+    if not parts:
+        return np.empty(0)
+    if all(not isinstance(part, tuple) for part in parts):
+        return np.concatenate(parts)
+    known: dict[str, int] = {}
+    out = []
+    for part in parts:
+        texts, index = part if isinstance(part, tuple) else ([str(x) for x in part], None)
+        numbers = np.array([known.setdefault(_bare_label(x), len(known)) for x in texts], np.int64)
+        out.append(numbers if index is None else numbers[index])
+    # whole numbers, however they are written, are labels as they stand
+    if all(re.fullmatch("-?[0-9]{1,18}", text) for text in known):
+        return np.array([int(text) for text in known], np.int64)[np.concatenate(out)]
+    return np.concatenate(out)
+
+
+def _bare_label(text: str) -> str:
+    text = text.strip().strip('"').strip()
+    whole = re.fullmatch(r"[+-]?[0-9]{1,15}(\.[0-9]*([eE][+-]?0?[0-9])?)?", text)  # numpy's 1.0e+01
+    return str(int(float(text))) if whole and float(text).is_integer() else text
+
+
+def _header(where: str, raw: bytes) -> str:
+    """The names of the columns, which numpy.savetxt writes behind a #; empty for a remark."""
+    try:
+        text = raw.decode("utf-8-sig").strip()
+    except UnicodeDecodeError:
+        raise InputError(f"{where}: is not text in UTF-8") from None
+    bare = text.lstrip("#").strip()
+    words = re.split(r"[\s,;\"']+", bare.lower())
+    names = "time" in words or ("t" in words and len(words) > 4)
+    return "" if text.startswith("#") and not names else bare
+
+
+def _block(
+    where: str, text: bytes, line: int, names: Sequence[str], separator: str,
+    found: Mapping[str, int],
+) -> list[Any] | None:  # fmt: skip
+    """The columns of whole lines, the first of which is this line; None where all are blank."""
+    import pyarrow as pa
+    from pyarrow import csv as arrow
+
+    if text.isspace():
+        return None
+    known = {place: ours for ours, place in found.items()}
+    bare = text if b"#" not in text else _REMARK.sub(b"", text)
+    for label in (pa.int64(), pa.dictionary(pa.int32(), pa.string())):
+        kinds = {ours: label if ours in LABELS else pa.float64() for ours in found}
+        try:
+            table = arrow.read_csv(
+                pa.BufferReader(bare),
+                arrow.ReadOptions(column_names=[known.get(k, str(k)) for k in range(len(names))]),
+                arrow.ParseOptions(delimiter=separator),
+                arrow.ConvertOptions(
+                    column_types=kinds, include_columns=list(kinds), null_values=[]
+                ),
+            ).combine_chunks()
+        except pa.ArrowInvalid:
+            continue
+        out: list[Any] = []
+        for ours in found:
+            chunks = table.column(ours).chunks
+            if not chunks:
+                return None
+            if ours in LABELS and label != pa.int64():
+                out.append((chunks[0].dictionary.to_pylist(), np.from_dlpack(chunks[0].indices)))
+            else:
+                out.append(np.from_dlpack(chunks[0]))
+        if "x" not in found or all(
+            np.all(np.isfinite(values)) for values, ours in zip(out, found, strict=True)
+            if ours not in LABELS
+        ):  # fmt: skip
+            return out
+        break
+    raise _fault_of(where, text, line, names, separator, found)
+
+
+def _fault_of(
+    where: str, text: bytes, line: int, names: Sequence[str], separator: str,
+    found: Mapping[str, int],
+) -> InputError:  # fmt: skip
+    """What is wrong with these lines: the first line, and the column, that cannot be read."""
+    for number, content in enumerate(text.decode("utf-8", "replace").split("\n"), line):
+        if not content.strip() or content.lstrip().startswith("#"):
+            continue
+        try:
+            cells = next(csv.reader([content], delimiter=separator))
+        except csv.Error:
+            break
+        if len(cells) != len(names):
+            what = f"has {len(cells)} columns; {len(names)} are named in the first line"
+            return InputError(f"{where}: line {number} {what}")
+        for ours in (ours for ours in found if ours not in LABELS):
+            if fault := _fault(cells[found[ours]].strip()):
+                return InputError(f"{where}: line {number}, column {ours!r}{fault}")
+    return InputError(f"{where}: is not readable from line {line} on (quotes, or not UTF-8)")
+
+
+def _fault(cell: str) -> str:
+    """What is wrong with the text of a number; empty if nothing is."""
+    try:
+        value = float("" if "_" in cell else cell)
+    except ValueError:
+        comma = "; numbers must have a decimal point, not a comma" if _COMMA.fullmatch(cell) else ""
+        return f": {short(cell)} is not a number{comma}" if cell else " is empty"
+    return "" if np.isfinite(value) else f": {short(cell)} is not a finite number"
+
+
+def _parquet(path: Path, where: str, asked: Asked) -> Read:
+    from pyarrow import parquet, types
+
+    with parquet.ParquetFile(path) as file:
+        names = file.schema_arrow.names
+        found = find_columns(where, names, asked)
+        require_memory(where, 8.0 * file.metadata.num_rows * len(found))
+        table = file.read([names[k] for k in found.values()])
+    columns: dict[str, Any] = {}
+    for ours, k in found.items():
+        column = table.column(names[k])
+        if column.null_count:
+            raise InputError(f"{where}: column {ours!r} has empty cells")
+        if types.is_integer(column.type) or types.is_floating(column.type):
+            parts = [np.from_dlpack(chunk) for chunk in column.chunks]
+            columns[ours] = np.concatenate(parts) if parts else np.empty(0)
+        elif ours in LABELS:
+            columns[ours] = np.array(column.to_pylist(), str)
+        else:
+            raise InputError(f"{where}: column {ours!r} is {column.type}; it must be real numbers")
+    units = {ours: split_unit(names[k])[1] for ours, k in found.items()}
+    return from_columns(where, columns, asked, units)
+
+
+class _Member:
+    """An array in an .npz file: its dtype and shape from the header; read by numpy.asarray.
+
+    Python objects are pickles, which can run code when they are loaded: they are never loaded.
+    """
+
+    def __init__(self, where: str, archive: zipfile.ZipFile, name: str) -> None:
+        self._where, self._archive, self._name = f"{where}: array {name[:-4]!r}", archive, name
+        info = archive.getinfo(name)
+        with archive.open(info) as stream:
+            try:
+                first = np.lib.format.read_magic(stream) == (1, 0)
+                header = np.lib.format.read_array_header_1_0
+                later = np.lib.format.read_array_header_2_0
+                self.shape, _, self.dtype = (header if first else later)(stream)
+            except Exception:  # NumPy's parser of headers raises nearly any error on a crafted one
+                raise InputError(f"{self._where} is damaged") from None
+        if self.dtype.hasobject:
+            raise InputError(f"{self._where} holds Python objects, which are never loaded")
+        self.nbytes = float(np.prod([float(n) for n in self.shape])) * self.dtype.itemsize
+        if self.nbytes > info.file_size:
+            raise InputError(f"{self._where} is cut off")
+        self.stored = info.compress_size
+        require_memory(self._where, self.nbytes, self.stored)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        with self._archive.open(self._name) as stream:
+            array = np.lib.format.read_array(stream, allow_pickle=False)
+        return array if dtype is None else array.astype(dtype)
+
+
+def _npz(path: Path, where: str, asked: Asked) -> Read:
+    with zipfile.ZipFile(path) as archive:
+        names = [name for name in archive.namelist() if name.endswith(".npy")]
+        plain = [name.removesuffix(".npy") for name in names]
+        used = set(FRAMES)
+        if not used <= {*plain}:
+            used = {plain[k] for k in find_columns(where, plain, asked).values()}
+        arrays = {
+            bare: _Member(where, archive, name)
+            for bare, name in zip(plain, names, strict=True)
+            if bare in used
+        }
+        require_memory(where, sum(one.nbytes for one in arrays.values()))
+        return _arrays(where, arrays, asked)
+
+
+# -- HDF5 ------------------------------------------------------------------------------------------
+
+
+def _hdf5(path: Path, where: str, asked: Asked) -> Read:
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        if all(_is_own(file, name) for name in ("h5md", "particles")):
+            return _h5md(where, file, asked)
+        own = {name: file[name] for name in file if _is_own(file, name, h5py.Dataset)}
+        if not {*FRAMES} <= {*own}:
+            found = find_columns(where, list(own), asked)
+            own = {name: own[name] for name in (list(own)[k] for k in found.values())}
+        arrays = {f"{k} [{u}]" if (u := _unit_of(v)) else k: _dataset(where, v) for k, v in own.items()}
+        require_memory(where, sum(float(a.size) * a.dtype.itemsize for a in arrays.values()))
+        return _arrays(where, arrays, asked)
+
+
+def _h5md(where: str, file: Any, asked: Asked) -> Read:
+    """The only group of particles with positions and velocities; the layout is at nongnu.org.
+
+    Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
+    unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
+    package writes, says the configuration of each tracer.
+    """
+    particles = file["particles"]
+    groups = [
+        particles[name] for name in particles
+        if _is_own(particles, name)
+        and all(_is_own(particles[name], part) for part in ("position", "velocity"))
+    ]  # fmt: skip
+    if len(groups) != 1:
+        raise InputError(f"{where}: has {len(groups)} groups with position and velocity; needed is 1")
+    (group,) = groups
+    place, velocity = (_value(where, group, name) for name in ("position", "velocity"))
+    if place.shape[:2] != velocity.shape[:2]:
+        raise InputError(f"{where}: position and velocity differ in shape")
+    times = _times(where, group["position"], len(place), asked)
+    if not np.array_equal(times, _times(where, group["velocity"], len(place), asked)):
+        raise InputError(f"{where}: position and velocity are given at different times")
+    require_memory(where, 8.0 * (float(place.size) + float(velocity.size)))
+    r, box = np.asarray(place, float), _box(where, group, "image" in group)
+    if "image" in group:
+        image = _value(where, group, "image")
+        if image.shape != place.shape or box.size < place.shape[2]:
+            raise InputError(f"{where}: image {image.shape} does not belong to {place.shape}")
+        r, box = r + np.asarray(image, float) * box[: r.shape[2]], None
+    units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
+    if "time" in group["position"]:
+        units["time"] = _unit_of(group["position"]["time"])
+    v, chosen = np.asarray(velocity, float), slice(None)
+    if asked.type is not None:
+        if "species" not in group:
+            raise InputError(f"{where}: type: got {short(asked.type)}; there is no species")
+        species = group["species"] if not _is_own(group, "species") else group["species"]["value"]
+        kind = np.asarray(_dataset(where, species)).reshape(-1, r.shape[1])[0]
+        chosen = kind.astype(str) == str(asked.type)
+    tracer, medium = _labels(where, group, "id", r), None
+    if "medium" in group:
+        medium = _labels(where, group, "medium", r)
+    if tracer is None:
+        tracer = np.arange(r.shape[1])
+    if tracer.ndim == 2:  # a label for each row, as particles may change places
+        if np.any(tracer != tracer[0]):
+            rank = np.argsort(tracer, axis=1, kind="stable")
+            if np.any(np.diff(np.take_along_axis(tracer, rank, 1), axis=0)):
+                raise InputError(f"{where}: id must hold the same labels at all times")
+            r, v = (np.take_along_axis(a, rank[..., None], 1) for a in (r, v))
+            tracer = np.take_along_axis(tracer, rank, 1)
+        tracer = tracer[0]
+    medium = None if medium is None else medium[chosen]
+    found = stated(where, units)
+    return Tracks(times, r[:, chosen], v[:, chosen], tracer[chosen], medium, box, found)
+
+
+def _is_own(parent: Any, name: str, kind: Any = None) -> bool:
+    """Whether a group has this member in its own file; links into other files are not followed."""
+    import h5py
+
+    if not isinstance(parent.get(name, getlink=True), h5py.HardLink):
+        return False
+    return isinstance(parent[name], kind or h5py.Group)
+
+
+def _dataset(where: str, found: Any) -> Any:
+    """A dataset of numbers that lie in this file; InputError for anything else."""
+    own = hasattr(found, "dtype") and not found.is_virtual and not found.external
+    if not own or found.dtype.kind not in "iuf" or found.shape is None:
+        raise InputError(f"{where}: {found.name} must be numbers in this file")
+    require_memory(where, float(found.size) * found.dtype.itemsize, found.id.get_storage_size())
+    return found
+
+
+def _member(where: str, parent: Any, name: str) -> Any:
+    import h5py
+
+    if not _is_own(parent, name, h5py.Dataset):
+        raise InputError(f"{where}: {parent.name}/{name} must be numbers in this file")
+    return _dataset(where, parent[name])
+
+
+def _value(where: str, group: Any, name: str) -> Any:
+    if not _is_own(group, name):
+        raise InputError(f"{where}: {group.name}/{name} must be an element in this file")
+    found = _member(where, group[name], "value")
+    if found.ndim != 3 or found.shape[2] not in (2, 3) or found.shape[0] > MOST_TIMES:
+        raise InputError(
+            f"{where}: {found.name} has shape {found.shape}; it must be (T, n, 2 or 3), T at most "
+            f"{MOST_TIMES}"
+        )
+    return found
+
+
+def _unit_of(dataset: Any) -> str:
+    unit = dataset.attrs.get("unit", dataset.attrs.get("units", ""))
+    return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+
+
+def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
+    """The times of an element, (count,): as they stand, or steps times the timestep."""
+
+    def sequence(name: str) -> Any:
+        if name not in element:
+            return None
+        found = _member(where, element, name)
+        if found.ndim == 0:  # a fixed step, from an offset on
+            offset = float(np.asarray(found.attrs.get("offset", 0.0), float))
+            return offset + np.arange(count) * float(found[()])
+        if found.shape != (count,):
+            raise InputError(f"{where}: {found.name} must be {count} numbers")
+        return np.asarray(found[()], float)
+
+    return asked.times_of(where, sequence("time"), sequence("step"))
+
+
+def _box(where: str, group: Any, needed: bool) -> Any:
+    """The lengths of a box that is periodic, or needed for image flags; None for another."""
+    if not _is_own(group, "box"):
+        if needed:
+            raise InputError(f"{where}: {group.name} has image flags and no box")
+        return None
+    box = group["box"]
+    boundary = np.asarray(box.attrs.get("boundary", ())).astype(str).ravel()
+    if not needed and (boundary.size < 2 or np.any(boundary != "periodic")):
+        return None
+    edges = np.asarray(
+        _member(where, box["edges"], "value") if _is_own(box, "edges") else _member(where, box, "edges"),
+        float,
+    )
+    if edges.ndim > 1 and edges.size and np.all(edges == edges[0]):
+        edges = edges[0]  # at each time the same
+    if edges.ndim == 1 and edges.size in (2, 3) and np.all(edges > 0) and np.all(np.isfinite(edges)):
+        return edges
+    if needed:
+        raise InputError(f"{where}: the box must be rectangular, always the same, with 2 or 3 edges")
+    return None
+
+
+def _labels(where: str, group: Any, name: str, place: Any) -> Any:
+    """Labels (n,), or (T, n) of an element in time; None where there are none."""
+    if name not in group:
+        return None
+    found = np.asarray(
+        _member(where, group[name], "value") if _is_own(group, name) else _member(where, group, name)
+    )
+    if found.shape not in (place.shape[:2], place.shape[1:2]) or np.any(found % 1 != 0):
+        raise InputError(f"{where}: {name} must be one whole number for each of {place.shape[1]} tracers")
+    return found.astype(np.int64)
+
+
+# -- frames of text --------------------------------------------------------------------------------
+
+
+class _Lines:
+    """The lines of a text file, one after another, and the number of the last."""
+
+    def __init__(self, path: Path, where: str) -> None:
+        self.where, self.number = where, 0
+        require_memory(where, 0.5 * path.stat().st_size)
+        self._file = open(path, encoding="utf-8", errors="replace")  # noqa: SIM115
+
+    def next(self) -> str | None:
+        """The next line; None at the end of the file."""
+        line = self._file.readline(_LONGEST_LINE)
+        self.number += bool(line)
+        return line or None
+
+    def items(self) -> Iterator[str]:
+        """The lines from here on that are not blank, to the end of the file."""
+        while (line := self.next()) is not None:
+            if line.strip():
+                yield line.strip()
+
+    def bad(self, why: str) -> InputError:
+        """The error at the last line."""
+        return InputError(f"{self.where}: line {self.number}: {why}")
+
+    def whole(self, what: str, text: str | None) -> int:
+        """A whole number that is not negative."""
+        plain = (text or "").strip()
+        if not plain.isdecimal() or len(plain) > 18:
+            raise self.bad(f"{what} is not a whole number: {plain[:40]!r}")
+        return int(plain)
+
+    def real(self, what: str, text: str | None) -> float:
+        """A finite number."""
+        try:
+            value = float((text or "")[:1000])
+        except ValueError:
+            value = np.nan
+        if not np.isfinite(value):
+            raise self.bad(f"{what} is not a finite number: {short(text)}")
+        return value
+
+    def table(self, count: int, names: Sequence[str], used: Mapping[str, int]) -> dict[str, Any]:
+        """Columns of the next `count` lines: (count,) each, numbers except the type.
+
+        InputError for a line that is missing, blank, joined with another, or of other columns.
+        """
+        parts: dict[str, list[Any]] = {name: [] for name in used}
+        left = count
+        while left:
+            rows = []
+            for _ in range(min(left, 50_000)):
+                line = self.next()
+                row = [] if line is None else line.split()
+                if line is None or not line.endswith("\n"):
+                    raise self.bad("the file is cut off here")
+                if len(row) != len(names):
+                    raise self.bad(f"has {len(row)} columns; {len(names)} are named")
+                rows.append(row)
+            for name, k in used.items():
+                texts = [row[k] for row in rows]
+                try:
+                    parts[name].append(np.array(texts if name == "type" else [*map(float, texts)]))
+                except ValueError:
+                    self.number -= len(rows) - next(i for i, x in enumerate(texts, 1) if _fault(x))
+                    raise self.bad(f"column {name!r} is not a number") from None
+            left -= len(rows)
+        return {name: np.concatenate(part) if part else np.empty(0) for name, part in parts.items()}
+
+
+_STYLES = {
+    "real": ("angstrom", "angstrom/fs", "fs"), "metal": ("angstrom", "angstrom/ps", "ps"),
+    "si": ("m", "m/s", "s"), "cgs": ("cm", "cm/s", "s"), "micro": ("um", "um/us", "us"),
+    "nano": ("nm", "nm/ns", "ns"), "lj": ("", "", ""),
+}  # fmt: skip
+"""Units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)."""
+
+
+def _lammps(path: Path, where: str, asked: Asked) -> Read:
+    """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy.
+
+    In three dimensions with z beside them. The time of a frame is ITEM: TIME, or its step times
+    --timestep.
+    """
+    lines, frames, units, boxes = _Lines(path, where), [], (), []
+    head: dict[str, Any] = {}
+    for line in lines.items():
+        if not line.startswith("ITEM: "):
+            raise lines.bad(f"is not of a LAMMPS text dump: {line[:40]!r}")
+        item = line[6:].strip()
+        if item == "TIMESTEP":
+            head = {"step": lines.whole("a step", lines.next())}
+        elif item == "TIME":
+            head["time"] = lines.real("a time", lines.next())
+        elif item.startswith("NUMBER OF ATOMS"):
+            head["count"] = lines.whole("the number of atoms", lines.next())
+        elif item == "UNITS":
+            unit = (lines.next() or "").strip()
+            units = _STYLES.get(unit, (unit, unit, unit))
+        elif item.startswith("BOX BOUNDS"):
+            bounds = [(lines.next() or "").split() for _ in range(3)]
+            if any(len(edge) != 2 for edge in bounds):
+                raise lines.bad("the box must be rectangular, with two bounds a line")
+            edges = np.array([[lines.real("a bound", x) for x in edge] for edge in bounds])
+            head["low"], head["length"] = edges[:, 0], edges[:, 1] - edges[:, 0]
+            head["periodic"] = [one == "pp" for one in item.split()[2:]]
+        elif item.startswith("ATOMS"):
+            if not {"step", "count"} <= {*head}:
+                raise lines.bad("a frame has no step or no number of atoms")
+            frame, wrapped = _lammps_frame(lines, item.split()[1:], head, asked)
+            step = head["step"] if "step" in head else None
+            frame["time"] = np.full(head["count"], asked.times_of(where, head.get("time"), step))
+            frames.append(frame)
+            d = 3 if asked.dimension == 3 else 2
+            known = wrapped and head.get("periodic") and all(head["periodic"][:d])
+            boxes.append(tuple(head["length"][:d]) if known else None)
+            head = {}
+    if not frames or head:
+        raise InputError(f"{where}: is empty, cut off, or not a LAMMPS text dump")
+    named = dict(zip(("x", "vx", "time"), units, strict=False))
+    box = np.array(boxes[0]) if boxes[0] and len({*boxes}) == 1 else None
+    return _of_frames(where, frames, asked, named, box)
+
+
+def _lammps_frame(
+    lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
+) -> tuple[dict[str, Any], bool]:
+    """The columns of one frame, and whether positions may be wrapped."""
+    axes = AXES[: 3 if asked.dimension == 3 else 2]
+    kinds = (("{}u",), ("{}su",), ("{}", "i{}"), ("{}s", "i{}"), ("{}",), ("{}s",))
+    sets = [tuple(part.format(axis) for part in kind for axis in axes) for kind in kinds]
+    found = next((one for one in sets if {*one} <= {*names}), None)
+    lost = [name for name in ("id", *(f"v{axis}" for axis in axes)) if name not in names]
+    if found is None or lost:
+        raise lines.bad(
+            f"column {lost[0] if lost else 'xu'!r} is missing; a dump needs id, vx, vy and xu, yu "
+            "(or x, y, ix, iy)"
+        )
+    wanted = ["id", *found, *(v for v in SPEEDS if v in names)]
+    used = {name: _once(lines, names, name) for name in wanted}
+    if asked.type is not None:
+        kind = next((one for one in ("type", "element") if one in names), None)
+        if kind is None:
+            raise lines.bad("column 'type' is missing")
+        mine = [one for one in ("type", "element") if one in names]
+        used["type"] = _once(lines, names, mine[0])
+    table = lines.table(head["count"], names, used)
+    out = {name: table[name] for name in (*SPEEDS, "type") if name in table}
+    out["tracer"] = table["id"]
+    wrapped = False
+    for k, axis in enumerate(axes):
+        name = next(one for one in (f"{axis}u", f"{axis}su", axis, f"{axis}s") if one in table)
+        values, flag = table[name], table.get(f"i{axis}")
+        if ("s" in name or flag is not None) and "length" not in head:
+            raise lines.bad("a frame has no box; write xu, yu")
+        if "s" in name:  # in units of the box
+            values = values * head["length"][k] + head["low"][k]
+        out[axis] = values if flag is None else values + flag * head["length"][k]
+        wrapped = wrapped or ("u" not in name and flag is None)
+    return out, wrapped
+
+
+def _once(lines: _Lines, names: Sequence[str], name: str) -> int:
+    if names.count(name) > 1:
+        raise lines.bad(f"column {name!r} stands {names.count(name)} times")
+    return names.index(name)
+
+
+def _of_frames(
+    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked, units: Mapping[str, str], box: Any
+) -> Read:
+    """Tracks of the columns of frames."""
+    names = [name for name in frames[0] if all(name in frame for frame in frames)]
+    columns = {name: np.concatenate([frame[name] for frame in frames]) for name in names}
+    if asked.dimension == 3 and not {"z", "vz"} <= {*names}:
+        raise InputError(f"{where}: has no z components; dimension 3 needs them")
+    ended = np.all([np.isnan(columns[a]) for a in (*AXES, *SPEEDS) if a in columns], axis=0)
+    if np.any(ended):  # tracers without any number have ended
+        columns = {name: column[~ended] for name, column in columns.items()}
+    found = from_columns(where, columns, asked, units)
+    assert isinstance(found, Tracks)
+    return replace(found, box=box)
+
+
+_PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
+_XYZ = {
+    **dict.fromkeys(("pos", "positions", "position"), AXES),
+    **dict.fromkeys(("vel", "velo", "velocity", "velocities", "v"), SPEEDS),
+    **dict.fromkeys(("id", "ids", "particle", "tracer"), ("tracer",)),
+    **dict.fromkeys(("species", "type"), ("type",)),
+}  # fmt: skip
+"""Properties that are read, and our names of their columns."""
+
+
+def _xyz(path: Path, where: str, asked: Asked) -> Read:
+    """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=...
+
+    Without a property id the k-th line of each frame is the same tracer. Positions are taken as
+    they stand: they must not be wrapped.
+    """
+    lines, frames = _Lines(path, where), []
+    for line in lines.items():
+        count = lines.whole("the number of atoms", line)
+        said = {k.lower(): v.strip('"') for k, v in _PAIR.findall(lines.next() or "")}
+        parts, names = said.get("properties", "").split(":"), []
+        if len(parts) % 3:
+            raise lines.bad("Properties= must be name:type:columns, repeated")
+        for name, width in zip(parts[::3], parts[2::3], strict=True):
+            axes, wide = _XYZ.get(name.lower(), ()), lines.whole(f"columns of {name!r}", width)
+            if (axes and wide not in ((2, 3) if len(axes) == 3 else (1,))) or wide > 1000:
+                raise lines.bad(f"{name} has {wide} columns")
+            names += [*axes[:wide]] if axes else [""] * wide
+        for axis, wanted in (("x", "pos:R:3"), ("vx", "vel:R:3")):
+            if axis not in names:
+                raise lines.bad(f"Properties= has no {wanted}; it is needed")
+        if asked.type is not None and "type" not in names:
+            raise lines.bad("Properties= has no species")
+        chosen = [n for n in names if n and not (n == "type" and asked.type is None)]
+        step = said.get("step", said.get("timestep"))
+        time = said.get("time", said.get("t"))
+        time = None if time is None else lines.real("a time", time)
+        time = asked.times_of(where, time, None if step is None else lines.whole("a step", step))
+        frame = lines.table(count, names, {name: _once(lines, names, name) for name in chosen})
+        frame.setdefault("tracer", np.arange(count))
+        frames.append(frame | {"time": np.full(count, time)})
+    if not frames:
+        raise InputError(f"{where}: is empty, or not an extended XYZ file")
+    return _of_frames(where, frames, asked, {}, None)
+
+
+def _gsd(path: Path, where: str, asked: Asked) -> Read:
+    """Frames as HOOMD-blue writes them, in single precision, unwrapped by their image flags.
+
+    A frame says its step; the k-th particle of each frame is the same tracer.
+    """
+    try:
+        import gsd.hoomd
+    except ImportError:
+        raise InputError(f"{where}: to read it, the package gsd is needed: pip install gsd") from None
+    asked.times_of(where, None, 0)
+    with gsd.hoomd.open(str(path), "r") as file:
+        frames = list(file[: MOST_TIMES + 1])
+    if not frames:
+        raise InputError(f"{where}: has no frames")
+    d = 3 if frames[0].configuration.dimensions == 3 else 2
+    boxes = np.array([frame.configuration.box for frame in frames], float)
+    if np.any(boxes[:, 3:] != 0) or len({frame.particles.N for frame in frames}) > 1:
+        raise InputError(f"{where}: the box must be rectangular, and each frame have all tracers")
+    edges = boxes[:, None, :d]
+    image, place, velocity = (
+        np.array([getattr(frame.particles, name)[:, :d] for frame in frames], float)
+        for name in ("image", "position", "velocity")
+    )
+    times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
+    chosen = np.ones(place.shape[1], bool)
+    if asked.type is not None:
+        kinds = np.asarray(frames[0].particles.types or ["A"])
+        chosen = kinds[frames[0].particles.typeid] == str(asked.type)
+    # image flags that are all 0 may be none: then positions may be wrapped
+    free = np.any(image) or not np.all(edges > 0) or np.any(boxes != boxes[0])
+    return Tracks(
+        times, (place + image * edges)[:, chosen], velocity[:, chosen],
+        np.flatnonzero(chosen), box=None if free else boxes[0, :d],
+    )  # fmt: skip
+
+
+FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
+    ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".parquet": _parquet,
+    ".h5md": _hdf5, ".dump": _lammps, ".lammpstrj": _lammps, ".xyz": _xyz, ".extxyz": _xyz,
+    ".gsd": _gsd,
+}  # fmt: skip
+"""The ending of a file's name, and the function that reads it."""
