@@ -55,7 +55,7 @@ def read(source: Path | Table, asked: Asked) -> Read:
         reader = _reader(source, where)
         try:
             found = reader(source, where, asked)
-        except (InputError, MemoryError):
+        except InputError:
             raise
         except Exception as error:  # the libraries raise errors of nearly any class
             why = getattr(error, "strerror", None)
@@ -112,154 +112,108 @@ def _numbers(where: str, name: str, values: Any) -> Any:
 
 
 _REMARK = re.compile(rb"^[ \t\r]*(#.*)?$", re.MULTILINE)
-_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+([eE][+-]?[0-9]+)?")
 
 
-def _csv(path: Path, where: str, asked: Asked) -> Read:
+def _csv(path: Path, where: str, asked: Asked, texts: bool = False) -> Read:
     """Commas, semicolons or tabs, whichever the first line has; blank lines and # are passed over.
 
     pyarrow rounds every number correctly, so that a double that was written with 17 digits comes
-    back to its last bit. It knows neither remarks nor line numbers; both are added here.
+    back to its last bit. It knows neither remarks nor line numbers; both are added here. texts:
+    whether labels are read as such, which is done where one is no whole number.
     """
-    opened = gzip.open(path, "rb") if path.suffix.lower() == ".gz" else open(path, "rb")
-    with opened as file:
+    with gzip.open(path, "rb") if path.suffix.lower() == ".gz" else open(path, "rb") as file:
         header, line = "", 1
         while not header:
             raw = file.readline(_LONGEST_LINE)
             if not raw:
                 raise InputError(f"{where}: is empty; its first line must name the columns")
-            header, line = _header(where, raw), line + 1
+            # numpy.savetxt writes the names behind a #
+            text = raw.decode("utf-8-sig").strip()
+            bare = text.lstrip("#").strip()
+            words = re.split(r"[\s,;\"']+", bare.lower())
+            names_columns = "time" in words or ("t" in words and len(words) > 4)
+            header, line = "" if text.startswith("#") and not names_columns else bare, line + 1
         separator = max(",;\t", key=header.count)
         names = header.split(separator)
-        if all(_fault(name.strip()) == "" for name in names):
+        if all(_is_number(name) for name in names):
             raise InputError(f"{where}: has no header; its first line must name the columns")
         found = find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
         parts: list[list[Any]] = []
-        while text := file.read(_BLOCK):
-            end = file.readline(_LONGEST_LINE)  # only whole lines are parsed
-            if len(end) == _LONGEST_LINE:
-                raise InputError(f"{where}: has a line that is longer than a megabyte")
-            block = _block(where, text + end, line, names, separator, found)
-            parts += [block] if block is not None else []
-            line += (text + end).count(b"\n")
-            if not (text + end).endswith(b"\n"):
+        while block := file.read(_BLOCK):
+            block += file.readline(_LONGEST_LINE)  # only whole lines are parsed
+            columns = _block(block, names, separator, found, texts)
+            if columns is None and not texts and any(name in LABELS for name in found):
+                return _csv(path, where, asked, True)
+            if columns is None:
+                raise _fault_of(where, block, line, names, separator, found)
+            parts.append(columns)
+            line += block.count(b"\n")
+            if not block.endswith(b"\n"):
                 raise InputError(f"{where}: line {line} has no end; the file may be cut off there")
-            if path.suffix == ".gz" and len(parts) % 16 == 0:
+            if path.suffix == ".gz":
                 require_memory(where, 8.0 * sum(len(x) for part in parts for x in part))
-    columns = {ours: _joined([part[k] for part in parts]) for k, ours in enumerate(found)}
+    joined = [np.concatenate(column) for column in zip(*parts, strict=True)] or [np.empty(0)] * 99
     units = {ours: split_unit(names[k])[1] for ours, k in found.items()}
-    return from_columns(where, columns, asked, units)
-
-
-def _joined(parts: Sequence[Any]) -> Any:
-    """The pieces of a column; labels that are texts somewhere as whole numbers everywhere."""
-    if not parts:
-        return np.empty(0)
-    if all(not isinstance(part, tuple) for part in parts):
-        return np.concatenate(parts)
-    known: dict[str, int] = {}
-    out = []
-    for part in parts:
-        texts, index = part if isinstance(part, tuple) else ([str(x) for x in part], None)
-        numbers = np.array([known.setdefault(_bare_label(x), len(known)) for x in texts], np.int64)
-        out.append(numbers if index is None else numbers[index])
-    # whole numbers, however they are written, are labels as they stand
-    if all(re.fullmatch("-?[0-9]{1,18}", text) for text in known):
-        return np.array([int(text) for text in known], np.int64)[np.concatenate(out)]
-    return np.concatenate(out)
-
-
-def _bare_label(text: str) -> str:
-    text = text.strip().strip('"').strip()
-    whole = re.fullmatch(r"[+-]?[0-9]{1,15}(\.[0-9]*([eE][+-]?0?[0-9])?)?", text)  # numpy's 1.0e+01
-    return str(int(float(text))) if whole and float(text).is_integer() else text
-
-
-def _header(where: str, raw: bytes) -> str:
-    """The names of the columns, which numpy.savetxt writes behind a #; empty for a remark."""
-    try:
-        text = raw.decode("utf-8-sig").strip()
-    except UnicodeDecodeError:
-        raise InputError(f"{where}: is not text in UTF-8") from None
-    bare = text.lstrip("#").strip()
-    words = re.split(r"[\s,;\"']+", bare.lower())
-    names = "time" in words or ("t" in words and len(words) > 4)
-    return "" if text.startswith("#") and not names else bare
+    return from_columns(where, dict(zip(found, joined, strict=False)), asked, units)
 
 
 def _block(
-    where: str, text: bytes, line: int, names: Sequence[str], separator: str,
-    found: Mapping[str, int],
-) -> list[Any] | None:  # fmt: skip
-    """The columns of whole lines, the first of which is this line; None where all are blank."""
+    text: bytes, names: Sequence[str], separator: str, found: Mapping[str, int], texts: bool
+) -> list[Any] | None:
+    """The columns of whole lines; None where a line or a number cannot be read."""
     import pyarrow as pa
-    from pyarrow import csv as arrow
+    from pyarrow import csv
 
-    if text.isspace():
-        return None
     known = {place: ours for ours, place in found.items()}
+    label = pa.string() if texts else pa.int64()
+    kinds = {ours: label if ours in LABELS else pa.float64() for ours in found}
     bare = text if b"#" not in text else _REMARK.sub(b"", text)
-    for label in (pa.int64(), pa.dictionary(pa.int32(), pa.string())):
-        kinds = {ours: label if ours in LABELS else pa.float64() for ours in found}
-        try:
-            table = arrow.read_csv(
-                pa.BufferReader(bare),
-                arrow.ReadOptions(column_names=[known.get(k, str(k)) for k in range(len(names))]),
-                arrow.ParseOptions(delimiter=separator),
-                arrow.ConvertOptions(
-                    column_types=kinds, include_columns=list(kinds), null_values=[]
-                ),
-            ).combine_chunks()
-        except pa.ArrowInvalid:
-            continue
-        out: list[Any] = []
-        for ours in found:
-            chunks = table.column(ours).chunks
-            if not chunks:
-                return None
-            if ours in LABELS and label != pa.int64():
-                out.append((chunks[0].dictionary.to_pylist(), np.from_dlpack(chunks[0].indices)))
-            else:
-                out.append(np.from_dlpack(chunks[0]))
-        if "x" not in found or all(
-            np.all(np.isfinite(values)) for values, ours in zip(out, found, strict=True)
-            if ours not in LABELS
-        ):  # fmt: skip
-            return out
-        break
-    raise _fault_of(where, text, line, names, separator, found)
+    if bare.isspace() or not bare:
+        return [np.empty(0)] * len(found)
+    try:
+        table = csv.read_csv(
+            pa.BufferReader(bare),
+            csv.ReadOptions(column_names=[known.get(k, str(k)) for k in range(len(names))]),
+            csv.ParseOptions(delimiter=separator),
+            csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=[]),
+        ).combine_chunks()
+    except pa.ArrowInvalid:
+        return None
+    columns = [
+        np.array(table.column(ours).to_pylist(), str)
+        if texts and ours in LABELS
+        else np.from_dlpack(table.column(ours).chunk(0))
+        for ours in found
+    ]
+    real = (c for c, ours in zip(columns, found, strict=True) if ours not in LABELS)
+    return columns if "x" not in found or all(np.all(np.isfinite(c)) for c in real) else None
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return bool(np.isfinite(float("" if "_" in cell else cell)))
+    except ValueError:
+        return False
 
 
 def _fault_of(
     where: str, text: bytes, line: int, names: Sequence[str], separator: str,
     found: Mapping[str, int],
 ) -> InputError:  # fmt: skip
-    """What is wrong with these lines: the first line, and the column, that cannot be read."""
+    """The first line of a block that cannot be read, and its column."""
     for number, content in enumerate(text.decode("utf-8", "replace").split("\n"), line):
         if not content.strip() or content.lstrip().startswith("#"):
             continue
-        try:
-            cells = next(csv.reader([content], delimiter=separator))
-        except csv.Error:
-            break
+        cells = next(csv.reader([content], delimiter=separator))
         if len(cells) != len(names):
             what = f"has {len(cells)} columns; {len(names)} are named in the first line"
             return InputError(f"{where}: line {number} {what}")
-        for ours in (ours for ours in found if ours not in LABELS):
-            if fault := _fault(cells[found[ours]].strip()):
-                return InputError(f"{where}: line {number}, column {ours!r}{fault}")
+        for ours, k in found.items():
+            if ours not in LABELS and not _is_number(cells[k]):
+                why = "is not a finite number with a decimal point"
+                return InputError(f"{where}: line {number}, column {ours!r}: {short(cells[k])} {why}")
     return InputError(f"{where}: is not readable from line {line} on (quotes, or not UTF-8)")
-
-
-def _fault(cell: str) -> str:
-    """What is wrong with the text of a number; empty if nothing is."""
-    try:
-        value = float("" if "_" in cell else cell)
-    except ValueError:
-        comma = "; numbers must have a decimal point, not a comma" if _COMMA.fullmatch(cell) else ""
-        return f": {short(cell)} is not a number{comma}" if cell else " is empty"
-    return "" if np.isfinite(value) else f": {short(cell)} is not a finite number"
 
 
 def _parquet(path: Path, where: str, asked: Asked) -> Read:
@@ -286,51 +240,22 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
     return from_columns(where, columns, asked, units)
 
 
-class _Member:
-    """An array in an .npz file: its dtype and shape from the header; read by numpy.asarray.
-
-    Python objects are pickles, which can run code when they are loaded: they are never loaded.
-    """
-
-    def __init__(self, where: str, archive: zipfile.ZipFile, name: str) -> None:
-        self._where, self._archive, self._name = f"{where}: array {name[:-4]!r}", archive, name
-        info = archive.getinfo(name)
-        with archive.open(info) as stream:
-            try:
-                first = np.lib.format.read_magic(stream) == (1, 0)
-                header = np.lib.format.read_array_header_1_0
-                later = np.lib.format.read_array_header_2_0
-                self.shape, _, self.dtype = (header if first else later)(stream)
-            except Exception:  # NumPy's parser of headers raises nearly any error on a crafted one
-                raise InputError(f"{self._where} is damaged") from None
-        if self.dtype.hasobject:
-            raise InputError(f"{self._where} holds Python objects, which are never loaded")
-        self.nbytes = float(np.prod([float(n) for n in self.shape])) * self.dtype.itemsize
-        if self.nbytes > info.file_size:
-            raise InputError(f"{self._where} is cut off")
-        self.stored = info.compress_size
-        require_memory(self._where, self.nbytes, self.stored)
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        with self._archive.open(self._name) as stream:
-            array = np.lib.format.read_array(stream, allow_pickle=False)
-        return array if dtype is None else array.astype(dtype)
-
-
 def _npz(path: Path, where: str, asked: Asked) -> Read:
+    """Arrays of numbers; Python objects are pickles, which can run code, and are never loaded."""
     with zipfile.ZipFile(path) as archive:
-        names = [name for name in archive.namelist() if name.endswith(".npy")]
-        plain = [name.removesuffix(".npy") for name in names]
-        used = set(FRAMES)
-        if not used <= {*plain}:
-            used = {plain[k] for k in find_columns(where, plain, asked).values()}
-        arrays = {
-            bare: _Member(where, archive, name)
-            for bare, name in zip(plain, names, strict=True)
-            if bare in used
-        }
-        require_memory(where, sum(one.nbytes for one in arrays.values()))
-        return _arrays(where, arrays, asked)
+        sizes = {one.filename: one for one in archive.infolist()}
+    names = [name.removesuffix(".npy") for name in sizes if name.endswith(".npy")]
+    used = set(FRAMES)
+    if not used <= {*names}:
+        used = {names[k] for k in find_columns(where, names, asked).values()}
+    for name in used:
+        info = sizes[f"{name}.npy"]
+        require_memory(where, float(info.file_size), float(info.compress_size))
+        if name == "times" and info.file_size > 100 * MOST_TIMES:
+            raise InputError(f"{where}: times: more than {MOST_TIMES} different times")
+    require_memory(where, float(sum(sizes[f"{name}.npy"].file_size for name in used)))
+    with np.load(path, allow_pickle=False) as file:
+        return _arrays(where, {name: file[name] for name in names if name in used}, asked)
 
 
 # -- HDF5 ------------------------------------------------------------------------------------------
@@ -358,54 +283,48 @@ def _h5md(where: str, file: Any, asked: Asked) -> Read:
     unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
     package writes, says the configuration of each tracer.
     """
-    particles = file["particles"]
-    groups = [
-        particles[name] for name in particles
-        if _is_own(particles, name)
-        and all(_is_own(particles[name], part) for part in ("position", "velocity"))
-    ]  # fmt: skip
+    both, particles = ("position", "velocity"), file["particles"]
+    groups = [particles[name] for name in particles if _is_own(particles, name)]
+    groups = [group for group in groups if all(_is_own(group, part) for part in both)]
     if len(groups) != 1:
         raise InputError(f"{where}: has {len(groups)} groups with position and velocity; needed is 1")
     (group,) = groups
-    place, velocity = (_value(where, group, name) for name in ("position", "velocity"))
-    if place.shape[:2] != velocity.shape[:2]:
-        raise InputError(f"{where}: position and velocity differ in shape")
-    times = _times(where, group["position"], len(place), asked)
-    if not np.array_equal(times, _times(where, group["velocity"], len(place), asked)):
-        raise InputError(f"{where}: position and velocity are given at different times")
+    place, velocity = (_value(where, group, name) for name in both)
+    times, same = (_times(where, group[name], len(place), asked) for name in both)
+    if place.shape[:2] != velocity.shape[:2] or not np.array_equal(times, same):
+        raise InputError(f"{where}: position and velocity differ in shape or times")
     require_memory(where, 8.0 * (float(place.size) + float(velocity.size)))
-    r, box = np.asarray(place, float), _box(where, group, "image" in group)
+    r, v, box = np.asarray(place, float), np.asarray(velocity, float), _box(where, group)
     if "image" in group:
-        image = _value(where, group, "image")
-        if image.shape != place.shape or box.size < place.shape[2]:
-            raise InputError(f"{where}: image {image.shape} does not belong to {place.shape}")
-        r, box = r + np.asarray(image, float) * box[: r.shape[2]], None
+        image = np.asarray(_value(where, group, "image"), float)
+        if box is None or image.shape != r.shape or box.size < r.shape[2]:
+            raise InputError(f"{where}: image flags need a rectangular box that is always the same")
+        r = r + image * box[: r.shape[2]]
+    periodic = "box" in group and np.asarray(group["box"].attrs.get("boundary", ())).astype(str)
+    wrapped = "image" not in group and np.size(periodic) > 1 and np.all(periodic == "periodic")
+    tracer, medium, kind = (_labels(where, group, name, r) for name in ("id", "medium", "species"))
+    chosen = slice(None)
+    if asked.type is not None:
+        if kind is None:
+            raise InputError(f"{where}: type: got {short(asked.type)}; there is no species")
+        chosen = kind.reshape(-1, r.shape[1])[0].astype(str) == str(asked.type)
+    if tracer is None:
+        tracer = np.arange(r.shape[1])
+    elif tracer.ndim == 2:  # particles may change places from frame to frame
+        order = np.argsort(tracer, axis=1, kind="stable")
+        tracer, r, v = np.take_along_axis(tracer, order, 1), *(
+            np.take_along_axis(a, order[..., None], 1) for a in (r, v)
+        )
+        if np.any(tracer != tracer[0]):
+            raise InputError(f"{where}: id must hold the same labels at all times")
+        tracer = tracer[0]
     units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
     if "time" in group["position"]:
         units["time"] = _unit_of(group["position"]["time"])
-    v, chosen = np.asarray(velocity, float), slice(None)
-    if asked.type is not None:
-        if "species" not in group:
-            raise InputError(f"{where}: type: got {short(asked.type)}; there is no species")
-        species = group["species"] if not _is_own(group, "species") else group["species"]["value"]
-        kind = np.asarray(_dataset(where, species)).reshape(-1, r.shape[1])[0]
-        chosen = kind.astype(str) == str(asked.type)
-    tracer, medium = _labels(where, group, "id", r), None
-    if "medium" in group:
-        medium = _labels(where, group, "medium", r)
-    if tracer is None:
-        tracer = np.arange(r.shape[1])
-    if tracer.ndim == 2:  # a label for each row, as particles may change places
-        if np.any(tracer != tracer[0]):
-            rank = np.argsort(tracer, axis=1, kind="stable")
-            if np.any(np.diff(np.take_along_axis(tracer, rank, 1), axis=0)):
-                raise InputError(f"{where}: id must hold the same labels at all times")
-            r, v = (np.take_along_axis(a, rank[..., None], 1) for a in (r, v))
-            tracer = np.take_along_axis(tracer, rank, 1)
-        tracer = tracer[0]
-    medium = None if medium is None else medium[chosen]
-    found = stated(where, units)
-    return Tracks(times, r[:, chosen], v[:, chosen], tracer[chosen], medium, box, found)
+    return Tracks(
+        times, r[:, chosen], v[:, chosen], tracer[chosen],
+        None if medium is None else medium[chosen], box if wrapped else None, stated(where, units),
+    )  # fmt: skip
 
 
 def _is_own(parent: Any, name: str, kind: Any = None) -> bool:
@@ -468,27 +387,16 @@ def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
     return asked.times_of(where, sequence("time"), sequence("step"))
 
 
-def _box(where: str, group: Any, needed: bool) -> Any:
-    """The lengths of a box that is periodic, or needed for image flags; None for another."""
+def _box(where: str, group: Any) -> Any:
+    """The lengths of a rectangular box that is always the same; None for any other."""
     if not _is_own(group, "box"):
-        if needed:
-            raise InputError(f"{where}: {group.name} has image flags and no box")
         return None
-    box = group["box"]
-    boundary = np.asarray(box.attrs.get("boundary", ())).astype(str).ravel()
-    if not needed and (boundary.size < 2 or np.any(boundary != "periodic")):
-        return None
-    edges = np.asarray(
-        _member(where, box["edges"], "value") if _is_own(box, "edges") else _member(where, box, "edges"),
-        float,
-    )
-    if edges.ndim > 1 and edges.size and np.all(edges == edges[0]):
-        edges = edges[0]  # at each time the same
-    if edges.ndim == 1 and edges.size in (2, 3) and np.all(edges > 0) and np.all(np.isfinite(edges)):
-        return edges
-    if needed:
-        raise InputError(f"{where}: the box must be rectangular, always the same, with 2 or 3 edges")
-    return None
+    inner = _is_own(group["box"], "edges")
+    found = _member(where, *((group["box"]["edges"], "value") if inner else (group["box"], "edges")))
+    edges = np.asarray(found, float)
+    if edges.ndim == 2 and edges.size and np.all(edges == edges[0]):
+        edges = edges[0]
+    return edges if edges.ndim == 1 and edges.size > 1 and np.all(edges > 0) else None
 
 
 def _labels(where: str, group: Any, name: str, place: Any) -> Any:
