@@ -5,9 +5,9 @@ was not told (`fit`), solves the equation (`theory`), judges (`statistics`, `jud
 what explains a difference (`causes`). The answer is a `result.Comparison`.
 """
 
-from kinetics.crosscheck.compare.ask import compare_data, compare_with
+from kinetics.crosscheck.compare.ask import compare_data
 from kinetics.crosscheck.compare.result import Comparison
 
 compare = compare_data
 
-__all__ = ["Comparison", "compare", "compare_data", "compare_with"]
+__all__ = ["Comparison", "compare", "compare_data"]

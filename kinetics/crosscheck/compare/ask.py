@@ -198,26 +198,7 @@ def compare_sample(
     names = tuple(theory.IN_FIELD) if law.field else theory.AVERAGES
     solution = theory.solved_averages(point, law, sample.times, names)
     densities = _densities(point, sample) if law.smooth_disks and not sample.tabulated else {}
-    return _judged(side_by_side(solution, sample, found, densities), explain)
-
-
-def compare_with(
-    solution: "Solution", ensemble: "Ensemble | Sample", explain: bool = True
-) -> Comparison:
-    """Compare particles with a solution of the kinetic equation, of the scene they claim to be.
-
-    What the solution was asked for of thermal_speed, a2, msd, kurtosis, speed_density and
-    position_density is compared, at the times that both have. InputError without any in common.
-    """
-    from kinetics.crosscheck.data.summaries import from_ensemble
-
-    sample = ensemble if isinstance(ensemble, Sample) else from_ensemble(ensemble)
-    law = theory.law_of(solution.scene)
-    for name in ("dimension", "field"):
-        ours, theirs = getattr(law, name), getattr(sample.law, name)
-        if not math.isclose(ours, theirs, rel_tol=1e-9):
-            raise InputError(f"solution: is of {name} {ours}, the data of {theirs}")
-    return _judged(side_by_side(solution, replace(sample, law=law)), explain)
+    return _judged(side_by_side(solution, sample, names, found, densities), explain)
 
 
 def _judged(both: Both, explain: bool) -> Comparison:

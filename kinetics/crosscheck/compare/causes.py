@@ -26,9 +26,9 @@ from kinetics.crosscheck.compare.fit import (
 )
 from kinetics.crosscheck.compare.judge import LEAST_EXPECTED, Both
 from kinetics.crosscheck.compare.result import Explanation
-from kinetics.crosscheck.compare.statistics import ChiSquare, chance, errors, hotelling
+from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
 from kinetics.crosscheck.compare.theory import OWN_ERROR, SPEED, SampledStart, bin_shares
-from kinetics.crosscheck.data.sample import R2, V2, N, Sample
+from kinetics.crosscheck.data.sample import V2, N, Sample
 from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)
@@ -107,12 +107,8 @@ def tested_causes(both: Both) -> tuple[list[Explanation], Any]:
         else one.explanation
         for one in ranked
     ]
-    again = _recollisions(both)
-    if again is not None and ranked and ranked[0].criterion < before.value / 2:
-        # What is inferred from the averages is no finding where another cause is that likely.
-        again = replace(again, outcome={"found": "in part"}.get(again.outcome, again.outcome))
     best = next((k for k, item in enumerate(every) if item.outcome == "explains"), None)
-    return every + ([again] if again else []), None if best is None else ranked[best].fit.theory
+    return every, None if best is None else ranked[best].fit.theory
 
 
 def _fitted(
@@ -290,50 +286,10 @@ CAUSES = (
 others that are as likely. A new cause is one row."""
 
 
-def _recollisions(both: Both) -> Explanation | None:
-    """Whether <r^2> stays below the theory once the speeds' own free path is put in."""
-    sample, names = both.sample, both.names
-    of_speeds = both.usable & (sample.times > 0) & np.isin(names, ("thermal_speed", "a2"))[:, None]
-    speeds = components_of(names, of_speeds, sample, 1)
-    if "msd" not in names or speeds.tested.size < 2 or sample.free or sample.tabulated:
-        return None
-    found = _fitted(both, speeds, {}, ("path",))
-    if found is None or found.chi_square is None:
-        return None
-    at = names.index("msd"), sample.times.size - 1
-    moved = both.expectation.theory(found.point)[1]
-    rest = found.moved(both.expectation.replicates - moved)[:, at[0], at[1]]
-    difference = float(both.expectation.values[at] - found.theory[at])
-    result = hotelling(np.array([difference]), rest[:, None])
-    if result is None or result.p_value > chance(DIFFERS_ABOVE):
-        return None
-    relative = difference / float(found.theory[at])
-    error = abs(relative) / math.sqrt(result.value)
-    fits = found.chi_square.p_value >= AGREES_ABOVE
-    text = (
-        f"The speeds alone have l = {numeral(found.point.path, '.5g')} d "
-        f"({'fits them' if fits else 'fits them best'}); with it ⟨r²⟩ at the last time is "
-        f"{numeral(relative, '+.1%')} ± {numeral(error, '.1%')} from the kinetic equation. "
-    ) + (
-        "Tracers that come back to scatterers they have met spread less than the equation, which "
-        "forgets them, says: recollisions of a finite density do that."
-        if relative < 0
-        else "Recollisions would make it smaller, not larger."
-    )
-    outcome = ("found" if fits else "in part") if relative < 0 else "does not"
-    return Explanation(
-        "recollisions", outcome, text, True, relative, error, p_value=result.p_value,
-        chi_square_after=result.value, dof=1,
-    )  # fmt: skip
-
-
 # -- units that do not belong together -------------------------------------------------------------
 
 _FAR, _MOST = 2.0, 0.5
 """Factor by which speeds are in another unit, and the share of tracers that have not collided."""
-_EARLY, _APART = 0.1, 1.2
-"""Relative change of averages between the first two times, and the ratio of these, for which they
-tell of the time before collisions: later <r^2>/t^2 changes more between times that far apart."""
 _WRONG_ABOVE = 0.005
 """|ln(|r|/(|v| t))| from which on units do not belong together."""
 _SAY = "Say so by --time-unit, --length-unit or --speed-unit. No other cause is looked for."
@@ -343,8 +299,7 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known."""
     if sample.law.field:
         return None
-    found = _of_averages(sample) if sample.tabulated else _of_flights(sample)
-    return found or _wrong_speeds(sample, start)
+    return _of_flights(sample) or _wrong_speeds(sample, start)
 
 
 def _of_flights(sample: Sample) -> Explanation | None:
@@ -360,42 +315,6 @@ def _of_flights(sample: Sample) -> Explanation | None:
     )
     headline = f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times too long"
     return Explanation("time unit", "found", text, True, 1 / flights.ratio, headline=headline)
-
-
-def _of_averages(sample: Sample) -> Explanation | None:
-    """From <r^2>/(<v^2> t^2), which tends to 1 as t tends to 0: from the first two times.
-
-    Only where both change by less than _EARLY between them: tracers have hardly collided then.
-    """
-    first = np.flatnonzero(sample.times > 0)[:2]
-    if first.size < 2 or sample.times[first[1]] < _APART * sample.times[first[0]]:
-        return None
-    times, total = sample.times[first], sample.sums.sum(axis=0)
-
-    def averages(sums: Any) -> tuple[Any, Any]:
-        v2 = sample.speed_scale[first] ** 2 * sums[..., first, V2]
-        return sample.length_scale[first] ** 2 * sums[..., first, R2] / (v2 * times**2), v2
-
-    def at_zero(ratio: Any) -> Any:
-        slope = (ratio[..., 1] - ratio[..., 0]) / (times[1] - times[0])
-        return np.asarray(ratio[..., 0] - slope * times[0])
-
-    ratio, v2 = averages(total)
-    # Written so that averages that are not known are left out.
-    if not (abs(ratio[1] / ratio[0] - 1) < _EARLY and abs(v2[1] / v2[0] - 1) < _EARLY):
-        return None
-    start, error = at_zero(ratio), errors(at_zero(averages(total - sample.sums)[0]))
-    found = float(np.sqrt(max(float(start), 0.0)))
-    if not abs(start - 1) > max(DIFFERS_ABOVE * float(error), 2 * _WRONG_ABOVE) or found == 0:
-        return None
-    square, inverse = numeral(found**2, ".5g"), numeral(1 / found, ".5g")
-    text = (
-        f"⟨r²⟩/(⟨v²⟩ t²) tends to {square} as t tends to 0 (from t = {numeral(times[0], '.4g')} on). "
-        "In units that belong together it tends to 1, whatever the scatterers: so either times are "
-        f"{inverse} times too long, or positions or speeds are in another unit. {_SAY}"
-    )
-    headline = f"⟨r²⟩/(⟨v²⟩ t²) tends to {square} at early times, as if times were {inverse} times too long"
-    return Explanation("time unit", "found", text, True, 1 / found, headline=headline)
 
 
 def _wrong_speeds(sample: Sample, start: Any) -> Explanation | None:
@@ -446,20 +365,11 @@ def notes_of(both: Both) -> Iterator[Explanation]:
     for h in both.histograms[-1:]:
         edge, unit = float(h.edges[-2]), "U" if h.name == SPEED else "d"
         text = (
-            f"Tails: a bin needs {LEAST_EXPECTED} expected samples to be judged. At t = "
+            f"A bin needs {LEAST_EXPECTED} expected samples to be judged. At t = "
             f"{numeral(h.time, '.4g')} everything above {numeral(edge, '.4g')} {unit} is one bin of "
             f"{h.share[-1] * h.samples:.0f} samples; how the tail falls beyond that takes more."
         )
         yield Explanation("tails", "noted", text, False, edge)
-    for i, name in enumerate(both.names):
-        scale = both.theory[i, -1] + (1 if name == "a2" else 0)
-        relative = float(both.error[i, -1] / scale)
-        if name in ("a2", "kurtosis") and both.usable[i, -1] and relative > 0.1:
-            text = (
-                f"Too few samples for the fourth moment behind {name}: its standard error at the "
-                f"last time is {numeral(relative, '.0%')}."
-            )
-            yield Explanation("few samples", "noted", text, False, relative)
 
 
 def _traps(both: Both) -> Explanation | None:

@@ -20,9 +20,7 @@ from kinetics.crosscheck.compare.statistics import (
     spread_out,
 )
 from kinetics.crosscheck.compare.theory import (
-    AVERAGES,
     DISPLACEMENT,
-    IN_FIELD,
     SPEED,
     Expectation,
     Point,
@@ -31,7 +29,6 @@ from kinetics.crosscheck.compare.theory import (
     bin_shares,
 )
 from kinetics.crosscheck.data.sample import Binned, Sample
-from kinetics.crosscheck.data.tracks import SAME_TIME
 from kinetics.crosscheck.words import (
     Verdict,
     corrected_sigmas,
@@ -39,7 +36,7 @@ from kinetics.crosscheck.words import (
     judge_sigmas,
     numeral,
 )
-from kinetics.errors import InputError, short
+from kinetics.errors import InputError
 from kinetics.states.isotropic import Monoenergetic
 
 if TYPE_CHECKING:
@@ -127,54 +124,42 @@ class Both:
 
 
 def side_by_side(
-    solution: "Solution",
-    sample: Sample,
-    found: Fit | None = None,
-    densities: "Mapping[str, Solution] | None" = None,
-) -> Both:
-    """A sample and a solution at the times and in the observables that both have.
+    solution: "Solution", sample: Sample, names: Sequence[str], found: Fit | None,
+    densities: "Mapping[str, Solution]",
+) -> Both:  # fmt: skip
+    """A sample and the solution of its averages, at its times; and of densities, at some of them.
 
-    found: the fit to the same averages that the solution's numbers come from. InputError if they
-    have nothing in common, or the sample fewer than two groups.
+    found: the fit to the same averages that the solution's numbers come from. InputError where the
+    sample has fewer than two groups.
     """
     if sample.groups < 2:
-        raise InputError("ensemble: has fewer than two groups; there are no standard errors")
-    matches = [_match(t, np.asarray(solution.times)) for t in sample.times]
-    keep = [k for k, m in enumerate(matches) if m is not None]
-    if not keep:
-        raise InputError(
-            f"solution: its times {short(solution.times.tolist())} have none in common with the "
-            f"data's {short(sample.times.tolist())}"
-        )
-    sample, point = sample.at(keep), Point.of(solution.scene)
-    names, owners = _in_common(solution, sample, densities or {})
-    expectation = Expectation(sample, names)
-    if names and isinstance(point.start, SampledStart) and sample.start is not None:
+        raise InputError("data: has fewer than two groups; there are no standard errors")
+    expectation, point = Expectation(sample, names), Point.of(solution.scene)
+    own_start = isinstance(point.start, SampledStart)
+    if own_start:
         theory, moved = expectation.theory(point)
     else:
-        index = [m for m in matches if m is not None]
-        values = [average_of(solution, name)[index] for name in names]
-        theory = moved = np.array(values).reshape(len(names), len(index))
+        theory = moved = np.stack([average_of(solution, name) for name in names])
     difference, replicates = expectation.values - theory, expectation.replicates - moved
     if found is not None:  # data that were fitted move the theory with them
         replicates = found.moved(replicates)
     error, compared = errors(replicates), np.isfinite(difference)
     for k, name in enumerate(names):
-        if isinstance(point.start, SampledStart) or name in _KNOWN_AT_ZERO:
+        if own_start or name in _KNOWN_AT_ZERO:
             compared[k] &= sample.times > 0
     with np.errstate(invalid="ignore"):
         size = np.maximum(np.abs(expectation.values), np.abs(theory))
         usable = compared & (error > NO_SPREAD * size) & np.isfinite(error)
     histograms = [
         result
-        for name, density in owners.items()
-        for k in histogram_times(sample)
-        if (at := _match(sample.times[k], density.times)) is not None
-        and (result := compare_histogram(sample, density, name, k, at)) is not None
+        for name, density in densities.items()
+        if getattr(sample, _COUNTS[name]) is not None
+        for at, time in enumerate(density.times)
+        if (result := _histogram(sample, density, name, at, time)) is not None
     ]
     return Both(
         sample, solution, point, expectation, theory, difference, replicates, error, compared,
-        usable, owners, histograms, found,
+        usable, densities, histograms, found,
     )  # fmt: skip
 
 
@@ -184,44 +169,21 @@ def histogram_times(sample: Sample) -> list[int]:
     return [int(later[k]) for k in spread_out(later.size, HISTOGRAM_TIMES)]
 
 
-def _match(time: float, times: Array) -> int | None:
-    k = int(np.argmin(np.abs(times - time)))
-    return k if abs(times[k] - time) <= SAME_TIME * max(time, 1e-300) else None
-
-
-def _in_common(
-    solution: "Solution", sample: Sample, densities: "Mapping[str, Solution]"
-) -> tuple[list[str], dict[str, "Solution"]]:
-    """Averages, and densities with their solution, that were asked for and the sample has."""
-    outputs = solution.scene.outputs
-    names = [name for name in AVERAGES if name in outputs]
-    if solution.scene.field:
-        names = [name for name, (output, _) in IN_FIELD.items() if output in outputs]
-    owners = {}
-    for name, counts in ((SPEED, sample.speeds), (DISPLACEMENT, sample.displacements)):
-        owner = densities.get(name, solution)
-        if name in owner.scene.outputs and counts is not None:
-            owners[name] = owner
-    if not names and not owners:
-        raise InputError(
-            f"solution: was asked for {', '.join(outputs)}; needed is at least one of "
-            f"{', '.join((*AVERAGES, SPEED))}"
-        )
-    return names, owners
-
-
 # -- histograms ------------------------------------------------------------------------------------
 
 
-def compare_histogram(
-    sample: Sample, solution: "Solution", name: str, index: int, at: int
+_COUNTS = {SPEED: "speeds", DISPLACEMENT: "displacements"}
+
+
+def _histogram(
+    sample: Sample, solution: "Solution", name: str, at: int, time: float
 ) -> Histogram | None:
-    """A sample's histogram at its time `index` against a solution's density at its time `at`.
+    """A sample's histogram against a solution's density at its time of the index `at`.
 
     None where too few samples are expected for two bins.
     """
-    binned = sample.speeds if name == SPEED else sample.displacements
-    assert binned is not None
+    index = int(np.argmin(np.abs(sample.times - time)))
+    binned = getattr(sample, _COUNTS[name])
     samples = int(binned.totals[index].sum())
     shares = bin_shares(solution, name, at, binned.edges[index])
     shares = shares / shares.sum()
@@ -250,8 +212,7 @@ def compare_histogram(
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
     behind = sample.groups if binned.by_group is None else len(binned.by_group)
-    time = float(sample.times[index])
-    return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
+    return Histogram(name, float(time), index, edges, share, error, theory, samples, behind, chi_square)
 
 
 def _errors(

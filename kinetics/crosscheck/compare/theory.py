@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
-from kinetics.errors import InputError
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
@@ -111,13 +110,6 @@ def average_of(solution: "Solution", name: str) -> Array:
     output, component = IN_FIELD[name] if solution.scene.field else (name, ())
     place: Any = (..., *component)
     return np.asarray(np.asarray(getattr(solution, output))[place])
-
-
-def law_of(scene: "Scene") -> Law:
-    """The law of a scene; InputError for one without coefficients of restitution."""
-    if scene.tangential_restitution is None:
-        raise InputError("solution: its law has no coefficients of restitution to compare with")
-    return Law(scene.tangential_restitution, scene.dimension, scene.field)
 
 
 def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
