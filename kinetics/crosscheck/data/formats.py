@@ -417,10 +417,8 @@ def _labels(where: str, group: Any, name: str, place: Any) -> Any:
 class _Lines:
     """The lines of a text file, one after another, and the number of the last."""
 
-    def __init__(self, path: Path, where: str) -> None:
-        self.where, self.number = where, 0
-        require_memory(where, 0.5 * path.stat().st_size)
-        self._file = open(path, encoding="utf-8", errors="replace")  # noqa: SIM115
+    def __init__(self, file: Any, where: str) -> None:
+        self._file, self.where, self.number = file, where, 0
 
     def next(self) -> str | None:
         """The next line; None at the end of the file."""
@@ -491,14 +489,27 @@ _STYLES = {
 """Units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)."""
 
 
-def _lammps(path: Path, where: str, asked: Asked) -> Read:
+def _of_lines(
+    parse: Callable[[_Lines, Asked], Read],
+) -> Callable[[Path, str, Asked], Read]:
+    """The reader of a text file, from a function of its lines."""
+
+    def reader(path: Path, where: str, asked: Asked) -> Read:
+        require_memory(where, 0.5 * path.stat().st_size)
+        with open(path, encoding="utf-8", errors="replace") as file:
+            return parse(_Lines(file, where), asked)
+
+    return reader
+
+
+def _lammps(lines: _Lines, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy.
 
     In three dimensions with z beside them. The time of a frame is ITEM: TIME, or its step times
     --timestep.
     """
-    lines, frames, units, boxes = _Lines(path, where), [], (), []
-    head: dict[str, Any] = {}
+    frames, units, boxes, head = [], (), [], dict[str, Any]()
+    where = lines.where
     for line in lines.items():
         if not line.startswith("ITEM: "):
             raise lines.bad(f"is not of a LAMMPS text dump: {line[:40]!r}")
@@ -607,13 +618,13 @@ _XYZ = {
 """Properties that are read, and our names of their columns."""
 
 
-def _xyz(path: Path, where: str, asked: Asked) -> Read:
+def _xyz(lines: _Lines, asked: Asked) -> Read:
     """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=...
 
     Without a property id the k-th line of each frame is the same tracer. Positions are taken as
     they stand: they must not be wrapped.
     """
-    lines, frames = _Lines(path, where), []
+    frames, where = [], lines.where
     for line in lines.items():
         count = lines.whole("the number of atoms", line)
         said = {k.lower(): v.strip('"') for k, v in _PAIR.findall(lines.next() or "")}
@@ -681,7 +692,8 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
 
 FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".parquet": _parquet,
-    ".h5md": _hdf5, ".dump": _lammps, ".lammpstrj": _lammps, ".xyz": _xyz, ".extxyz": _xyz,
+    ".h5md": _hdf5, ".dump": _of_lines(_lammps), ".lammpstrj": _of_lines(_lammps), ".xyz": _of_lines(_xyz),
+    ".extxyz": _of_lines(_xyz),
     ".gsd": _gsd,
 }  # fmt: skip
 """The ending of a file's name, and the function that reads it."""
