@@ -475,7 +475,7 @@ class _Lines:
                 try:
                     parts[name].append(np.array(texts if name == "type" else [*map(float, texts)]))
                 except ValueError:
-                    self.number -= len(rows) - next(i for i, x in enumerate(texts, 1) if _fault(x))
+                    self.number -= len(rows) - next(i for i, x in enumerate(texts, 1) if not _is_number(x))
                     raise self.bad(f"column {name!r} is not a number") from None
             left -= len(rows)
         return {name: np.concatenate(part) if part else np.empty(0) for name, part in parts.items()}

@@ -300,7 +300,8 @@ def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
     moving = powers[0] > 0
     counts = counts[:, moving]
     squares, quartics = powers[:, moving] / counts.sum(axis=0)
-    return StartBins(squares * unit**2, quartics / squares**2, counts)
+    with np.errstate(over="ignore", under="ignore"):  # refused later, in `_in_range`
+        return StartBins(squares * np.square(unit), quartics / squares**2, counts)
 
 
 # -- from files to a sample ------------------------------------------------------------------------
