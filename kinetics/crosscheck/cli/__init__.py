@@ -1,0 +1,1 @@
+"""The commands of `lorentz`: one file each."""

@@ -241,11 +241,11 @@ def _explained(
         return (unit,), figures_of(both)
     if both.sample.law.field:
         text = (
-            "In a field the averages along and across it are compared; what may explain a difference "
-            "is not looked for. Relative differences are of the largest value of all times."
+            "In a field the averages along and across it are compared; what may explain a difference"
+            " is not looked for. Relative differences are of the largest value of all times."
         )
         return (Explanation("field", "noted", text, False),), figures_of(both)
-    tested, expected = [], None
+    tested, expected = list[Explanation](), None
     if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
         tested, expected = tested_causes(both)
     # Python's sort keeps the order of those of one outcome: the likeliest stays first.
@@ -367,7 +367,9 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
         )
     guess = _early_log_path(sample)
     told = Point(
-        0.5 if restitution is None else restitution, math.exp(guess) if path is None else path, start
+        0.5 if restitution is None else restitution,
+        math.exp(guess) if path is None else path,
+        start,
     )
     starts: list[list[float]] = [[e] for e in _SCAN]
     if path is None:

@@ -24,8 +24,8 @@ from kinetics.crosscheck.compare.fit import (
     components_of,
     fit,
 )
-from kinetics.crosscheck.compare.judge import LEAST_EXPECTED, Both
-from kinetics.crosscheck.compare.result import Explanation
+from kinetics.crosscheck.compare.judge import Both
+from kinetics.crosscheck.compare.result import OBSERVABLES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
 from kinetics.crosscheck.compare.theory import OWN_ERROR, SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.data.sample import V2, N, Sample
@@ -173,56 +173,43 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
     """What the theory is, how much it changes the averages, and for which times it is trusted."""
     from kinetics.collision.medium import SETTLED, TESTED_DENSITY
 
-    scene, times, kind = both.solution.scene, both.sample.times, found.point.scatterers
+    scene, kind = both.solution.scene, found.point.scatterers
     n, settled = scene.number_density * scene.diameter**2, SETTLED * scene.mean_free_path
     changes = " and ".join(
-        f"{'v₀' if name == 'thermal_speed' else '⟨r²⟩'} by "
-        f"{numeral(found.theory[k, -1] / both.theory[k, -1] - 1, '+.2%')}"
-        for k, name in enumerate(both.names)
-        if name in SECOND_MOMENTS
-    )
-    early, later = int(np.sum((times > 0) & (times < settled))), int(np.sum(times > 0))
+        f"{OBSERVABLES[name].short} by {numeral(found.theory[k, -1] / both.theory[k, -1] - 1, '+.2%')}"
+        for k, name in enumerate(both.names) if name in SECOND_MOMENTS
+    )  # fmt: skip
     own = [numeral(OWN_ERROR[name][k] * n, ".2%") for k in (1, 0) for name in SECOND_MOMENTS]
     text = (
-        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: "
-        f'the kinetic equation of Scene(scatterers="{kind}"), in which tracers meet scatterers '
-        f"again. Nothing is fitted to these data. At the last time it changes {changes} from the "
-        f"dilute equation. It is trusted from {SETTLED:g} l/U = {numeral(settled, '.4g')} d/U on"
-        f"{f'; {early} of the {later} times are earlier' if early else ''}. It has an error of its "
-        "own, known from simulations, which is added to the covariance of the data: one standard "
-        f"deviation is {own[0]} of v₀ and {own[1]} of ⟨r²⟩ from that time on, {own[2]} and {own[3]} "
-        "before."
+        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: the "
+        f'equation of Scene(scatterers="{kind}"), in which tracers meet scatterers again. Nothing is '
+        f"fitted. At the last time it changes {changes} from the dilute equation. It is trusted from "
+        f"{SETTLED:g} l/U = {numeral(settled, '.4g')} d/U on. Its own error, known from simulations "
+        f"(up to n = {TESTED_DENSITY:g}), is added to the covariance of the data: {own[0]} of v₀ and "
+        f"{own[1]} of ⟨r²⟩ from that time on, {own[2]} and {own[3]} before."
     )
-    if n > TESTED_DENSITY:
-        text += f" It was compared with simulations up to n = {TESTED_DENSITY:g} only."
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
 
 def _of_path(both: Both, found: Fit) -> tuple[str, str]:
     scene, law, (value, error) = both.solution.scene, both.sample.law, found.value("path")
-    told, plane = scene.mean_free_path, law.dimension == 2
-    inverse, unit = ("1/(2dρ₀)", "d⁻²") if plane else ("1/(πd²ρ₀)", "d⁻³")
+    told, path = scene.mean_free_path, f"l = {_pm((value, error))} d"
     text = (
-        f"Another mean free path: l = {_pm((value, error))} d fits best, "
-        f"{numeral(value / told - 1, '+.1%')} from {inverse} = {numeral(told, '.5g')} d, as a "
-        f"density of {numeral(law.free_path(value), '.5g')} {unit} would have"
+        f"Another mean free path: {path} fits best, {numeral(value / told - 1, '+.1%')} from "
+        f"{numeral(told, '.5g')} d, as a density of {numeral(law.free_path(value), '.5g')} "
+        f"{'d⁻²' if law.dimension == 2 else 'd⁻³'} would have."
     )
-    if plane:
-        other = numeral(told / value, ".5g")
-        text += f" (or, at the density told, a diameter of {other} in place of 1)"
-    text += "."
     share = math.pi * scene.number_density * scene.diameter**2 / 4  # of the area, of disks
     if law.smooth_disks and share < 0.5:
         # Henderson, Mol. Phys. 30, 971 (1975): the pair correlation of hard disks at contact
         disks = told * (1 - share) ** 2 / (1 - 7 * share / 16)
         near = abs(value - disks) <= 3 * error and value < told
         text += (
-            f" Hard disks that do not overlap have l = {numeral(disks, '.5g')} d at the density told "
-            f"({numeral(disks / told - 1, '+.1%')}, Henderson's contact value)"
-            f"{': that is the finite density of the scatterers' if near else ''}."
+            f" Hard disks that do not overlap have l = {numeral(disks, '.5g')} d at this density"
         )
-    headline = f"l = {_pm((value, error))} d in place of {numeral(told, '.5g')} d"
-    if abs(math.log(value / told)) > 1 and plane:  # so far off, a wrong diameter is the likely reason
+        text += ": that is the finite density of the scatterers." if near else "."
+    headline = f"{path} in place of {numeral(told, '.5g')} d"
+    if abs(math.log(value / told)) > 1 and law.dimension == 2:  # a wrong diameter is likely
         headline += f" (as if d were {told / value:.4g} of the unit told)"
     return text, headline
 
@@ -253,7 +240,9 @@ def _of_start(both: Both, found: Fit) -> tuple[str, str]:
 def _of_unit(symbol: str, name: str) -> Callable[[Both, Fit], tuple[str, str]]:
     def words(both: Both, found: Fit) -> tuple[str, str]:
         value = f"{symbol} = {_pm(found.value(name))}"
-        text = f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, the "
+        text = (
+            f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, the "
+        )
         return text + "equation fits best.", f"{value} in place of 1 in the data's unit"
 
     return words
@@ -313,7 +302,9 @@ def _of_flights(sample: Sample) -> Explanation | None:
         f"the scatterers: so either times are {inverse} times too long, or positions or speeds are "
         f"in another unit. {_SAY}"
     )
-    headline = f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times too long"
+    headline = (
+        f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times too long"
+    )
     return Explanation("time unit", "found", text, True, 1 / flights.ratio, headline=headline)
 
 
@@ -362,14 +353,6 @@ def notes_of(both: Both) -> Iterator[Explanation]:
             "densities' do not, and while most tracers have not collided their p-values are too high."
         )
         yield Explanation("own start", "noted", text, False)
-    for h in both.histograms[-1:]:
-        edge, unit = float(h.edges[-2]), "U" if h.name == SPEED else "d"
-        text = (
-            f"A bin needs {LEAST_EXPECTED} expected samples to be judged. At t = "
-            f"{numeral(h.time, '.4g')} everything above {numeral(edge, '.4g')} {unit} is one bin of "
-            f"{h.share[-1] * h.samples:.0f} samples; how the tail falls beyond that takes more."
-        )
-        yield Explanation("tails", "noted", text, False, edge)
 
 
 def _traps(both: Both) -> Explanation | None:
@@ -412,29 +395,20 @@ def _missing(both: Both) -> Explanation | None:
         for times in (complete, ~complete)
     )
     missing = most - int(samples[least])
-    cap = f" (they are stopped after {sample.capped} collisions)" if sample.capped is not None else ""
+    cap = (
+        f" (they are stopped after {sample.capped} collisions)" if sample.capped is not None else ""
+    )
     text = (
         f"Tracers are missing{cap}: of {most}, {missing} at t = {numeral(sample.times[least], '.4g')}. "
         "A cap on collisions takes the fast ones away, and what is left is too slow."
     )
-    if part is None:
-        return Explanation("missing tracers", "noted", text, False)
-    if whole is not None:
-        first, second = (
-            f"{numeral(c.value, '.4g')} with {c.freedom} degrees of freedom (p = "
-            f"{numeral(c.p_value, '.2g')})" for c in (whole, part)
-        )  # fmt: skip
-        text += f" At the times that have all of them the averages have chi-square {first}, at the "
-        text += f"others {second}."
-    i = both.names.index("thermal_speed") if "thermal_speed" in both.names else None
-    if i is not None and both.usable[i, least]:
-        off = both.difference[i, least] / both.theory[i, least]
-        text += f" The thermal speed is {numeral(off, '+.1%')} from the theory there."
-    outcome = "does not"
-    if part.p_value < AGREES_ABOVE:
+    outcome = "noted" if part is None else "does not"
+    if part is not None and part.p_value < AGREES_ABOVE:
         outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+        text += f" At the times without all of them p = {numeral(part.p_value, '.2g')}."
     return Explanation(
-        "missing tracers", outcome, text, True, missing / most, None, part.value,
+        "missing tracers", outcome, text, part is not None, missing / most, None,
+        None if part is None else part.value,
         *((None, None, None) if whole is None else (whole.value, whole.freedom, whole.p_value)),
     )  # fmt: skip
 

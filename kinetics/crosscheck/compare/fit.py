@@ -13,7 +13,7 @@ Fourth moments would hardly make the errors smaller; all averages enter the chi-
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,8 @@ def fit(
 
     def point(at: Array) -> Point:
         each = zip(free, at.tolist(), logs, strict=True)
-        return told._replace(**{n: float(np.exp(x)) if log else x for n, x, log in each})
+        changed: Any = {n: float(np.exp(x)) if log else x for n, x, log in each}
+        return told._replace(**changed)
 
     def difference(at: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -173,7 +174,12 @@ def fit(
         if not known:
             return None
         best = min(known, key=lambda one: one[0])[1]
-        if any(log and not a < x < b for x, a, b, log in zip(best, 0.99 * low + 0.01 * high, 0.01 * low + 0.99 * high, logs, strict=True)):
+        if any(
+            log and not a < x < b
+            for x, a, b, log in zip(
+                best, 0.99 * low + 0.01 * high, 0.01 * low + 0.99 * high, logs, strict=True
+            )
+        ):
             return None
     return _at(expectation, point, best, free, components, (low, high), weights)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare.fit import Fit
-from kinetics.crosscheck.compare.result import SYMBOLS, ComparisonTest, Explanation
+from kinetics.crosscheck.compare.result import COLUMNS, OBSERVABLES, ComparisonTest, Explanation
 from kinetics.crosscheck.compare.statistics import (
     ChiSquare,
     effective_groups,
@@ -66,9 +66,8 @@ _KNOWN_AT_ZERO = (
 class Histogram:
     """One histogram at one time against the theory, in bins of LEAST_EXPECTED samples or more.
 
-    name : "speed_density" or "position_density"; time in d/U, and its index in the sample
-    edges (n + 1,), in U or d: the first is 0, the last infinite; share of the samples, its standard
-    error (from `groups` groups) and the theory, (n,) each.
+    time in d/U, and its index in the sample; edges (n + 1,), in U or d: the first is 0, the last
+    infinite; share of the samples, its standard error (from `groups` groups) and the theory, (n,).
     """
 
     name: str
@@ -212,7 +211,9 @@ def _histogram(
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
     behind = sample.groups if binned.by_group is None else len(binned.by_group)
-    return Histogram(name, float(time), index, edges, share, error, theory, samples, behind, chi_square)
+    return Histogram(
+        name, float(time), index, edges, share, error, theory, samples, behind, chi_square
+    )
 
 
 def _errors(
@@ -299,9 +300,7 @@ def _rows_over_time(both: Both) -> Iterator[dict[str, Any]]:
 
 
 def _row(*values: Any) -> dict[str, Any]:
-    names = ("observable", "time", "value", "error", "theory", "sigmas", "verdict",
-             "corrected_sigmas", "samples", "low", "high")  # fmt: skip
-    return dict(zip(names, (*values, None, None)[:11], strict=True))
+    return dict(zip(COLUMNS, (*values, None, None)[:11], strict=True))
 
 
 def tests_of(both: Both) -> list[ComparisonTest]:
@@ -392,7 +391,11 @@ def summary(
     if best is not None and best.outcome == "found":
         answer = f"A unit is wrong: {cause}. Nothing else can be said before that is put right."
     elif verdict == Verdict.AGREES:
-        parts = [f"{_share(t.within)} for {SYMBOLS[t.observable]}" for t in tests if t.within is not None]
+        parts = [
+            f"{_share(t.within)} for {OBSERVABLES[t.observable].short}"
+            for t in tests
+            if t.within is not None
+        ]
         listed = ", ".join(parts[:-1]) + (" and " if parts[1:] else "") + "".join(parts[-1:])
         answer = f"No difference seen, better than {listed or 'no average'}."
     elif verdict == Verdict.UNCLEAR:

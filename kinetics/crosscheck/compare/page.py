@@ -68,7 +68,10 @@ def row_cells(result: Comparison, every: bool = True) -> list[list[str]]:
 def tables(result: Comparison) -> str:
     """The answer, parameters, tests, averages over time, odd bins, and explanations, as text."""
     parts = [_wrapped(result.summary), *(_wrapped(f"note: {text}") for text in result.warnings)]
-    told = [_wrapped(f"{k}: {number(p.value, p.error)} ({p.source})") for k, p in result.parameters.items()]
+    told = [
+        _wrapped(f"{k}: {number(p.value, p.error)} ({p.source})")
+        for k, p in result.parameters.items()
+    ]
     made = f"from {result.groups} groups, by {result.grouping}" if result.groups else "as told"
     parts.append("\n".join([*told, f"start: {result.initial}", f"errors: {made}"]))
     shown = row_cells(result, every=False)
@@ -177,7 +180,11 @@ def draw(data: Any, ax: Any) -> None:
         elif s["source"] == "zero":
             ax.axhline(0.0, color="gray", lw=0.8)
         else:
-            style = {"color": "C1", "ls": "--"} if s["source"] == "best explanation" else {"color": colour}
+            style = (
+                {"color": "C1", "ls": "--"}
+                if s["source"] == "best explanation"
+                else {"color": colour}
+            )
             ax.plot(x, y, label=None if label else s["source"], lw=1.2, **style)
     for name in ("x", "y"):
         unit = f" / {data[name]['unit']}" if data[name]["unit"] else ""
@@ -198,7 +205,9 @@ def drawn(figures: Sequence[Any], kind: str = "svg") -> bytes:
     for k, data in enumerate(figures, 1):
         draw(data, figure.add_subplot(high, wide, k))
     buffer = io.BytesIO()
-    dated = {} if kind == "png" else {"metadata": {"Date" if kind == "svg" else "CreationDate": None}}
+    dated: Any = (
+        {} if kind == "png" else {"metadata": {"Date" if kind == "svg" else "CreationDate": None}}
+    )
     figure.savefig(buffer, format=kind, dpi=150, **dated)
     return buffer.getvalue()
 
@@ -222,7 +231,10 @@ def files_of(
 ) -> dict[str, str | bytes]:
     """File names and contents: the page, the JSON beside it, and figures in these formats."""
     numbers = output.with_suffix(".json").name
-    files: dict[str, str | bytes] = {numbers: result.to_json(), output.name: render(result, numbers)}
+    files: dict[str, str | bytes] = {
+        numbers: result.to_json(),
+        output.name: render(result, numbers),
+    }
     for kind in formats:
         for name, data in result.figures.items():
             files[f"{output.stem}-{name}.{kind}"] = drawn([data], kind)

@@ -22,48 +22,36 @@ SCHEMA = "inelastic-lorentz/comparison/1"
 
 
 class Observable(NamedTuple):
-    """How an observable is written: name, symbol on an axis, unit, scale of an axis, formula."""
+    """How an observable is written: name, symbol on an axis, unit, scale of an axis, in a text.
+
+    Of a density the symbol and the unit are those of what it is a density of.
+    """
 
     name: str
     symbol: str
     unit: str
     scale: str
-    formula: str
+    short: str
 
 
 OBSERVABLES = {
-    "thermal_speed": Observable("Thermal speed", "$v_0$", "U", "log", "√⟨v²⟩"),
-    "a2": Observable(
-        "Second Sonine coefficient", "$a_2$", "", "linear", "⟨v⁴⟩/(2⟨v²⟩²) − 1; in space (3/5)⟨v⁴⟩/⟨v²⟩² − 1"
-    ),
-    "msd": Observable("Mean square displacement", r"$\langle r^2\rangle$", "d²", "log", "⟨r²⟩"),
-    "kurtosis": Observable(
-        "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear",
-        "⟨r⁴⟩/⟨r²⟩²",
-    ),
-    "drift": Observable("Drift along the field", r"$\langle v_x\rangle$", "U", "linear", "⟨v_x⟩"),
-    "mean_displacement": Observable(
-        "Mean displacement along the field", r"$\langle x\rangle$", "d", "log", "⟨x⟩"
-    ),
-    "dispersion_parallel": Observable(
-        "Variance of the displacement along the field", r"var $x$", "d²", "log", "var x"
-    ),
-    "dispersion_perpendicular": Observable(
-        "Variance of the displacement across the field", r"var $y$", "d²", "log", "var y"
-    ),
-    "speed_density": Observable("Speed density", "speed $v$", "U", "log", "mean over a bin"),
-    "position_density": Observable(
-        "Displacement density", "displacement $r$", "d", "log", "g(r, t), mean over a bin"
-    ),
+    key: Observable(*words) for key, *words in (
+        ("thermal_speed", "Thermal speed", "$v_0$", "U", "log", "v₀"),
+        ("a2", "Second Sonine coefficient", "$a_2$", "", "linear", "1 + a₂"),
+        ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "log", "⟨r²⟩"),
+        ("kurtosis", "Kurtosis of the displacement",
+         r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear", "⟨r⁴⟩/⟨r²⟩²"),
+        ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "linear", "⟨v_x⟩"),
+        ("mean_displacement", "Mean displacement along the field",
+         r"$\langle x\rangle$", "d", "log", "⟨x⟩"),
+        ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "log", "var x"),
+        ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "log", "var y"),
+        ("speed_density", "Speed density", "speed $v$", "U", "log", "mean over a bin"),
+        ("position_density", "Displacement density", "displacement $r$", "d", "log",
+         "g(r, t), mean over a bin"),
+    )
 }  # fmt: skip
-"""Every observable that a row can have, in the order of the page; of a density the symbol and the
-unit are those of what it is a density of."""
-SYMBOLS = {
-    "thermal_speed": "v₀", "a2": "1 + a₂", "msd": "⟨r²⟩", "kurtosis": "⟨r⁴⟩/⟨r²⟩²",
-    "drift": "⟨v_x⟩", "mean_displacement": "⟨x⟩", "dispersion_parallel": "var x",
-    "dispersion_perpendicular": "var y",
-}  # fmt: skip
-"""The averages as the summary names them."""
+"""Every observable that a row can have, in the order of the page."""
 OUTCOMES = {
     "explains": "explains the difference",
     "found": "found in the data",
@@ -72,19 +60,11 @@ OUTCOMES = {
     "noted": "noted",
 }
 """What an explanation comes to, in words; in the order in which they are shown."""
-_WORDS = {
-    "observable": "what is compared",
-    "time": "time since the start",
-    "value": "value in the data",
-    "error": "standard error of the difference",
-    "theory": "value of the kinetic equation",
-    "sigmas": "difference in standard errors",
-    "verdict": "verdict of the row",
-    "corrected_sigmas": "sigmas after the correction for the number of rows",
-    "samples": "number of tracers",
-    "low": "lower end of the bin",
-    "high": "upper end of the bin",
-}
+COLUMNS = (
+    "observable", "time", "value", "error", "theory", "sigmas", "verdict", "corrected_sigmas",
+    "samples", "low", "high",
+)  # fmt: skip
+"""Of the rows."""
 _OF_THE_DATA = ("names", "samples", "groups", "grouping")
 
 
@@ -183,9 +163,7 @@ class Comparison(Value):
     figures: Mapping[str, Any] = field(repr=False)
 
     def __post_init__(self) -> None:
-        self.store(
-            parameters=self.parameters, columns=self.columns, figures=_tuples(self.figures)
-        )
+        self.store(parameters=self.parameters, columns=self.columns, figures=_tuples(self.figures))
 
     @property
     def rows(self) -> "pandas.DataFrame":
@@ -221,7 +199,9 @@ class Comparison(Value):
         """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
         parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
         columns = parts.pop("columns")
-        parts["rows"] = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        parts["rows"] = [
+            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+        ]
         data = {name: parts.pop(name) for name in _OF_THE_DATA}
         return {"schema": SCHEMA, "title": self.title, "data": data} | parts
 
@@ -250,10 +230,7 @@ class Comparison(Value):
         import xarray
 
         rows = self.rows
-        variables: dict[str, Any] = {
-            name: ("row", rows[name].to_numpy(), {"long_name": _WORDS[name]}) for name in rows
-        }
-        variables["time"][2]["units"] = "d/U"
+        variables: dict[str, Any] = {name: ("row", rows[name].to_numpy()) for name in rows}
         units = [OBSERVABLES[name].unit or "1" for name in rows["observable"]]
         variables["units"] = ("row", units, {"long_name": "unit of value, error and theory"})
         attributes = {
@@ -290,7 +267,7 @@ class Comparison(Value):
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
         found = json.loads(parts["document"])
         rows = found["rows"]
-        columns = {name: tuple(row[name] for row in rows) for name in _WORDS}
+        columns = {name: tuple(row[name] for row in rows) for name in COLUMNS}
         columns["verdict"] = tuple(map(Verdict, columns["verdict"]))
         return cls(
             verdict=Verdict(found["verdict"]),
@@ -328,12 +305,14 @@ class Comparison(Value):
             f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in line)}</tr>"
             for line in (heads, *lines)
         )
-        return f"<p><strong>{self.verdict}</strong>. {escape(self.summary)}</p><table>{table}</table>"
+        return (
+            f"<p><strong>{self.verdict}</strong>. {escape(self.summary)}</p><table>{table}</table>"
+        )
 
 
 def columns_of(rows: list[dict[str, Any]]) -> dict[str, tuple[Any, ...]]:
     """Rows as columns, as Comparison keeps them."""
-    return {name: tuple(row[name] for row in rows) for name in _WORDS}
+    return {name: tuple(row[name] for row in rows) for name in COLUMNS}
 
 
 def _tuples(value: Any) -> Any:

@@ -114,7 +114,9 @@ def hotelling(
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
     # The F-distribution's upper tail by the incomplete beta function.
     statistic = float(white @ white)
-    log_p = log_betainc((effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1)))
+    log_p = log_betainc(
+        (effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1))
+    )
     value = 2 * inverse_log_gammaincc(freedom / 2, log_p)
     return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
 

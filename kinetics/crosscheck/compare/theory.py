@@ -169,7 +169,7 @@ class Expectation:
         return self._last[1]
 
     def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (..., n_names, n_times) as data in other units, with tracers at rest, have them."""
+        """Averages (..., n_names, n_times) as data in other units, or with tracers at rest, have."""
         if point[5:] == (1.0, 1.0, 1.0, 0.0):
             return values
         left = 1 - point.at_rest

@@ -1,1 +1,1 @@
-"""Anybody's particle data: read (`formats`), as one dense form (`tracks`), as averages (`sample`)."""
+"""Anybody's particle data: files (`formats`), one dense form (`tracks`), averages (`sample`)."""

@@ -212,7 +212,9 @@ def _fault_of(
         for ours, k in found.items():
             if ours not in LABELS and not _is_number(cells[k]):
                 why = "is not a finite number with a decimal point"
-                return InputError(f"{where}: line {number}, column {ours!r}: {short(cells[k])} {why}")
+                return InputError(
+                    f"{where}: line {number}, column {ours!r}: {short(cells[k])} {why}"
+                )
     return InputError(f"{where}: is not readable from line {line} on (quotes, or not UTF-8)")
 
 
@@ -271,7 +273,9 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
         if not {*FRAMES} <= {*own}:
             found = find_columns(where, list(own), asked)
             own = {name: own[name] for name in (list(own)[k] for k in found.values())}
-        arrays = {f"{k} [{u}]" if (u := _unit_of(v)) else k: _dataset(where, v) for k, v in own.items()}
+        arrays = {
+            f"{k} [{u}]" if (u := _unit_of(v)) else k: _dataset(where, v) for k, v in own.items()
+        }
         require_memory(where, sum(float(a.size) * a.dtype.itemsize for a in arrays.values()))
         return _arrays(where, arrays, asked)
 
@@ -287,7 +291,9 @@ def _h5md(where: str, file: Any, asked: Asked) -> Read:
     groups = [particles[name] for name in particles if _is_own(particles, name)]
     groups = [group for group in groups if all(_is_own(group, part) for part in both)]
     if len(groups) != 1:
-        raise InputError(f"{where}: has {len(groups)} groups with position and velocity; needed is 1")
+        raise InputError(
+            f"{where}: has {len(groups)} groups with position and velocity; needed is 1"
+        )
     (group,) = groups
     place, velocity = (_value(where, group, name) for name in both)
     times, same = (_times(where, group[name], len(place), asked) for name in both)
@@ -312,8 +318,9 @@ def _h5md(where: str, file: Any, asked: Asked) -> Read:
         tracer = np.arange(r.shape[1])
     elif tracer.ndim == 2:  # particles may change places from frame to frame
         order = np.argsort(tracer, axis=1, kind="stable")
-        tracer, r, v = np.take_along_axis(tracer, order, 1), *(
-            np.take_along_axis(a, order[..., None], 1) for a in (r, v)
+        tracer, r, v = (
+            np.take_along_axis(tracer, order, 1),
+            *(np.take_along_axis(a, order[..., None], 1) for a in (r, v)),
         )
         if np.any(tracer != tracer[0]):
             raise InputError(f"{where}: id must hold the same labels at all times")
@@ -392,7 +399,9 @@ def _box(where: str, group: Any) -> Any:
     if not _is_own(group, "box"):
         return None
     inner = _is_own(group["box"], "edges")
-    found = _member(where, *((group["box"]["edges"], "value") if inner else (group["box"], "edges")))
+    found = _member(
+        where, *((group["box"]["edges"], "value") if inner else (group["box"], "edges"))
+    )
     edges = np.asarray(found, float)
     if edges.ndim == 2 and edges.size and np.all(edges == edges[0]):
         edges = edges[0]
@@ -404,10 +413,14 @@ def _labels(where: str, group: Any, name: str, place: Any) -> Any:
     if name not in group:
         return None
     found = np.asarray(
-        _member(where, group[name], "value") if _is_own(group, name) else _member(where, group, name)
+        _member(where, group[name], "value")
+        if _is_own(group, name)
+        else _member(where, group, name)
     )
     if found.shape not in (place.shape[:2], place.shape[1:2]) or np.any(found % 1 != 0):
-        raise InputError(f"{where}: {name} must be one whole number for each of {place.shape[1]} tracers")
+        raise InputError(
+            f"{where}: {name} must be one whole number for each of {place.shape[1]} tracers"
+        )
     return found.astype(np.int64)
 
 
@@ -475,7 +488,9 @@ class _Lines:
                 try:
                     parts[name].append(np.array(texts if name == "type" else [*map(float, texts)]))
                 except ValueError:
-                    self.number -= len(rows) - next(i for i, x in enumerate(texts, 1) if not _is_number(x))
+                    self.number -= len(rows) - next(
+                        i for i, x in enumerate(texts, 1) if not _is_number(x)
+                    )
                     raise self.bad(f"column {name!r} is not a number") from None
             left -= len(rows)
         return {name: np.concatenate(part) if part else np.empty(0) for name, part in parts.items()}
@@ -508,7 +523,7 @@ def _lammps(lines: _Lines, asked: Asked) -> Read:
     In three dimensions with z beside them. The time of a frame is ITEM: TIME, or its step times
     --timestep.
     """
-    frames, units, boxes, head = [], (), [], dict[str, Any]()
+    frames, units, boxes, head = [], tuple[str, ...](), [], dict[str, Any]()
     where = lines.where
     for line in lines.items():
         if not line.startswith("ITEM: "):
@@ -534,7 +549,7 @@ def _lammps(lines: _Lines, asked: Asked) -> Read:
             if not {"step", "count"} <= {*head}:
                 raise lines.bad("a frame has no step or no number of atoms")
             frame, wrapped = _lammps_frame(lines, item.split()[1:], head, asked)
-            step = head["step"] if "step" in head else None
+            step = head["step"]
             frame["time"] = np.full(head["count"], asked.times_of(where, head.get("time"), step))
             frames.append(frame)
             d = 3 if asked.dimension == 3 else 2
@@ -543,7 +558,7 @@ def _lammps(lines: _Lines, asked: Asked) -> Read:
             head = {}
     if not frames or head:
         raise InputError(f"{where}: is empty, cut off, or not a LAMMPS text dump")
-    named = dict(zip(("x", "vx", "time"), units, strict=False))
+    named: dict[str, str] = dict(zip(("x", "vx", "time"), units, strict=False))
     box = np.array(boxes[0]) if boxes[0] and len({*boxes}) == 1 else None
     return _of_frames(where, frames, asked, named, box)
 
@@ -593,7 +608,11 @@ def _once(lines: _Lines, names: Sequence[str], name: str) -> int:
 
 
 def _of_frames(
-    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked, units: Mapping[str, str], box: Any
+    where: str,
+    frames: Sequence[Mapping[str, Any]],
+    asked: Asked,
+    units: Mapping[str, str],
+    box: Any,
 ) -> Read:
     """Tracks of the columns of frames."""
     names = [name for name in frames[0] if all(name in frame for frame in frames)]
@@ -662,7 +681,9 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     try:
         import gsd.hoomd
     except ImportError:
-        raise InputError(f"{where}: to read it, the package gsd is needed: pip install gsd") from None
+        raise InputError(
+            f"{where}: to read it, the package gsd is needed: pip install gsd"
+        ) from None
     asked.times_of(where, None, 0)
     with gsd.hoomd.open(str(path), "r") as file:
         frames = list(file[: MOST_TIMES + 1])

@@ -307,7 +307,9 @@ def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
 # -- from files to a sample ------------------------------------------------------------------------
 
 
-def read_sample(sources: Sequence[Path | Table], show_progress: bool = False, **told: Any) -> Sample:
+def read_sample(
+    sources: Sequence[Path | Table], show_progress: bool = False, **told: Any
+) -> Sample:
     """One sample from files or columns in memory (see `formats`), or from one file of an Ensemble.
 
     told : what the user says about the data, the arguments of `tracks.Asked`
@@ -326,7 +328,7 @@ def read_sample(sources: Sequence[Path | Table], show_progress: bool = False, **
     if runs := [source for source in sources if summaries.is_ensemble(source)]:
         if len(sources) > 1:
             raise InputError(f"{name_of(runs[0])}: an Ensemble file must be the only file")
-        return summaries.read_ensemble(runs[0])
+        return summaries.read_ensemble(Path(name_of(runs[0])))
     for k, source in enumerate(sources):
         if isinstance(source, Path) and source in sources[:k]:
             why = "its tracers would be taken for independent ones"

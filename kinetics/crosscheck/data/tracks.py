@@ -1,7 +1,7 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
-A format (`formats`) gives either columns, one row for each tracer at each time, which `from_columns`
-turns into `Tracks`, or frames, which are Tracks already; or columns of averages (`Averages`).
+A format (`formats`) gives either columns, one row for each tracer at each time, which
+`from_columns` turns into `Tracks`, or frames, which are Tracks already; or columns of averages (`Averages`).
 """
 
 import difflib
@@ -79,7 +79,9 @@ class Asked:
         for name in ("speed_unit", "diameter", "time_unit", "timestep"):
             value = getattr(self, name)
             free = value is None and name in ("time_unit", "timestep")
-            if not free and not (name == "speed_unit" and isinstance(value, str) and value == "data"):
+            if not free and not (
+                name == "speed_unit" and isinstance(value, str) and value == "data"
+            ):
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
@@ -253,7 +255,7 @@ def from_columns(
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
             raise InputError(
-                f"{where}: row {k} has {name} = {values[name][k]}; every value must be a finite number"
+                f"{where}: row {k} has {name} = {values[name][k]}; every value must be finite"
             )
     if "x" not in values:
         return Averages(values, said)
@@ -282,14 +284,16 @@ def _column(where: str, name: str, values: Any) -> Any:
         return np.unique(values.astype(str), return_inverse=True)[1]
     if name not in LABELS:
         return values.astype(float)
-    if values.dtype.kind == "f":
-        if not np.all((np.abs(values) < 2.0**63) & (values == np.rint(values))):
-            raise InputError(f"{where}: {name!r} must be whole numbers below 2^63, without NaN")
+    whole = values.dtype.kind != "f" or (np.abs(values) < 2.0**63) & (values == np.rint(values))
+    if not np.all(whole):
+        raise InputError(f"{where}: {name!r} must be whole numbers below 2^63, without NaN")
     with np.errstate(over="ignore"):
         return values.astype(np.int64)
 
 
-def _dense(where: str, c: Mapping[str, Any], units: Mapping[str, str], asked: Asked, d: int) -> Tracks:
+def _dense(
+    where: str, c: Mapping[str, Any], units: Mapping[str, str], asked: Asked, d: int
+) -> Tracks:
     index, times = _binned(where, c["time"], max(SAME_TIME, asked.bin_times or 0.0))
     labels = {name: c[name] for name in ("tracer", "medium") if name in c}
     if "tracer" not in labels:  # the k-th row of each time is taken for the same tracer
@@ -362,8 +366,8 @@ def _binned(where: str, time: Any, within: float) -> tuple[Any, Any]:
     while different[-1] - firsts[-1] > within * different[-1]:
         if len(firsts) == MOST_TIMES:
             raise InputError(
-                f"{where}: time: more than {MOST_TIMES} different times; every tracer must be given "
-                "at the same few times, or say --bin-times"
+                f"{where}: time: more than {MOST_TIMES} different times; every tracer must be "
+                "given at the same few times, or say --bin-times"
             )
         # the first that is not so near: t - first > within * t rises with t
         firsts.append(different[np.argmax(different - firsts[-1] > within * different)])

@@ -256,7 +256,9 @@ def test_small_files_take_little_memory(tmp_path: Path, name: str) -> None:
         "try: compare_data(sys.argv[1], 0.7, 0.04)\n"
         "except ValueError: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
     )
-    done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, path], capture_output=True, text=True, check=True
+    )
     assert int(done.stdout) < 200_000  # kB
 
 

@@ -82,7 +82,9 @@ def test_its_document_is_strict_json(differing: Comparison) -> None:
 def test_every_figure_is_drawn(differing: Comparison) -> None:
     from matplotlib import pyplot
 
-    assert {"thermal-speed", "a2", "msd", "kurtosis", "sigmas", "speed-density"} <= {*differing.figures}
+    assert {"thermal-speed", "a2", "msd", "kurtosis", "sigmas", "speed-density"} <= {
+        *differing.figures
+    }
     for name in differing.figures:
         ax = differing.plot(name)
         assert ax.get_xlabel()
@@ -104,7 +106,9 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: Any) -> None:
         self.tags.append(tag)
-        self.addresses += [v for k, v in attrs if k in ("src", "href", "xlink:href") and v[0] != "#"]
+        self.addresses += [
+            v for k, v in attrs if k in ("src", "href", "xlink:href") and v[0] != "#"
+        ]
 
     def handle_data(self, data: str) -> None:
         self.words += data
@@ -128,7 +132,9 @@ def test_the_page_says_the_verdict_first_and_every_number(differing: Comparison)
 
 
 def test_texts_of_the_data_are_escaped(differing: Comparison) -> None:
-    evil = replace(differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL, figures={})
+    evil = replace(
+        differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL, figures={}
+    )
     page = Page(render(evil, EVIL))
     assert "script" not in page.tags
     assert page.words.count(EVIL) >= 5
@@ -184,7 +190,12 @@ def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> N
     ],
 )
 def test_bad_arguments_are_one_line(
-    csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lorentz: Any, arguments: Any, words: str
+    csv: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    lorentz: Any,
+    arguments: Any,
+    words: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder.html").mkdir()
@@ -192,7 +203,9 @@ def test_bad_arguments_are_one_line(
     assert [p.name for p in tmp_path.iterdir()] == ["folder.html"]
 
 
-def test_the_output_never_takes_the_place_of_the_data(csv: Path, tmp_path: Path, lorentz: Any) -> None:
+def test_the_output_never_takes_the_place_of_the_data(
+    csv: Path, tmp_path: Path, lorentz: Any
+) -> None:
     data = tmp_path / "page.json"
     data.write_bytes(csv.read_bytes())
     page = str(tmp_path / "page.html")

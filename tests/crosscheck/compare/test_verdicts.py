@@ -176,7 +176,13 @@ def test_what_is_not_told_is_found() -> None:
 def test_a_model_that_does_not_fit_has_no_value() -> None:
     """Dense hard disks, which no restitution and density explain."""
     run = simulate(
-        HardDisks(0.2, 3000), restitution=0.75, times=TIMES, media=120, tracers=100, seed=5, workers=1
+        HardDisks(0.2, 3000),
+        restitution=0.75,
+        times=TIMES,
+        media=120,
+        tracers=100,
+        seed=5,
+        workers=1,
     )
     found = compare_sample(replace(from_ensemble(run), told={}), explain=False)
     assert found.verdict == "differs"
@@ -199,7 +205,9 @@ def test_data_in_a_field(wrong: float, verdict: str) -> None:
         compare(data, 0.7, field=0.1)
 
 
-@pytest.mark.parametrize(("told", "verdict"), [({}, "agrees"), ({"tangential_restitution": 0.3}, "differs")])
+@pytest.mark.parametrize(
+    ("told", "verdict"), [({}, "agrees"), ({"tangential_restitution": 0.3}, "differs")]
+)
 def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
     run = simulated(medium=BoltzmannGrad(DENSITY, dimension=3), tracers=100)
     data = {"times": run.times, "positions": run.positions, "velocities": run.velocities}
@@ -209,7 +217,10 @@ def test_data_in_space(told: dict[str, Any], verdict: str) -> None:
 
 
 def test_tables_of_averages() -> None:
-    v0, r2 = (simulated(observables=("thermal_speed", "msd")).__getattribute__(n) for n in ("thermal_speed", "msd"))
+    v0, r2 = (
+        simulated(observables=("thermal_speed", "msd")).__getattribute__(n)
+        for n in ("thermal_speed", "msd")
+    )
     table = {"t": np.array([2.0, 20.0, 200.0]), "v0": v0.value[1:], "v0_error": v0.error[1:]}
     table |= {"msd": r2.value[1:], "msd_error": r2.error[1:]}
     assert compare(table, 0.75, DENSITY).verdict == "agrees"
