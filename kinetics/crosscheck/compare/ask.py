@@ -231,10 +231,7 @@ def _judged(both: Both, explain: bool) -> Comparison:
 def _explained(
     both: Both, verdict: Verdict, unit: Explanation | None
 ) -> tuple[tuple[Explanation, ...], dict[str, Any]]:
-    """What explains a difference, the likeliest first; and the data of the figures.
-
-    Where a unit is wrong, nothing else is claimed.
-    """
+    """What explains a difference, the likeliest first; and the data of the figures."""
     from kinetics.crosscheck.compare.page import figures_of
 
     if unit is not None:
@@ -256,10 +253,7 @@ def _explained(
 def _parameters(
     scene: "Scene", found: Fit | None, unit: Explanation | None
 ) -> dict[str, Parameter]:
-    """The numbers of the scene; those that were fitted have standard errors.
-
-    A fit that leaves a difference, or that used a wrong unit, has found no value.
-    """
+    """The numbers of the scene; those that were fitted have standard errors."""
     free, left = (found.free, found.chi_square) if found else ((), None)
     rejected = left is not None and left.p_value < chance(DIFFERS_ABOVE)
     words = "fitted to v₀ and ⟨r²⟩ over time"

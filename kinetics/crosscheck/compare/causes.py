@@ -11,23 +11,16 @@ looked for first: then nothing else is claimed. Notes are made in any case.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import (
-    SECOND_MOMENTS,
-    Components,
-    Fit,
-    choose_components,
-    components_of,
-    fit,
-)
+from kinetics.crosscheck.compare.fit import Components, Fit, choose_components, components_of, fit
 from kinetics.crosscheck.compare.judge import Both
-from kinetics.crosscheck.compare.result import OBSERVABLES, Explanation
+from kinetics.crosscheck.compare.result import Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
-from kinetics.crosscheck.compare.theory import OWN_ERROR, SPEED, SampledStart, bin_shares
+from kinetics.crosscheck.compare.theory import SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.data.sample import V2, N, Sample
 from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, numeral
 
@@ -61,20 +54,6 @@ class Cause(NamedTuple):
     free: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Tested:
-    """A cause with what it comes to, and the fit that says so."""
-
-    explanation: Explanation
-    fit: Fit
-
-    @property
-    def criterion(self) -> float:
-        """-2 ln likelihood, to a constant, plus 2 per parameter."""
-        left = self.explanation.chi_square_after or 0.0
-        return left + 2 * len(self.fit.free) + self.fit.widening
-
-
 def tested_causes(both: Both) -> tuple[list[Explanation], Any]:
     """Every cause, the likeliest first, and the averages that the one that explains expects.
 
@@ -88,27 +67,25 @@ def tested_causes(both: Both) -> tuple[list[Explanation], Any]:
     before = hotelling(*both.flat(components.tested), None, components.one_by_one)
     if before is None:
         return [], None
-    tested = []
-    for cause in CAUSES:
-        for change in cause.changes(both):
-            found = _fitted(both, components, change, cause.free)
-            if found is not None and found.chi_square is not None:
-                tested.append(Tested(_judged(both, cause, found, before), found))
-    ranked = sorted(tested, key=lambda one: one.criterion)
-    # A share of tracers at rest is one between none and nearly all.
-    at_rest = [one.fit.point.at_rest for one in ranked]
-    ranked = [
-        one for one, share in zip(ranked, at_rest, strict=True)
-        if one.fit.free != ("at_rest",) or 0 < share < 0.85
-    ]  # fmt: skip
-    every = [
-        replace(one.explanation, outcome="in part")
-        if one.explanation.outcome == "explains" and one.criterion > ranked[0].criterion + NEAR_BEST
-        else one.explanation
-        for one in ranked
+    tested = [
+        (found.chi_square.value + 2 * len(cause.free) + found.widening, found, cause)
+        for cause in CAUSES
+        for change in cause.changes(both)
+        if (found := _fitted(both, components, change, cause.free))
+        and found.chi_square
+        # a share of tracers at rest is one between none and nearly all
+        and (cause.free != ("at_rest",) or 0 < found.point.at_rest < 0.85)
     ]
-    best = next((k for k, item in enumerate(every) if item.outcome == "explains"), None)
-    return every, None if best is None else ranked[best].fit.theory
+    tested.sort(key=lambda one: one[0])  # -2 ln likelihood, to a constant, plus 2 per parameter
+    every, best = [], None
+    for criterion, found, cause in tested:
+        item = _judged(both, cause, found, before)
+        if item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST:
+            item = replace(item, outcome="in part")
+        if item.outcome == "explains" and best is None:
+            best = found.theory
+        every.append(item)
+    return every, best
 
 
 def _fitted(
@@ -151,7 +128,7 @@ def _pm(found: tuple[float, float], form: str = ".5g", of_error: str = ".2g") ->
     return f"{numeral(found[0], form)} ± {numeral(found[1], of_error)}"
 
 
-def is_dense(both: Both) -> list[dict[str, Any]]:
+def _media(both: Both) -> list[dict[str, Any]]:
     """The media at the density of the scatterers, where there is a theory of them.
 
     For smooth disks in the plane at a density that is told (not fitted to the same data); not for
@@ -160,33 +137,23 @@ def is_dense(both: Both) -> list[dict[str, Any]]:
     from kinetics.collision.medium import HIGHEST_DENSITY
 
     scene, fitted = both.solution.scene, both.found is not None and "path" in both.found.free
-    if fitted or both.sample.free or scene.scatterers != "dilute":
+    known = scene.restitution >= _LEAST_RESTITUTION and scene.number_density <= HIGHEST_DENSITY
+    if fitted or both.sample.free or not known or not both.sample.law.smooth_disks:
         return []
-    known = scene.restitution >= _LEAST_RESTITUTION
-    known = known and scene.number_density * scene.diameter**2 <= HIGHEST_DENSITY
-    if not (known and both.sample.law.smooth_disks):
-        return []
-    return [{"scatterers": medium, "diameter": scene.diameter} for medium in MEDIA]
+    return [{"scatterers": medium} for medium in MEDIA]
 
 
 def _of_density(both: Both, found: Fit) -> tuple[str, str]:
-    """What the theory is, how much it changes the averages, and for which times it is trusted."""
     from kinetics.collision.medium import SETTLED, TESTED_DENSITY
 
-    scene, kind = both.solution.scene, found.point.scatterers
-    n, settled = scene.number_density * scene.diameter**2, SETTLED * scene.mean_free_path
-    changes = " and ".join(
-        f"{OBSERVABLES[name].short} by {numeral(found.theory[k, -1] / both.theory[k, -1] - 1, '+.2%')}"
-        for k, name in enumerate(both.names) if name in SECOND_MOMENTS
-    )  # fmt: skip
-    own = [numeral(OWN_ERROR[name][k] * n, ".2%") for k in (1, 0) for name in SECOND_MOMENTS]
+    kind, n = found.point.scatterers, both.solution.scene.number_density
+    changes = found.theory[:, -1] / both.theory[:, -1] - 1
     text = (
-        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: the "
-        f'equation of Scene(scatterers="{kind}"), in which tracers meet scatterers again. Nothing is '
-        f"fitted. At the last time it changes {changes} from the dilute equation. It is trusted from "
-        f"{SETTLED:g} l/U = {numeral(settled, '.4g')} d/U on. Its own error, known from simulations "
-        f"(up to n = {TESTED_DENSITY:g}), is added to the covariance of the data: {own[0]} of v₀ and "
-        f"{own[1]} of ⟨r²⟩ from that time on, {own[2]} and {own[3]} before."
+        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: "
+        f'the equation of Scene(scatterers="{kind}"), in which tracers meet scatterers again; '
+        f"nothing is fitted. At the last time it changes v₀ by {numeral(changes[0], '+.2%')} and "
+        f"⟨r²⟩ by {numeral(changes[2], '+.2%')}. It is trusted from {SETTLED:g} l/U on, and its own "
+        f"error, known from simulations up to n = {TESTED_DENSITY:g}, is added to the covariance."
     )
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
@@ -194,12 +161,9 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
 def _of_path(both: Both, found: Fit) -> tuple[str, str]:
     scene, law, (value, error) = both.solution.scene, both.sample.law, found.value("path")
     told, path = scene.mean_free_path, f"l = {_pm((value, error))} d"
-    text = (
-        f"Another mean free path: {path} fits best, {numeral(value / told - 1, '+.1%')} from "
-        f"{numeral(told, '.5g')} d, as a density of {numeral(law.free_path(value), '.5g')} "
-        f"{'d⁻²' if law.dimension == 2 else 'd⁻³'} would have."
-    )
-    share = math.pi * scene.number_density * scene.diameter**2 / 4  # of the area, of disks
+    density, share = numeral(law.free_path(value), ".5g"), math.pi * scene.number_density / 4
+    text = f"Another mean free path: {path} fits best, {numeral(value / told - 1, '+.1%')} from "
+    text += f"{numeral(told, '.5g')} d, as a density of {density} d^-{law.dimension} would have."
     if law.smooth_disks and share < 0.5:
         # Henderson, Mol. Phys. 30, 971 (1975): the pair correlation of hard disks at contact
         disks = told * (1 - share) ** 2 / (1 - 7 * share / 16)
@@ -216,10 +180,8 @@ def _of_path(both: Both, found: Fit) -> tuple[str, str]:
 
 def _of_restitution(both: Both, found: Fit) -> tuple[str, str]:
     told, e = numeral(both.point.restitution, ".5g"), _pm(found.value("restitution"))
-    return (
-        f"Another restitution: e = {e} fits best, instead of {told}.",
-        f"e = {e} in place of {told}",
-    )
+    text = f"Another restitution: e = {e} fits best, instead of {told}."
+    return text, f"e = {e} in place of {told}"
 
 
 def _other_starts(both: Both) -> list[dict[str, Any]]:
@@ -227,7 +189,7 @@ def _other_starts(both: Both) -> list[dict[str, Any]]:
     start = both.sample.start
     if start is not None:
         return [] if both.own_start else [{"start": SampledStart(start)}]
-    return [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.solution.scene.initial]
+    return [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.point.start]
 
 
 def _of_start(both: Both, found: Fit) -> tuple[str, str]:
@@ -240,20 +202,15 @@ def _of_start(both: Both, found: Fit) -> tuple[str, str]:
 def _of_unit(symbol: str, name: str) -> Callable[[Both, Fit], tuple[str, str]]:
     def words(both: Both, found: Fit) -> tuple[str, str]:
         value = f"{symbol} = {_pm(found.value(name))}"
-        text = (
-            f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, the "
-        )
-        return text + "equation fits best.", f"{value} in place of 1 in the data's unit"
+        text = f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, "
+        return text + "the equation fits best.", f"{value} in place of 1 in the data's unit"
 
     return words
 
 
 def _of_rest(both: Both, found: Fit) -> tuple[str, str]:
-    share = _pm(found.value("at_rest"), ".2%", ".2%")
-    return (
-        f"A share of {share} of the tracers that never moves fits best.",
-        f"a share of {share} of tracers that never move",
-    )
+    share = f"a share of {_pm(found.value('at_rest'), '.2%', '.2%')} of tracers that never move"
+    return f"{share.capitalize()} fits best.", share
 
 
 def _always(both: Both) -> list[dict[str, Any]]:
@@ -261,7 +218,7 @@ def _always(both: Both) -> list[dict[str, Any]]:
 
 
 CAUSES = (
-    Cause("finite density", is_dense, _of_density),
+    Cause("finite density", _media, _of_density),
     Cause("free path", _always, _of_path, ("path",)),
     Cause("restitution", _always, _of_restitution, ("restitution",)),
     Cause("initial speeds", _other_starts, _of_start),
@@ -274,61 +231,50 @@ CAUSES = (
 """Everything that may explain a difference. The first, which has no free parameter, stands before
 others that are as likely. A new cause is one row."""
 
-
 # -- units that do not belong together -------------------------------------------------------------
 
 _FAR, _MOST = 2.0, 0.5
 """Factor by which speeds are in another unit, and the share of tracers that have not collided."""
 _WRONG_ABOVE = 0.005
 """|ln(|r|/(|v| t))| from which on units do not belong together."""
-_SAY = "Say so by --time-unit, --length-unit or --speed-unit. No other cause is looked for."
 
 
 def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
-    """What is said where units do not belong together; None where they do, or cannot be known."""
+    """What is said where units do not belong together; None where they do, or cannot be known.
+
+    Tracers that have not collided are at r = v t. Speeds never rise, so that larger ones than at a
+    named start cannot be; smaller ones cannot be while most tracers have not collided. A factor of
+    two is asked for: less may be another start.
+    """
+    flights = sample.flights
     if sample.law.field:
         return None
-    return _of_flights(sample) or _wrong_speeds(sample, start)
-
-
-def _of_flights(sample: Sample) -> Explanation | None:
-    flights = sample.flights
-    if flights is None or abs(math.log(flights.ratio)) < _WRONG_ABOVE:
-        return None
-    ratio, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
-    text = (
-        f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the tracers have "
-        f"flown straight, at r = {ratio} v t. In units that belong together it is r = v t, whatever "
-        f"the scatterers: so either times are {inverse} times too long, or positions or speeds are "
-        f"in another unit. {_SAY}"
-    )
-    headline = (
-        f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times too long"
-    )
-    return Explanation("time unit", "found", text, True, 1 / flights.ratio, headline=headline)
-
-
-def _wrong_speeds(sample: Sample, start: Any) -> Explanation | None:
-    """What is said where the first speeds are far from those of a named start; or None.
-
-    Speeds never rise, so that larger ones than at the start cannot be. Smaller ones cannot be while
-    most tracers have not collided. A factor of two is asked for: less may be another start.
-    """
+    if flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
+        ratio, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
+        headline = (
+            f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times"
+        )
+        text = (
+            f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the tracers "
+            f"have flown straight, at r = {ratio} v t, which is r = v t in units that belong "
+            "together. Say so by --time-unit, --length-unit or --speed-unit. No other cause is "
+            "looked for."
+        )
+        value = 1 / flights.ratio
+        return Explanation("time unit", "found", text, True, value, headline=f"{headline} too long")
     if not isinstance(start, str):
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
     ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
-    flights = sample.flights
     early = flights is not None and flights.share > _MOST and flights.time <= sample.times[:2].max()
     if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
         return None
-    why = "and speeds never rise" if ratio > 1 else "and most tracers have not collided"
     text = (
         f"At t = {numeral(sample.times[0], '.4g')} the root mean square speed is "
-        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U, {why}: "
-        "speeds are in another unit. Say so by --speed-unit (a number, or data where there is a time "
-        "0), and give the diameter in the data's unit by --length-unit. No other cause is looked for."
+        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U: speeds are "
+        "in another unit. Say so by --speed-unit (a number, or data where there is a time 0), and "
+        "give the diameter by --length-unit. No other cause is looked for."
     )
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
     return Explanation("speed unit", "found", text, True, ratio, headline=headline)
@@ -349,38 +295,36 @@ def notes_of(both: Both) -> Iterator[Explanation]:
             yield found
     if both.own_start and both.histograms:
         text = (
-            "The theory starts from the data's own speeds. The averages' errors allow for that; the "
-            "densities' do not, and while most tracers have not collided their p-values are too high."
+            "The theory starts from the data's own speeds. The averages' errors allow for that; "
+            "p-values of densities are too high while most tracers have not collided."
         )
         yield Explanation("own start", "noted", text, False)
 
 
 def _traps(both: Both) -> Explanation | None:
-    """Tracers at the last time that are far slower than the theory's slowest."""
-    for found in [h for h in both.histograms if h.name == SPEED][-1:]:
+    """Tracers at the last time that are far slower than the theory's slowest, or at rest."""
+    rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
+    for h in [h for h in both.histograms if h.name == SPEED][-1:]:
         binned, density = both.sample.speeds, both.densities[SPEED]
         assert binned is not None
-        edges = binned.edges[found.index]
-        cut = int(np.searchsorted(edges, found.edges[1] / _FAR_SLOWER))
-        at = int(np.argmin(np.abs(density.times - found.time)))
-        count = int(binned.totals[found.index, : cut + 1].sum())
-        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * found.samples
+        edges = binned.edges[h.index]
+        cut = int(np.searchsorted(edges, h.edges[1] / _FAR_SLOWER))
+        at = int(np.argmin(np.abs(density.times - h.time)))
+        count = int(binned.totals[h.index, : cut + 1].sum())
+        expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
         excess = count - expected
         if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
             break
-        share, error = excess / found.samples, math.sqrt(count) / found.samples
+        share, error = excess / h.samples, math.sqrt(count) / h.samples
         text = (
-            f"Traps: at t = {numeral(found.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected: an excess "
-            f"of {numeral(share, '.2%')} ± {numeral(error, '.2%')} of all. "
-            f"{int(both.sample.at_rest[found.index])} of them have speed zero. Tracers caught in "
-            "corners between scatterers, or stopped by a program, are such."
+            f"Traps: at t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
+            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected: an "
+            f"excess of {_pm((share, error), '.2%', '.2%')} of all; {rest} have speed zero. Tracers "
+            "caught in corners between scatterers, or stopped by a program, are such."
         )
         return Explanation("traps", "found", text, True, share, error)
-    if rest := int(both.sample.at_rest.max()):
-        text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-        return Explanation("traps", "found", text, True, rest / int(both.sample.samples.max()))
-    return None
+    text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
+    return Explanation("traps", "found", text, True, rest / most) if rest else None
 
 
 def _missing(both: Both) -> Explanation | None:
@@ -395,21 +339,19 @@ def _missing(both: Both) -> Explanation | None:
         for times in (complete, ~complete)
     )
     missing = most - int(samples[least])
-    cap = (
-        f" (they are stopped after {sample.capped} collisions)" if sample.capped is not None else ""
-    )
+    cap = f" (stopped after {sample.capped} collisions)" if sample.capped is not None else ""
     text = (
-        f"Tracers are missing{cap}: of {most}, {missing} at t = {numeral(sample.times[least], '.4g')}. "
-        "A cap on collisions takes the fast ones away, and what is left is too slow."
+        f"Tracers are missing{cap}: of {most}, {missing} at t = {numeral(sample.times[least], '.4g')}"
+        ". A cap on collisions takes the fast ones away, and what is left is too slow."
     )
     outcome = "noted" if part is None else "does not"
     if part is not None and part.p_value < AGREES_ABOVE:
         outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
         text += f" At the times without all of them p = {numeral(part.p_value, '.2g')}."
+    left = (None, None, None) if whole is None else (whole.value, whole.freedom, whole.p_value)
     return Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,
-        None if part is None else part.value,
-        *((None, None, None) if whole is None else (whole.value, whole.freedom, whole.p_value)),
+        None if part is None else part.value, *left,
     )  # fmt: skip
 
 
@@ -427,8 +369,7 @@ def _not_forgotten(both: Both) -> Explanation | None:
     if not abs(last - exact) >= max(0.01 * (1 + exact), float(both.error[i, -1])):
         return None
     text = (
-        f"The start is not forgotten: at the last time the kinetic equation itself has a₂ = "
-        f"{numeral(last, '.4f')}, the scaling state {numeral(exact, '.4f')}. Such data differ from "
-        "the scaling state (its h, a₂ and F(c)) without anything being wrong."
+        f"At the last time the equation itself has a₂ = {numeral(last, '.4f')}, the scaling state "
+        f"{numeral(exact, '.4f')}: the start is not forgotten, without anything being wrong."
     )
     return Explanation("start not forgotten", "noted", text, False, last - exact)

@@ -216,12 +216,7 @@ def _at(
 
 
 def _inflation(groups: int, freedom: int) -> float:
-    """Factor on the variance of a parameter, for weights from a covariance that is estimated.
-
-    Gaussian groups: the covariance's inverse is too large by the first factor (Hartlap, Simon and
-    Schneider, A&A 464, 399 (2007)), weights that are not the best ones cost the second (Percival et
-    al., MNRAS 439, 2531 (2014)). freedom: components less parameters.
-    """
+    """Factor on the variance of a parameter, for weights from a covariance that is estimated."""
     first = (groups - 1) / max(groups - 1 - freedom, 1)
     second = (groups - 2) / max(groups - 2 - freedom, 1)
     return first * second
@@ -230,10 +225,7 @@ def _inflation(groups: int, freedom: int) -> float:
 def _descended(
     residual: Callable[[Array], Array], start: Array, low: Array, high: Array
 ) -> tuple[float, Array] | None:
-    """The least sum of squares near a start, and where it is; None where the theory is not finite.
-
-    A gain of 1e-5 in a chi-square, or a step of 1e-6, is far below any standard error.
-    """
+    """The least sum of squares near a start, and where it is; None where the theory is not finite."""
     from scipy.optimize import least_squares
 
     try:

@@ -177,10 +177,7 @@ _COUNTS = {SPEED: "speeds", DISPLACEMENT: "displacements"}
 def _histogram(
     sample: Sample, solution: "Solution", name: str, at: int, time: float
 ) -> Histogram | None:
-    """A sample's histogram against a solution's density at its time of the index `at`.
-
-    None where too few samples are expected for two bins.
-    """
+    """A sample's histogram against a solution's density at its time of the index `at`."""
     index = int(np.argmin(np.abs(sample.times - time)))
     binned = getattr(sample, _COUNTS[name])
     samples = int(binned.totals[index].sum())
@@ -232,12 +229,7 @@ def _errors(
 def _merged(
     expected: Array, samples: int, most: int, edges: Array, peak: float | None
 ) -> NDArray[np.int64]:
-    """The first fine bin of each bin, from the counts expected in the fine bins.
-
-    Bins start at LEAST_EXPECTED in the tails and double towards the middle, where the body is: a
-    small excess at rest or far out is seen beside few others. Of a delta peak that stands on an
-    edge, rounding may have put samples on either side: no bin ends there.
-    """
+    """The first fine bin of each bin, from the counts expected in the fine bins."""
     widest = max(samples * MOST_IN_A_BIN, samples / most * 2, LEAST_EXPECTED)
     starts, held, before = [0], 0.0, 0.0
     for k, count in enumerate(expected[:-1].tolist()):
@@ -324,12 +316,7 @@ def tests_of(both: Both) -> list[ComparisonTest]:
 
 
 def _over_times(both: Both, i: int) -> ChiSquare | None:
-    """The chi-square of one average.
-
-    Where there are more times than the groups allow degrees of freedom, the differences in standard
-    errors of neighbouring times are added up. Of a table of averages it is that of the time that
-    differs most: how its errors are correlated is not known.
-    """
+    """The chi-square of one average."""
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
@@ -346,10 +333,7 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
 
 
 def _verdict_of_times(both: Both, i: int) -> Verdict:
-    """The verdict on the time of an average that differs most, out of all times of all averages.
-
-    Twice as many looks are allowed for: the chi-squares have looked at the same times.
-    """
+    """The verdict on the time of an average that differs most, out of all times of all averages."""
     looks = 2 * int(both.usable.sum())
     effective = effective_groups(both.replicates[:, i])
     z = both.difference[i] / np.where(both.usable[i], both.error[i], 1.0)
@@ -360,10 +344,7 @@ def _verdict_of_times(both: Both, i: int) -> Verdict:
 
 
 def _within(both: Both, i: int) -> float:
-    """The relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma.
-
-    Of 1 + a2 for a2, which may be zero, and in a field of the largest value of all times.
-    """
+    """The relative difference that the data exclude at every time, at 95 %: |d| + 2 sigma."""
     usable = both.usable[i]
     size = np.abs(both.theory[i] + (1.0 if both.names[i] == "a2" else 0.0))[usable]
     if both.sample.law.field:

@@ -182,10 +182,7 @@ class Expectation:
         return np.asarray(values * size[:, None] + shift[:, None])
 
     def _from_start(self, point: Point, times: Array) -> tuple[Array, Array]:
-        """A tracer of speed v does at time t what one of speed 1 does at v t, times v.
-
-        point: with the start "monoenergetic".
-        """
+        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
         assert self.sample.start is not None
         start, law = self.sample.start, self.sample.law
         flat, back = np.unique(np.sqrt(start.squares)[:, None] * times, return_inverse=True)

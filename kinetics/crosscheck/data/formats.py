@@ -83,10 +83,7 @@ def _reader(path: Path, where: str) -> Callable[[Path, str, Asked], Read]:
 
 
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
-    """Columns of one length, or arrays of frames, by the names of the file.
-
-    Each has a dtype and a shape, or is a sequence, and numpy.asarray reads it.
-    """
+    """Columns of one length, or arrays of frames, by the names of the file."""
     if {*FRAMES} <= {*arrays}:
         shapes = [np.shape(arrays[name]) for name in FRAMES]
         if len(shapes[1]) != 3 or shapes[0] != shapes[1][:1] or shapes[0][0] > MOST_TIMES:
@@ -115,12 +112,7 @@ _REMARK = re.compile(rb"^[ \t\r]*(#.*)?$", re.MULTILINE)
 
 
 def _csv(path: Path, where: str, asked: Asked, texts: bool = False) -> Read:
-    """Commas, semicolons or tabs, whichever the first line has; blank lines and # are passed over.
-
-    pyarrow rounds every number correctly, so that a double that was written with 17 digits comes
-    back to its last bit. It knows neither remarks nor line numbers; both are added here. texts:
-    whether labels are read as such, which is done where one is no whole number.
-    """
+    """Commas, semicolons or tabs, whichever the first line has; blank lines and # are passed over."""
     with gzip.open(path, "rb") if path.suffix.lower() == ".gz" else open(path, "rb") as file:
         header, line = "", 1
         while not header:
@@ -281,12 +273,7 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
 
 
 def _h5md(where: str, file: Any, asked: Asked) -> Read:
-    """The only group of particles with positions and velocities; the layout is at nongnu.org.
-
-    Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
-    unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
-    package writes, says the configuration of each tracer.
-    """
+    """The only group of particles with positions and velocities; the layout is at nongnu.org."""
     both, particles = ("position", "velocity"), file["particles"]
     groups = [particles[name] for name in particles if _is_own(particles, name)]
     groups = [group for group in groups if all(_is_own(group, part) for part in both)]
@@ -518,11 +505,7 @@ def _of_lines(
 
 
 def _lammps(lines: _Lines, asked: Asked) -> Read:
-    """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy.
-
-    In three dimensions with z beside them. The time of a frame is ITEM: TIME, or its step times
-    --timestep.
-    """
+    """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
     frames, units, boxes, head = [], tuple[str, ...](), [], dict[str, Any]()
     where = lines.where
     for line in lines.items():
@@ -638,11 +621,7 @@ _XYZ = {
 
 
 def _xyz(lines: _Lines, asked: Asked) -> Read:
-    """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=...
-
-    Without a property id the k-th line of each frame is the same tracer. Positions are taken as
-    they stand: they must not be wrapped.
-    """
+    """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=..."""
     frames, where = [], lines.where
     for line in lines.items():
         count = lines.whole("the number of atoms", line)
@@ -674,10 +653,7 @@ def _xyz(lines: _Lines, asked: Asked) -> Read:
 
 
 def _gsd(path: Path, where: str, asked: Asked) -> Read:
-    """Frames as HOOMD-blue writes them, in single precision, unwrapped by their image flags.
-
-    A frame says its step; the k-th particle of each frame is the same tracer.
-    """
+    """Frames as HOOMD-blue writes them, in single precision, unwrapped by their image flags."""
     try:
         import gsd.hoomd
     except ImportError:

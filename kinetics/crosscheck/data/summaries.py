@@ -61,10 +61,7 @@ def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
 
 
 def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
-    """The sums of the made-up groups, (GROUPS, n_times, 5), and averages that cannot be used.
-
-    NaN where an average is not known, or its error is not above 0.
-    """
+    """The sums of the made-up groups, (GROUPS, n_times, 5), and averages that cannot be used."""
     (first, *_) = columns.values()
     spread = _Spread(first.size * len(columns))
     sums = np.full((GROUPS, first.size, 5), np.nan)

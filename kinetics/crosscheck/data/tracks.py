@@ -353,10 +353,7 @@ def _rank(keys: Any) -> Any:
 
 
 def _binned(where: str, time: Any, within: float) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these.
-
-    Times that differ by less than the fraction `within` are one, at their mean.
-    """
+    """The index of each row's time among the different ones, and these."""
     if time.min() < 0:
         raise InputError(f"{where}: time: got {time.min():g}; times must not be negative")
     # rows that stand together at one time, as in most files, are looked at once
