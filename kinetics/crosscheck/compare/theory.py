@@ -54,8 +54,7 @@ class Point(NamedTuple):
     """Every number that a theory of data has; a cause of a difference is another value of some.
 
     restitution; path: mean free path in d; start: as a Scene's initial
-    scatterers, diameter : as in a Scene; among others than "dilute" ones `path` is still
-        1/(2 d rho), from which their density n = d/(2 path) follows
+    scatterers : as in a Scene; among others than "dilute" ones `path` is still 1/(2 d rho)
     speed_unit, time_unit, length_unit : U, d/U and d of the data in the units that were told
     at_rest : share of the tracers that never move
     """
@@ -64,7 +63,6 @@ class Point(NamedTuple):
     path: float
     start: Any
     scatterers: str = "dilute"
-    diameter: float = 1.0
     speed_unit: float = 1.0
     time_unit: float = 1.0
     length_unit: float = 1.0
@@ -84,8 +82,7 @@ def solved(
 
     scene = Scene(
         restitution=point.restitution,
-        number_density=law.free_path(point.path) / point.diameter,
-        diameter=point.diameter,
+        number_density=law.free_path(point.path),
         initial=point.start,
         times=times,
         outputs=tuple(outputs),
@@ -170,7 +167,7 @@ class Expectation:
 
     def _measured(self, values: Array, point: Point) -> Array:
         """Averages (..., n_names, n_times) as data in other units, or with tracers at rest, have."""
-        if point[5:] == (1.0, 1.0, 1.0, 0.0):
+        if point[4:] == (1.0, 1.0, 1.0, 0.0):
             return values
         left = 1 - point.at_rest
         factor = {
@@ -252,7 +249,7 @@ def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Arr
     from kinetics.collision.medium import SETTLED
 
     times, names = expectation.sample.times, expectation.names
-    density = point.diameter / (2 * point.path)
+    density = 1 / (2 * point.path)
     late = times >= SETTLED * point.path
     share = np.array([np.where(late, OWN_ERROR[name][1], OWN_ERROR[name][0]) for name in names])
     size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])

@@ -259,103 +259,38 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
     import h5py
 
     with h5py.File(path, "r") as file:
-        if all(_is_own(file, name) for name in ("h5md", "particles")):
-            return _h5md(where, file, asked)
-        own = {name: file[name] for name in file if _is_own(file, name, h5py.Dataset)}
-        if not {*FRAMES} <= {*own}:
-            found = find_columns(where, list(own), asked)
-            own = {name: own[name] for name in (list(own)[k] for k in found.values())}
-        arrays = {
-            f"{k} [{u}]" if (u := _unit_of(v)) else k: _dataset(where, v) for k, v in own.items()
-        }
+        if _own(file, "h5md") and _own(file, "particles"):
+            return _h5md(where, file["particles"], asked)
+        names = [name for name in file if _own(file, name, h5py.Dataset)]
+        if not {*FRAMES} <= {*names}:
+            names = [names[k] for k in find_columns(where, names, asked).values()]
+        arrays = {name: _dataset(where, file, name) for name in names}
         require_memory(where, sum(float(a.size) * a.dtype.itemsize for a in arrays.values()))
-        return _arrays(where, arrays, asked)
+        stated = {name: _unit_of(one) for name, one in arrays.items()}
+        named = {f"{k} [{stated[k]}]" if stated[k] else k: one for k, one in arrays.items()}
+        return _arrays(where, named, asked)
 
 
-def _h5md(where: str, file: Any, asked: Asked) -> Read:
-    """The only group of particles with positions and velocities; the layout is at nongnu.org."""
-    both, particles = ("position", "velocity"), file["particles"]
-    groups = [particles[name] for name in particles if _is_own(particles, name)]
-    groups = [group for group in groups if all(_is_own(group, part) for part in both)]
-    if len(groups) != 1:
-        raise InputError(
-            f"{where}: has {len(groups)} groups with position and velocity; needed is 1"
-        )
-    (group,) = groups
-    place, velocity = (_value(where, group, name) for name in both)
-    times, same = (_times(where, group[name], len(place), asked) for name in both)
-    if place.shape[:2] != velocity.shape[:2] or not np.array_equal(times, same):
-        raise InputError(f"{where}: position and velocity differ in shape or times")
-    require_memory(where, 8.0 * (float(place.size) + float(velocity.size)))
-    r, v, box = np.asarray(place, float), np.asarray(velocity, float), _box(where, group)
-    if "image" in group:
-        image = np.asarray(_value(where, group, "image"), float)
-        if box is None or image.shape != r.shape or box.size < r.shape[2]:
-            raise InputError(f"{where}: image flags need a rectangular box that is always the same")
-        r = r + image * box[: r.shape[2]]
-    periodic = "box" in group and np.asarray(group["box"].attrs.get("boundary", ())).astype(str)
-    wrapped = "image" not in group and np.size(periodic) > 1 and np.all(periodic == "periodic")
-    tracer, medium, kind = (_labels(where, group, name, r) for name in ("id", "medium", "species"))
-    chosen = slice(None)
-    if asked.type is not None:
-        if kind is None:
-            raise InputError(f"{where}: type: got {short(asked.type)}; there is no species")
-        chosen = kind.reshape(-1, r.shape[1])[0].astype(str) == str(asked.type)
-    if tracer is None:
-        tracer = np.arange(r.shape[1])
-    elif tracer.ndim == 2:  # particles may change places from frame to frame
-        order = np.argsort(tracer, axis=1, kind="stable")
-        tracer, r, v = (
-            np.take_along_axis(tracer, order, 1),
-            *(np.take_along_axis(a, order[..., None], 1) for a in (r, v)),
-        )
-        if np.any(tracer != tracer[0]):
-            raise InputError(f"{where}: id must hold the same labels at all times")
-        tracer = tracer[0]
-    units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
-    if "time" in group["position"]:
-        units["time"] = _unit_of(group["position"]["time"])
-    return Tracks(
-        times, r[:, chosen], v[:, chosen], tracer[chosen],
-        None if medium is None else medium[chosen], box if wrapped else None, stated(where, units),
-    )  # fmt: skip
-
-
-def _is_own(parent: Any, name: str, kind: Any = None) -> bool:
+def _own(parent: Any, name: str, kind: Any = None) -> bool:
     """Whether a group has this member in its own file; links into other files are not followed."""
     import h5py
 
-    if not isinstance(parent.get(name, getlink=True), h5py.HardLink):
-        return False
-    return isinstance(parent[name], kind or h5py.Group)
+    own = isinstance(parent.get(name, getlink=True), h5py.HardLink)
+    return own and isinstance(parent[name], kind or h5py.Group)
 
 
-def _dataset(where: str, found: Any) -> Any:
-    """A dataset of numbers that lie in this file; InputError for anything else."""
-    own = hasattr(found, "dtype") and not found.is_virtual and not found.external
-    if not own or found.dtype.kind not in "iuf" or found.shape is None:
-        raise InputError(f"{where}: {found.name} must be numbers in this file")
-    require_memory(where, float(found.size) * found.dtype.itemsize, found.id.get_storage_size())
-    return found
-
-
-def _member(where: str, parent: Any, name: str) -> Any:
+def _dataset(where: str, parent: Any, name: str) -> Any:
+    """A dataset of numbers that lie in this file, or the `value` of an element; or InputError."""
     import h5py
 
-    if not _is_own(parent, name, h5py.Dataset):
+    if _own(parent, name):
+        parent, name = parent[name], "value"
+    found = parent[name] if _own(parent, name, h5py.Dataset) else None
+    if found is None or found.is_virtual or found.external or found.dtype.kind not in "iuf":
         raise InputError(f"{where}: {parent.name}/{name} must be numbers in this file")
-    return _dataset(where, parent[name])
-
-
-def _value(where: str, group: Any, name: str) -> Any:
-    if not _is_own(group, name):
-        raise InputError(f"{where}: {group.name}/{name} must be an element in this file")
-    found = _member(where, group[name], "value")
-    if found.ndim != 3 or found.shape[2] not in (2, 3) or found.shape[0] > MOST_TIMES:
-        raise InputError(
-            f"{where}: {found.name} has shape {found.shape}; it must be (T, n, 2 or 3), T at most "
-            f"{MOST_TIMES}"
-        )
+    require_memory(
+        where, float(found.size or 0) * found.dtype.itemsize, found.id.get_storage_size()
+    )
     return found
 
 
@@ -364,50 +299,92 @@ def _unit_of(dataset: Any) -> str:
     return unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
 
 
+def _h5md(where: str, particles: Any, asked: Asked) -> Read:
+    """The only group of particles with positions and velocities; the layout is at nongnu.org.
+
+    Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
+    unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
+    package writes, says the configuration of each tracer.
+    """
+    both = ("position", "velocity")
+    groups = [particles[name] for name in particles if _own(particles, name)]
+    groups = [group for group in groups if all(_own(group, part) for part in both)]
+    if len(groups) != 1:
+        raise InputError(f"{where}: has {len(groups)} groups with position and velocity, not 1")
+    (group,) = groups
+    place, velocity = (_dataset(where, group, name) for name in both)
+    shape = place.shape
+    if len(shape) != 3 or shape[:2] != velocity.shape[:2] or shape[0] > MOST_TIMES:
+        raise InputError(
+            f"{where}: position and velocity have shapes {shape} and {velocity.shape}; they must be "
+            f"(T, n, 2 or 3), T at most {MOST_TIMES}"
+        )
+    times, same = (_times(where, group[name], shape[0], asked) for name in both)
+    if not np.array_equal(times, same):
+        raise InputError(f"{where}: position and velocity are given at different times")
+    require_memory(where, 8.0 * (float(place.size) + float(velocity.size)))
+    r, v, box = np.asarray(place, float), np.asarray(velocity, float), _box(where, group)
+    if "image" in group:
+        image = np.asarray(_dataset(where, group, "image"), float)
+        if box is None or image.shape != shape or box.size < shape[2]:
+            raise InputError(f"{where}: image flags need a rectangular box that is always the same")
+        r, box = r + image * box[: shape[2]], None
+    elif box is not None:
+        edges = np.asarray(group["box"].attrs.get("boundary", ("none",))).astype(str)
+        box = box if np.all(edges == "periodic") else None
+    labels = {name: _labels(where, group, name, shape) for name in ("id", "medium", "species")}
+    chosen = np.ones(shape[1], bool)
+    if asked.type is not None:
+        if labels["species"] is None:
+            raise InputError(f"{where}: type: got {short(asked.type)}; there is no species")
+        chosen = labels["species"].reshape(-1, shape[1])[0].astype(str) == str(asked.type)
+    tracer = np.arange(shape[1]) if labels["id"] is None else labels["id"]
+    if tracer.ndim == 2:  # particles may change places from frame to frame
+        order = np.argsort(tracer, axis=1, kind="stable")
+        r, v = (np.take_along_axis(a, order[..., None], 1) for a in (r, v))
+        every = np.take_along_axis(tracer, order, 1)
+        tracer = every[0]
+        if np.any(every != tracer):
+            raise InputError(f"{where}: id must hold the same labels at all times")
+    units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
+    if "time" in group["position"]:
+        units["time"] = _unit_of(group["position"]["time"])
+    medium = labels["medium"][chosen] if labels["medium"] is not None else None
+    said = stated(where, units)
+    return Tracks(times, r[:, chosen], v[:, chosen], tracer[chosen], medium, box, said)
+
+
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
     """The times of an element, (count,): as they stand, or steps times the timestep."""
-
-    def sequence(name: str) -> Any:
-        if name not in element:
-            return None
-        found = _member(where, element, name)
-        if found.ndim == 0:  # a fixed step, from an offset on
-            offset = float(np.asarray(found.attrs.get("offset", 0.0), float))
-            return offset + np.arange(count) * float(found[()])
-        if found.shape != (count,):
-            raise InputError(f"{where}: {found.name} must be {count} numbers")
-        return np.asarray(found[()], float)
-
-    return asked.times_of(where, sequence("time"), sequence("step"))
+    found: dict[str, Any] = {}
+    for name in (name for name in ("time", "step") if name in element):
+        one = _dataset(where, element, name)
+        if one.shape not in ((), (count,)):
+            raise InputError(f"{where}: {one.name} must be {count} numbers")
+        found[name] = np.asarray(one, float)
+        if one.shape == ():  # a fixed step, from an offset on
+            offset = float(np.asarray(one.attrs.get("offset", 0.0), float))
+            found[name] = offset + np.arange(count) * float(one[()])
+    return asked.times_of(where, found.get("time"), found.get("step"))
 
 
 def _box(where: str, group: Any) -> Any:
     """The lengths of a rectangular box that is always the same; None for any other."""
-    if not _is_own(group, "box"):
+    if not _own(group, "box"):
         return None
-    inner = _is_own(group["box"], "edges")
-    found = _member(
-        where, *((group["box"]["edges"], "value") if inner else (group["box"], "edges"))
-    )
-    edges = np.asarray(found, float)
+    edges = np.asarray(_dataset(where, group["box"], "edges"), float)
     if edges.ndim == 2 and edges.size and np.all(edges == edges[0]):
         edges = edges[0]
     return edges if edges.ndim == 1 and edges.size > 1 and np.all(edges > 0) else None
 
 
-def _labels(where: str, group: Any, name: str, place: Any) -> Any:
+def _labels(where: str, group: Any, name: str, shape: Any) -> Any:
     """Labels (n,), or (T, n) of an element in time; None where there are none."""
     if name not in group:
         return None
-    found = np.asarray(
-        _member(where, group[name], "value")
-        if _is_own(group, name)
-        else _member(where, group, name)
-    )
-    if found.shape not in (place.shape[:2], place.shape[1:2]) or np.any(found % 1 != 0):
-        raise InputError(
-            f"{where}: {name} must be one whole number for each of {place.shape[1]} tracers"
-        )
+    found = np.asarray(_dataset(where, group, name))
+    if found.shape not in (shape[:2], shape[1:2]) or np.any(found % 1 != 0):
+        raise InputError(f"{where}: {name} must be a whole number for each of {shape[1]} tracers")
     return found.astype(np.int64)
 
 
