@@ -189,6 +189,7 @@ def draw(data: Any, ax: Any) -> None:
     for name in ("x", "y"):
         unit = f" / {data[name]['unit']}" if data[name]["unit"] else ""
         ax.set(**{f"{name}label": data[name]["label"] + unit, f"{name}scale": data[name]["scale"]})
+    ax.tick_params(axis="x", which="minor", labelsize="x-small", labelrotation=40)
     ax.set_title(data["title"], fontsize="medium")
     ax.legend(fontsize="small", frameon=False)
 

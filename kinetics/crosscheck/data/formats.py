@@ -11,6 +11,7 @@ import re
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -436,28 +437,33 @@ class _Lines:
         InputError for a line that is missing, blank, joined with another, or of other columns.
         """
         parts: dict[str, list[Any]] = {name: [] for name in used}
-        left = count
-        while left:
-            rows = []
-            for _ in range(min(left, 50_000)):
-                line = self.next()
-                row = [] if line is None else line.split()
-                if line is None or not line.endswith("\n"):
-                    raise self.bad("the file is cut off here")
-                if len(row) != len(names):
-                    raise self.bad(f"has {len(row)} columns; {len(names)} are named")
-                rows.append(row)
+        while count:
+            lines = [*islice(self._file, min(count, 50_000))]
+            self.number += len(lines)
+            if not lines or not lines[-1].endswith("\n"):
+                raise self.bad("the file is cut off here")
+            try:  # numpy checks all but blank lines, which it passes over
+                found: Any = np.loadtxt(lines, comments=None, ndmin=2)
+            except ValueError:
+                found = np.empty((0, 0))
+            if found.shape != (len(lines), len(names)):
+                found = self._cells(lines, names, used)
             for name, k in used.items():
-                texts = [row[k] for row in rows]
-                try:
-                    parts[name].append(np.array(texts if name == "type" else [*map(float, texts)]))
-                except ValueError:
-                    self.number -= len(rows) - next(
-                        i for i, x in enumerate(texts, 1) if not _is_number(x)
-                    )
-                    raise self.bad(f"column {name!r} is not a number") from None
-            left -= len(rows)
+                parts[name].append(found[:, k].astype(object if name == "type" else float))
+            count -= len(lines)
         return {name: np.concatenate(part) if part else np.empty(0) for name, part in parts.items()}
+
+    def _cells(self, lines: Sequence[str], names: Sequence[str], used: Mapping[str, int]) -> Any:
+        """The cells of lines that hold texts too, or the error of the first that is wrong."""
+        rows = [line.split() for line in lines]
+        last = self.number
+        for self.number, row in enumerate(rows, last - len(rows) + 1):
+            if len(row) != len(names):
+                raise self.bad(f"has {len(row)} columns; {len(names)} are named")
+            for name, k in used.items():
+                if name != "type" and not _is_number(row[k]) and row[k].lower() != "nan":
+                    raise self.bad(f"column {name!r}: {short(row[k])} is not a number")
+        return np.array(rows, object)
 
 
 _STYLES = {

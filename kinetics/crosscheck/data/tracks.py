@@ -260,12 +260,12 @@ def from_columns(
     if "x" not in values:
         return Averages(values, said)
     if asked.type is not None:
-        mine = columns["type"] if isinstance(columns["type"], np.ndarray) else values["type"]
-        chosen = np.asarray(mine).astype(str) == str(asked.type)
+        kinds = np.array([f"{x:g}" if isinstance(x, float) else str(x) for x in columns["type"]])
+        chosen = kinds == str(asked.type)
         values = {name: column[chosen] for name, column in values.items()}
         if not np.any(chosen):
-            known = ", ".join(sorted({*np.asarray(mine).astype(str)[:1000]})[:9])
-            raise InputError(f"{where}: type: got {short(asked.type)}; there are {known or 'none'}")
+            known = ", ".join(sorted({*kinds[:1000]})[:9]) or "none"
+            raise InputError(f"{where}: type: got {short(asked.type)}; there are {known}")
     if not values["time"].size:
         raise InputError(f"{where}: has no rows; at least two tracers are needed")
     d = asked.dimension or 2
