@@ -6,6 +6,7 @@ every standard error and every covariance is the spread over groups.
 """
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -34,21 +35,17 @@ Counts = NDArray[np.int64]
 N, V2, V4, R2, R4, VX, X, X2 = range(8)
 """Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
 and the displacement along it, along +x, and the square of this."""
-MOST_GROUPS = 251
-"""Groups that tracers or configurations are gathered in, at most: a prime, so that labels with a
+MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
+"""Groups that tracers or configurations are gathered in, at most: primes, so that labels with a
 regular pattern spread over all of them. The relative error of a standard error from G groups is
-1/sqrt(2 G), here 4.5 %: more groups would hardly make it better known."""
-HISTOGRAM_GROUPS = 83
-"""The same for the counts in bins, which take most of the memory: 8 %, and still four groups for
-each of 20 bins (statistics.GROUPS_PER_FREEDOM)."""
+1/sqrt(2 G): 4.5 %, and 8 % for the counts in bins, which take most of the memory."""
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 """Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
 octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
 _ROUNDING = 1e-9
 _LARGEST = 1e70
-"""Speeds and displacements in U and d, at most, and 1/speeds at the start: their fourth powers are
-within the range of doubles."""
+"""Speeds and displacements in U and d, and 1/speeds at the start: fourth powers are doubles."""
 _WIDELY = 20.0
 """Tracers that must have left the region of time 0, were positions not wrapped: then that none
 has is no chance."""
@@ -178,22 +175,20 @@ class Sample:
         time: None is length/speed.
         """
         factor = speed / length if time is None else 1 / time
-        start, told, flights = self.start, dict(self.told), self.flights
+        start, told, seen = self.start, dict(self.told), self.flights
         if "number_density" in told:
             told["number_density"] *= length**self.law.dimension
+        if seen is not None:
+            seen = Flights(seen.time * factor, seen.ratio * speed / length / factor, seen.share)
+        binned = (
+            one and replace(one, edges=one.edges / unit)
+            for one, unit in ((self.speeds, speed), (self.displacements, length))
+        )
         return replace(
-            self,
-            told=told,
-            law=replace(self.law, field=self.law.field * length / speed**2),
-            flights=flights and Flights(
-                flights.time * factor, flights.ratio * speed / length / factor, flights.share
-            ),
-            times=self.times * factor,
-            speed_scale=self.speed_scale / speed,
+            self, **dict(zip(("speeds", "displacements"), binned, strict=True)), told=told,
+            law=replace(self.law, field=self.law.field * length / speed**2), flights=seen,
+            times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
-            speeds=self.speeds and replace(self.speeds, edges=self.speeds.edges / speed),
-            displacements=self.displacements
-            and replace(self.displacements, edges=self.displacements.edges / length),
             start=start and replace(start, squares=start.squares / speed**2),
         )  # fmt: skip
 
@@ -277,19 +272,12 @@ def reduced(
         edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
         return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
+    start = start and replace(start, by_group=start.by_group[used])
+    seen = max(filter(None, flights), key=lambda one: one.share, default=None)
     return Sample(
-        names=names,
-        times=tracks.times,
-        sums=sums[used],
-        speed_scale=scales[0],
-        length_scale=scales[1],
-        speeds=binned(counts[0], scales[0]),
-        displacements=binned(counts[1], scales[1]),
-        start=start and replace(start, by_group=start.by_group[used]),
-        at_rest=at_rest,
-        grouping=grouping,
-        flights=max(filter(None, flights), key=lambda found: found.share, default=None),
-    )
+        names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
+        binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,
+    )  # fmt: skip
 
 
 def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
@@ -315,49 +303,41 @@ def read_sample(
     told : what the user says about the data, the arguments of `tracks.Asked`
     show_progress : count the files that have been read, on a terminal
 
-    Lengths, speeds and times of an Ensemble file are known, and what is told is not looked at.
-    Several files are independent runs: a label in one is not the same label in another. With one
-    configuration, or without the column `medium`, standard errors are by tracer, and the
-    sample's warnings say so. The files are only read. InputError for what cannot be used.
+    Of an Ensemble file all is known, and what is told is not looked at. Several files are
+    independent runs: a label in one is not the same label in another. With one configuration, or
+    without the column `medium`, standard errors are by tracer, and the sample's warnings say so.
+    The files are only read. InputError for what cannot be used.
     """
     from kinetics.crosscheck.data import summaries
 
     if not sources:
         raise InputError("data: got no file; at least one is needed")
-    asked = Asked(**told)
-    if runs := [source for source in sources if summaries.is_ensemble(source)]:
-        if len(sources) > 1:
-            raise InputError(f"{name_of(runs[0])}: an Ensemble file must be the only file")
+    asked, names = Asked(**told), tuple(name_of(source) for source in sources)
+    runs = [source for source in sources if summaries.is_ensemble(source)]
+    if runs and len(sources) > 1:
+        raise InputError(f"{name_of(runs[0])}: an Ensemble file must be the only file")
+    if runs:
         return summaries.read_ensemble(Path(name_of(runs[0])))
-    for k, source in enumerate(sources):
-        if isinstance(source, Path) and source in sources[:k]:
-            why = "its tracers would be taken for independent ones"
-            raise InputError(f"{name_of(source)}: stands twice; {why}")
+    paths = [source for source in sources if isinstance(source, Path)]
+    for name in (name_of(path) for k, path in enumerate(paths) if path in paths[:k]):
+        raise InputError(f"{name}: stands twice; its tracers would be taken for independent ones")
     parts = []
-    for k, source in enumerate(sources):
-        if show_progress and len(sources) > 1:
-            _count(k + 1, len(sources))
+    for k, source in enumerate(sources, 1):
+        if show_progress and len(sources) > 1 and sys.stderr.isatty():
+            print(f"file {k} of {len(sources)}", end="\r", file=sys.stderr)
         parts.append(read(source, asked))
-    names = tuple(name_of(Path(s.name) if isinstance(s, Path) else s) for s in sources)
+    names = tuple(name.rsplit("/", 1)[-1] for name in names)
     law = Law(dimension=asked.dimension or 2)
     tables = [part for part in parts if isinstance(part, Averages)]
+    if tables and (len(parts) > 1 or asked.with_field):
+        why = "must be the only file, and not of data in a field"
+        raise InputError(f"{', '.join(names)}: a table of averages {why}")
     if tables:
-        if len(parts) > 1 or asked.with_field:
-            why = "must be the only file, and not of data in a field"
-            raise InputError(f"{', '.join(names)}: a table of averages {why}")
-        sample = summaries.of_averages(tables[0], names, law)
-        return _in_range(_scaled(sample, asked, tables[0].units))
+        return _scaled(summaries.of_averages(tables[0], names, law), asked, tables[0].units)
     tracks, warnings = _displacements([p for p in parts if isinstance(p, Tracks)], names, asked)
     sample, more = _grouped(tracks, names, asked)
     sample = replace(sample, law=law, warnings=(*warnings, *more))
-    return _in_range(_scaled(sample, asked, tracks.units))
-
-
-def _count(done: int, count: int) -> None:
-    import sys
-
-    if sys.stderr.isatty():
-        print(f"file {done} of {count}", end="\r", file=sys.stderr)
+    return _scaled(sample, asked, tracks.units)
 
 
 def _displacements(
@@ -366,7 +346,6 @@ def _displacements(
     """The tracers of all files relative to their places at time 0, and what is to be said of it."""
     where, warnings = ", ".join(names), list[str]()
     found = [(part, False) if asked.with_field else unwrapped(part) for part in parts]
-    crossed = any(crossed for _, crossed in found)
     tracks = joined([part for part, _ in found], names, asked.bin_times or 0.0)
     if tracks.own is not None:
         tracks = _at_their_means(tracks, asked, warnings)
@@ -375,11 +354,6 @@ def _displacements(
         size = [float(np.sqrt(np.nanmean(_size(at) ** 2))) for at in place]
     moved = zero and size[0] > _ROUNDING * max(size)
     if asked.positions == "absolute" or (asked.positions == "auto" and moved):
-        if asked.positions == "auto":
-            warnings.append(
-                "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
-                "subtracted from its positions."
-            )
         if tracks.tracer is None or not zero:
             lost = "rows at time 0" if tracks.tracer is not None else "a column tracer"
             raise InputError(
@@ -391,7 +365,12 @@ def _displacements(
             raise InputError(f"{where}: tracer {tracks.tracer[gone][0]} has no row at time 0")
         tracks = replace(tracks, place=place - place[0])
         _require_not_wrapped(where, place, tracks.place)
-    if crossed:
+        if asked.positions == "auto":
+            warnings.append(
+                "Positions at time 0 are not the origin: each tracer's own place at time 0 was "
+                "subtracted from its positions."
+            )
+    if any(crossed for _, crossed in found):
         warnings.append(
             "Positions were wrapped at the edges of the box and have been unwrapped: between "
             "frames every tracer moves by less than half the box."
@@ -421,10 +400,9 @@ def _require_not_wrapped(where: str, place: Any, moved: Any) -> None:
     if np.any(away > (high - low) * (0.5 + 5 / n)) or size <= 0 or n * far < _WIDELY * size:
         return
     raise InputError(
-        f"{where}: positions look wrapped at the edges of a box: they stay within "
-        f"x = {low[0]:.4g} to {high[0]:.4g} and y = {low[1]:.4g} to {high[1]:.4g} though tracers "
-        f"move by {far:.4g}; write unwrapped positions or displacements, or (in a file that has "
-        "the box) frames so often that no tracer moves by half of it in between"
+        f"{where}: positions look wrapped at the edges of a box: they stay within {low} to {high} "
+        f"though tracers move by {far:.4g}; write unwrapped positions or displacements, or (in a "
+        "file that has the box) frames so often that no tracer moves by half of it in between"
     )
 
 
@@ -465,18 +443,6 @@ def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Samp
     return sample, warnings
 
 
-def _in_range(sample: Sample) -> Sample:
-    """The sample; InputError where fourth powers would overflow, or a start vanish."""
-    start = 1.0 if sample.start is None else float(sample.speed_scale[0])
-    largest = max(float(sample.speed_scale.max()), float(sample.length_scale.max()), 1 / start)
-    if largest > _LARGEST:
-        raise InputError(
-            f"{', '.join(sample.names)}: speeds of {sample.speed_scale[0]:.3g} U and displacements "
-            f"of up to {sample.length_scale.max():.3g} d; give --speed-unit and --diameter"
-        )
-    return sample
-
-
 def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
     """The sample in d, U and d/U. Units that the file states are used, or at least said."""
     warnings, start, unit = sample.warnings, sample.start, asked.speed_unit
@@ -491,9 +457,7 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
     if time_unit is None and factor not in (None, 1.0):
         time_unit = asked.diameter / unit * factor
     if units and not (are_own(units) and asked.diameter == unit == 1.0):
-        known = "" if factor is not None else (
-            " Not all of these are known here, and nothing was converted."
-        )  # fmt: skip
+        known = "" if factor else " Not all of these are known here, and nothing was converted."
         taken = (asked.diameter, unit, time_unit or asked.diameter / unit)
         d, u, t = (numeral(value, ".6g") for value in taken)
         warnings += (
@@ -501,4 +465,12 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
             f"{known} Taken were d = {d}, U = {u} and d/U = {t} in the data's units; other values "
             "are given by --length-unit, --speed-unit and --time-unit.",
         )
-    return replace(sample.rescaled(unit, asked.diameter, time_unit), warnings=warnings)
+    found = replace(sample.rescaled(unit, asked.diameter, time_unit), warnings=warnings)
+    slowest = 1.0 if start is None else float(found.speed_scale[0])
+    largest = max(float(found.speed_scale.max()), float(found.length_scale.max()), 1 / slowest)
+    if largest > _LARGEST:
+        raise InputError(
+            f"{', '.join(sample.names)}: speeds of {found.speed_scale[0]:.3g} U and displacements "
+            f"of up to {found.length_scale.max():.3g} d; give --speed-unit and --diameter"
+        )
+    return found
