@@ -365,38 +365,40 @@ def overall(rows: Sequence[Mapping[str, Any]], tests: Sequence[ComparisonTest]) 
 
 
 def summary(
-    both: Both, tests: Sequence[ComparisonTest], verdict: Verdict, best: Explanation | None, start: str
-) -> str:  # fmt: skip
+    both: Both,
+    tests: Sequence[ComparisonTest],
+    verdict: Verdict,
+    best: Explanation | None,
+    start: str,
+) -> str:
     """The verdict in a sentence, what was compared, and the clearest difference."""
     cause = best.headline if best is not None else ""
+    within = [
+        f"{numeral(t.within, '.2g' if t.within < 0.001 else '.2%') if t.within < 10 else 'ten times'}"
+        f" for {OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
+    ]  # fmt: skip
+    answers = {
+        Verdict.AGREES: f"No difference seen, better than {' and '.join(within) or 'no average'}.",
+        Verdict.UNCLEAR: "A difference is possible, but more samples would have to show it"
+        f"{f'; {cause} would explain it' if cause else ''}.",
+        Verdict.DIFFERS: f"They differ{f'; {cause} explains it' if cause else ''}.",
+    }
+    answer = answers.get(verdict, "Nothing could be tested.")
     if best is not None and best.outcome == "found":
         answer = f"A unit is wrong: {cause}. Nothing else can be said before that is put right."
-    elif verdict == Verdict.AGREES:
-        parts = [
-            f"{_share(t.within)} for {OBSERVABLES[t.observable].short}"
-            for t in tests
-            if t.within is not None
-        ]
-        listed = ", ".join(parts[:-1]) + (" and " if parts[1:] else "") + "".join(parts[-1:])
-        answer = f"No difference seen, better than {listed or 'no average'}."
-    elif verdict == Verdict.UNCLEAR:
-        may = f"; {cause} would explain it" if cause else ""
-        answer = f"A difference is possible, but more samples would have to show it{may}."
-    elif verdict == Verdict.DIFFERS:
-        answer = f"They differ{f'; {cause} explains it' if cause else ''}."
-    else:
-        answer = "Nothing could be tested."
-    scene, sample = both.solution.scene, both.sample
+    scene, sample, form = both.solution.scene, both.sample, "{} = {}".format
+    told = [form("e", numeral(scene.restitution, ".6g"))]
+    if scene.tangential_restitution != 1:
+        told.append(form("e_t", numeral(scene.tangential_restitution or 0.0, ".6g")))
+    unit = "d⁻²" if scene.dimension == 2 else "d⁻³"
+    told.append(form("ρ₀", f"{numeral(scene.number_density, '.6g')} {unit}"))
+    if scene.field:
+        told.append(f"a field of {numeral(scene.field, '.6g')} U²/d")
     data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
-    e_t, g = scene.tangential_restitution, scene.field
-    field = f" in a field of {numeral(g, '.6g')} U²/d" if g else ""
-    rough = "" if e_t == 1 else f"e_t = {numeral(e_t or 0.0, '.6g')} and "
     answer += (
         f" {data} at {sample.times.size} times from {numeral(sample.times[0], '.4g')} to "
-        f"{numeral(sample.times[-1], '.4g')} d/U {'was' if sample.tabulated else 'were'} compared "
-        f"with the kinetic equation with e = {numeral(scene.restitution, '.6g')} and {rough}"
-        f"ρ₀ = {numeral(scene.number_density, '.6g')} d{'⁻²' if scene.dimension == 2 else '⁻³'}"
-        f"{field}, from {start}."
+        f"{numeral(sample.times[-1], '.4g')} d/U compared with the kinetic equation with "
+        f"{' and '.join(told)}, from {start}."
     )
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
@@ -404,12 +406,7 @@ def summary(
         at = "" if least.time is None else f" at t = {numeral(least.time, '.4g')}"
         answer += (
             f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is "
-            f"{least.observable.replace('_', ' ')}{at}: chi-square "
-            f"{numeral(least.chi_square, '.4g')} with {least.dof} "
-            f"degree{'s' if least.dof != 1 else ''} of freedom, p = {numeral(least.p_value, '.2g')}."
+            f"{least.observable.replace('_', ' ')}{at}: chi-square {numeral(least.chi_square, '.4g')} "
+            f"with {least.dof} degrees of freedom, p = {numeral(least.p_value, '.2g')}."
         )
     return answer
-
-
-def _share(x: float) -> str:
-    return numeral(x, ".2g" if x < 0.001 else ".2%") if x < 10 else "a factor of ten"

@@ -5,7 +5,6 @@ import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from kinetics.crosscheck.files import dumps, plain
@@ -285,29 +284,12 @@ class Comparison(Value):
     def __repr__(self) -> str:
         """The verdict first, in ten lines or fewer of 100 columns."""
         lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", 100)[:4]
-        for test in self.tests:
-            at = "" if test.time is None else f" at t = {test.time:.4g}"
-            lines.append(
-                f"  {test.observable}{at}: chi-square {test.chi_square:.4g}/{test.dof}, "
-                f"p = {test.p_value:.2g}, {test.verdict}"
-            )
-        more = len(lines) - 9
-        return "\n".join(lines[:9] + ([f"  ... {more} more"] if more > 0 else []))
-
-    def _repr_html_(self) -> str:
-        """The verdict, and a table of the tests, for a notebook."""
-        lines = [
-            (t.observable, "all" if t.time is None else f"{t.time:.4g}", f"{t.chi_square:.4g}", t.dof,
-             f"{t.p_value:.2g}", t.verdict) for t in self.tests
-        ]  # fmt: skip
-        heads = ("observable", "t [d/U]", "χ²", "dof", "p", "verdict")
-        table = "".join(
-            f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in line)}</tr>"
-            for line in (heads, *lines)
-        )
-        return (
-            f"<p><strong>{self.verdict}</strong>. {escape(self.summary)}</p><table>{table}</table>"
-        )
+        for t in self.tests[:5]:
+            at = "" if t.time is None else f" at t = {t.time:.4g}"
+            p = f"chi-square {t.chi_square:.4g}/{t.dof}, p = {t.p_value:.2g}, {t.verdict}"
+            lines.append(f"  {t.observable}{at}: {p}")
+        more = len(self.tests) - 5
+        return "\n".join(lines + ([f"  ... {more} more"] if more > 0 else []))
 
 
 def columns_of(rows: list[dict[str, Any]]) -> dict[str, tuple[Any, ...]]:

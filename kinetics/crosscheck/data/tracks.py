@@ -425,23 +425,22 @@ def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
     """
     if tracks.box is None or tracks.tracer is None:
         return tracks, False
-    place, added = tracks.place, np.zeros(tracks.place.shape[1:])
-    out, crossed = np.empty_like(place), False
-    last, speed, time = place[0].copy(), np.zeros(len(added)), np.zeros(len(added))
+    place, out, crossed = tracks.place, np.empty_like(tracks.place), False
+    added, last = np.zeros(place.shape[1:]), place[0].copy()
+    speed, time = np.zeros((2, len(added)))
     for k, at in enumerate(tracks.times):
         there = np.isfinite(place[k, :, 0])
         now = np.full(len(added), at) if tracks.own is None else tracks.own[k]
         known = there & np.isfinite(last[:, 0])
-        elapsed = np.where(known, now - time, 0.0)
-        if np.any(elapsed < 0) or np.any((speed * elapsed)[known] >= tracks.box.min() / 2):
+        elapsed = (now - time)[known]
+        if np.any(elapsed < 0) or np.any(speed[known] * elapsed >= tracks.box.min() / 2):
             return tracks, False
         edges = np.where(known[:, None], np.round((last - place[k]) / tracks.box), 0.0)
         crossed = crossed or bool(np.any(edges))
         added += edges * tracks.box
         out[k] = place[k] + added
-        last[there] = place[k, there]
+        last[there], time[there] = place[k, there], now[there]
         speed[there] = np.linalg.norm(tracks.velocity[k, there], axis=1)
-        time[there] = now[there]
     return replace(tracks, place=out), crossed
 
 

@@ -42,7 +42,6 @@ def test_it_is_a_value(differing: Comparison, tmp_path: Path) -> None:
     rows.loc[0, "value"] = 17.0  # a copy
     assert differing.rows["value"][0] != 17.0
     assert str(differing.verdict) in repr(differing)
-    assert str(differing.verdict) in differing._repr_html_()
 
 
 def test_its_rows_are_a_data_frame(differing: Comparison) -> None:
