@@ -371,7 +371,7 @@ def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
 
 def _box(where: str, group: Any) -> Any:
     """The lengths of a rectangular box that is always the same; None for any other."""
-    if not _own(group, "box"):
+    if not _own(group, "box") or "edges" not in group["box"]:
         return None
     edges = np.asarray(_dataset(where, group["box"], "edges"), float)
     if edges.ndim == 2 and edges.size and np.all(edges == edges[0]):
