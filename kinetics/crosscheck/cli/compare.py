@@ -10,8 +10,8 @@ import click
 from kinetics.crosscheck.commands.options import json_option, output_path
 
 COLUMNS = (
-    "DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy and, where "
-    "known, tracer "
+    "DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy and, "
+    "where known, tracer "
     "and medium (the configuration of scatterers), one row for each tracer at each time; or with "
     "averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or frames of H5MD "
     "(.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD "

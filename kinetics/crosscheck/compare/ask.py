@@ -238,8 +238,9 @@ def _explained(
         return (unit,), figures_of(both)
     if both.sample.law.field:
         text = (
-            "In a field the averages along and across it are compared; what may explain a difference"
-            " is not looked for. Relative differences are of the largest value of all times."
+            "In a field the averages along and across it are compared; what may explain a "
+            "difference is not looked for. Relative differences are of the "
+            "largest value of all times."
         )
         return (Explanation("field", "noted", text, False),), figures_of(both)
     tested, expected = list[Explanation](), None

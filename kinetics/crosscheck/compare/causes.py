@@ -152,8 +152,9 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
         f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: "
         f'the equation of Scene(scatterers="{kind}"), in which tracers meet scatterers again; '
         f"nothing is fitted. At the last time it changes v₀ by {numeral(changes[0], '+.2%')} and "
-        f"⟨r²⟩ by {numeral(changes[2], '+.2%')}. It is trusted from {SETTLED:g} l/U on, and its own "
-        f"error, known from simulations up to n = {TESTED_DENSITY:g}, is added to the covariance."
+        f"⟨r²⟩ by {numeral(changes[2], '+.2%')}. It is trusted from {SETTLED:g} l/U on, and its "
+        f"own error, known from simulations up to n = {TESTED_DENSITY:g}, is added to the "
+        "covariance."
     )
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
@@ -250,15 +251,15 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     if sample.law.field:
         return None
     if flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
-        ratio, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
+        found, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
         headline = (
-            f"tracers that fly straight have r = {ratio} v t, as if times were {inverse} times"
+            f"tracers that fly straight have r = {found} v t, as if times were {inverse} times"
         )
         text = (
-            f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the tracers "
-            f"have flown straight, at r = {ratio} v t, which is r = v t in units that belong "
-            "together. Say so by --time-unit, --length-unit or --speed-unit. No other cause is "
-            "looked for."
+            f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the "
+            f"tracers have flown straight, at r = {found} v t, which is r = v t in units that "
+            "belong together. Say so by --time-unit, --length-unit or --speed-unit. No other cause "
+            "is looked for."
         )
         value = 1 / flights.ratio
         return Explanation("time unit", "found", text, True, value, headline=f"{headline} too long")
@@ -272,9 +273,9 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
         return None
     text = (
         f"At t = {numeral(sample.times[0], '.4g')} the root mean square speed is "
-        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U: speeds are "
-        "in another unit. Say so by --speed-unit (a number, or data where there is a time 0), and "
-        "give the diameter by --length-unit. No other cause is looked for."
+        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U: speeds "
+        "are in another unit. Say so by --speed-unit (a number, or data where there is a time 0), "
+        "and give the diameter by --length-unit. No other cause is looked for."
     )
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
     return Explanation("speed unit", "found", text, True, ratio, headline=headline)
@@ -319,8 +320,8 @@ def _traps(both: Both) -> Explanation | None:
         text = (
             f"Traps: at t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
             f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected: an "
-            f"excess of {_pm((share, error), '.2%', '.2%')} of all; {rest} have speed zero. Tracers "
-            "caught in corners between scatterers, or stopped by a program, are such."
+            f"excess of {_pm((share, error), '.2%', '.2%')} of all; {rest} have speed zero. "
+            "Tracers caught in corners between scatterers, or stopped by a program, are such."
         )
         return Explanation("traps", "found", text, True, share, error)
     text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
@@ -341,8 +342,8 @@ def _missing(both: Both) -> Explanation | None:
     missing = most - int(samples[least])
     cap = f" (stopped after {sample.capped} collisions)" if sample.capped is not None else ""
     text = (
-        f"Tracers are missing{cap}: of {most}, {missing} at t = {numeral(sample.times[least], '.4g')}"
-        ". A cap on collisions takes the fast ones away, and what is left is too slow."
+        f"Tracers are missing{cap}: {missing} of {most} at t = "
+        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away, and what is left is too slow."
     )
     outcome = "noted" if part is None else "does not"
     if part is not None and part.p_value < AGREES_ABOVE:

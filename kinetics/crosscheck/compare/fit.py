@@ -225,7 +225,7 @@ def _inflation(groups: int, freedom: int) -> float:
 def _descended(
     residual: Callable[[Array], Array], start: Array, low: Array, high: Array
 ) -> tuple[float, Array] | None:
-    """The least sum of squares near a start, and where it is; None where the theory is not finite."""
+    """The least sum of squares near a start, and where it is; None where theory is not finite."""
     from scipy.optimize import least_squares
 
     try:

@@ -374,8 +374,8 @@ def summary(
     """The verdict in a sentence, what was compared, and the clearest difference."""
     cause = best.headline if best is not None else ""
     within = [
-        f"{numeral(t.within, '.2g' if t.within < 0.001 else '.2%') if t.within < 10 else 'ten times'}"
-        f" for {OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
+        f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
+        f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
     ]  # fmt: skip
     answers = {
         Verdict.AGREES: f"No difference seen, better than {' and '.join(within) or 'no average'}.",
@@ -406,7 +406,8 @@ def summary(
         at = "" if least.time is None else f" at t = {numeral(least.time, '.4g')}"
         answer += (
             f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is "
-            f"{least.observable.replace('_', ' ')}{at}: chi-square {numeral(least.chi_square, '.4g')} "
-            f"with {least.dof} degrees of freedom, p = {numeral(least.p_value, '.2g')}."
+            f"{least.observable.replace('_', ' ')}{at}: chi-square "
+            f"{numeral(least.chi_square, '.4g')} with {least.dof} degrees of freedom, "
+            f"p = {numeral(least.p_value, '.2g')}."
         )
     return answer

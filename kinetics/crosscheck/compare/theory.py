@@ -166,7 +166,7 @@ class Expectation:
         return self._last[1]
 
     def _measured(self, values: Array, point: Point) -> Array:
-        """Averages (..., n_names, n_times) as data in other units, or with tracers at rest, have."""
+        """Averages (..., n_names, n_times) in other units of the data, or with tracers at rest."""
         if point[4:] == (1.0, 1.0, 1.0, 0.0):
             return values
         left = 1 - point.at_rest

@@ -113,7 +113,7 @@ _REMARK = re.compile(rb"^[ \t\r]*(#.*)?$", re.MULTILINE)
 
 
 def _csv(path: Path, where: str, asked: Asked, texts: bool = False) -> Read:
-    """Commas, semicolons or tabs, whichever the first line has; blank lines and # are passed over."""
+    """Commas, semicolons or tabs, as the first line has them; blank lines and # are passed over."""
     with gzip.open(path, "rb") if path.suffix.lower() == ".gz" else open(path, "rb") as file:
         header, line = "", 1
         while not header:
@@ -317,8 +317,8 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     shape = place.shape
     if len(shape) != 3 or shape[:2] != velocity.shape[:2] or shape[0] > MOST_TIMES:
         raise InputError(
-            f"{where}: position and velocity have shapes {shape} and {velocity.shape}; they must be "
-            f"(T, n, 2 or 3), T at most {MOST_TIMES}"
+            f"{where}: position and velocity have shapes {shape} and {velocity.shape}; they must "
+            f"be (T, n, 2 or 3), T at most {MOST_TIMES}"
         )
     times, same = (_times(where, group[name], shape[0], asked) for name in both)
     if not np.array_equal(times, same):
@@ -672,7 +672,8 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
 
 FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".parquet": _parquet,
-    ".h5md": _hdf5, ".dump": _of_lines(_lammps), ".lammpstrj": _of_lines(_lammps), ".xyz": _of_lines(_xyz),
+    ".h5md": _hdf5, ".dump": _of_lines(_lammps), ".lammpstrj": _of_lines(_lammps),
+    ".xyz": _of_lines(_xyz),
     ".extxyz": _of_lines(_xyz),
     ".gsd": _gsd,
 }  # fmt: skip

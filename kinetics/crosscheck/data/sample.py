@@ -180,12 +180,12 @@ class Sample:
             told["number_density"] *= length**self.law.dimension
         if seen is not None:
             seen = Flights(seen.time * factor, seen.ratio * speed / length / factor, seen.share)
-        binned = (
+        speeds, displacements = (
             one and replace(one, edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
         )
         return replace(
-            self, **dict(zip(("speeds", "displacements"), binned, strict=True)), told=told,
+            self, speeds=speeds, displacements=displacements, told=told,
             law=replace(self.law, field=self.law.field * length / speed**2), flights=seen,
             times=self.times * factor, speed_scale=self.speed_scale / speed,
             length_scale=self.length_scale / length,
@@ -436,9 +436,9 @@ def _grouped(tracks: Tracks, names: tuple[str, ...], asked: Asked) -> tuple[Samp
     if sample.samples[last] < most:
         warnings.append(
             f"At t = {numeral(sample.times[last], '.4g')} (in the data's unit), "
-            f"{most - sample.samples[last]} of {most} tracers are missing. If the reason depends on "
-            "their speed (a cap on collisions, a box that fast ones leave), those that survive are "
-            "not a fair sample."
+            f"{most - sample.samples[last]} of {most} tracers are missing. If the reason depends "
+            "on their speed (a cap on collisions, a box that fast ones leave), those that survive "
+            "are not a fair sample."
         )
     return sample, warnings
 

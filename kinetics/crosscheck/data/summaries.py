@@ -44,9 +44,10 @@ def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
     if not np.any(np.isfinite(sums[0, :, [V2, R2]])):
         raise InputError(f"{where}: no average has a value and a standard error above 0")
     warnings = [
-        "A table of averages does not say how errors at different times are correlated. The p-value "
-        "of an average is that of the time that differs most, times the number of times, which "
-        "holds for any correlation. Errors of fitted numbers are those for the worst correlation."
+        "A table of averages does not say how errors at different times are correlated. The "
+        "p-value of an average is that of the time that differs most, times the number of times, "
+        "which holds for any correlation. Errors of fitted numbers are those for "
+        "the worst correlation."
     ]
     if left_out:
         warnings.append(

@@ -1,7 +1,7 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
 A format (`formats`) gives either columns, one row for each tracer at each time, which
-`from_columns` turns into `Tracks`, or frames, which are Tracks already; or columns of averages (`Averages`).
+`from_columns` turns into `Tracks`, or frames, which are Tracks already; or `Averages`.
 """
 
 import difflib

@@ -1,4 +1,4 @@
-"""A comparison as a value, as tables, as a page with its numbers, and the command that makes them."""
+"""A comparison as a value, as tables, as a page with its numbers, and the command."""
 
 import json
 import pickle
@@ -73,7 +73,8 @@ def test_its_document_is_strict_json(differing: Comparison) -> None:
     assert set(document) == KEYS
     assert set(document["parameters"]) == {"restitution", "number_density", "mean_free_path"}
     assert {*document["tests"][0]} == {
-        "observable", "time", "chi_square", "dof", "p_value", "groups", "sigmas", "verdict", "within",
+        "observable", "time", "chi_square", "dof", "p_value", "groups", "sigmas", "verdict",
+        "within",
     }  # fmt: skip
     assert {*document["explanations"][0]} >= {"name", "outcome", "text", "value", "error"}
 

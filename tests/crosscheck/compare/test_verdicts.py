@@ -45,7 +45,8 @@ WRONG: dict[str, tuple[dict[str, Any], str, float]] = {
     "restitution": ({"restitution": 0.72}, "restitution", 0.75),
     "density": ({"number_density": 1.1 * DENSITY}, "free path", PATH),
     "time unit": ({"time_unit": 1.05}, "time unit", 1 / 1.05),
-    "length unit": ({"diameter": 1.1, "time_unit": 1.0, "number_density": DENSITY / 1.21}, "length unit", 1 / 1.1),
+    "length unit": ({"diameter": 1.1, "time_unit": 1.0, "number_density": DENSITY / 1.21},
+                    "length unit", 1 / 1.1),
     "speed unit": ({"speed_unit": 1.05, "initial": "gaussian"}, "speed unit", 1 / 1.05),
 }  # fmt: skip
 
@@ -233,8 +234,8 @@ def test_tables_of_averages() -> None:
 
 def sample_of(seed: int, tracers: int = 30) -> Sample:
     run = simulated(seed=seed, times=TIMES, media=50, tracers=tracers)
-    return read_sample([Table({"times": TIMES, "positions": run.positions, "velocities": run.velocities})],
-                       positions="displacement")  # fmt: skip
+    data = {"times": TIMES, "positions": run.positions, "velocities": run.velocities}
+    return read_sample([Table(data)], positions="displacement")
 
 
 @pytest.mark.slow
