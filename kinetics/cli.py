@@ -17,11 +17,11 @@ from typing import Any
 import click
 
 from kinetics.crosscheck.bench.command import bench
+from kinetics.crosscheck.cli.compare import compare
 from kinetics.crosscheck.commands.derive import derive
 from kinetics.crosscheck.commands.options import UNITS
 from kinetics.crosscheck.commands.simulate import simulate
 from kinetics.crosscheck.commands.solve import solve
-from kinetics.crosscheck.cli.compare import compare
 from kinetics.crosscheck.report.command import report
 from kinetics.crosscheck.stress.command import stress
 

@@ -34,7 +34,8 @@ from kinetics.crosscheck.compare.result import (
 )
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling
 from kinetics.crosscheck.compare.theory import Point
-from kinetics.crosscheck.data.sample import R2, X2, N, Sample, read_sample
+from kinetics.crosscheck.data.read import read_sample
+from kinetics.crosscheck.data.sample import R2, X2, N, Sample
 from kinetics.crosscheck.data.tracks import Table
 from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, numeral
 from kinetics.errors import InputError, short

@@ -343,7 +343,8 @@ def _missing(both: Both) -> Explanation | None:
     cap = f" (stopped after {sample.capped} collisions)" if sample.capped is not None else ""
     text = (
         f"Tracers are missing{cap}: {missing} of {most} at t = "
-        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away, and what is left is too slow."
+        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away, and "
+        "what is left is too slow."
     )
     outcome = "noted" if part is None else "does not"
     if part is not None and part.p_value < AGREES_ABOVE:

@@ -378,7 +378,7 @@ def summary(
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
     ]  # fmt: skip
     answers = {
-        Verdict.AGREES: f"No difference seen, better than {' and '.join(within) or 'no average'}.",
+        Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
         Verdict.UNCLEAR: "A difference is possible, but more samples would have to show it"
         f"{f'; {cause} would explain it' if cause else ''}.",
         Verdict.DIFFERS: f"They differ{f'; {cause} explains it' if cause else ''}.",
@@ -397,7 +397,7 @@ def summary(
     data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     answer += (
         f" {data} at {sample.times.size} times from {numeral(sample.times[0], '.4g')} to "
-        f"{numeral(sample.times[-1], '.4g')} d/U compared with the kinetic equation with "
+        f"{numeral(sample.times[-1], '.4g')} d/U, compared with the kinetic equation with "
         f"{' and '.join(told)}, from {start}."
     )
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]

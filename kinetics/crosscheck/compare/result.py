@@ -246,7 +246,7 @@ class Comparison(Value):
 
         On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
         """
-        from kinetics.crosscheck.compare.page import draw
+        from kinetics.crosscheck.compare.draw import draw
 
         key = name.replace("_", "-") if isinstance(name, str) else name
         if key not in self.figures:

@@ -11,7 +11,8 @@ from made_data import simulated
 from kinetics import compare
 from kinetics.crosscheck import Comparison
 from kinetics.crosscheck.compare.ask import compare_sample, fitted_to
-from kinetics.crosscheck.data.sample import Sample, read_sample
+from kinetics.crosscheck.data.read import read_sample
+from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.data.summaries import from_ensemble
 from kinetics.crosscheck.data.tracks import Table
 from particles import BoltzmannGrad, HardDisks, Poisson, simulate
