@@ -26,7 +26,7 @@ from kinetics import compare
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
 from kinetics.crosscheck.data.tracks import Table
-from kinetics.crosscheck.data.units import conversion, size_of, split_unit
+from kinetics.crosscheck.data.units import conversion, size_of
 
 SHORT = np.arange(0.0, 61.0, 2.0)
 """Times so near that no tracer crosses half the box in between."""
@@ -173,21 +173,6 @@ def test_binned_times_are_at_their_mean(run: Run) -> None:
     # straight flights are found by the times of the rows themselves
     assert found.flights is not None
     assert found.flights.ratio == pytest.approx(1.0, abs=1e-3 + 0.01)
-
-
-def test_tracers_that_are_missing_are_counted(run: Run) -> None:
-    place, speed = run[0].copy(), run[1].copy()
-    place[3, 50:80] = speed[3, 50:80] = np.nan
-    found = read_sample([Table({"times": TIMES, "positions": place, "velocities": speed})])
-    np.testing.assert_array_equal(found.samples, [2000, 2000, 2000, 1970])
-
-
-@pytest.mark.parametrize(
-    ("text", "name", "unit"),
-    [("t [s]", "t", "s"), ("X (mm)", "x", "mm"), (' "vx [m/s]" ', "vx", "m/s"), ("y", "y", "")],
-)
-def test_units_behind_names(text: str, name: str, unit: str) -> None:
-    assert split_unit(text) == (name, unit)
 
 
 def test_units_that_do_not_belong_together_are_converted(run: Run) -> None:

@@ -274,12 +274,3 @@ def test_what_is_given_twice_or_mixed_is_refused(tmp_path: Path, csv: Path, run:
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
             compare(data, 0.75, 0.04)
-
-
-def test_what_the_data_cannot_tell_is_asked_for(run: Run) -> None:
-    few = {k: v[np.isin(columns_of(run)["id"], [1, 2, 3])] for k, v in columns_of(run).items()}
-    with pytest.raises(InputError, match="give --restitution"):
-        compare(few)
-    with pytest.raises(InputError, match="velocities at time 0"):
-        compare({k: v[columns_of(run)["t"] > 0] for k, v in columns_of(run).items()},
-                0.75, 0.04, initial="data", positions="displacement")  # fmt: skip

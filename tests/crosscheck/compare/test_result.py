@@ -201,13 +201,3 @@ def test_bad_arguments_are_one_line(
     (tmp_path / "folder.html").mkdir()
     assert words in lorentz.refused("compare", str(csv), *arguments)
     assert [p.name for p in tmp_path.iterdir()] == ["folder.html"]
-
-
-def test_the_output_never_takes_the_place_of_the_data(
-    csv: Path, tmp_path: Path, lorentz: Any
-) -> None:
-    data = tmp_path / "page.json"
-    data.write_bytes(csv.read_bytes())
-    page = str(tmp_path / "page.html")
-    assert "is one of the data" in lorentz.refused("compare", str(data), "-o", page)
-    assert data.read_bytes() == csv.read_bytes()

@@ -17,7 +17,6 @@ from kinetics.crosscheck.compare.statistics import (
     log_widening,
     of_the_worst,
     pearson,
-    spread_out,
     whitening,
 )
 
@@ -116,10 +115,3 @@ def test_an_error_of_the_theory_is_added_and_counted() -> None:
     assert plain.statistic == pytest.approx(400, rel=0.2)
     assert wide.statistic == pytest.approx(1 / (0.5 + 1 / 400), rel=0.01)
     assert log_widening(left_out(data), known) == pytest.approx(np.log(1 + 0.5 * 400), rel=0.03)
-
-
-@pytest.mark.parametrize(
-    ("count", "most", "wanted"), [(3, 5, [0, 1, 2]), (9, 3, [0, 4, 8]), (7, 1, [6]), (0, 3, [])]
-)
-def test_times_are_chosen_evenly(count: int, most: int, wanted: list[int]) -> None:
-    assert spread_out(count, most) == wanted

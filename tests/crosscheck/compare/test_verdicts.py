@@ -11,6 +11,7 @@ from made_data import simulated
 from kinetics import compare
 from kinetics.crosscheck import Comparison
 from kinetics.crosscheck.compare.ask import compare_sample, fitted_to
+from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.data.summaries import from_ensemble
@@ -79,6 +80,13 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     item = explained(result, "tracers at rest")
     assert item.outcome == "explains"
     assert item.value == pytest.approx(0.1, abs=3.5 * item.error)
+    # <v^2> and <r^2> times 1 - f, and so are the fourth moments
+    expected = Expectation(read_sample([Table(data)]), AVERAGES)
+    point = Point(0.75, PATH, "gaussian")
+    v0, a2, msd, kurtosis = expected.theory(point)[0]
+    found = expected.theory(point._replace(at_rest=0.1))[0]
+    wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1e-6])
@@ -128,12 +136,6 @@ def test_units_that_do_not_belong_together_are_found() -> None:
     item = compare(fast, 0.75, DENSITY, "gaussian").explanations[0]
     assert (item.name, item.value) == ("speed unit", pytest.approx(3.0, rel=0.05))
     assert compare(fast, initial="gaussian").parameters["restitution"].value is None
-
-
-def test_a_collision_cap_is_named() -> None:
-    run = simulated(max_collisions=6, times=TIMES, tracers=125)
-    item = explained(compare(run), "missing tracers")
-    assert item.outcome == "explains"
 
 
 @pytest.mark.parametrize(
@@ -263,3 +265,10 @@ def test_p_values_are_uniform() -> None:
     for key, values in found.items():
         if len(values) == 200:
             assert kstest(values, "uniform").pvalue > 1e-4, key
+
+
+def test_a_collision_cap_is_named() -> None:
+    item = explained(
+        compare(simulated(max_collisions=6, times=TIMES, tracers=125)), "missing tracers"
+    )
+    assert item.outcome == "explains"
