@@ -283,12 +283,12 @@ def _column(where: str, name: str, values: Any) -> Any:
             raise InputError(f"{where}: column {name!r} is of type {values.dtype}, not of numbers")
         return np.unique(values.astype(str), return_inverse=True)[1]
     if name not in LABELS:
-        return values.astype(float)
+        return values.astype(float, copy=False)
     whole = values.dtype.kind != "f" or (np.abs(values) < 2.0**63) & (values == np.rint(values))
     if not np.all(whole):
         raise InputError(f"{where}: {name!r} must be whole numbers below 2^63, without NaN")
     with np.errstate(over="ignore"):
-        return values.astype(np.int64)
+        return values.astype(np.int64, copy=False)
 
 
 def _dense(
@@ -298,7 +298,11 @@ def _dense(
     labels = {name: c[name] for name in ("tracer", "medium") if name in c}
     if "tracer" not in labels:  # the k-th row of each time is taken for the same tracer
         labels["rank"] = _rank(_number([index, *labels.values()]))
-    number = _number(list(labels.values()))
+    every, frame = list(labels.values()), index.size // times.size
+    frames = index.size == frame * times.size and all(
+        np.array_equal(column, np.tile(column[:frame], times.size)) for column in every
+    )
+    number = np.tile(_number([c[:frame] for c in every]), times.size) if frames else _number(every)
     n = int(number.max()) + 1
     require_memory(where, 16.0 * d * n * times.size)
     cell = index * n + number
@@ -334,7 +338,7 @@ def _number(columns: Sequence[Any]) -> Any:
         else:
             codes = np.unique(column, return_inverse=True)[1]
             span = int(codes.max()) + 1
-        if size * span > 4 * column.size + 1000:
+        if size * span > 16 * column.size + 1000:
             keys = np.unique(keys * span + codes, return_inverse=True)[1]
             size = int(keys.max()) + 1
         else:
