@@ -2,7 +2,7 @@
 
 Root mean squares, over restitutions, media and times, of the relative deviation of simulations from
 the theory, less the simulations' own variance, divided by the density n; before 30 l/U, and from
-then on. kinetics/crosscheck/comparison/finite_density.py has them, rounded up.
+then on. kinetics/crosscheck/compare/theory.py has them, rounded up.
 
     python -m tests.kinetics.measurements.density_error [tracers]     two minutes with 100,000
 """

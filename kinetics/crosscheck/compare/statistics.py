@@ -1,0 +1,188 @@
+"""Chi-square where errors are correlated, and known only from the spread of groups.
+
+`d` is a vector of differences between data and theory, `replicates` the same vector with each of
+G independent groups left out in turn. Its covariance C is their jackknife spread. With p
+components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate T^2 is
+spread more widely, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
+degrees of freedom (Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same
+tracers followed over many times are thus counted once, and not once per time. Hotelling's law is
+that of Gaussian groups; for others G is replaced by `effective_groups`. What is reported is the
+chi-square that has the p-value of T^2, so that value, degrees of freedom and p belong together.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GROUPS_PER_FREEDOM = 4
+"""Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
+_SMALLEST_EIGENVALUE = 1e-9
+"""Of the correlation matrix, relative to the largest: below, two components are the same."""
+
+
+class ChiSquare(NamedTuple):
+    """A chi-square, its degrees of freedom, and the p-value that the chi-square law gives them.
+
+    groups: independent groups that the covariance was estimated from, None if it is exact;
+    statistic: then T^2 as it is (see above), by which causes are compared with one another.
+    """
+
+    value: float
+    freedom: int
+    p_value: float
+    groups: int | None
+    statistic: float
+
+
+def errors(replicates: Array) -> Array:
+    """Standard errors from delete-one replicates (G, ...)."""
+    return np.asarray(replicates.std(axis=0) * np.sqrt(len(replicates) - 1))
+
+
+def covariance(replicates: Array) -> Array:
+    """Covariance from delete-one replicates (G, p): (p, p)."""
+    n, deviation = len(replicates), replicates - replicates.mean(axis=0)
+    return np.asarray((n - 1) / n * (deviation.T @ deviation))
+
+
+def most_freedom(groups: int) -> int:
+    """Components that a chi-square from so many groups may have."""
+    return max(1, (groups - 1) // GROUPS_PER_FREEDOM)
+
+
+def spread_out(count: int, most: int) -> list[int]:
+    """At most so many of the indices 0 .. count - 1, evenly, with the last."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(count - 1 - k * (count - 1) / max(most - 1, 1)) for k in range(most)})
+
+
+def chance(sigmas: float) -> float:
+    """Two-sided p-value of so many Gaussian sigmas."""
+    return math.erfc(sigmas / math.sqrt(2))
+
+
+def effective_groups(replicates: Array) -> Array:
+    """Groups that a variance from delete-one replicates (G, ...) is as good as: (...), G at most.
+
+    Where a few tracers far out make most of a variance, it is known as poorly as from few Gaussian
+    groups: the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
+    """
+    deviation = replicates - replicates.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.mean(deviation**4, axis=0) / np.mean(deviation**2, axis=0) ** 2 - 3
+    excess = np.where(np.isfinite(excess), np.maximum(excess, 0.0), 0.0)
+    return np.asarray(1 + 2 * (len(replicates) - 1) / (2 + excess))
+
+
+def whitening(matrix: Array) -> Array:
+    """W with W C W^T = 1 on the components that C has: (rank, p)."""
+    scale = np.sqrt(np.diagonal(matrix))
+    scale = np.where(scale > 0, scale, np.inf)
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = values > _SMALLEST_EIGENVALUE * max(float(values[-1]), 1e-300)
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / scale)
+
+
+def hotelling(
+    difference: Array, replicates: Array, known: Array | None = None, one_by_one: bool = False
+) -> ChiSquare | None:
+    """Test of a difference (p,) with its replicates (G, p); None without freedom.
+
+    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value. known (p, p)
+    is the covariance of an error of the theory: it is added to that of the data. T^2 then varies
+    less than Hotelling's law allows for, so that p is rather too high than too low. one_by_one:
+    the covariances are not known, only the errors; then p is that of the component that differs
+    most, and the statistic the sum of squares.
+    """
+    groups = len(replicates)
+    if difference.size == 0:
+        return None
+    if one_by_one:
+        extra = 0.0 if known is None else np.diagonal(known)
+        sigmas = difference / np.sqrt(errors(replicates) ** 2 + extra)
+        return of_the_worst(sigmas)._replace(statistic=float(sigmas @ sigmas))
+    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
+    white = axes @ difference
+    freedom = white.size
+    if freedom == 0 or groups <= freedom:
+        return None
+    effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
+    # The F-distribution's upper tail by the incomplete beta function.
+    statistic = float(white @ white)
+    log_p = log_betainc(
+        (effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1))
+    )
+    value = 2 * inverse_log_gammaincc(freedom / 2, log_p)
+    return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
+
+
+def log_widening(replicates: Array, known: Array) -> float:
+    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p).
+
+    By so much -2 ln of a Gaussian likelihood rises, beside its chi-square, where M is added to C.
+    """
+    axes = whitening(covariance(replicates))
+    return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
+
+
+_SMALLEST_LOG = -600.0
+"""Logarithm of a p-value down to which SciPy's functions and their inverses are used; those of
+scipy.stats (logsf) end there too."""
+
+
+def log_betainc(a: float, b: float, x: float) -> float:
+    """Logarithm of the regularised incomplete beta function, also where it is below 1e-308."""
+    from scipy.special import betainc, betaln, hyp2f1
+
+    found = float(betainc(a, b, x))
+    if found > np.exp(_SMALLEST_LOG):
+        return math.log(found)
+    # NIST Handbook 8.17.8, whose terms are all positive
+    series = float(hyp2f1(a + b, 1.0, a + 1.0, x))
+    return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(series))
+
+
+def inverse_log_gammaincc(s: float, log_q: float) -> float:
+    """The z at which log Q(s, z) is log_q, Q the regularised upper incomplete gamma function."""
+    from scipy.special import gammainccinv, gammaln
+
+    if log_q > _SMALLEST_LOG:
+        return float(gammainccinv(s, np.exp(log_q)))
+    z = -log_q
+    for _ in range(50):  # NIST Handbook 8.11.2: a fixed point that contracts by (s - 1)/z
+        steps = np.cumprod((s - np.arange(1, 9)) / z)
+        z = -log_q + (s - 1) * math.log(z) - float(gammaln(s)) + math.log1p(float(steps.sum()))
+    return z
+
+
+def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
+    """Chi-square of counts against those expected, of the same sum; independent samples.
+
+    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981,
+    first order).
+    """
+    from scipy.special import gammaincc
+
+    if counts.size < 2:
+        return None
+    value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
+    freedom = counts.size - 1
+    return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)
+
+
+def of_the_worst(sigmas: Array) -> ChiSquare:
+    """Test of differences in standard errors (n,), however they are correlated.
+
+    The p-value of the largest, times n (Bonferroni), and the chi-square that has it.
+    """
+    from scipy.special import gammainccinv
+
+    largest = float(np.abs(sigmas).max())
+    p_value = min(1.0, chance(largest) * sigmas.size)
+    value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2
+    return ChiSquare(value, 1, p_value, None, largest**2)

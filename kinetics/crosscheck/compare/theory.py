@@ -1,0 +1,259 @@
+"""What the kinetic equation says about a sample at a point of its parameters (`Point`): averages
+over time with the theory's own error, and shares of bins.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
+from kinetics.numerics.gauss import panels_between
+from kinetics.states.quadrature import LogMeasure
+from kinetics.states.state import State
+
+if TYPE_CHECKING:
+    from kinetics import Scene, Solution
+
+Array = NDArray[np.float64]
+
+RTOL, FIELD_RTOL = 1e-7, 1e-5
+"""Asked of the solver for averages: far below any standard error; in a field it takes longer."""
+AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
+"""The averages that are compared."""
+IN_FIELD = {
+    "drift": ("mean_velocity", (0,)),
+    "thermal_speed": ("thermal_speed", ()),
+    "mean_displacement": ("mean_displacement", (0,)),
+    "dispersion_parallel": ("displacement_tensor", (0, 0)),
+    "dispersion_perpendicular": ("displacement_tensor", (1, 1)),
+}
+"""The averages that are compared in a field, along +x: the output of a Scene, and the component."""
+SPEED, DISPLACEMENT = "speed_density", "position_density"
+
+
+@dataclass(frozen=True, eq=False)
+class SampledStart(State):
+    """The speeds of a sample at time 0, as it has them: isotropic."""
+
+    bins: StartBins
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """One point per bin."""
+        if m:
+            return None
+        counts = self.bins.counts
+        return LogMeasure(0.5 * np.log(self.bins.squares), counts / counts.sum())
+
+
+class Point(NamedTuple):
+    """Every number that a theory of data has; a cause of a difference is another value of some.
+
+    restitution; path: mean free path in d; start: as a Scene's initial
+    scatterers : as in a Scene; among others than "dilute" ones `path` is still 1/(2 d rho)
+    speed_unit, time_unit, length_unit : U, d/U and d of the data in the units that were told
+    at_rest : share of the tracers that never move
+    """
+
+    restitution: float
+    path: float
+    start: Any
+    scatterers: str = "dilute"
+    speed_unit: float = 1.0
+    time_unit: float = 1.0
+    length_unit: float = 1.0
+    at_rest: float = 0.0
+
+    @classmethod
+    def of(cls, scene: "Scene") -> "Point":
+        """The point of a scene."""
+        return cls(scene.restitution, scene.mean_free_path, scene.initial)
+
+
+def solved(
+    point: Point, law: Law, times: Array, outputs: Sequence[str], rtol: float = RTOL
+) -> "Solution":
+    """The solution of a scene with a mean free path instead of a density."""
+    from kinetics import Scene, solve
+
+    scene = Scene(
+        restitution=point.restitution,
+        number_density=law.free_path(point.path),
+        initial=point.start,
+        times=times,
+        outputs=tuple(outputs),
+        tangential_restitution=law.tangential_restitution,
+        dimension=law.dimension,
+        scatterers=point.scatterers,
+        field=law.field,
+    )
+    return solve(scene, rtol=rtol)
+
+
+def solved_averages(point: Point, law: Law, times: Array, names: Sequence[str]) -> "Solution":
+    """The solution that has these averages, see `average_of`."""
+    if not law.field:
+        return solved(point, law, times, names)
+    outputs = tuple(dict.fromkeys(IN_FIELD[name][0] for name in names))
+    return solved(point, law, times, outputs, FIELD_RTOL)
+
+
+def average_of(solution: "Solution", name: str) -> Array:
+    """An average over time, (n_times,), by its name here."""
+    output, component = IN_FIELD[name] if solution.scene.field else (name, ())
+    place: Any = (..., *component)
+    return np.asarray(np.asarray(getattr(solution, output))[place])
+
+
+def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
+    """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
+
+    In units of U and d; the scales of speed and length (n_times,) are those of the sums.
+    """
+    if not names:
+        return np.empty((*sums.shape[:-2], 0, sums.shape[-2]))
+    n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        values = {
+            "drift": lambda: speed * sums[..., VX] / n,
+            "mean_displacement": lambda: length * sums[..., X] / n,
+            "dispersion_parallel": lambda: (
+                length**2 * (sums[..., X2] / n - (sums[..., X] / n) ** 2)
+            ),
+            # Across the field the mean is 0.
+            "dispersion_perpendicular": lambda: (
+                length**2 * (r2 - sums[..., X2]) / n / (law.dimension - 1)
+            ),
+            "thermal_speed": lambda: speed * np.sqrt(v2 / n),
+            "a2": lambda: v4 * n / (law.gaussian * v2**2) - 1,
+            "msd": lambda: length**2 * r2 / n,
+            "kurtosis": lambda: r4 * n / r2**2,
+        }
+        return np.stack([values[name]() for name in names], axis=-2)
+
+
+class Expectation:
+    """What is expected of a sample: of all of it, and with each group left out.
+
+    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's. With a start of
+    its own (a name, a density) the theory is the same for every group. With the sample's own start
+    it moves with the sample: each group's theory starts from its speeds.
+    """
+
+    def __init__(self, sample: Sample, names: Sequence[str]) -> None:
+        self.sample, self.names = sample, tuple(names)
+        total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
+        self.values = observed(total, *scales, names, sample.law)
+        with np.errstate(invalid="ignore"):
+            self.replicates = observed(total - sample.sums, *scales, names, sample.law)
+        self._last: tuple[Point, tuple[Array, Array]] | None = None
+
+    def theory(self, point: Point) -> tuple[Array, Array]:
+        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
+        if self._last is None or self._last[0] != point:
+            times = self.sample.times * (point.speed_unit / point.time_unit)
+            if isinstance(point.start, SampledStart):
+                found = self._from_start(point._replace(start="monoenergetic"), times)
+            else:
+                solution = solved_averages(point, self.sample.law, times, self.names)
+                values = np.stack([average_of(solution, name) for name in self.names])
+                found = values, values
+            self._last = point, (self._measured(found[0], point), self._measured(found[1], point))
+        return self._last[1]
+
+    def _measured(self, values: Array, point: Point) -> Array:
+        """Averages (..., n_names, n_times) in other units of the data, or with tracers at rest."""
+        if point[4:] == (1.0, 1.0, 1.0, 0.0):
+            return values
+        left = 1 - point.at_rest
+        factor = {
+            "thermal_speed": point.speed_unit * np.sqrt(left), "msd": point.length_unit**2 * left,
+            "a2": 1 / left, "kurtosis": 1 / left,
+        }  # fmt: skip
+        shift = np.array([1 / left - 1 if name == "a2" else 0.0 for name in self.names])
+        size = np.array([factor[name] for name in self.names])
+        return np.asarray(values * size[:, None] + shift[:, None])
+
+    def _from_start(self, point: Point, times: Array) -> tuple[Array, Array]:
+        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
+        assert self.sample.start is not None
+        start, law = self.sample.start, self.sample.law
+        flat, back = np.unique(np.sqrt(start.squares)[:, None] * times, return_inverse=True)
+        fourth = "kurtosis" in self.names
+        found = solved(point, law, flat, ["thermal_speed", "a2", "msd", *(["kurtosis"] * fourth)])
+        v2, r2 = found.thermal_speed**2, found.msd
+        r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2 if fourth else np.zeros(flat.size)
+        moments = np.stack([v2, law.gaussian * (1 + found.a2) * v2**2, r2, r4], axis=-1)
+        # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
+        square, flat_ = start.squares[:, None], start.flatness[:, None]
+        powers = np.stack([square, flat_ * square**2, square**0, flat_ * square**0], axis=-1)
+        kernel = moments[back].reshape(-1, times.size, 4) * powers
+
+        def averaged(weights: Array) -> Array:
+            sums = np.empty((*weights.shape[:-1], times.size, 5))
+            sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
+            sums[..., N] = weights.sum(axis=-1)[..., None]
+            return observed(sums, 1.0, 1.0, self.names, law)
+
+        total = start.counts
+        return averaged(total.astype(float)), averaged((total - start.by_group).astype(float))
+
+
+def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
+    """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
+
+    Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
+    bin, finer where the start is rough; what is above the last edge is the rest.
+    """
+    every = np.concatenate([[0.0], edges])
+    if name == DISPLACEMENT:
+        shares = solution.position_fraction(every)[index]
+        return np.append(shares, max(1 - shares.sum(), 0.0))
+    pieces = 1 if solution.scene.state.smooth else 12
+    fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
+    x, weight = panels_between(fine, 3)
+    each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
+    shares = np.maximum(each, 0.0).reshape(-1, pieces).sum(axis=1)
+    peak = float(solution.uncollided[index])
+    if peak > 0:  # tracers of a start with one speed that have not collided
+        speed = float(getattr(solution.scene.state, "speed", 1.0))
+        shares[min(np.searchsorted(every, speed, side="right"), shares.size) - 1] += peak
+    return np.append(shares, max(1 - shares.sum(), 0.0))
+
+
+# -- the theory's own error, among scatterers at a finite density ----------------------------------
+
+OWN_ERROR: Mapping[str, tuple[float, float]] = {
+    "thermal_speed": (0.1, 0.2), "a2": (0.3, 0.3), "msd": (0.8, 0.2), "kurtosis": (0.35, 0.2),
+}  # fmt: skip
+"""Standard deviation of simulations from the theory of kinetics/collision/medium.py, relative (to
+1 + a2 for a2) and divided by n = rho d^2: before SETTLED, and from then on. Root mean squares over
+n = .04 and .1, six e from 0.25 to 1 and both media (tests/kinetics/measurements/density_error.py),
+rounded up. Before SETTLED <r^2> deviates more the larger e is, from .2 n at e = .25 to 1.2 n."""
+_REMEMBERED = np.log(10.0)
+"""In ln t: errors at two times are correlated by exp(-|ln(t/t')|/ln 10)."""
+
+
+def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
+    """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages.
+
+    theory (n_names, n_times). Different averages are taken to be independent. None for dilute
+    scatterers, whose theory is exact.
+    """
+    if point.scatterers == "dilute":
+        return None
+    from kinetics.collision.medium import SETTLED
+
+    times, names = expectation.sample.times, expectation.names
+    density = 1 / (2 * point.path)
+    late = times >= SETTLED * point.path
+    share = np.array([np.where(late, OWN_ERROR[name][1], OWN_ERROR[name][0]) for name in names])
+    size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
+    error = np.where(times > 0, share * density * size, 0.0).ravel()
+    logs = np.log(np.where(times > 0, times, 1.0))
+    correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
+    return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

@@ -1,0 +1,1 @@
+"""Anybody's particle data: files (`formats`), one dense form (`tracks`), averages (`sample`)."""

@@ -1,0 +1,274 @@
+"""A sample of tracers, reduced to sums over groups of them: all that a comparison looks at.
+
+Tracers among the same scatterers are not independent, configurations are. So a group is a
+configuration (or several), or, where configurations are unknown, a number of tracers; and
+every standard error and every covariance is the spread over groups.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.crosscheck.data.tracks import (
+    Tracks,
+)
+from kinetics.crosscheck.data.units import Flights, straight_flights
+
+Array = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+N, V2, V4, R2, R4, VX, X, X2 = range(8)
+"""Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
+and the displacement along it, along +x, and the square of this."""
+MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
+"""Groups that tracers or configurations are gathered in, at most: primes, so that labels with a
+regular pattern spread over all of them. The relative error of a standard error from G groups is
+1/sqrt(2 G): 4.5 %, and 8 % for the counts in bins, which take most of the memory."""
+_LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
+"""Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
+octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
+_START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
+
+
+@dataclass(frozen=True, eq=False)
+class Binned:
+    """Counts in bins of speed or displacement, in U or d.
+
+    edges (n_times, n_bins + 1); totals (n_times, n_bins + 2), the first and last of what lies
+    outside; by_group (n, n_times, n_bins + 2) of independent groups, not those of the sums, None
+    where only totals are known. Then design_effect (n_times,) is the variance of a count over that
+    of independent samples.
+    """
+
+    edges: Array
+    totals: Counts
+    by_group: Any = None
+    design_effect: Array | None = None
+
+    def at(self, keep: Any) -> "Binned":
+        """The counts at the times with these indices."""
+        groups = None if self.by_group is None else self.by_group[:, keep]
+        effect = None if self.design_effect is None else self.design_effect[keep]
+        return Binned(self.edges[keep], self.totals[keep], groups, effect)
+
+
+@dataclass(frozen=True, eq=False)
+class StartBins:
+    """Speeds at time 0 in fine bins, of the tracers that move.
+
+    squares (n_bins,): mean v^2 in each bin, in U^2; flatness (n_bins,): <v^4>/<v^2>^2 in it, a
+    little above 1; by_group (n_groups, n_bins): counts.
+    """
+
+    squares: Array
+    flatness: Array
+    by_group: Counts
+
+    @property
+    def counts(self) -> Counts:
+        """Tracers in each bin, (n_bins,)."""
+        return np.asarray(self.by_group.sum(axis=0))
+
+
+@dataclass(frozen=True)
+class Law:
+    """What the system has beside the restitution: smooth disks in the plane, if not told.
+
+    field : uniform acceleration along +x in U^2/d
+    """
+
+    tangential_restitution: float = 1.0
+    dimension: int = 2
+    field: float = 0.0
+
+    @property
+    def smooth_disks(self) -> bool:
+        """Whether densities can be solved, which the solver does for this law alone."""
+        return self == Law()
+
+    @property
+    def gaussian(self) -> float:
+        """<v^4>/<v^2>^2 of a Gaussian: 2 in the plane, 5/3 in space."""
+        return (self.dimension + 2) / self.dimension
+
+    def free_path(self, density: float) -> float:
+        """Mean free path in d at a number density in d^-2 (d^-3 in space); and the other way."""
+        return 1 / ((2.0 if self.dimension == 2 else math.pi) * density)
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
+
+    Attributes
+    ----------
+    names : where the data came from
+    times : (n_times,)
+    sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
+        field, with v_x, x, x^2
+    speed_scale, length_scale : (n_times,), in U and in d
+    speeds, displacements : counts in bins, None where unknown
+    start : the speeds at time 0, None without one
+    at_rest : how many have speed zero, (n_times,)
+    grouping : what a group is made of: "medium", "tracer", "row", or "table"
+    flights : tracers that have flown straight, of the time at which most of them have
+    capped : collisions after which tracers were stopped, None without a cap
+    free : known to meet no scatterer twice (Boltzmann-Grad particles)
+    tabulated : from a table of averages; the groups are made up (summaries), and how errors at
+        different times are correlated is not known
+    warnings : what the reader should know, a sentence each
+    told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
+    """
+
+    names: tuple[str, ...]
+    times: Array
+    sums: Array
+    speed_scale: Array
+    length_scale: Array
+    speeds: Binned | None
+    displacements: Binned | None
+    start: StartBins | None
+    at_rest: Counts
+    grouping: str
+    law: Law = Law()
+    flights: Flights | None = None
+    capped: int | None = None
+    free: bool = False
+    tabulated: bool = False
+    warnings: tuple[str, ...] = ()
+    told: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> int:
+        """Number of independent groups."""
+        return len(self.sums)
+
+    @property
+    def samples(self) -> Counts:
+        """Tracers at each time, (n_times,)."""
+        return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
+
+    def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
+        """The sample with U = `speed`, d = `length` and d/U = `time` in the units that it had.
+
+        time: None is length/speed.
+        """
+        factor = speed / length if time is None else 1 / time
+        start, told, seen = self.start, dict(self.told), self.flights
+        if "number_density" in told:
+            told["number_density"] *= length**self.law.dimension
+        if seen is not None:
+            seen = Flights(seen.time * factor, seen.ratio * speed / length / factor, seen.share)
+        speeds, displacements = (
+            one and replace(one, edges=one.edges / unit)
+            for one, unit in ((self.speeds, speed), (self.displacements, length))
+        )
+        return replace(
+            self, speeds=speeds, displacements=displacements, told=told,
+            law=replace(self.law, field=self.law.field * length / speed**2), flights=seen,
+            times=self.times * factor, speed_scale=self.speed_scale / speed,
+            length_scale=self.length_scale / length,
+            start=start and replace(start, squares=start.squares / speed**2),
+        )  # fmt: skip
+
+    def at(self, keep: Any) -> "Sample":
+        """The sample at the times with these indices."""
+        return replace(
+            self,
+            sums=self.sums[:, keep],
+            speeds=self.speeds and self.speeds.at(keep),
+            displacements=self.displacements and self.displacements.at(keep),
+            **{
+                name: getattr(self, name)[keep]
+                for name in ("times", "speed_scale", "length_scale", "at_rest")
+            },
+        )
+
+
+def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
+    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
+    with np.errstate(divide="ignore"):
+        place = np.floor((np.log2(values) - lowest) * per_octave)
+    return np.clip(place, -1, bins).astype(np.int64) + 1
+
+
+def size_of_vectors(vectors: Any) -> Any:
+    """The length of vectors (n, d), also of 1e200."""
+    plane = np.hypot(vectors[:, 0], vectors[:, 1])
+    return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
+
+
+def _scale(size: Any) -> float:
+    """Root mean square as a power of 2, so that it hardly depends on single tracers."""
+    largest = float(size.max(initial=0.0))
+    if largest == 0.0:
+        return 1.0
+    with np.errstate(under="ignore"):
+        found = np.log2(np.mean((size / largest) ** 2)) / 2 + np.log2(largest)
+    return float(2.0 ** np.clip(np.round(found), -1000, 1000))
+
+
+def reduced(
+    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_field: bool = False
+) -> Sample:
+    """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
+    # Another file's labels begin elsewhere, so that small runs do not fall on each other.
+    group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
+    count = tracks.times.size
+    sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
+    scales = np.ones((2, count))
+    counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
+    at_rest, flights, start = np.zeros(count, np.int64), [], None
+    for k, (place, velocity) in enumerate(zip(tracks.place, tracks.velocity, strict=True)):
+        there = np.isfinite(velocity[:, 0])
+        mine, own = group, None if tracks.own is None else tracks.own[k]
+        if not np.all(there):
+            place, velocity, mine = place[there], velocity[there], group[there]
+            own = None if own is None else own[there]
+        speed, distance = size_of_vectors(velocity), size_of_vectors(place)
+        scales[:, k] = _scale(speed), _scale(distance)
+        time = tracks.times[k] if own is None else own
+        flights.append(straight_flights(time, distance, speed))
+        v, r = speed / scales[0, k], distance / scales[1, k]
+        powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
+        if with_field:
+            x = place[:, 0] / scales[1, k]
+            powers += [velocity[:, 0] / scales[0, k], x, x * x]
+        for column, power in enumerate(powers):
+            sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
+        row = mine % HISTOGRAM_GROUPS * (_BINS + 2)
+        for out, values in zip(counts, (v, r), strict=True):
+            cell = row + _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
+            every = np.bincount(cell, minlength=HISTOGRAM_GROUPS * (_BINS + 2))
+            out[:, k] = every.reshape(HISTOGRAM_GROUPS, -1)
+        at_rest[k] = np.count_nonzero(v == 0)
+        if tracks.times[k] == 0:
+            start = _start_bins(v, mine, scales[0, k])
+    used = sums[..., N].sum(axis=1) > 0
+
+    def binned(found: Any, scale: Any) -> Binned:
+        by_group = found[found.any(axis=(1, 2))]
+        edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
+        return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
+
+    start = start and replace(start, by_group=start.by_group[used])
+    seen = max(filter(None, flights), key=lambda one: one.share, default=None)
+    return Sample(
+        names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
+        binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,
+    )  # fmt: skip
+
+
+def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
+    bins = _START_BINS + 2
+    place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
+    counts = np.bincount(group * bins + place, minlength=MOST_GROUPS * bins).reshape(-1, bins)
+    powers = np.stack([np.bincount(place, v**power, bins) for power in (2, 4)])
+    moving = powers[0] > 0
+    counts = counts[:, moving]
+    squares, quartics = powers[:, moving] / counts.sum(axis=0)
+    with np.errstate(over="ignore", under="ignore"):  # refused later, in `_in_range`
+        return StartBins(squares * np.square(unit), quartics / squares**2, counts)

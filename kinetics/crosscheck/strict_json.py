@@ -1,5 +1,0 @@
-"""Moved to `files`."""
-
-from kinetics.crosscheck.files import dumps, plain
-
-__all__ = ["dumps", "plain"]

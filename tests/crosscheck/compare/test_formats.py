@@ -1,0 +1,225 @@
+"""The same trajectories give the same sums from every format, by the numbers of the run."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from made_data import (
+    FORMATS,
+    NO_MEDIUM,
+    SIDE,
+    STEP,
+    TIMES,
+    TRACERS,
+    Run,
+    columns_of,
+    inside,
+    simulated,
+    text_of,
+    write_dump,
+    write_xyz,
+)
+
+from kinetics import compare
+from kinetics.crosscheck.data.read import read_sample
+from kinetics.crosscheck.data.sample import R2, R4, V2, V4, N, Sample
+from kinetics.crosscheck.data.tracks import Table
+from kinetics.crosscheck.data.units import conversion, size_of
+
+SHORT = np.arange(0.0, 61.0, 2.0)
+"""Times so near that no tracer crosses half the box in between."""
+
+
+def moments(sample: Sample) -> Any:
+    """Sums of 1, v^2, v^4, r^2, r^4 over groups, in the sample's units: (n_times, 5)."""
+    v, r = sample.speed_scale**2, sample.length_scale**2
+    scales = np.stack([np.ones(v.size), v, v**2, r, r**2], axis=-1)
+    return sample.sums.sum(axis=0)[:, [N, V2, V4, R2, R4]] * scales
+
+
+def truth(run: Run) -> Any:
+    v2, r2 = (np.sum(part**2, axis=2) for part in (run[1], run[0] - run[0][0]))
+    return np.stack([x.sum(axis=1) for x in (v2**0, v2, v2**2, r2, r2**2)], axis=-1)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("name", list(FORMATS))
+def test_every_format_gives_the_sums_of_the_run(
+    tmp_path: Path, name: str, dimension: int, runs: dict[int, Run]
+) -> None:
+    path, run = tmp_path / name, runs[dimension]
+    FORMATS[name](path, run)
+    found = read_sample([path], dimension=dimension, timestep=STEP)
+    exact = 1e-5 if name.endswith("gsd") else 1e-9
+    np.testing.assert_allclose(moments(found), truth(run), rtol=exact, atol=1e-9)
+    grouping, groups = ("tracer", 251) if name in NO_MEDIUM else ("medium", 40)
+    assert (found.grouping, found.groups) == (grouping, groups)
+    assert found.law.dimension == dimension
+    np.testing.assert_array_equal(found.speeds.totals.sum(axis=1), TRACERS)  # type: ignore[union-attr]
+    if dimension == 3:
+        with pytest.raises(ValueError, match="dimension 3"):
+            read_sample([path], timestep=STEP)
+
+
+def test_columns_in_memory_are_read_as_files(run: Run) -> None:
+    import pandas as pd
+
+    data = columns_of(run)
+    frames = {"times": TIMES, "positions": run[0], "velocities": run[1]}
+    told: Any = {"restitution": 0.75, "number_density": 0.04, "explain": False}
+    found = [compare(one, **told) for one in (data, pd.DataFrame(data), frames)]
+    assert found[0] == found[1]
+    assert found[0].grouping == "medium"
+    assert [c.p_value("msd") > 1e-3 for c in found] == [True] * 3
+
+
+def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
+    v = np.random.default_rng(2).normal(size=(2, 500)) * 10.0 ** np.arange(-250, 250)
+    data = {
+        "time": np.ones(500),
+        "x": v[0],
+        "y": v[1],
+        "vx": v[0],
+        "vy": v[1],
+        "tracer": np.arange(500),
+    }
+    (tmp_path / "a.csv").write_text(text_of(data))
+    from kinetics.crosscheck.data.formats import read
+    from kinetics.crosscheck.data.tracks import Asked
+
+    found: Any = read(tmp_path / "a.csv", Asked())
+    np.testing.assert_array_equal(found.place[0].T, v)
+
+
+@pytest.mark.parametrize("order", ["shuffled", "by tracer"])
+def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
+    data = columns_of(run)
+    rows = np.random.default_rng(1).permutation(data["t"].size)
+    if order == "by tracer":
+        rows = np.argsort(data["id"], kind="stable")
+    found = read_sample([Table({k: v[rows] for k, v in data.items()})])
+    np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
+
+
+def test_tracers_numbered_anew_in_each_medium(run: Run) -> None:
+    data = columns_of(run)
+    for label in (data["id"] % 50, 0 * data["id"]):
+        changed = data | {"id": label, "medium": data["medium"] if label.any() else data["id"]}
+        found = read_sample([Table(changed)])
+        np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
+
+
+def test_positions_in_a_box_are_unwrapped(tmp_path: Path) -> None:
+    made = simulated(times=SHORT, tracers=5)
+    start = np.random.default_rng(1).uniform(0, SIDE, (200, 2))
+    run = made.positions + start, made.velocities
+    box = {"position": inside(run)[0], "velocity": run[1]}
+    gone = np.random.default_rng(2).uniform(size=run[0].shape[:2]) < 0.02
+    gone[0] = False
+    for lost in (False, True):
+        with h5py.File(tmp_path / f"{lost}.h5", "w") as file:
+            file.create_group("h5md")
+            group = file.create_group("particles/t")
+            group["box/edges"] = [SIDE, SIDE]
+            group["box"].attrs["boundary"] = [b"periodic"] * 2
+            for name, values in box.items():
+                group[f"{name}/value"] = np.where(gone[..., None] & lost, np.nan, values)
+                group[f"{name}/time"] = SHORT
+        found = read_sample([tmp_path / f"{lost}.h5"])
+        r2 = np.sum((run[0] - run[0][0]) ** 2, axis=2)
+        wanted = np.where(gone & lost, 0.0, r2).sum(axis=1)
+        np.testing.assert_allclose(moments(found)[:, 3], wanted, rtol=1e-9, atol=1e-9)
+        assert any("unwrapped" in text for text in found.warnings)
+
+
+def test_particles_of_one_type_are_chosen(tmp_path: Path, run: Run) -> None:
+    kind = np.where(np.arange(TRACERS) % 4 == 0, 2, 1)
+    write_dump(tmp_path / "a.dump", run, kind=kind)
+    write_xyz(tmp_path / "a.xyz", run, kind=[f"T{k}" for k in kind])
+    (tmp_path / "a.csv").write_text(text_of(columns_of(run) | {"species": np.tile(kind, 4)}))
+    part = run[0][:, kind == 2], run[1][:, kind == 2]
+    for name, told in (("a.dump", "2"), ("a.xyz", "T2"), ("a.csv", 2)):
+        found = read_sample([tmp_path / name], timestep=STEP, type=told)
+        np.testing.assert_allclose(moments(found), truth(part), rtol=1e-9, err_msg=name)
+
+
+def test_several_files_are_several_runs(tmp_path: Path, run: Run) -> None:
+    """Labels of one file are not those of another, also where a time is missing in one."""
+    data = columns_of(run)
+    half = {k: v[data["id"] < 1000] for k, v in data.items()}
+    rest = {k: v[data["id"] >= 1000] for k, v in data.items()}
+    rest |= {"id": rest["id"] - 1000, "medium": rest["medium"] - 20}
+    for name, part in (("a.csv", half), ("b.csv", rest)):
+        (tmp_path / name).write_text(text_of(part))
+    found = read_sample([tmp_path / "a.csv", tmp_path / "b.csv"])
+    np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
+    assert found.groups == 40
+    early = {k: v[half["t"] < 100] for k, v in half.items()}
+    (tmp_path / "a.csv").write_text(text_of(early))
+    found = read_sample([tmp_path / "a.csv", tmp_path / "b.csv"])
+    np.testing.assert_array_equal(found.samples, [2000, 2000, 2000, 1000])
+    assert any("1000 of 2000 tracers are missing" in text for text in found.warnings)
+
+
+def test_binned_times_are_at_their_mean(run: Run) -> None:
+    data = columns_of(run)
+    factor = 1 + 0.01 * np.random.default_rng(2).uniform(-1, 1, data["t"].size)
+    found = read_sample([Table(data | {"t": data["t"] * factor})], bin_times=0.05)
+    mean = (data["t"] * factor).reshape(4, -1).mean(axis=1)
+    np.testing.assert_allclose(found.times, mean, rtol=1e-12)
+    np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
+    # straight flights are found by the times of the rows themselves
+    assert found.flights is not None
+    assert found.flights.ratio == pytest.approx(1.0, abs=1e-3 + 0.01)
+
+
+def test_units_that_do_not_belong_together_are_converted(run: Run) -> None:
+    assert size_of("speed", "mm/us") == pytest.approx(1e3)
+    assert size_of("speed", "furlongs") is None
+    assert conversion({"length": "mm", "speed": "m/s", "time": "us"}) == pytest.approx(1e3)
+    data = columns_of(run)
+    names = {"t": "t [us]", "x": "x [mm]", "y": "y [mm]", "vx": "vx [m/s]", "vy": "vy [m/s]"}
+    size = {"t": 2 / 3 * 1e3, "x": 2.0, "y": 2.0, "vx": 3.0, "vy": 3.0}
+    other = {names.get(k, k): v * size.get(k, 1) for k, v in data.items()}
+    found = read_sample([Table(other)], diameter=2.0, speed_unit=3.0)
+    np.testing.assert_allclose(found.times, TIMES)
+    np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
+    found = read_sample([Table(other)], diameter=2.0, speed_unit="data")
+    assert found.speed_scale[0] ** 2 * found.sums[:, 0, V2].sum() == pytest.approx(2 * TRACERS)
+
+
+def test_a_table_of_averages_has_its_values_and_errors() -> None:
+    from kinetics.crosscheck.compare.statistics import errors
+    from kinetics.crosscheck.compare.theory import AVERAGES, Expectation
+
+    table = {"t": [1.0, 10.0], "v0 [U]": [1.2, 0.9], "v0_error [U]": [0.01, 0.02]}
+    table |= {
+        "a2": [0.1, 0.2],
+        "a2_err": [0.03, 0.01],
+        "<r^2>": [2.0, 90.0],
+        "<r^2>_se": [0.1, 3.0],
+    }
+    table |= {"kurtosis": [2.1, 2.2], "kurtosis_sem": [0.1, np.nan]}
+    found = Expectation(read_sample([Table(table)]), AVERAGES)
+    np.testing.assert_allclose(found.values[0], [1.2, 0.9], rtol=1e-4)
+    np.testing.assert_allclose(found.values[2], [2.0, 90.0], rtol=1e-4)
+    wanted = [[0.01, 0.02], [0.03, 0.01], [0.1, 3.0], [0.1, np.nan]]
+    np.testing.assert_allclose(errors(found.replicates), wanted, rtol=2e-3)
+
+
+@pytest.mark.parametrize("stored", [True, False])
+def test_a_run_of_the_simulator_has_its_own_averages(tmp_path: Path, stored: bool) -> None:
+    every = ("positions", "velocities") if stored else ("speed_histogram",)
+    made = simulated(observables=("thermal_speed", "msd", *every))
+    made.save(tmp_path / "run.h5")
+    files = [tmp_path / "run.h5"]
+    if stored:
+        made.write_h5md(tmp_path / "run.h5md")
+        files.append(tmp_path / "run.h5md")
+    for data in (made, *files):
+        rows = compare(data, 0.75, 0.04, explain=False).observable("msd")
+        np.testing.assert_allclose(rows["value"], made.msd.value[1:], rtol=1e-9)
+        if not stored:
+            np.testing.assert_allclose(rows["error"], made.msd.error[1:], rtol=1e-3)

@@ -1,0 +1,276 @@
+"""What cannot be used is refused in one line that names the argument, the column or the line."""
+
+import os
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from made_data import TIMES, Run, columns_of, inside, text_of, write_dump, write_h5md, write_xyz
+
+from kinetics import compare
+from kinetics.errors import InputError
+
+HEAD = "time,x,y,vx,vy,tracer\n"
+ROWS = "0,0,0,1,0,1\n0,0,0,0,1,2\n2,2,0,1,0,1\n2,0,2,0,1,2\n"
+DUMP = (
+    "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 9\n0 9\n0 1\n"
+    "ITEM: ATOMS id xu yu vx vy\n1 0 0 1 0\n2 0 0 0 1\n"
+)
+XYZ = "2\nProperties=id:I:1:pos:R:2:vel:R:2 Time=0\n1 0 0 1 0\n2 0 0 0 1\n"
+
+TEXTS = {
+    "no file": ("a.csv", None, "no such file"),
+    "empty": ("a.csv", "", "empty"),
+    "no header": ("a.csv", ROWS, "header"),
+    "no rows": ("a.csv", HEAD, "no rows"),
+    "column missing": ("a.csv", HEAD.replace("vy", "w") + ROWS, "'vy'"),
+    "column twice": ("a.csv", HEAD.replace("tracer", "vy") + ROWS, "'vy' stands 2"),
+    "not a number": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,b,0"), "line 4, column 'x': 'b'"),
+    "not finite": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,nan,0"), "line 4, column 'x': 'nan'"),
+    "decimal comma": ("a.csv", (HEAD + ROWS).replace(",", ";").replace("2;2;", "2;2,5;"), "line 4"),
+    "too few cells": ("a.csv", HEAD + ROWS.replace("2,2,0,1,0,1", "2,2,0"), "line 4 has 3"),
+    "too many cells": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,2,0,0"), "line 4 has 7"),
+    "cut in a number": ("a.csv", (HEAD + ROWS)[:-1], "line 5 has no end"),
+    "two rows": ("a.csv", HEAD + ROWS + "2,2,0,1,0,1\n", "tracer 1 has more than one row"),
+    "negative time": ("a.csv", HEAD + ROWS.replace("2,2,0", "-2,2,0"), "time: got -2"),
+    "one tracer": ("a.csv", HEAD + "0,0,0,1,0,1\n2,2,0,1,0,1\n", "one tracer|1 tracer"),
+    "other format": ("a.txt", HEAD + ROWS, "must be a file"),
+    "not parquet": ("a.parquet", HEAD, "damaged"),
+    "not npz": ("a.npz", HEAD, "damaged"),
+    "not HDF5": ("a.h5", HEAD, "damaged"),
+    "not gzip": ("a.csv.gz", HEAD, "damaged"),
+    "not a dump": ("a.dump", HEAD, "line 1"),
+    "dump: blank line": ("a.dump", DUMP.replace("\n2 0", "\n\n2 0"), "line 11: has 0 columns"),
+    "dump: joined lines": ("a.dump", DUMP.replace("0\n2 0", "0 2 0"), "line 10: has 10 columns"),
+    "dump: long line": ("a.dump", DUMP.replace("1 0 0 1 0", "1 0 0 1 0 7"), "line 10: has 6"),
+    "dump: column twice": ("a.dump", DUMP.replace("id xu", "xu xu"), "'id'"),
+    "dump: twice": ("a.dump", DUMP.replace("id xu yu", "id xu xu yu"), "'xu' stands 2 times"),
+    "dump: cut": ("a.dump", DUMP[:-10], "line 1[01]"),
+    "dump: no number": ("a.dump", DUMP.replace("1 0 0 1 0", "1 a 0 1 0"), "line 10: column 'xu'"),
+    "dump: huge": ("a.dump", DUMP.replace("ATOMS\n2", "ATOMS\n1000000000000"), "line 11"),
+    "dump: slanted box": ("a.dump", DUMP.replace("0 9\n", "0 9 1\n", 1), "rectangular"),
+    "dump: no timestep": ("a.dump", DUMP, "timestep"),
+    "xyz: blank line": ("a.xyz", XYZ.replace("\n2 0", "\n\n2 0"), "line 4: has 0 columns"),
+    "xyz: long line": ("a.xyz", XYZ.replace("1 0 0 1 0", "1 0 0 1 0 7"), "line 3: has 6"),
+    "xyz: twice": ("a.xyz", XYZ.replace("id:I:1", "pos:R:1"), "pos has 1 columns"),
+    "xyz: vel twice": ("a.xyz", XYZ.replace("id:I:1", "v:R:2"), "2 times"),
+    "xyz: cut": ("a.xyz", XYZ[:-3], "line 4"),
+    "xyz: no time": ("a.xyz", XYZ.replace(" Time=0", ""), "times"),
+    "table without errors": ("a.csv", "t,v0,msd\n1,2,3\n", "'x'"),
+    "table: negative error": ("a.csv", "t,v0,v0_error\n1,2,-1\n2,2,1\n", "error of thermal_speed"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", list(TEXTS))
+def test_a_text_that_cannot_be_used(tmp_path: Path, name: str) -> None:
+    file, text, words = TEXTS[name]
+    if text is not None:
+        (tmp_path / file).write_text(text)
+    step = None if "timestep" in name else 0.5
+    with pytest.raises(InputError, match=words) as caught:
+        compare(tmp_path / file, 0.7, 0.04, timestep=step)
+    assert "\n" not in str(caught.value)
+
+
+ARGUMENTS: dict[str, tuple[dict[str, Any], str]] = {
+    "restitution": ({"restitution": 1.5}, "restitution: got 1.5"),
+    "density": ({"number_density": -1.0}, "number_density: got -1"),
+    "density and diameter": ({"diameter": 1e-60, "number_density": 1e-300}, "number_density: got"),
+    "tangential": ({"tangential_restitution": 2.0}, "tangential_restitution: got 2"),
+    "start": ({"initial": "cold"}, "initial: got 'cold'"),
+    "rest": ({"initial": "rest"}, "initial: got 'rest'"),
+    "positions": ({"positions": "near"}, "positions: got 'near'"),
+    "speed unit": ({"speed_unit": "U"}, "speed_unit: got 'U'"),
+    "time unit": ({"time_unit": 0.0}, "time_unit: got 0"),
+    "timestep": ({"timestep": np.nan}, "timestep: got nan"),
+    "dimension": ({"dimension": 4}, "dimension: got 4"),
+    "space": ({"dimension": 3}, "'z'|no z"),
+    "bins": ({"bin_times": 0.5}, "bin_times: got 0.5"),
+    "field": ({"field": -1.0}, "field: got -1"),
+    "columns": ({"columns": "x"}, "columns: got 'x'"),
+    "columns, a list": ({"columns": ["x"]}, "columns: got"),
+    "columns, unknown": ({"columns": "w=x"}, "columns: 'w'"),
+    "columns, twice": ({"columns": "time=t,t=t"}, "columns: 't' stands twice"),
+    "columns, one for two": ({"columns": "x=t"}, "'t' cannot be time and x"),
+    "columns, missing": ({"columns": {"x": "where"}}, "'where'"),
+    "type": ({"type": 3}, "'type'"),
+}
+
+
+@pytest.mark.parametrize("name", list(ARGUMENTS))
+def test_an_argument_that_cannot_be_used(run: Run, name: str) -> None:
+    told, words = ARGUMENTS[name]
+    with pytest.raises(InputError, match=words):
+        compare(columns_of(run), **{"restitution": 0.75, "number_density": 0.04} | told)
+
+
+def test_columns_may_be_told_as_a_text_or_a_dictionary(run: Run) -> None:
+    data = columns_of(run)
+    data["t_sim"], data["where"] = data.pop("t"), data.pop("x")
+    told = ("time=t_sim,x=where", {"t": "T_sim", "x": "where"})
+    found = [compare(data, 0.75, 0.04, columns=one, explain=False) for one in told]
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"x": np.ones(3)}, "differ in length"),
+        ({"x": np.ones((8000, 1))}, "shape"),
+        ({"x": np.array(["a"] * 8000)}, "'x' is of type"),
+        ({"vx": np.full(8000, np.inf)}, "vx = inf"),
+        ({"vx": np.full(8000, 1e200)}, "speeds of"),
+        ({"vx": np.zeros(8000), "vy": np.zeros(8000)}, "every speed at time 0 is zero"),
+        ({"t": np.linspace(0, 1, 8000)}, "more than 400 different times"),
+        ({"id": np.linspace(0, 1, 8000)}, "'tracer' must be whole numbers"),
+        ({"medium": None, "id": None}, "needs? a column tracer"),
+    ],
+)
+def test_columns_that_cannot_be_used(run: Run, change: dict[str, Any], words: str) -> None:
+    data = {k: v for k, v in (columns_of(run) | change).items() if v is not None}
+    with pytest.raises(InputError, match=words):
+        compare(data, 0.75, 0.04)
+
+
+@pytest.mark.parametrize("kind", ["xyz", "dump", "csv", "npz"])
+def test_wrapped_positions_are_refused(tmp_path: Path, run: Run, kind: str) -> None:
+    both = inside(run)[0], run[1]
+    path = tmp_path / f"a.{kind}"
+    if kind == "npz":
+        np.savez(path, times=TIMES, positions=both[0], velocities=both[1])
+    elif kind == "csv":
+        path.write_text(text_of(columns_of(both)))
+    else:
+        {"xyz": write_xyz, "dump": write_dump}[kind](path, both)
+    with pytest.raises(InputError, match="look wrapped"):
+        compare(path, 0.75, 0.04, timestep=0.25)
+
+
+def h5md(path: Path, run: Run, change: str) -> None:
+    write_h5md(path, run, image=True)
+    with h5py.File(path, "a") as file:
+        group = file["particles/tracers"]
+        if change == "one image":
+            del group["image/value"]
+            group["image/value"] = np.zeros((1, *run[0].shape[1:]))
+        elif change == "no edges":
+            del group["box/edges"]
+            group["box/edges"] = np.empty(0)
+        elif change == "no box":
+            del group["box"]
+        elif change == "two groups":
+            group.copy(group, file["particles"], "copy")
+        elif change == "other times":
+            group["velocity/time"][1] = 3.0
+        elif change == "few labels":
+            group["id"] = np.arange(3)
+        elif change == "text":
+            del group["velocity/value"]
+            group["velocity/value"] = "text"
+        elif change == "link":
+            del group["velocity/value"]
+            group["velocity/value"] = h5py.ExternalLink("other.h5", "/velocity")
+        elif change == "huge":
+            del group["velocity/value"]
+            shape = (4, 10**12, 2)
+            group["velocity"].create_dataset("value", shape, chunks=(1, 1000, 2), dtype="f8")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("one image", "image"), ("no edges", "image"), ("no box", "image"),
+        ("two groups", "groups"),
+        ("other times", "times"), ("few labels", "id"), ("text", "value"), ("link", "value"),
+        ("huge", "declares"),
+    ],
+)  # fmt: skip
+def test_h5md_that_cannot_be_used(tmp_path: Path, run: Run, change: str, words: str) -> None:
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["velocity"] = run[1]
+    h5md(tmp_path / "a.h5md", run, change)
+    with pytest.raises(InputError, match=words):
+        compare(tmp_path / "a.h5md", 0.75, 0.04)
+
+
+def test_python_objects_are_never_loaded(tmp_path: Path, run: Run) -> None:
+    class Evil:
+        def __reduce__(self) -> Any:
+            return os.mkdir, (str(tmp_path / "executed"),)
+
+    data = columns_of(run)
+    np.savez(tmp_path / "a.npz", **data | {"x": np.array([Evil()] * 8000, object)})
+    with pytest.raises(InputError):
+        compare(tmp_path / "a.npz", 0.75, 0.04)
+    assert not (tmp_path / "executed").exists()
+
+
+def bomb(path: Path, name: str, shape: tuple[int, ...], written: int) -> None:
+    """An .npz whose array `name` declares this shape, and holds so many bytes of zeros."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for one in ("times", "positions", "velocities"):
+            with archive.open(f"{one}.npy", "w", force_zip64=True) as file:
+                header = {"descr": "<f8", "fortran_order": False, "shape": shape}
+                if one != name:
+                    header["shape"] = (2,) if one == "times" else (2, 3, 2)
+                np.lib.format.write_array_header_1_0(file, header)
+                size = written if one == name else 8 * int(np.prod(header["shape"]))
+                for _ in range(size // 2**20 + 1):
+                    file.write(b"\0" * min(size, 2**20))
+
+
+def small_files(folder: Path) -> dict[str, Path]:
+    """Small files that would take much memory or time, were they believed."""
+    bomb(folder / "times.npz", "times", (2**27,), 2**28)
+    bomb(folder / "declared.npz", "positions", (2, 10**12, 2), 100)
+    with h5py.File(folder / "declared.h5", "w") as file:
+        for name in ("time", "x", "y", "vx", "vy"):
+            file.create_dataset(name, (10**12,), "f8", chunks=(1000,), compression="gzip")
+    os.symlink("/dev/zero", folder / "zero.csv")
+    os.mkfifo(folder / "pipe.csv")
+    (folder / "line.csv").write_bytes(b"time,x,y,vx,vy\n" + b"1" * (3 << 20))
+    return {path.name: path for path in folder.iterdir()}
+
+
+def test_small_files_cost_little(tmp_path: Path) -> None:
+    """A line within a second and 200 MB beside what the imports take."""
+    for name, path in small_files(tmp_path).items():
+        start = time.perf_counter()
+        with pytest.raises(InputError):
+            compare(path, 0.7, 0.04)
+        assert time.perf_counter() - start < 1.0, name
+
+
+@pytest.mark.parametrize("name", ["times.npz", "declared.npz", "declared.h5"])
+def test_small_files_take_little_memory(tmp_path: Path, name: str) -> None:
+    path = small_files(tmp_path)[name]
+    code = (
+        "import sys, resource; from kinetics import compare; import h5py, scipy.optimize\n"
+        "from kinetics.crosscheck import compare_data\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "try: compare_data(sys.argv[1], 0.7, 0.04)\n"
+        "except ValueError: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, path], capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) < 200_000  # kB
+
+
+def test_what_is_given_twice_or_mixed_is_refused(tmp_path: Path, csv: Path, run: Run) -> None:
+    table = tmp_path / "t.csv"
+    table.write_text("t,v0,v0_error\n1,1.2,.01\n2,1.1,.01\n")
+    unlabelled = tmp_path / "u.csv"
+    unlabelled.write_text(text_of(columns_of(run, tracers=False)))
+    for data, words in (
+        ([csv, csv], "stands twice"), ([], "no file"), ([csv, table], "only file"),
+        ([csv, unlabelled], "all files or in none"), (3, "data: got 3"), ([csv, 3], "data: got"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            compare(data, 0.75, 0.04)

@@ -1,0 +1,203 @@
+"""A comparison as a value, as tables, as a page with its numbers, and the command."""
+
+import json
+import pickle
+from dataclasses import FrozenInstanceError, replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from made_data import Run, columns_of
+
+from kinetics import compare, load
+from kinetics.crosscheck import Comparison
+from kinetics.crosscheck.compare.page import render
+from kinetics.errors import InputError
+
+EVIL = "<script>alert('x')</script>&\""
+KEYS = {
+    "schema", "title", "data", "verdict", "summary", "parameters", "initial", "warnings", "tests",
+    "explanations", "rows", "figures",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def differing(run: Run) -> Comparison:
+    """With a wrong density, so that there is something to explain."""
+    return compare(columns_of(run), 0.75, 0.06)
+
+
+def test_it_is_a_value(differing: Comparison, tmp_path: Path) -> None:
+    with pytest.raises(FrozenInstanceError):
+        differing.verdict = "agrees"  # type: ignore[misc, assignment]
+    assert pickle.loads(pickle.dumps(differing)) == differing
+    differing.save(tmp_path / "result.h5")
+    again = load(tmp_path / "result.h5")
+    assert again == differing
+    assert again.to_json() == differing.to_json()
+    assert replace(differing, samples=3) != differing
+    rows = differing.rows
+    rows.loc[0, "value"] = 17.0  # a copy
+    assert differing.rows["value"][0] != 17.0
+    assert str(differing.verdict) in repr(differing)
+
+
+def test_its_rows_are_a_data_frame(differing: Comparison) -> None:
+    rows = differing.rows
+    assert list(rows.columns) == [
+        "observable", "time", "value", "error", "theory", "sigmas", "verdict", "corrected_sigmas",
+        "samples", "low", "high",
+    ]  # fmt: skip
+    known = rows.dropna(subset="sigmas")
+    averages = known[known["low"].isna()]
+    sigmas = (averages["value"] - averages["theory"]) / averages["error"]
+    np.testing.assert_allclose(averages["sigmas"], sigmas)
+    dataset = differing.to_xarray()
+    np.testing.assert_array_equal(dataset["value"], rows["value"])
+    assert dataset.attrs["status"] == "differs"
+    assert differing.to_dataframe().equals(rows)
+    speeds = differing.observable("speed_density")
+    share = speeds["value"] * (speeds["high"] - speeds["low"]).fillna(1.0)
+    np.testing.assert_allclose(share.groupby(speeds["time"]).sum(), 1.0)
+    for test in differing.tests:
+        assert differing.p_value(test.observable, test.time) == test.p_value
+    with pytest.raises(KeyError):
+        differing.p_value("msd", 3.0)
+
+
+def test_its_document_is_strict_json(differing: Comparison) -> None:
+    document = json.loads(differing.to_json(), parse_constant=lambda c: pytest.fail(c))
+    assert document == differing.to_dict()
+    assert set(document) == KEYS
+    assert set(document["parameters"]) == {"restitution", "number_density", "mean_free_path"}
+    assert {*document["tests"][0]} == {
+        "observable", "time", "chi_square", "dof", "p_value", "groups", "sigmas", "verdict",
+        "within",
+    }  # fmt: skip
+    assert {*document["explanations"][0]} >= {"name", "outcome", "text", "value", "error"}
+
+
+def test_every_figure_is_drawn(differing: Comparison) -> None:
+    from matplotlib import pyplot
+
+    assert {"thermal-speed", "a2", "msd", "kurtosis", "sigmas", "speed-density"} <= {
+        *differing.figures
+    }
+    for name in differing.figures:
+        ax = differing.plot(name)
+        assert ax.get_xlabel()
+        assert ax.get_legend_handles_labels()[0]
+        pyplot.close(ax.figure)
+    with pytest.raises(InputError, match="msd"):
+        differing.plot("nothing")
+
+
+class Page(HTMLParser):
+    """The words of a page, and the tags and addresses in it."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.addresses: list[str] = []
+        self.words = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        self.tags.append(tag)
+        self.addresses += [
+            v for k, v in attrs if k in ("src", "href", "xlink:href") and v[0] != "#"
+        ]
+
+    def handle_data(self, data: str) -> None:
+        self.words += data
+
+
+def test_the_page_says_the_verdict_first_and_every_number(differing: Comparison) -> None:
+    from kinetics.crosscheck.words import number, numeral
+
+    page = Page(render(differing, "page.json"))
+    assert not page.addresses  # nothing beside it is needed
+    assert "script" not in page.tags
+    words = page.words
+    best = differing.explanations[0]
+    assert words.index("Differs.") < words.index(best.headline) < words.index("Chi-squares")
+    for row in differing.to_dict()["rows"]:
+        assert number(row["value"], row["error"]) in words
+    for test in differing.tests:
+        assert numeral(test.p_value, ".2g") in words
+    for item in differing.explanations:
+        assert item.text in words
+
+
+def test_texts_of_the_data_are_escaped(differing: Comparison) -> None:
+    evil = replace(
+        differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL, figures={}
+    )
+    page = Page(render(evil, EVIL))
+    assert "script" not in page.tags
+    assert page.words.count(EVIL) >= 5
+
+
+# -- the command -----------------------------------------------------------------------------------
+
+TOLD = ("-e", "0.75", "--number-density", "0.04")
+
+
+def test_the_command_says_what_the_function_returns(csv: Path, lorentz: Any) -> None:
+    before = csv.read_bytes()
+    document = lorentz.json("compare", str(csv), *TOLD)
+    assert document == compare(csv, 0.75, 0.04).to_dict()
+    assert document["data"] == {
+        "names": ["data.csv"], "samples": 2000, "groups": 40, "grouping": "medium",
+    }  # fmt: skip
+    assert csv.read_bytes() == before
+    text = lorentz("compare", str(csv), "-e", "0.6", "--number-density", "0.04")
+    assert text.startswith("They differ; e = 0.7")
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_the_command_may_fail_on_a_difference(csv: Path, capsys: Any) -> None:
+    from kinetics.cli import main
+
+    for e, status in (("0.75", 0), ("0.6", 1)):
+        told = ["compare", str(csv), "-e", e, "--number-density", "0.04", "--fail-on", "differs"]
+        assert main(told) == status
+        capsys.readouterr()
+
+
+def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> None:
+    output = tmp_path / "page.html"
+    document = lorentz.json("compare", str(csv), *TOLD, "-o", str(output), "--figures", "png")
+    assert json.loads(output.with_suffix(".json").read_text(encoding="utf-8")) == document
+    assert output.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    figures = {f"page-{name}.png" for name in document["figures"]}
+    assert {p.name for p in tmp_path.iterdir()} == {"page.html", "page.json"} | figures
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["-e", "1.5"], "restitution: got 1.5"),
+        (["--speed-unit", "U"], "--speed-unit"),
+        (["--figures", "pdf"], "--output"),
+        (["--columns", "time=x"], "cannot be time and x"),
+        (["-o", "page.txt"], "must end in .html"),
+        (["-o", "folder.html"], "is a folder"),
+        (["-o", "missing/page.html"], "does not exist"),
+        (["-o", ""], "--output"),
+    ],
+)
+def test_bad_arguments_are_one_line(
+    csv: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    lorentz: Any,
+    arguments: Any,
+    words: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.html").mkdir()
+    assert words in lorentz.refused("compare", str(csv), *arguments)
+    assert [p.name for p in tmp_path.iterdir()] == ["folder.html"]

@@ -1,0 +1,117 @@
+"""Chi-squares, their p-values against scipy and mpmath, errors, and the fit on small cases."""
+
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from scipy import stats
+
+from kinetics.crosscheck.compare.statistics import (
+    covariance,
+    effective_groups,
+    errors,
+    hotelling,
+    inverse_log_gammaincc,
+    log_betainc,
+    log_widening,
+    of_the_worst,
+    pearson,
+    whitening,
+)
+
+
+def left_out(data: Any) -> Any:
+    """Means of the groups (G, p) with each left out in turn."""
+    return (data.sum(axis=0) - data) / (len(data) - 1)
+
+
+@pytest.fixture(scope="module")
+def groups() -> Any:
+    """Gaussian groups of three correlated numbers."""
+    mixing = np.array([[1.0, 0.0, 0.0], [0.9, 0.3, 0.0], [0.1, 0.2, 2.0]])
+    return np.random.default_rng(3).normal(size=(60, 3)) @ mixing.T
+
+
+def test_errors_are_those_of_the_mean(groups: Any) -> None:
+    replicates = left_out(groups)
+    np.testing.assert_allclose(errors(replicates), stats.sem(groups, axis=0))
+    np.testing.assert_allclose(covariance(replicates), np.cov(groups.T) / len(groups))
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3, 1.0])
+def test_hotelling_is_the_f_distribution(groups: Any, shift: float) -> None:
+    """Gaussian groups, whose kurtosis is taken to be that of Gaussians where it is below."""
+    n, p = groups.shape
+    flat = np.clip(groups, -1.7, 1.7)  # no excess kurtosis
+    difference = flat.mean(axis=0) + shift
+    found = hotelling(difference, left_out(flat))
+    assert found is not None
+    t2 = difference @ np.linalg.solve(np.cov(flat.T) / n, difference)
+    axes = whitening(covariance(left_out(flat)))
+    effective = effective_groups(left_out(flat) @ axes.T).mean()
+    wanted = stats.f.sf(t2 * (effective - p) / (p * (effective - 1)), p, effective - p)
+    assert (found.freedom, found.groups) == (p, n)
+    assert found.statistic == pytest.approx(t2)
+    assert found.p_value == pytest.approx(wanted, rel=1e-9)
+    assert stats.chi2.sf(found.value, p) == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_component_that_is_the_same_as_another_costs_no_freedom(groups: Any) -> None:
+    twice = np.concatenate([groups, groups[:, :1] + groups[:, 1:2]], axis=1)
+    one, two = (hotelling(g.mean(axis=0), left_out(g)) for g in (groups, twice))
+    assert one is not None
+    assert two is not None
+    assert (two.freedom, two.statistic) == (3, pytest.approx(one.statistic))
+
+
+def test_long_tails_count_as_fewer_groups() -> None:
+    rng = np.random.default_rng(1)
+    normal, long = rng.normal(size=4000), rng.standard_t(5, size=4000)
+    assert effective_groups(normal[:, None])[0] == pytest.approx(4000, rel=0.1)
+    excess = stats.kurtosis(long)
+    assert effective_groups(long[:, None])[0] == pytest.approx(1 + 2 * 3999 / (2 + excess))
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "x"), [(120.0, 2.0, 1e-4), (40.0, 6.0, 1e-8), (9000.0, 30.0, 0.02)]
+)
+def test_tiny_p_values_have_logarithms(a: float, b: float, x: float) -> None:
+    wanted = mpmath.log(mpmath.betainc(a, b, 0, x, regularized=True))
+    assert wanted < -600
+    assert log_betainc(a, b, x) == pytest.approx(float(wanted), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("s", "log_q"), [(0.5, -1.0), (0.5, -700.0), (3.0, -2000.0), (30.0, -5000.0)]
+)
+def test_the_inverse_of_the_gamma_function(s: float, log_q: float) -> None:
+    z = inverse_log_gammaincc(s, log_q)
+    assert float(mpmath.log(mpmath.gammainc(s, z, regularized=True))) == pytest.approx(log_q)
+
+
+def test_pearson_is_the_chi_square_of_counts() -> None:
+    counts, expected = np.array([48.0, 60.0, 92.0]), np.array([50.0, 50.0, 100.0])
+    wanted = stats.chisquare(counts, expected)
+    for effect in (1.0, 2.5):
+        found = pearson(counts, expected, effect)
+        assert found is not None
+        assert (found.value, found.freedom) == (pytest.approx(wanted.statistic / effect), 2)
+        assert found.p_value == pytest.approx(stats.chi2.sf(found.value, 2))
+
+
+def test_the_worst_of_many_looks() -> None:
+    found = of_the_worst(np.array([0.5, -3.0, 1.0]))
+    assert found.p_value == pytest.approx(3 * 2 * stats.norm.sf(3.0))
+    assert stats.chi2.sf(found.value, 1) == pytest.approx(found.p_value)
+
+
+def test_an_error_of_the_theory_is_added_and_counted() -> None:
+    data = np.random.default_rng(2).normal(size=(400, 3))
+    known, difference = np.diag([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    plain, wide = (hotelling(difference, left_out(data), c) for c in (None, known))
+    assert plain is not None
+    assert wide is not None
+    assert plain.statistic == pytest.approx(400, rel=0.2)
+    assert wide.statistic == pytest.approx(1 / (0.5 + 1 / 400), rel=0.01)
+    assert log_widening(left_out(data), known) == pytest.approx(np.log(1 + 0.5 * 400), rel=0.03)
