@@ -27,7 +27,7 @@ from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
 # Gauss points of a panel of initial speeds, no wider than a panel of the waves: measured again by
-# tests/kinetics/measurements/position.py.
+# kinds of starts by trial.
 _POINTS = 10
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels

@@ -213,19 +213,12 @@ class Comparison(Result):
         """The document as strict JSON."""
         return dumps(self.to_dict())
 
-    def to_dataframe(self) -> "pandas.DataFrame":
-        """The rows as a pandas DataFrame: `rows`."""
-        return self.rows
-
-    def to_xarray(self) -> "xarray.Dataset":
-        """The rows as an xarray Dataset with the dimension "row", a variable for each column.
-
-        Its attributes are the verdict, the summary, the parameters as JSON and the version. Units
-        are those of the observables: lengths in d, speeds in U, times in d/U.
-        """
-        return self._dataset()
+    def to_dataframe(self, name: str | None = None, **points: Any) -> "pandas.DataFrame":
+        """The rows as a pandas DataFrame, or those of one observable."""
+        return self.rows if name is None else self.observable(name)
 
     def _dataset(self, only: Any = None, **points: Any) -> "xarray.Dataset":
+        """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
         import xarray
 
         rows = self.rows
@@ -241,7 +234,7 @@ class Comparison(Result):
         }
         return xarray.Dataset(variables, attrs=attributes)
 
-    def plot(self, name: str, ax: Any = None) -> Any:
+    def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
         """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
 
         On ``ax`` or on new axes, which are returned. InputError for a name that is not there.

@@ -12,10 +12,9 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
+from kinetics.crosscheck.report.rows import kept, scale_of
 from kinetics.crosscheck.words import Verdict, number, numeral
 
 _OF_PAPER = ("averages", "cooling", "diffusion")
@@ -28,7 +27,6 @@ _IN_DIMENSION = {
     2: ("measure-plane", "plane-equal"),
     3: ("measure-space", "space-power", "space-log", "space-cosine", "space-e-zero"),
 }
-_FILE = files("kinetics.crosscheck") / "templates" / "report.json"
 _WORDS = ("if", "L", "N", "ab", "eta", "tn", "mup", "msd", "impact", "rewrite", "collision")
 """Labels of the paper that are words or symbols too: they are labels only after "eq."."""
 
@@ -101,13 +99,6 @@ def printed_equations() -> dict[str, list[str]]:
     return {name: [block(label) for label in labels] for name, (_, *labels) in equations}
 
 
-@cache
-def kept() -> dict[str, Any]:
-    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
-    found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
-    return found
-
-
 def with_numbers(text: Any) -> Any:
     """A text, or several, with the numbers of the paper's equations in place of their labels."""
     if not isinstance(text, str):
@@ -140,8 +131,6 @@ def head(system: Any) -> dict[str, str]:
 
 def deviation(row: Mapping[str, Any]) -> str:
     """A row's relative deviation, with its standard error where it has one."""
-    from kinetics.crosscheck.report.rows import scale_of
-
     value = row["deviation"]
     if value is None:
         return "–"

@@ -4,13 +4,16 @@ One row looks at one number, or at several times or bins, of which it shows the 
 are named in `COLUMNS`; the thresholds of the verdicts stand in `kinetics.crosscheck.words`.
 """
 
+import json
 from collections.abc import Iterable
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kinetics import sonine
-from kinetics.crosscheck.report import page, reduce, runs
+from kinetics.crosscheck.report import reduce, runs
 from kinetics.crosscheck.report.reduce import Array, Measured
 from kinetics.crosscheck.report.runs import Case, Results
 from kinetics.crosscheck.report.systems import Cooling
@@ -28,7 +31,17 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-OBSERVABLES: dict[str, list[str]] = page.kept()["observables"]
+_FILE = files("kinetics.crosscheck") / "templates" / "report.json"
+
+
+@cache
+def kept() -> dict[str, Any]:
+    """Words and formulas of the page: "observables", "equations", "numbers", "mathml"."""
+    found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
+    return found
+
+
+OBSERVABLES: dict[str, list[str]] = kept()["observables"]
 """Every observable of a row in the order of the tables: its title with its unit, its short name."""
 COLUMNS = (
     "system", "dimension", "observable", "restitution", "kind", "source", "against", "value",

@@ -22,7 +22,7 @@ def load(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @pytest.mark.parametrize(
-    ("script", "lists"), [("scaling", ["CONSTANTS"]), ("position", ["OF_WAVES", "OF_DENSITIES"])]
+    ("script", "lists"), [("scaling", ["CONSTANTS"])]
 )
 def test_every_constant_is_a_number_of_its_module(
     script: str, lists: list[str], monkeypatch: pytest.MonkeyPatch
