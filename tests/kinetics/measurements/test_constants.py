@@ -21,9 +21,7 @@ def load(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize(
-    ("script", "lists"), [("scaling", ["CONSTANTS"])]
-)
+@pytest.mark.parametrize(("script", "lists"), [("scaling", ["CONSTANTS"])])
 def test_every_constant_is_a_number_of_its_module(
     script: str, lists: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
