@@ -6,10 +6,12 @@ where the default text is not precise enough.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import warnings
 from collections.abc import Iterable
+from numbers import Real
 from typing import Any, NoReturn
 
 import numpy as np
@@ -37,19 +39,17 @@ def real_number(
     high: float = math.inf,
     allowed: str | None = None,
 ) -> float:
-    """A finite number from low to high, as a float."""
+    """A finite number from low to high, as a float: any real number but a boolean, no text."""
     if type(value) is float and low <= value <= high and math.isfinite(value):
         return value
-    allowed = allowed or f"it must be a number from {low:g} to {high:g}"
-    try:
-        if np.ndim(value) or np.iscomplexobj(value) or np.ma.is_masked(value):
-            raise TypeError
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        refuse(name, value, allowed)
-    if not (math.isfinite(number) and low <= number <= high):
-        refuse(name, value, allowed)
-    return number
+    if type(value) is np.ndarray and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):
+            number = float(value)
+            if math.isfinite(number) and low <= number <= high:
+                return number
+    refuse(name, value, allowed or f"it must be a number from {low:g} to {high:g}")
 
 
 def check_restitution(value: Any) -> float:

@@ -1,12 +1,13 @@
 """The arguments of `simulate`, checked, as a Plan."""
 
 import os
+import sys
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from particles.checks import check_whole, real_array, refuse, short
+from particles.checks import check_number, check_whole, real_array, refuse, short
 from particles.configuration import OBSERVABLES, Plan, speeds
 from particles.media import (
     MEDIA,
@@ -42,8 +43,7 @@ def make_plan(
         refuse("medium", medium, f"must be {', '.join(names[:-1])} or {names[-1]}")
     kept = {"restitution": restitution, "tangential_restitution": tangential_restitution}
     for name, value in kept.items():
-        if not (isinstance(value, (int, float)) and 0.0 <= value <= 1.0):
-            refuse(name, value, "must be a number from 0 to 1")
+        kept[name] = check_number(name, value, 0.0, 1.0, "must be a number from 0 to 1")
     if max(kept.values()) < SMALLEST_SPEED:
         allowed = "the first collision stops a tracer; this or restitution must be larger than 0"
         refuse("tangential_restitution", tangential_restitution, allowed)
@@ -57,8 +57,7 @@ def make_plan(
         refuse("times", times, "give output times, or max_collisions, or both")
     return Plan(
         medium=medium,
-        restitution=float(restitution),
-        tangential_restitution=float(tangential_restitution),
+        **kept,
         monoenergetic=isinstance(initial, str) and initial == "monoenergetic",
         velocities=_check_initial(
             initial, (media, tracers, medium.dimension), may_rest=field != 0.0
@@ -98,16 +97,10 @@ def _check_times(times: Any) -> np.ndarray:
 
 def _check_field(field: Any, medium: Medium) -> float:
     """Return the field as a float; it must give speeds whose powers are numbers."""
-    if not (isinstance(field, (int, float)) and not isinstance(field, bool)):
-        refuse("field", field, "must be a finite number")
-    try:
-        value = float(field)
-    except OverflowError:
-        value = np.inf
+    largest = sys.float_info.max
+    value = check_number("field", field, -largest, largest, "must be a finite number")
     if value == 0.0:
         return 0.0
-    if not np.isfinite(value):
-        refuse("field", field, "must be a finite number")
     d = medium.diameter
     squares = abs(value) * d, abs(value) * d * dilute_mean_path(medium)
     if not all(FIELDS[0] <= square <= FIELDS[1] for square in squares):
@@ -122,11 +115,11 @@ def _check_field(field: Any, medium: Medium) -> float:
 def _check_depth(depth: Any, field: float) -> float | None:
     if depth is None:
         return None
-    number = isinstance(depth, (int, float)) and not isinstance(depth, bool)
-    if not (number and abs(depth) <= DEEPEST and depth * field > 0.0):
-        allowed = f"must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
+    allowed = f"must be a number with the sign of the field, {DEEPEST:g} d at most, or None"
+    number = check_number("depth", depth, -DEEPEST, DEEPEST, allowed)
+    if not number * field > 0.0:
         refuse("depth", depth, allowed)
-    return float(depth)
+    return number
 
 
 def _check_initial(

@@ -1,7 +1,10 @@
 """Checks of single arguments: ValueError in one line, `name = VALUE: must be ...`."""
 
+import contextlib
+import math
 import os
 import sys
+from numbers import Real
 from typing import Any, NoReturn
 
 import numpy as np
@@ -11,7 +14,7 @@ def short(value: Any, limit: int = 60) -> str:
     """Return the repr of a value on one line, cut to `limit` characters."""
     try:
         text = " ".join(repr(value).split())
-    except ValueError:  # an int of more digits than Python writes out
+    except Exception:  # an int of more digits than Python writes out; a repr that fails
         text = f"<{type(value).__name__}>"
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
@@ -23,10 +26,18 @@ def refuse(name: str, value: Any, allowed: str) -> NoReturn:
 
 def check_positive(name: str, value: Any) -> float:
     """Return a positive finite number as a float."""
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and 0 < value <= sys.float_info.max):
-        refuse(name, value, "must be a positive finite number")
-    return float(value)
+    return check_number(name, value, 5e-324, sys.float_info.max, "must be a positive finite number")
+
+
+def check_number(name: str, value: Any, low: float, high: float, allowed: str) -> float:
+    """Return a number from low to high as a float: any real number but a boolean, no text."""
+    number = math.nan
+    if isinstance(value, Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):
+            number = float(value)
+    if not low <= number <= high:
+        refuse(name, value, allowed)
+    return number
 
 
 def check_whole(name: str, value: Any, low: int, high: int) -> int:

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import secrets
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import is_dataclass
@@ -59,26 +60,36 @@ def _missing(asked: Path, folder: Path) -> str:
 def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Path]:
     """Write all files into the folder, or none of them; returns their paths.
 
-    Every file is complete on disk in a temporary folder before the first takes its final name, so
-    an interruption while writing leaves what stood there before. Missing folders are created, and
-    removed again if nothing comes of it. ValueError if the folder cannot be written.
+    Every file is complete on disk before the first takes its final name, so an interruption while
+    writing leaves what stood there before. Where a symbolic link stands, the file that it points to
+    is replaced, and the link stays. Missing folders are created, and removed again if nothing comes
+    of it. ValueError if the folder cannot be written.
     """
+    targets: dict[Path, Path] = {}
     created = [p for p in (folder, *folder.parents) if not p.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=folder) as temporary:
-            for name, content in contents.items():
-                with open(Path(temporary, name), "xb") as file:
-                    file.write(content.encode() if isinstance(content, str) else content)
-                    file.flush()
-                    os.fsync(file.fileno())
-            for name in contents:
-                os.replace(Path(temporary, name), folder / name)
+        for name, content in contents.items():
+            target = Path(os.path.realpath(folder / name))
+            beside = target.with_name(f".{target.name}.{secrets.token_hex(8)}.part")
+            targets[beside] = target
+            with open(beside, "xb") as file:  # x: never through a symbolic link
+                file.write(content.encode() if isinstance(content, str) else content)
+                file.flush()
+                os.fsync(file.fileno())
+        for beside, target in targets.items():
+            os.replace(beside, target)
+        for place in {target.parent for target in targets.values()} if os.name == "posix" else ():
+            descriptor = os.open(place, os.O_RDONLY)  # the new names are safe with their folder
+            os.fsync(descriptor)
+            os.close(descriptor)
     except OSError as error:
         raise ValueError(
             f"output folder {str(folder)!r} cannot be written: {error.strerror or error}"
         ) from None
     finally:
+        for beside in targets:
+            beside.unlink(missing_ok=True)  # it is there only if something went wrong
         for made in created:
             with contextlib.suppress(OSError):
                 made.rmdir()  # succeeds only where it stayed empty
