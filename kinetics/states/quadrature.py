@@ -39,6 +39,7 @@ _NEAR, _CLOSE_POINTS = 20.0, 512
 _FAR = 60.0  # e-folds above the bulk: a density that goes on so far is a power law
 _MOST_PIECES = 5000  # of an integral that go on being halved, so that a noisy density ends
 _MOST_HALVINGS = 40  # of a piece: rounding in ln v is reached
+_NOBODY = 1e30  # U: no tracer is as fast, none that moves as slow as the reciprocal
 _ROUNDING = 1e-15  # of an integral: less than that is no reason to go on halving
 
 NO_INTEGRAL = (
@@ -158,7 +159,8 @@ def samples(x: FloatArray, weight: NDArray[Any], rtol: float, power: float) -> L
 def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[Any]:
     """Call a user's density on an array of speeds; InputError where the answer cannot be used.
 
-    Speeds beyond 1e150 or below 1e-150 may overflow in it: NaN counts as 0 there.
+    It is tried at speeds that no tracer has, where powers of v overflow before exp(-v^2) is zero:
+    NaN counts as 0 beyond _NOBODY and below its reciprocal.
     """
     try:
         with np.errstate(all="ignore"):
@@ -170,11 +172,15 @@ def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[An
             "it must map an array of speeds to an array"
         ) from None
     if f.shape == v.shape:
-        f = np.where(np.isnan(f) & ((v > 1e150) | (v < 1e-150)), 0.0, f)
-    if f.shape != v.shape or np.any(np.isnan(f)):
+        f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
+    else:
         raise InputError(
-            f"initial: the density returned shape {f.shape} or NaN for speeds of shape {v.shape}; "
-            "it must map an array of speeds to an array of finite densities"
+            f"initial: the density returned shape {f.shape} for speeds of shape {v.shape}; "
+            "it must map an array of speeds to an array of densities"
+        )
+    if np.any(np.isnan(f)):
+        raise InputError(
+            f"initial: the density is NaN at v = {v[np.isnan(f)][0]:g} U; it must be a number"
         )
     return f
 

@@ -258,9 +258,10 @@ def test_an_interruption_reports_what_has_been_run(
         raise interruption
 
     made_up[1:] = [Case("limits", "stopped", stop), made_up[0]]
+    handler = signal.getsignal(signal.SIGINT)
     status = kinetics.cli.main(["stress", "-o", str(tmp_path)])
     assert status == (143 if isinstance(interruption, SystemExit) else 130)
     assert "2 cases were not run" in capsys.readouterr().err
     kept = json.loads((tmp_path / "stress.json").read_text())
     assert ([c["name"] for c in kept["cases"]], kept["not_run"]) == (["fine"], 2)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is handler

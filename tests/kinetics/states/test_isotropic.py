@@ -1,6 +1,7 @@
 """Isotropic initial states: their averages at the start, early in time, and what is refused."""
 
 import itertools
+import math
 from typing import Any
 
 import mpmath as mp
@@ -217,3 +218,11 @@ def test_many_samples_in_time() -> None:
         for part in np.split(speed, 10)
     ]
     assert np.allclose(found, np.mean(parts, axis=0), rtol=1e-11)
+
+
+@pytest.mark.parametrize("power", [2, 3, 7])
+def test_a_density_whose_powers_overflow_far_out_is_taken(power: int) -> None:
+    """v^3 exp(-v^2) is inf times 0 at speeds that no tracer has."""
+    norm = 2.0 / math.gamma(0.5 * (power + 1))
+    scene = Scene(0.7, initial=lambda v: norm * v**power * np.exp(-(v**2)), times=[0.0])
+    assert solve(scene).thermal_speed[0] == pytest.approx(math.sqrt(0.5 * (power + 1)), rel=1e-9)
