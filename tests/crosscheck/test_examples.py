@@ -84,7 +84,7 @@ def test_localisation_example(tmp_path: Path) -> None:
     # between a Gaussian and an exponential, with a rate that goes on growing
     for e, (exponent, rate) in result["TAILS"].items():
         known = ~np.isnan(exponent)
-        assert known.sum() == (5 if e == 0.9 else 6)
+        assert known.sum() >= (5 if e == 0.9 else 6)
         assert np.all((exponent[known] > 1.19) & (exponent[known] < 1.76))
         assert np.all(np.diff(exponent[known]) < 0)
         assert np.all(np.diff(rate[known]) > 0)
