@@ -185,9 +185,14 @@ class ScalingSolution(Result):
         log_c = np.log(flat[inside])
         x = log_c + 0.5 * mellin.log_second_moment(law)
         with np.errstate(under="ignore"):
-            log_f = mellin.log_density(law, x) - d * log_c
+            log_f = mellin.log_density(law, x, self._lines) - d * log_c
             out[inside] = np.exp(log_f) / law.unit_surface
         return out.reshape(c_.shape)[()]
+
+    @cached_property
+    def _lines(self) -> list[mellin.Line]:
+        """The Mellin lines that F(c) has taken so far."""
+        return []
 
     _points, _on_demand = ("c",), ("moment", "vdf")
 

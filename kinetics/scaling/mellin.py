@@ -149,7 +149,7 @@ def log_growth_constant(law: CollisionLaw, b: float) -> float:
 # -- Mellin inversion through the saddle -----------------------------------------------------------
 
 
-class _Line(NamedTuple):
+class Line(NamedTuple):
     """One Mellin line Re z = exponent: A(z)/A(exponent) at exponent + i n step.
 
     centre, deviation : mean and standard deviation of x under the density e^(exponent x) g(x)
@@ -163,17 +163,21 @@ class _Line(NamedTuple):
     samples: ComplexArray
 
 
-def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
+def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArray:
     """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F ~ g/c^d is 0.
 
     NaN where a medium makes g unknown: at speeds that only powers below the lowest one resolve.
+    lines : those made for this law so far; new ones are added
     """
     out = np.full(x.shape, -math.inf)
     todo = np.ones(x.shape, dtype=bool)
     # from the bulk (x near 0) outwards, and no further on a side once F is 0
     while np.any(todo):
         nearest = int(np.argmin(np.where(todo, np.abs(x), math.inf)))
-        line = _line_at(law, float(x[nearest]))
+        line = _known(lines, float(x[nearest]))
+        if line is None:
+            line = _line_at(law, float(x[nearest]))
+            lines += [line] if line is not None else []
         beyond = (x >= x[nearest]) if x[nearest] > 0.0 else (x <= x[nearest])
         if line is None:
             todo &= ~beyond
@@ -197,7 +201,16 @@ def log_density(law: CollisionLaw, x: FloatArray) -> FloatArray:
     return out
 
 
-def _sum(line: _Line, x: FloatArray) -> FloatArray:
+def _known(lines: list[Line], x: float) -> Line | None:
+    """One of the lines made before that serves x."""
+    for line in lines:
+        near = abs(x - line.centre) <= _REACH * line.deviation
+        if near and _keeps(line, np.array([x]))[0]:
+            return line
+    return None
+
+
+def _sum(line: Line, x: FloatArray) -> FloatArray:
     """The tilted density at x, shape (n,), as the sum over the samples of a line."""
     n = np.arange(line.samples.size)
     turn = np.exp(-1j * np.outer(x - line.centre, n * line.step))
@@ -206,7 +219,7 @@ def _sum(line: _Line, x: FloatArray) -> FloatArray:
     return np.asarray(2.0 * (turn @ rotated).real - 1.0)
 
 
-def _keeps(line: _Line, x: FloatArray) -> NDArray[np.bool_]:
+def _keeps(line: Line, x: FloatArray) -> NDArray[np.bool_]:
     """Where the sum over a line is not small beside its terms, so that no digits are lost.
 
     Near e = 0 the tilted density of a low exponent has a long tail towards rest and a short one the
@@ -215,7 +228,7 @@ def _keeps(line: _Line, x: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(_sum(line, x) > _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0))
 
 
-def _line_at(law: CollisionLaw, x: float) -> _Line | None:
+def _line_at(law: CollisionLaw, x: float) -> Line | None:
     """The line whose tilted density e^(a x) g(x)/A(a) is centred on x; None where F is 0."""
     a, scale = 0.0, math.sqrt(log_second_moment(law))
     log_a, mean, variance = _cumulants(law, a, scale)
@@ -246,7 +259,7 @@ def _cumulants(law: CollisionLaw, a: float, scale: float) -> tuple[float, float,
     return float(mid), float(right - left) / (2 * d), float(right - 2 * mid + left) / d**2
 
 
-def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, float]) -> _Line:
+def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, float]) -> Line:
     """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
     log_a, mean, scale = cumulants
     # Chernoff: where the tilted density is negligible on either side
@@ -267,4 +280,4 @@ def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, flo
         values = np.exp(log_moment(law, z, path_from=a)[count - 1 :] - log_a)
         samples.append(values)
         count += block
-    return _Line(a, mean, scale, step, log_a, np.concatenate(samples))
+    return Line(a, mean, scale, step, log_a, np.concatenate(samples))
