@@ -10,7 +10,7 @@ import click
 
 from kinetics.crosscheck.cli.options import json_option, output_path, progress
 
-CASES = ("scaled", "cooling", "position", "field", "accuracy", "skipping", "particles")
+CASES = ("scaled", "cooling", "position", "field", "skipping", "particles")
 
 
 def _output_option(names: str) -> Any:
