@@ -30,8 +30,8 @@ def _output_option(names: str) -> Any:
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
     """Measure every method on the same problems, against references of 1e-13 or better.
 
-    Prints Markdown tables: run time for an error, error asked against error reached, what skipping
-    saves, collisions per second, and what failed.
+    Prints Markdown tables: run time for an error, what skipping saves, collisions per second, and
+    what failed.
     """
     from kinetics.crosscheck.bench import run_bench
 
