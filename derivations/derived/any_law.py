@@ -23,7 +23,7 @@ from ..premises import (
     mean_free_path,
 )
 from .any_dimension import cooling_rate
-from .record import Derived, Number, Step, derives, numbers_at, result
+from .record import Derived, derives, must, result, row, zero
 
 
 @derives("beyond:rule")
@@ -33,9 +33,9 @@ def _rule() -> Derived:
     after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
     return result(
         eq(s.bvp, sp.collect(sp.expand(after), normal)),
-        Step("the collision in (normal, tangential) components", matrix),
-        Step("normal part of v", normal),
-        Step("each part times its factor", after),
+        ("the collision in (normal, tangential) components", matrix),
+        ("normal part of v", normal),
+        ("each part times its factor", after),
     )
 
 
@@ -63,8 +63,7 @@ def one_collision(dimension: int) -> tuple[sp.Expr, sp.Expr]:
 @cache
 def _polynomials() -> tuple[sp.Expr, sp.Expr]:
     """(s^2, s cos(chi)) in y, the same in the plane and in space."""
-    if one_collision(2) != one_collision(3):
-        raise ArithmeticError("a collision in space is not one in the plane of v and sigma")
+    must(one_collision(2) == one_collision(3), "space is not the plane of v and sigma")
     return one_collision(2)
 
 
@@ -73,19 +72,13 @@ def _one_collision() -> Derived:
     square, along = _polynomials()
     smooth = {s.e: s.e / s.et, s.et: 1}
     smooth_square, smooth_along = (part.subs(smooth, simultaneous=True) for part in (square, along))
-    scaled = (
-        sp.expand(square - s.et**2 * smooth_square),
-        sp.expand(along - s.et * smooth_along),
-    )
-    if scaled != (0, 0):
-        raise ArithmeticError("e_t is not a scale of the speed alone")
+    scaled = (sp.expand(square - s.et**2 * smooth_square), sp.expand(along - s.et * smooth_along))
+    must(scaled == (0, 0), "e_t is not a scale of the speed alone")
     return result(
         sp.Tuple(eq(s.s**2, square), eq(s.s * sp.cos(s.chi), along)),
-        Step("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
-        Step("v'/|v| in space", sp.Tuple(*velocity_after(3))),
-        Step("|v'|^2/|v|^2 with y = sin(theta), the same in both", square),
-        Step("v'.v/|v|^2, the same in both", along),
-        Step("s^2 and s cos(chi) less e_t^2 and e_t times those of e/e_t, 1", sp.Tuple(*scaled)),
+        ("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
+        ("v'/|v| in space", sp.Tuple(*velocity_after(3))),
+        ("s^2 and s cos(chi) less e_t^2 and e_t times those of e/e_t, 1", sp.Tuple(*scaled)),
         note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
         "deflection is that of the restitution e/e_t with e_t = 1.",
     )
@@ -96,8 +89,7 @@ def _uniform_flux(dimension: int) -> sp.Expr:
     normal, angles = contact(dimension)
     across = normal[: dimension - 1, 0]  # the part of the normal across the velocity
     element = in_sines(across.jacobian(angles).det(), *angles[1:])
-    if sp.expand(flux_per_angle(dimension) - element) != 0:
-        raise ArithmeticError("the flux is not uniform over the cross section")
+    zero(flux_per_angle(dimension) - element, "the flux is not uniform over the cross section")
     return element
 
 
@@ -106,15 +98,16 @@ def impact_density(dimension: int) -> sp.Expr:
     return flux_per_impact(dimension) / cross_section(dimension)
 
 
-@derives("beyond:measure-plane")
-def _measure_plane() -> Derived:
-    return result(
+row(
+    "beyond:measure-plane",
+    lambda: (
         sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
-        Step("collisions per angle: flux through the circle, over d rho0 |v|", flux_per_angle(2)),
-        Step("which is the element of the cross section", _uniform_flux(2)),
-        Step("collisions per impact parameter", flux_per_impact(2)),
-        Step("all of them: the rate over d rho0 |v|", cross_section(2)),
-    )
+        ("collisions per angle: flux through the circle, over d rho0 |v|", flux_per_angle(2)),
+        ("which is the element of the cross section", _uniform_flux(2)),
+        ("collisions per impact parameter", flux_per_impact(2)),
+        ("all of them: the rate over d rho0 |v|", cross_section(2)),
+    ),
+)
 
 
 @derives("beyond:measure-space")
@@ -126,10 +119,10 @@ def _measure_space() -> Derived:
             eq(s.chance(s.y**2), squared),
             eq(s.l, mean_free_path(3)),
         ),
-        Step("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
-        Step("which is the element of the cross section", _uniform_flux(3)),
-        Step("collisions per impact parameter", flux_per_impact(3)),
-        Step("all of them: the rate over d^2 rho0 |v|", cross_section(3)),
+        ("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
+        ("which is the element of the cross section", _uniform_flux(3)),
+        ("collisions per impact parameter", flux_per_impact(3)),
+        ("all of them: the rate over d^2 rho0 |v|", cross_section(3)),
         note="Here y runs from 0 to 1; the azimuth about v is uniform.",
     )
 
@@ -161,8 +154,8 @@ def _plane_equal() -> Derived:
             eq(s.klog, plane_average(-sp.log(ratio))),
             eq(s.cos_chi, plane_average(cosine)),
         ),
-        Step("s with e_t = e does not depend on y", ratio),
-        Step("cos(chi)", cosine),
+        ("s with e_t = e does not depend on y", ratio),
+        ("cos(chi)", cosine),
         note="Every collision multiplies the speed by e and deflects as an elastic one.",
     )
 
@@ -173,14 +166,14 @@ def space_power() -> sp.Expr:
     return sp.powsimp(sp.factor(space_average(s.s**s.p)))
 
 
-@derives("beyond:space-power")
-def _space_power() -> Derived:
-    return result(
+row(
+    "beyond:space-power",
+    lambda: (
         eq(Avg(s.s**s.p), space_power()),
-        Step("y^2 is uniform on [0, 1], so s^2 is uniform from e^2 to e_t^2", _polynomials()[0]),
-        Step("E[s^p], the integral of s^p 2 s/(e_t^2 - e^2) from e to e_t", space_power()),
-        note="As e_t -> e it tends to e^p. lambda(p) = 1 - E[s^p].",
-    )
+        ("y^2 is uniform on [0, 1], so s^2 is uniform from e^2 to e_t^2", _polynomials()[0]),
+    ),
+    note="As e_t -> e it tends to e^p. lambda(p) = 1 - E[s^p].",
+)
 
 
 @cache
@@ -196,13 +189,10 @@ def space_log_loss() -> sp.Expr:
 @derives("beyond:space-log")
 def _space_log() -> Derived:
     smooth = space_log_loss().subs(s.et, 1)
-    if sp.cancel(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss()) != 0:
-        raise ArithmeticError("kappa is not the derivative of lambda(p) at p = 0")
+    zero(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss(), "kappa is not lambda'(0)")
     return result(
         sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, smooth)),
-        Step("E[-ln s], the integral of -ln(s) 2 s/(e_t^2 - e^2) from e to e_t", space_log_loss()),
-        Step("e_t = 1", smooth),
-        Step("second route: the derivative of 1 - E[s^p] at p = 0 is the same"),
+        "second route: the derivative of 1 - E[s^p] at p = 0 is the same",
     )
 
 
@@ -212,14 +202,11 @@ def space_cosine() -> sp.Expr:
     return sp.factor(space_average(_polynomials()[1] / s.s))
 
 
-@derives("beyond:space-cosine")
-def _space_cosine() -> Derived:
-    return result(
-        eq(s.cos_chi, space_cosine()),
-        Step("s cos(chi)", _polynomials()[1]),
-        Step("E[(s cos(chi))/s] with s^2 uniform", space_cosine()),
-        note="Zero for elastic spheres, which scatter isotropically; 2/3 at e = 0.",
-    )
+row(
+    "beyond:space-cosine",
+    lambda: (eq(s.cos_chi, space_cosine()), ("s cos(chi)", _polynomials()[1])),
+    note="Zero for elastic spheres, which scatter isotropically; 2/3 at e = 0.",
+)
 
 
 @derives("beyond:space-isotropic")
@@ -228,8 +215,7 @@ def _space_isotropic() -> Derived:
     cosine = sp.cancel(along / sp.sqrt(square))
     density = sp.cancel(impact_density(3) / sp.diff(cosine, s.y))
     ends = cosine.subs(s.y, 0), cosine.subs(s.y, 1)
-    if ends != (-1, 1):
-        raise ArithmeticError("cos(chi) does not run from -1 to 1")
+    must(ends == (-1, 1), "cos(chi) does not run from -1 to 1")
     modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
     means = [
         sp.integrate(sp.expand(mode.subs(sp.cos(s.chi), cosine)) * impact_density(3), (s.y, 0, 1))
@@ -240,10 +226,9 @@ def _space_isotropic() -> Derived:
             eq(s.chance(sp.cos(s.chi)), density),
             *(eq(Avg(mode), mean) for mode, mean in zip(modes, means, strict=True)),
         ),
-        Step("cos(chi) with e_t = e", cosine),
-        Step("its density on [-1, 1]: uniform", density),
-        note="Uniform on [-1, 1] means that every Legendre polynomial of order 1 and more averages "
-        "to zero. It holds for every e_t = e, at e = 1 for elastic spheres.",
+        ("cos(chi) with e_t = e", cosine),
+        note="Uniform on [-1, 1] means that every Legendre polynomial of order 1 and more "
+        "averages to zero. It holds for every e_t = e, at e = 1 for elastic spheres.",
     )
 
 
@@ -266,11 +251,12 @@ def _space_cooling() -> Derived:
 
     return result(
         eq(s.h, space_cooling_rate()),
-        Step("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
-        Step("lambda(1) with e_t = 1", _smooth_loss_one()),
-        Step("inserted in the rate of beyond:any-moments", cooling_rate()),
+        ("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
+        ("lambda(1) with e_t = 1", _smooth_loss_one()),
+        ("inserted in the rate of beyond:any-moments", cooling_rate()),
         note="With v0 the root mean square speed, as in the plane: dv0/dt = -h v0^2/(2 l).",
-        numbers=numbers_at((0.4, 0.7, 0.9), {"h at e = {e}": rate}),
+        numbers={"h at e = {e}": rate},
+        at=(0.4, 0.7, 0.9),
     )
 
 
@@ -283,8 +269,8 @@ def space_e_zero_solution() -> sp.Expr:
     found = sp.gamma(order + 2)  # the integral of y^order y exp(-y)
     ratio = sp.gammasimp(found.subs(order, order + 1) / found)
     # E[Y^(n+1)] = n E[Y^n]/lambda(n)
-    if sp.cancel(ratio - order / loss.subs(s.p, order)) != 0 or found.subs(order, 1) != start:
-        raise ArithmeticError("the moments of Y at e = 0 are not those of y exp(-y)")
+    zero(ratio - order / loss.subs(s.p, order), "not the moments of y exp(-y)")
+    must(found.subs(order, 1) == start, "not the moments of y exp(-y)")
     scale = sp.sqrt(found.subs(order, 2))  # c = Y/sqrt(E[Y^2])
     density = scale * (s.x * sp.exp(-s.x)).subs(s.x, scale * s.c)
     return density / (4 * sp.pi * s.c**2)
@@ -318,8 +304,7 @@ def space_e_zero_residual() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
 def _space_e_zero() -> Derived:
     shape = space_e_zero_solution()
     gain, lost, rate, residual = space_e_zero_residual()
-    if residual != 0:
-        raise ArithmeticError(f"the scaled equation at e = 0 leaves {residual}")
+    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
     norm, second = (
         sp.integrate(4 * sp.pi * s.c ** (2 + order) * shape, (s.c, 0, sp.oo)) for order in (0, 2)
     )
@@ -331,10 +316,8 @@ def _space_e_zero() -> Derived:
             eq(Avg(s.c**2), second),
             eq(s.h, rate),
         ),
-        Step("moments of Y are (n+1)!: y exp(-y), scaled", shape),
-        Step("gain", gain),
-        Step("loss", lost),
-        Step("h = lambda(2) <c^3>", rate),
-        Step("gain - loss - (h/2)(3 + c d/dc) F", residual),
-        numbers=(Number("h at e = 0", float(rate)),),
+        ("gain", gain),
+        ("loss", lost),
+        ("gain - loss - (h/2)(3 + c d/dc) F", residual),
+        numbers={"h at e = 0": rate},
     )

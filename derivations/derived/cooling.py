@@ -8,19 +8,8 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
-from .closed_form_values import largest_cooling_ratio
-from .quadrature_values import cooling_rate_value
-from .record import (
-    RESTITUTIONS,
-    Derived,
-    Number,
-    Status,
-    Step,
-    defines,
-    derives,
-    numbers_at,
-    result,
-)
+from .record import Derived, Status, defines, derives, result, row, zero
+from .values import cooling_rate_value, largest_cooling_ratio
 
 _F_SCALED = s.F(s.bc)
 
@@ -34,9 +23,9 @@ def _gtilde() -> Derived:
     root = sp.sqrt(s.msd1(s.t))
     return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
-        Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
-        note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
-        "only asymptotically.",
+        ("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
+        note="The form is a change of variable; that G does not depend on time holds at e = 1, "
+        "and only asymptotically.",
         holds=True,
     )
 
@@ -56,20 +45,17 @@ def _tdiff() -> Derived:
     exact = -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T
     return result(
         eq(sp.Derivative(_T, s.t), exact),
-        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)"),
-        Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
-        note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
-        "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
+        "weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)",
+        note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the "
+        "scaling state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and "
+        "tends to h.",
         holds=True,
-        numbers=numbers_at(
-            RESTITUTIONS,
-            {
-                "rate at the Gaussian start at e = {e}": lambda e: (
-                    sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
-                ),
-                "h in the scaling state at e = {e}": cooling_rate_value,
-            },
-        ),
+        numbers={
+            "rate at the Gaussian start at e = {e}": lambda e: (
+                sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
+            ),
+            "h in the scaling state at e = {e}": cooling_rate_value,
+        },
     )
 
 
@@ -85,11 +71,7 @@ def _speed_equation(rate: sp.Expr) -> sp.Expr:
 @derives("vdiff")
 def _vdiff() -> Derived:
     rate = _speed_equation(_ENERGY_LOSS)
-    return result(
-        eq(sp.Derivative(_V0, s.t), rate),
-        Step("dT/dt", _ENERGY_LOSS),
-        Step("T = m v0^2/2 inserted, solved for dv0/dt", rate),
-    )
+    return result(eq(sp.Derivative(_V0, s.t), rate), ("dT/dt", _ENERGY_LOSS))
 
 
 @derives("veq")
@@ -97,12 +79,11 @@ def _veq() -> Derived:
     slope = _speed_equation(_ENERGY_LOSS)
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     solution = 1 / inverse
-    if sp.simplify(sp.diff(solution, s.t) - slope.subs(_V0, solution)) != 0:
-        raise ArithmeticError("the thermal velocity does not solve its equation")
+    zero(sp.diff(solution, s.t) - slope.subs(_V0, solution), "v0 does not solve its equation")
     return result(
         eq(_V0, solution),
-        Step("rate of 1/v0", sp.cancel(-slope / _V0**2)),
-        Step("1/v0, integrated from 0 to t", inverse),
+        ("rate of 1/v0", sp.cancel(-slope / _V0**2)),
+        ("1/v0, integrated from 0 to t", inverse),
     )
 
 
@@ -111,29 +92,30 @@ def _hsimu() -> Derived:
     ratio = {"exact h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
     return result(
         eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
-        note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
-        "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
-        "free path, which is shorter where disks do not overlap.",
+        note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, "
+        "4/3 as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for "
+        "the mean free path, which is shorter where disks do not overlap.",
         status=Status.FIT,
-        numbers=(
-            *numbers_at(RESTITUTIONS, ratio),
-            Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
-            Number("exact h/(1 - e) as e -> 1", 4 / 3),
-            Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
-        ),
+        numbers={
+            **ratio,
+            "exact h/(1 - e) at e = 0": sp.sqrt(2),
+            "exact h/(1 - e) as e -> 1": 4 / 3,
+            "largest exact h/(1 - e)": largest_cooling_ratio()[1],
+        },
     )
 
 
-@derives("tdepend")
-def _tdepend() -> Derived:
-    return result(
+row(
+    "tdepend",
+    lambda: (
         None,
-        Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
-        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)"),
-        note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
-        "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-        holds=True,
-    )
+        ("inserted in the kinetic equation, time separates", _scaled_derivative()),
+        "all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)",
+    ),
+    note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
+    "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
+    holds=True,
+)
 
 
 def _second_moment_rate() -> sp.Expr:
@@ -148,16 +130,16 @@ def _energy_rate() -> sp.Expr:
     return energy * rate * density * volume / s.n * (-s.M2)
 
 
-@derives("tdiff2")
-def _tdiff2() -> Derived:
-    return result(
+row(
+    "tdiff2",
+    lambda: (
         eq(sp.Derivative(_T, s.t), _second_moment_rate()),
-        Step(
+        (
             "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
             _energy_rate(),
         ),
-        Step("m v0^2/2 = T", _second_moment_rate()),
-    )
+    ),
+)
 
 
 @derives("compare2")
@@ -166,18 +148,19 @@ def _compare2() -> Derived:
     (solution,) = sp.solve(difference, s.h)
     return result(
         eq(s.h, solution),
-        Step("difference of the two rates of T", difference),
+        ("difference of the two rates of T", difference),
         note="Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
     )
 
 
-@derives("rearramu2")
-def _rearramu2() -> Derived:
-    return result(
+row(
+    "rearramu2",
+    lambda: (
         eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
-        Step("dT/dt", _second_moment_rate()),
-        Step("T = m v0^2/2 inserted"),
-    )
+        ("dT/dt", _second_moment_rate()),
+        "T = m v0^2/2 inserted",
+    ),
+)
 
 
 def speed_equation_by_moment() -> sp.Expr:
@@ -210,9 +193,9 @@ def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
     return result(
         eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
-        Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
-        Step("factor of F", plain),
-        Step("factor of c.dF/dc", slope),
+        ("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
+        ("factor of F", plain),
+        ("factor of c.dF/dc", slope),
     )
 
 
@@ -224,7 +207,7 @@ def _mueq() -> Derived:
     factor = sp.factor(-(plain + slope * by_parts))
     return result(
         eq(s.Mp, factor * Avg(s.c**s.p)),
-        Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
-        Step("M_p over <c^p>", factor),
+        ("integral by parts of c dF/dc against c^p in the plane", by_parts),
+        ("M_p over <c^p>", factor),
         note="Exact for every real p for which the boundary terms vanish.",
     )

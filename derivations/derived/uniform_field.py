@@ -14,7 +14,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, eq
 from .any_law import impact_density, one_collision
-from .record import Derived, Step, derives, result
+from .record import Derived, derives, must, result, zero
 
 _X = sp.Symbol("cosine", real=True)
 _COS = sp.cos(s.theta_z)
@@ -60,10 +60,10 @@ def _rows(dimension: int) -> Derived:
     rows = [field_row(dimension, m) for m in range(3)]
     return result(
         sp.Tuple(*(eq(row(s.v), found) for row, found in zip(_ROWS, rows, strict=True))),
-        Step("d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x"),
-        Step("projected on harmonics 0, 1, 2", sp.Tuple(*rows)),
-        note="The steady state has row_m = v (gain_m - f_m), the gain being "
-        "E[s^-(d+1) P_m(cos chi) f_m(v/s)].",
+        "d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x",
+        ("projected on harmonics 0, 1, 2", sp.Tuple(*rows)),
+        note="The steady state has row_m = v (gain_m - f_m), the gain being E[s^-(d+1) P_m(cos "
+        "chi) f_m(v/s)].",
     )
 
 
@@ -104,18 +104,14 @@ def moment_row(dimension: int, m: int) -> sp.Expr:
 @derives("beyond:field-moments")
 def _moments() -> Derived:
     zeroth = moment_row(2, 0)
-    if zeroth != moment_row(3, 0):
-        raise ArithmeticError("the moments of the speed know the dimension")
+    must(zeroth == moment_row(3, 0), "the moments of the speed know the dimension")
     first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
     return result(
         sp.Tuple(
             eq(s.lam(s.p) * _mean(2, s.p + 1, 0), zeroth),
             *(eq(s.lam1(s.p) * _mean(d, s.p + 1, 1), first[d]) for d in (2, 3)),
         ),
-        Step("gain of the mean of v^p by the field, in any dimension", zeroth),
-        Step("gain of the mean of v^p cos, in the plane", first[2]),
-        Step("in space", first[3]),
-        Step("the loss by collisions is lambda_m(p) times the mean of v^(p+1), at the rate v/l"),
+        "the loss by collisions is lambda_m(p) times the mean of v^(p+1), at the rate v/l",
     )
 
 
@@ -130,8 +126,7 @@ def _relations() -> dict[str, sp.Expr]:
 
     # p -> 0: lambda(p)/p tends to kappa; p = -1: lambda(-1) = 1 - E[1/s]
     limit = sp.limit((1 - s.s**s.p) / s.p, s.p, 0)
-    if limit != -sp.log(s.s):
-        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
+    must(limit == -sp.log(s.s), "lambda(p)/p does not tend to E[-ln s]")
     first = moment_row(2, 1).subs(s.p, 1).subs(one) / s.lam1(1)
     return {
         "first": first,
@@ -147,8 +142,9 @@ def _relations() -> dict[str, sp.Expr]:
 @derives("beyond:field-exact")
 def _exact() -> Derived:
     found, cos = _relations(), _COS
-    if moment_row(3, 1).subs(s.p, 1).subs(Avg(sp.Integer(1)), 1) != 1:
-        raise ArithmeticError("<v v_z> depends on the dimension beyond lambda_1(1)")
+    must(
+        moment_row(3, 1).subs(s.p, 1).subs(Avg(sp.Integer(1)), 1) == 1, "the dimension counts twice"
+    )
     return result(
         sp.Tuple(
             eq(Avg(s.v**2 * cos), found["first"]),
@@ -158,8 +154,7 @@ def _exact() -> Derived:
             eq(Avg(cos / s.v), found["inverse"]),
             eq(Avg(cos / s.v**2), found["inverse square"]),
         ),
-        Step("row 1 with p = 1, where harmonic 2 drops out", found["first"]),
-        Step("row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1"),
+        "row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
         note="In the plane and in space, for every law. The last needs E[1/s] to exist.",
     )
 
@@ -186,8 +181,7 @@ def _inverse_ratio(dimension: int) -> sp.Expr:
     b, u = sp.sqrt(width), sp.Symbol("u", positive=True)
     y = s.e * sp.sinh(u) / b
     square = sp.expand(_smooth(2)[0].subs(s.y, y)) - s.e**2 * sp.cosh(u) ** 2
-    if sp.simplify(square.rewrite(sp.exp)) != 0:
-        raise ArithmeticError("s is not e cosh(u)")
+    zero(square.rewrite(sp.exp), "s is not e cosh(u)")
     integrand = sp.cancel(sp.diff(y, u) / (s.e * sp.cosh(u)))
     return sp.integrate(integrand, (u, 0, sp.asinh(b / s.e)))
 
@@ -201,9 +195,8 @@ def _closed() -> Derived:
         rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
     return result(
         sp.Tuple(*rows),
-        Step("1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1"),
-        Step("E[1/s] in the plane", _inverse_ratio(2)),
-        Step("E[1/s] in space", _inverse_ratio(3)),
+        "1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1",
+        ("E[1/s] in the plane", _inverse_ratio(2)),
     )
 
 
@@ -248,9 +241,8 @@ def _nearly_elastic() -> Derived:
         rows += [eq(s.f0(s.v), shape), eq(s.drift, drift), eq(s.Dperp, across)]
     return result(
         sp.Tuple(*rows),
-        Step("kappa and lambda_1(0) in the plane", sp.Tuple(*_near_elastic(2))),
-        Step("in space", sp.Tuple(*_near_elastic(3))),
-        Step("f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0"),
+        ("kappa and lambda_1(0) in the plane", sp.Tuple(*_near_elastic(2))),
+        "f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0",
         note="Slow collisions spread the directions before the speed changes.",
     )
 
@@ -279,8 +271,7 @@ def _elastic() -> Derived:
         rows += [eq(s.f0(s.v), _self_similar(dimension)), eq(Avg(s.v**3), cube)]
     return result(
         sp.Tuple(*rows),
-        Step("late: f_1 = -f_0'/(lambda_1 v), and d_t f_0 = -row_0"),
-        Step("d<v_z>/dt = 1 - lambda_1 <v v_z>: <v v_z> is known over time from <v_z>"),
-        Step("d<v^3>/dt = 3 <v v_z>, from rest", rows[1].rhs),
+        "late: f_1 = -f_0'/(lambda_1 v), and d_t f_0 = -row_0",
+        "d<v_z>/dt = 1 - lambda_1 <v v_z>: <v v_z> is known over time from <v_z>",
         note="No steady state: the energy is that of the fall, v^2 = 2 z.",
     )

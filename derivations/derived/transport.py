@@ -14,7 +14,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
 from .kinetic_equation import mass_change, weak_form
-from .record import Derived, Number, Step, defines, derives, result
+from .record import Derived, defines, derives, must, result, row
 
 _T = s.T(s.t)
 _D = s.De(s.t)
@@ -25,14 +25,14 @@ _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
 _B = s.Bv(s.bv, _T)
 
 
-@derives("diffuse2")
-def _diffuse2() -> Derived:
-    return result(
+row(
+    "diffuse2",
+    lambda: (
         eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
-        Step("integral of the kinetic equation over v: density and flux"),
-        Step("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
-    )
-
+        "integral of the kinetic equation over v: density and flux",
+        ("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
+    ),
+)
 
 defines(
     {
@@ -44,15 +44,13 @@ defines(
     }
 )
 
-
-@derives("diffuse5")
-def _diffuse5() -> Derived:
-    return result(
-        None,
-        note="A formal series; that it orders the distribution holds for gradients that are small "
-        "over the distance which a tracer covers while its speed falls by a fixed factor.",
-        holds=True,
-    )
+row(
+    "diffuse5",
+    note="A formal series; that it orders the distribution holds for gradients that are "
+    "small over the distance which a tracer covers while its speed falls by a fixed "
+    "factor.",
+    holds=True,
+)
 
 
 @cache
@@ -75,14 +73,15 @@ def density_series(density: sp.Expr) -> sp.Expr:
     return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
 
 
-@derives("diffuse6")
-def _diffuse6() -> Derived:
-    return result(
+row(
+    "diffuse6",
+    lambda: (
         eq(sp.Derivative(_N, s.t), density_series(_N)),
-        Step("order epsilon of -div J", _flux_orders()[0]),
-        Step("order epsilon^2 of -div J", _flux_orders()[1]),
-        note="Each order of the gradient carries at least one factor of epsilon.",
-    )
+        ("order epsilon of -div J", _flux_orders()[0]),
+        ("order epsilon^2 of -div J", _flux_orders()[1]),
+    ),
+    note="Each order of the gradient carries at least one factor of epsilon.",
+)
 
 
 @derives("diffuse7")
@@ -98,13 +97,14 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
     general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
     return result(
         eq(Dt(s.j, density), general),
-        Step("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
-        Step("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
-        Step("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
-        note="With the gradient expanded as in diffuse9, order j also holds the flux of order "
-        "j - i under the gradient of order i. The printed form drops these. At the orders that the "
-        "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
-        numbers=(Number("change of the diffusion equation (order 1)", 0.0),),
+        ("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
+        ("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
+        ("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order j "
+        "- i under the gradient of order i. The printed form drops these. At the orders "
+        "that the paper uses nothing changes, since the flux of order 0 vanishes; from "
+        "order 2 on it does.",
+        numbers={"change of the diffusion equation (order 1)": 0.0},
     )
 
 
@@ -116,7 +116,7 @@ def _diffuse8() -> Derived:
     (weight,) = factor
     return result(
         eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
-        Step("order epsilon^j of v p, over p^(j)", weight),
+        ("order epsilon^j of v p, over p^(j)", weight),
     )
 
 
@@ -138,9 +138,7 @@ def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     return zeroth, first
 
 
-@derives("diffuse10")
-def _diffuse10() -> Derived:
-    return result(orders()[0], Step("order epsilon^0 of the kinetic equation", orders()[0]))
+row("diffuse10", lambda: (orders()[0], "order epsilon^0 of the kinetic equation"))
 
 
 @derives("diffuse11")
@@ -150,14 +148,12 @@ def _diffuse11() -> Derived:
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
     return result(
         eq(_P0, solution * _F),
-        Step("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
-        Step("normalisation to n(r, t)", solution),
+        ("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
+        ("normalisation to n(r, t)", solution),
     )
 
 
-@derives("diffuse12")
-def _diffuse12() -> Derived:
-    return result(orders()[1], Step("order epsilon^1 of the kinetic equation", orders()[1]))
+row("diffuse12", lambda: (orders()[1], "order epsilon^1 of the kinetic equation"))
 
 
 def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
@@ -172,24 +168,21 @@ def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
     return eq(sp.expand(source - residual), source)
 
 
-@derives("diffuse13")
-def _diffuse13() -> Derived:
-    return result(
+row(
+    "diffuse13",
+    lambda: (
         _expansion().first_order,
-        Step("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
-        Step("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
-        Step("the first order", _expansion().first_order),
-    )
+        ("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+        ("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
+    ),
+)
 
-
-@derives("diffuse14")
-def _diffuse14() -> Derived:
-    return result(
-        None,
-        note="Holds: the equation is linear with a source proportional to the gradient of n, and "
-        "the operator commutes with rotations.",
-        holds=True,
-    )
+row(
+    "diffuse14",
+    note="Holds: the equation is linear with a source proportional to the gradient of n, "
+    "and the operator commutes with rotations.",
+    holds=True,
+)
 
 
 def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
@@ -209,12 +202,7 @@ def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
     return other if one == s.nabla0 else one
 
 
-@derives("diffuse15")
-def _diffuse15() -> Derived:
-    return result(
-        _expansion().of_b,
-        Step("p^(1) = B.grad n inserted, the gradient divided out", _expansion().of_b),
-    )
+row("diffuse15", lambda: (_expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out"))
 
 
 @cache
@@ -222,8 +210,7 @@ def isotropy() -> sp.Expr:
     """The factor in <v_i v_j b(v)> = factor <v^2 b(v)> delta_ij: an average over the direction."""
     angle = sp.Symbol("angle", real=True)
     cross = sp.integrate(sp.cos(angle) * sp.sin(angle), (angle, 0, 2 * sp.pi))
-    if cross != 0:
-        raise ArithmeticError("the off-diagonal element does not vanish")
+    must(cross == 0, "the off-diagonal element does not vanish")
     return sp.integrate(sp.cos(angle) ** 2, (angle, 0, 2 * sp.pi)) / (2 * sp.pi)
 
 
@@ -234,20 +221,16 @@ def _diffuse16() -> Derived:
     coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
     return result(
         eq(s.J1(s.br, s.t), coefficient),
-        Step("mean of the squared cosine over directions", isotropy()),
-        Step("flux of order 1: v times B.grad n, integrated", flux),
-        Step("with D_e = -(1/2) int v.B dv", coefficient),
+        ("mean of the squared cosine over directions", isotropy()),
+        ("flux of order 1: v times B.grad n, integrated", flux),
     )
 
 
-@derives("diffuse18")
-def _diffuse18() -> Derived:
-    return result(
-        _expansion().of_coefficient,
-        Step("the equation for B", _expansion().of_b),
-        Step("its product with -v/2, integrated over v", _expansion().of_coefficient),
-        note="The paper cites diffuse17 where it means diffuse15.",
-    )
+row(
+    "diffuse18",
+    lambda: (_expansion().of_coefficient, ("the equation for B", _expansion().of_b)),
+    note="The paper cites diffuse17 where it means diffuse15.",
+)
 
 
 def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
@@ -307,14 +290,15 @@ def temperature_exponent() -> sp.Expr:
     return sp.simplify(heat * sp.diff(speed, heat) / speed)
 
 
-@derives("diffuse20")
-def _diffuse20() -> Derived:
-    return result(
+row(
+    "diffuse20",
+    lambda: (
         eq(Partial(_D, _T), temperature_exponent() * _D / _T),
-        Step("v0 as a function of the temperature", thermal_speed()),
-        Step("D_e = number l v0: exponent of T", temperature_exponent()),
-        note="Exact in the scaling state, where D_e/(l v0) is a number.",
-    )
+        ("v0 as a function of the temperature", thermal_speed()),
+        ("D_e = number l v0: exponent of T", temperature_exponent()),
+    ),
+    note="Exact in the scaling state, where D_e/(l v0) is a number.",
+)
 
 
 @derives("diffuse21")
@@ -325,9 +309,8 @@ def _diffuse21() -> Derived:
     (solution,) = sp.solve(equation, unknown)
     return result(
         eq(_D, sp.factor(solution)),
-        Step("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
-        Step("solved for D_e", solution),
-        Step("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
+        ("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
+        ("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
     )
 
 
@@ -336,8 +319,4 @@ def _diffuse22() -> Derived:
     flux = -_D * s.nabla0 * _N
     # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
     right = sp.expand(-s.nabla0 * flux)
-    return result(
-        eq(Dt(1, _N), right),
-        Step("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])),
-        Step("with J^(0) = 0 and the flux of order 1", right),
-    )
+    return result(eq(Dt(1, _N), right), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])))
