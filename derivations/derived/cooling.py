@@ -105,6 +105,33 @@ def _hsimu() -> Derived:
     )
 
 
+def _second_moment_rate() -> sp.Expr:
+    """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
+    return sp.cancel(_energy_rate() / (s.m * _V0**2 / 2)) * _T
+
+
+def _energy_rate() -> sp.Expr:
+    """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
+    energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
+    density, volume = s.n / _V0**2, _V0**2
+    return energy * rate * density * volume / s.n * (-s.M2)
+
+
+def speed_equation_by_moment() -> sp.Expr:
+    """dv0/dt in terms of M_2."""
+    return _speed_equation(_second_moment_rate())
+
+
+@cache
+def _scaled_derivative() -> sp.Expr:
+    """df/dt over (n d rho0/v0) for f = n/v0^2 Phi(v/v0): a combination of Phi and Phi'."""
+    shape = sp.Function("Phi")
+    slope = speed_equation_by_moment()
+    rate = sp.diff(s.n / _V0**2 * shape(s.v / _V0), s.t)
+    rate = rate.subs(sp.Derivative(_V0, s.t), slope).doit()
+    return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
+
+
 row(
     "tdepend",
     lambda: (
@@ -116,18 +143,6 @@ row(
     "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
     holds=True,
 )
-
-
-def _second_moment_rate() -> sp.Expr:
-    """dT/dt from the kinetic equation times m v^2/2: with v = v0 c, powers of v0 collect."""
-    return sp.cancel(_energy_rate() / (s.m * _V0**2 / 2)) * _T
-
-
-def _energy_rate() -> sp.Expr:
-    """d<m v^2/2>/dt: every factor brings its power of v0, and the integral of c^2 I is -M_2."""
-    energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
-    density, volume = s.n / _V0**2, _V0**2
-    return energy * rate * density * volume / s.n * (-s.M2)
 
 
 row(
@@ -161,21 +176,6 @@ row(
         "T = m v0^2/2 inserted",
     ),
 )
-
-
-def speed_equation_by_moment() -> sp.Expr:
-    """dv0/dt in terms of M_2."""
-    return _speed_equation(_second_moment_rate())
-
-
-@cache
-def _scaled_derivative() -> sp.Expr:
-    """df/dt over (n d rho0/v0) for f = n/v0^2 Phi(v/v0): a combination of Phi and Phi'."""
-    shape = sp.Function("Phi")
-    slope = speed_equation_by_moment()
-    rate = sp.diff(s.n / _V0**2 * shape(s.v / _V0), s.t)
-    rate = rate.subs(sp.Derivative(_V0, s.t), slope).doit()
-    return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:

@@ -43,7 +43,7 @@ def _html(label: str, known: set[str]) -> str:
 
 def _shown(formula: Any) -> str:
     """A formula; the members of a Tuple on lines of their own."""
-    from derivations.typesetting import mathml
+    from derivations.printers import mathml
 
     parts = (
         () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
@@ -58,7 +58,7 @@ def _symbols(formula: Any, known: set[str]) -> str:
     from sympy.core.function import AppliedUndef
 
     from derivations.symbols import table
-    from derivations.typesetting import mathml
+    from derivations.printers import mathml
 
     names = {symbol.name for symbol in formula.atoms(sp.Symbol)}
     names |= {applied.func.__name__ for applied in formula.atoms(AppliedUndef)}

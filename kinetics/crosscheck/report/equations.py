@@ -67,7 +67,7 @@ def _equation(name: str) -> Equation:
 def printed() -> dict[str, list[str]]:
     """MathML of the equations under each sentence, from `derivations`; takes a second."""
     from derivations import printed_equation
-    from derivations.typesetting import mathml
+    from derivations.printers import mathml
 
     def block(label: str) -> str:
         # Ascending powers read better: 1 - e^2.
