@@ -41,26 +41,23 @@ def _normg() -> Derived:
         eq(s.gt(s.r, s.t), density.subs(_I, _SPREAD)),
         ("radial solution of the diffusion equation from a point, I = int D dt", density),
         ("its <r^2>", second),
-        ("<r^2> of the printed form", printed_second),
-        note="The diffusion equation (diffuse22) gives <r^2> = 4 int D dt, as the first ad8 "
-        "says too; the printed Gaussian has 8 int D dt. The undetermined prefactor of "
-        "D_e(V, t) absorbs the factor 2, which is why eta = 1/2 and not 1 normalises <R^2>.",
+        note="The diffusion equation (diffuse22) gives <r^2> = 4 int D dt, as the first ad8 says "
+        "too; the printed Gaussian has 8 int D dt. The undetermined prefactor of D_e(V, t) absorbs "
+        "the factor 2, which is why eta = 1/2 and not 1 normalises <R^2>.",
         numbers={"<r^2> printed over derived": printed_second / second},
     )
 
 
-@derives("ddif")
-def _ddif() -> Derived:
-    elastic = sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)
-    return result(
-        eq(s.De(s.V, s.t1), elastic),
+row(
+    "ddif",
+    lambda: (
+        eq(s.De(s.V, s.t1), sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)),
         "exact at e = 1: (3/8) v l with v = V v0",
-        note="The power of V is a guess (see ap20): at e = 1 the exact one is 1, not 2. The "
-        "shape of G(R) rests on it.",
-        holds=False,
-    )
-
-
+    ),
+    note="The power of V is a guess (see ap20): at e = 1 the exact one is 1, not 2. The shape of "
+    "G(R) rests on it.",
+    holds=False,
+)
 defines(
     {
         "L": "The speed of a hop over the thermal velocity.",
@@ -77,15 +74,13 @@ def _etadif() -> Derived:
     must(integral.subs(s.t, 0) == 0, "not the integral of D_e(V, t)")
     square = s.l**2 * collisions().subs(s.tc(s.N), s.t)
     value = sp.simplify(4 * integral / (s.V**2 * square))
-    (fixed,) = sp.solve(value.subs(s.l * s.beta, 1) - sp.Rational(1, 2), s.kappa_d)
     return result(
         eq(s.eta, value),
         ("int_0^t D_e(V, t') dt'", integral),
         ("<r^2> of the random walk (msd)", square),
-        ("kappa that gives eta = 1/2 at l beta = 1", fixed),
         note="Follows from eta, ddif and msd. It depends on e through l beta unless kappa does; "
-        "the universal eta that the paper fits is therefore an assumption on kappa. <R^2> "
-        "= 1 forces eta = 1/2.",
+        "the universal eta that the paper fits is therefore an assumption on kappa. <R^2> = 1 "
+        "forces eta = 1/2.",
     )
 
 
@@ -99,7 +94,6 @@ def _posivel() -> Derived:
         eq(s.Gt(s.R, s.V), scaled),
         ("the Gaussian of normg", printed),
         ("its integral", sp.integrate(scaled, (s.R, 0, sp.oo))),
-        ("its second moment", sp.integrate(s.R**2 * scaled, (s.R, 0, sp.oo))),
         note="Follows from normg as printed. With the factor of normg corrected, eta stands for "
         "eta/2 here; since eta is a free parameter, the factor does not show.",
     )
@@ -139,11 +133,9 @@ def _gdefi() -> Derived:
         ),
         ("integrand: Gaussian speed times posivel", integrand),
         ("with u = V^2 it is the integral representation of K_0", closed_form()),
-        ("its integral over R", _moment(0)),
-        ("its second moment", _moment(2)),
-        note="A Bessel function: G(R) = (2 R/eta) K_0(R sqrt(2/eta)). It is normalised for "
-        "every eta and <R^2> = 2 eta, so that <R^2> = 1 leaves eta = 1/2 and nothing to "
-        "fit. Its premise (speeds drawn once, Gaussian) does not hold: see beyond:position.",
+        note="A Bessel function: G(R) = (2 R/eta) K_0(R sqrt(2/eta)). It is normalised for every "
+        "eta and <R^2> = 2 eta, so that <R^2> = 1 leaves eta = 1/2 and nothing to fit. Its premise "
+        "(speeds drawn once, Gaussian) does not hold: see beyond:position.",
         numbers={"eta for which <R^2> = 1": 0.5},
     )
 
@@ -169,7 +161,6 @@ row(
         "minus the logarithm of the integrand over 2 R/eta, over R^2",
     ),
 )
-
 row(
     "beyond:bessel",
     lambda: (
@@ -197,10 +188,9 @@ def _position() -> Derived:
         ("<r^4>/<r^2>^2 for N free flights, N with mean and variance ~ ln t", ratio),
         ("its value for the paper's K_0 form", bessel),
         note="The length of a free flight does not depend on the speed: r after N flights is a "
-        "plain random flight, and N grows as ln t/kappa with relative fluctuations that "
-        "vanish as 1/sqrt(ln t). So G(R) tends to the Gaussian 2 R exp(-R^2), as slowly as "
-        "1/ln t; persistence changes the correction, not the limit. The K_0 form has 4: no "
-        "universal G.",
+        "plain random flight, and N grows as ln t/kappa with relative fluctuations that vanish as "
+        "1/sqrt(ln t). So G(R) tends to the Gaussian 2 R exp(-R^2), as slowly as 1/ln t; "
+        "persistence changes the correction, not the limit. The K_0 form has 4: no universal G.",
         numbers={"flatness of the K_0 form": bessel},
     )
 
@@ -215,10 +205,7 @@ def saddle() -> sp.Expr:
     return sp.sqrt(value)
 
 
-@derives("csolu")
-def _csolu() -> Derived:
-    slope = sp.diff(saddle_exponent(), s.V)
-    return result(eq(s.Vs, saddle()), ("dp/dV", slope))
+row("csolu", lambda: (eq(s.Vs, saddle()), ("dp/dV", sp.diff(saddle_exponent(), s.V))))
 
 
 _CURVATURE = Second(s.pd(s.V, s.R), s.V, s.Vs)
@@ -251,9 +238,8 @@ def _tailg() -> Derived:
     return result(
         chain(s.G(s.R), leading, value),
         ("Gaussian integral about the saddle", gaussian_integral()),
-        note="The last expression is half of the Gaussian integral: the root should hold 2 "
-        "pi/p'', not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma "
-        "absorbs the 2.",
+        note="The last expression is half of the Gaussian integral: the root should hold 2 pi/p'', "
+        "not pi/(2 p''). The factor R is not missing: it cancels. The fitted gamma absorbs the 2.",
         numbers=ratios | moments,
     )
 
@@ -317,9 +303,8 @@ def _semig() -> Derived:
         eq(s.G(s.R), tail()),
         ("their ratio", half),
         ("integral of the derived form", sp.simplify(sp.integrate(tail(), (s.R, 0, sp.oo)))),
-        ("its second moment", sp.simplify(sp.integrate(s.R**2 * tail(), (s.R, 0, sp.oo)))),
-        note="Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is "
-        "right for the printed model; with eta = 1/2 it is 2.",
+        note="Half of the Gaussian integral again (see tailg). The decay rate sqrt(2/eta) is right "
+        "for the printed model; with eta = 1/2 it is 2.",
         numbers={
             "derived over printed": 2.0,
             "decay rate at eta = 1/4 (fitted)": sp.sqrt(8),
@@ -333,8 +318,8 @@ def _gammatailg() -> Derived:
     norm_, second = (7.39 / 2 * _steepest_moment(k, 0.25) for k in (0, 2))
     return result(
         eq(s.G(s.R), 2 / s.eta * s.R * gaussian_integral() * sp.exp(-s.pd(s.Vs, s.R) * s.R**2)),
-        note="With the Gaussian integral corrected, gamma is 2 for every eta and <R^2> = 1 "
-        "fixes eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
+        note="With the Gaussian integral corrected, gamma is 2 for every eta and <R^2> = 1 fixes "
+        "eta = 1/2. The fitted pair, meant for the tail alone, integrates to 3.3.",
         status=Status.FIT,
         numbers={
             "gamma fitted": 7.39,
@@ -355,8 +340,8 @@ def _peakg() -> Derived:
         ("its integral", sp.integrate(form, (s.R, 0, sp.oo))),
         ("its second moment", sp.simplify(sp.integrate(s.R**2 * form, (s.R, 0, sp.oo)))),
         note="The formula follows by substitution; eta = 0.75 is fitted and gives <R^2> = 0.75 "
-        "where R is scaled so that it is 1. A Gaussian of the right width has eta V^2 = "
-        "1/2. The paper's own integral is not Gaussian at its peak: G/R diverges as -ln R.",
+        "where R is scaled so that it is 1. A Gaussian of the right width has eta V^2 = 1/2. The "
+        "paper's own integral is not Gaussian at its peak: G/R diverges as -ln R.",
         status=Status.FIT,
         numbers={
             "eta fitted": 0.75,

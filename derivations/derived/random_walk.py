@@ -27,9 +27,8 @@ def _taun() -> Derived:
     return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
         ("v0 as solved, at the time of the last collision", speed),
-        note="The second equality follows from veq. The first is a guess: the rate of "
-        "collisions is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa "
-        "exactly.",
+        note="The second equality follows from veq. The first is a guess: the rate of collisions "
+        "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
         holds=False,
         numbers={
             "exact <c> at e = {e}": lambda e: moment_value(1, e),
@@ -119,9 +118,9 @@ def _msd() -> Derived:
     return result(
         chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
         ("N as a function of time, inserted", collisions()),
-        note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that "
-        "a direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = "
-        "13.5 d makes up for a part.",
+        note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
+        "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d makes "
+        "up for a part.",
         holds=False,
         numbers={
             "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,

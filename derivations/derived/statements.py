@@ -17,8 +17,8 @@ def _h_linear() -> Derived:
     return result(
         None,
         note="Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest "
-        "value at e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from "
-        "the exact moments, with no Sonine expansion.",
+        "value at e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from the exact "
+        "moments, with no Sonine expansion.",
         holds=False,
         numbers={
             "largest h/(1 - e)": largest,
@@ -41,11 +41,10 @@ row(
         "of a Gaussian": lambda: sqrt(pi) / 2,
     },
 )
-
 row(
     "statement:a2-missing",
-    note="Only the truncated equation has no real root there. The exact a_2 exists for "
-    "every e in [0, 1) and falls from 2 to -1/2.",
+    note="Only the truncated equation has no real root there. The exact a_2 exists for every e in "
+    "[0, 1) and falls from 2 to -1/2.",
     holds=False,
     numbers={"a_2 at e = 0": 2.0, "a_2 at e = {e}": a2_value, "a_2 as e -> 1": -0.5},
     at=(0.2, 0.4, 0.5816, 0.9),
@@ -59,8 +58,8 @@ def _sonine_a2() -> Derived:
 
     return result(
         None,
-        note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to "
-        "-0.236 where the exact a_2 tends to -1/2.",
+        note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
+        "where the exact a_2 tends to -1/2.",
         holds=False,
         numbers={
             "Sonine a_2 at e = {e}": sonine,
@@ -71,60 +70,50 @@ def _sonine_a2() -> Derived:
     )
 
 
-@derives("statement:gaussian-f")
-def _gaussian_f() -> Derived:
-    width = ((1 - 0.9 * 0.9) / 5) ** 0.5
-    return result(
-        None,
-        note="As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - "
-        "e^2)/5). Even where a_2 vanishes, at e = 0.5929352, its tail is exponential.",
-        holds=False,
-        numbers={
-            "a_2 of a Gaussian": 0.0,
-            "a_2 at e = {e}": a2_value,
-            "relative width of the speed by the limit at e = 0.9": width,
-        },
-    )
-
-
+row(
+    "statement:gaussian-f",
+    note="As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5). "
+    "Even where a_2 vanishes, at e = 0.5929352, its tail is exponential.",
+    holds=False,
+    numbers={
+        "a_2 of a Gaussian": 0.0,
+        "a_2 at e = {e}": a2_value,
+        "relative width of the speed by the limit at e = 0.9": ((1 - 0.9 * 0.9) / 5) ** 0.5,
+    },
+)
 row(
     "statement:exponential-f",
     note="F ~ c^(1/(1 - e^2) - 2) exp(-2 c/h): exactly exponential, for every e in [0, 1).",
     holds=True,
     numbers={"rate 2/h at e = {e}": lambda e: 2 / float(cooling_rate_value(e))},
 )
-
 row(
     "statement:log-msd",
     note="<r^2> grows as 2 l^2 ln t/[kappa (1 - <cos chi>)]: to the first power of ln t.",
     holds=True,
     numbers={"slope at e = {e} (l^2)": diffusion_slope_value},
 )
-
 row(
     "statement:universal-g",
-    note="It tends to the Gaussian 2 R exp(-R^2), with corrections of order 1/ln t that "
-    "depend on e; at any finite time it differs from e to e and changes.",
+    note="It tends to the Gaussian 2 R exp(-R^2), with corrections of order 1/ln t that depend on "
+    "e; at any finite time it differs from e to e and changes.",
     holds=False,
     numbers={"<R^4>/<R^2>^2 of the limit": 2.0, "<R^4>/<R^2>^2 of the paper's integral": 4.0},
 )
-
 row(
     "statement:exponential-g",
-    note="The paper's integral is 4 R K_0(2 R) once <R^2> = 1: its tail is exponential, but "
-    "its peak is not Gaussian (G/R diverges as -ln R). It rests on D_e ~ V^2, which "
-    "fails even at e = 1. At finite times the free paths do give an exponential tail; "
-    "the limit is Gaussian.",
+    note="The paper's integral is 4 R K_0(2 R) once <R^2> = 1: its tail is exponential, but its "
+    "peak is not Gaussian (G/R diverges as -ln R). It rests on D_e ~ V^2, which fails even at e = "
+    "1. At finite times the free paths do give an exponential tail; the limit is Gaussian.",
     holds=False,
     numbers={"decay rate of the paper's integral at <R^2> = 1": 2.0},
 )
-
 defines(
     {
         "collision": "Sketch of vchange.",
         "msdtheory": "The fitted l = 13.5 d makes up for the neglected persistence; see msd.",
-        "inelasticposi": "Neither curve is normalised to <R^2> = 1; see gammatailg and peakg. "
-        "The shapes at four values of e need not be one universal curve; see beyond:position.",
+        "inelasticposi": "Neither curve is normalised to <R^2> = 1; see gammatailg and peakg. The "
+        "shapes at four values of e need not be one universal curve; see beyond:position.",
         "impact": "Sketch of the impact parameter b = d sin(pi - psi).",
         "sign": "H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8; see ac7.",
     },
@@ -150,11 +139,10 @@ row(
     status=Status.FIGURE,
     numbers={"exact h at e = {e}": cooling_rate_value},
 )
-
 row(
     "scalev",
-    note="A projection on one component hides that the exact F vanishes at c = 0 for 0 < e "
-    "< 1 and becomes a ring as e -> 1. A Gaussian has a_2 = 0.",
+    note="A projection on one component hides that the exact F vanishes at c = 0 for 0 < e < 1 and "
+    "becomes a ring as e -> 1. A Gaussian has a_2 = 0.",
     status=Status.FIGURE,
     numbers={"exact a_2 at e = {e}": a2_value},
 )

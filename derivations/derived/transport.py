@@ -33,7 +33,6 @@ row(
         ("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
     ),
 )
-
 defines(
     {
         "diffuse3": "The zeroth moment in velocity.",
@@ -43,12 +42,10 @@ defines(
         "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
     }
 )
-
 row(
     "diffuse5",
-    note="A formal series; that it orders the distribution holds for gradients that are "
-    "small over the distance which a tracer covers while its speed falls by a fixed "
-    "factor.",
+    note="A formal series; that it orders the distribution holds for gradients that are small over "
+    "the distance which a tracer covers while its speed falls by a fixed factor.",
     holds=True,
 )
 
@@ -99,11 +96,9 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
         eq(Dt(s.j, density), general),
         ("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
         ("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
-        ("order epsilon^3", eq(Dt(2, density), _flux_orders()[2])),
-        note="With the gradient expanded as in diffuse9, order j also holds the flux of order j "
-        "- i under the gradient of order i. The printed form drops these. At the orders "
-        "that the paper uses nothing changes, since the flux of order 0 vanishes; from "
-        "order 2 on it does.",
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order j - "
+        "i under the gradient of order i. The printed form drops these. At the orders that the "
+        "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
         numbers={"change of the diffusion equation (order 1)": 0.0},
     )
 
@@ -176,11 +171,10 @@ row(
         ("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
     ),
 )
-
 row(
     "diffuse14",
-    note="Holds: the equation is linear with a source proportional to the gradient of n, "
-    "and the operator commutes with rotations.",
+    note="Holds: the equation is linear with a source proportional to the gradient of n, and the "
+    "operator commutes with rotations.",
     holds=True,
 )
 

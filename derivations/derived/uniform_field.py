@@ -61,7 +61,6 @@ def _rows(dimension: int) -> Derived:
     return result(
         sp.Tuple(*(eq(row(s.v), found) for row, found in zip(_ROWS, rows, strict=True))),
         "d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x",
-        ("projected on harmonics 0, 1, 2", sp.Tuple(*rows)),
         note="The steady state has row_m = v (gain_m - f_m), the gain being E[s^-(d+1) P_m(cos "
         "chi) f_m(v/s)].",
     )
@@ -194,9 +193,7 @@ def _closed() -> Derived:
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
         rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
     return result(
-        sp.Tuple(*rows),
-        "1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1",
-        ("E[1/s] in the plane", _inverse_ratio(2)),
+        sp.Tuple(*rows), "1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1"
     )
 
 
@@ -241,7 +238,6 @@ def _nearly_elastic() -> Derived:
         rows += [eq(s.f0(s.v), shape), eq(s.drift, drift), eq(s.Dperp, across)]
     return result(
         sp.Tuple(*rows),
-        ("kappa and lambda_1(0) in the plane", sp.Tuple(*_near_elastic(2))),
         "f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0",
         note="Slow collisions spread the directions before the speed changes.",
     )
