@@ -1,18 +1,15 @@
 """Moments of velocity and displacement in any dimension, and the chain of <r^4> in two and three.
 
 They use of a collision only its averages E[s^p], kappa = E[-ln s] and E[s^p P_m(cos chi)]; in the
-plane cos(m chi) stands for the Legendre polynomial P_m(cos chi).
-
-The position of a tracer that keeps its speed and scatters isotropically; beyond the paper.
-
-Elastic spheres scatter so; in the plane it is the law of a uniform deflection. With l = 1,
-zeta = v t and K = k l, w = <exp(i k.r)> obeys dw/dzeta = i K cos w + <w> - w, with <w> the average
-over the direction of the velocity, and cos that of its angle to k.
+plane cos(m chi) stands for the Legendre polynomial P_m(cos chi). At the end a tracer that keeps its
+speed and scatters isotropically, as elastic spheres do: with l = 1, zeta = v t and K = k l,
+w = <exp(i k.r)> obeys dw/dzeta = i K cos w + <w> - w, with <w> the average over the direction of
+the velocity, and cos that of its angle to k.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import sympy as sp
 from sympy.core.function import UndefinedFunction
@@ -134,9 +131,8 @@ def _any_slope() -> Derived:
 
 # -- the chain of <r^4> ---------------------------------------------------------------------------
 
-_COSINE = sp.Symbol("cosine", real=True)
-_Z = sp.Symbol("z", nonzero=True)
-"""exp(i angle): over all angles only its power 0 has an average."""
+COSINE = sp.Symbol("cosine", real=True)
+"""The cosine of the angle between the velocity and a fixed direction."""
 
 MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
     (1, 1): s.chi1,
@@ -150,47 +146,38 @@ _START = (0, 0)
 """The order 0 of <exp(i k.r)>, which is 1."""
 
 
-def _cosine(dimension: int) -> sp.Expr:
-    """The cosine of the angle between k and the velocity; in the plane _Z is exp(i angle)."""
-    return (_Z + 1 / _Z) / 2 if dimension == 2 else _COSINE
-
-
+@cache
 def harmonic(order: int, dimension: int) -> sp.Expr:
-    """Space: P_m of that cosine. Plane: exp(i m phi) + exp(-i m phi), 1 for m = 0."""
-    if dimension == 3:
-        return sp.legendre(order, _COSINE)
-    return _Z**order + _Z**-order if order else sp.Integer(1)
+    """cos(m angle) in the plane, P_m in space: a polynomial in that cosine."""
+    return (sp.chebyshevt if dimension == 2 else sp.legendre)(order, COSINE)
 
 
 def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
-    """The average over all directions of the velocity."""
+    """The average over all directions of the velocity of a polynomial in that cosine."""
     if dimension == 2:
-        return sp.expand(weight).coeff(_Z, 0)
-    return sp.integrate(sp.expand(weight), (_COSINE, -1, 1)) / 2
+        turned = sp.expand(weight).subs(COSINE, sp.cos(s.theta))
+        return sp.integrate(sp.expand(turned), (s.theta, 0, sp.pi)) / sp.pi
+    return sp.integrate(sp.expand(weight), (COSINE, -1, 1)) / 2
+
+
+def share(weight: sp.Expr, to: int, dimension: int) -> sp.Expr:
+    """The coefficient of a harmonic in a polynomial in that cosine."""
+    target = harmonic(to, dimension)
+    return over_directions(weight * target, dimension) / over_directions(target**2, dimension)
 
 
 @cache
 def kernel(order: int, dimension: int) -> sp.Expr:
     """The factor by which a deflection chi multiplies a harmonic, averaged about the velocity."""
-    before = harmonic(order, dimension)
-    if dimension == 2:  # chi to either side
-        mean = sum(before.subs(_Z, _Z * sp.exp(sign * sp.I * s.chi)) for sign in (1, -1)) / 2
-        factor = sp.cos(order * s.chi)
-        left = sp.expand(mean - factor.rewrite(sp.exp) * before)
-    else:  # any azimuth
-        across = sp.sqrt(1 - _COSINE**2) * sp.sin(s.chi) * (_Z + 1 / _Z) / 2
-        turned = before.subs(_COSINE, _COSINE * sp.cos(s.chi) + across)
-        factor = sp.legendre(order, sp.cos(s.chi))
-        left = in_sines(sp.expand(turned).coeff(_Z, 0) - factor * before, s.chi)
-    must(left == 0, f"a deflection does not keep harmonic {order}")
-    return factor
-
-
-def coupling(to: int, of: int, dimension: int) -> sp.Expr:
-    """The coefficient of harmonic ``to`` in the cosine times harmonic ``of``."""
-    target = harmonic(to, dimension)
-    product = _cosine(dimension) * harmonic(of, dimension) * target
-    return over_directions(product, dimension) / over_directions(target**2, dimension)
+    before, side = harmonic(order, dimension), sp.Symbol("side")
+    across = sp.sqrt(1 - COSINE**2) * sp.sin(s.chi) * side
+    turned = sp.expand(before.subs(COSINE, COSINE * sp.cos(s.chi) + across))
+    # side is 1 or -1 in the plane, and the cosine of any azimuth in space
+    means = (1, 0, 1, 0, 1) if dimension == 2 else (1, 0, sp.Rational(1, 2), 0, sp.Rational(3, 8))
+    mean = sum(mean * turned.coeff(side, power) for power, mean in enumerate(means))
+    factor = before.subs(COSINE, sp.cos(s.chi))
+    must(in_sines(mean - factor * before, s.chi) == 0, f"harmonic {order} does not stay")
+    return sp.cos(order * s.chi) if dimension == 2 else factor
 
 
 @cache
@@ -202,10 +189,10 @@ def scale(member: tuple[int, int], dimension: int) -> sp.Expr:
     """
     order, m = member
     if m == 0:
-        return over_directions(_cosine(dimension) ** order, dimension) / sp.factorial(order)
-    if member == (1, 1):
-        return coupling(1, 0, dimension)
-    return sp.Integer(-1) ** ((order - m) // 2) if dimension == 2 else sp.Integer(1)
+        return over_directions(COSINE**order, dimension) / sp.factorial(order)
+    if member == (1, 1) or dimension == 3:
+        return sp.Integer(1)
+    return 2 * sp.Integer(-1) ** ((order - m) // 2)  # exp(i m phi) + exp(-i m phi)
 
 
 @cache
@@ -219,8 +206,8 @@ def sources(dimension: int) -> dict[tuple[int, int], dict[tuple[int, int], sp.Ex
         chain[order, m] = {}
         for other in (_START, *MEMBERS):
             if other[0] == order - 1:
-                factor = coupling(m, other[1], dimension) * scale(other, dimension)
-                factor /= scale((order, m), dimension)
+                factor = share(COSINE * harmonic(other[1], dimension), m, dimension)
+                factor *= scale(other, dimension) / scale((order, m), dimension)
                 if factor:
                     chain[order, m][other] = factor
     return chain
@@ -284,32 +271,20 @@ def late_flatness(dimension: int) -> sp.Expr:
     return sp.cancel(fourth / second**2)
 
 
-def _quartic(dimension: int, convention: str) -> Derived:
+def _quartic(dimension: int) -> Derived:
     chain, flights = one_collision_terms(dimension)
-    difference = [sp.expand(one - other) for one, other in zip(chain, flights, strict=True)]
-    must(difference == [0, 0], f"the chain and the flights differ by {difference}")
+    must(chain == flights, f"the chain gives {chain}, the flights {flights}")
     equations = [chain_equation(member, dimension) for member in MEMBERS]
     return result(
         sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))),
         "w = <exp(i k.r)>: dw/dt = i k.v w + (v/l)(E[w(v')] - w), a function of v t and k",
-        convention,
+        "S_2 is of order k^2 with m = 2, W_1 of order k^3 with m = 1",
         ("second route: <r^4> to zeta^5 from flights with at most one collision", flights),
-        ("the chain less that", sp.Tuple(*difference)),
     )
 
 
-@derives("beyond:quartic-plane")
-def _quartic_plane() -> Derived:
-    return _quartic(
-        2, "harmonics i^m exp(i m phi): S_2 of order k^2 with m = 2, W_1 of order k^3 with m = 1"
-    )
-
-
-@derives("beyond:quartic-space")
-def _quartic_space() -> Derived:
-    return _quartic(
-        3, "in powers of i k and P_m(cos): S_2 of order 2 with m = 2, W_1 of order 3 with m = 1"
-    )
+for _dimension, _where in ((2, "plane"), (3, "space")):
+    derives(f"beyond:quartic-{_where}")(partial(_quartic, _dimension))
 
 
 @cache
@@ -346,8 +321,7 @@ def first_flight(dimension: int) -> sp.Expr:
     The odd part in the cosine has no average. In 1 + z and K.
     """
     if dimension == 3:  # the cosine is uniform
-        cosine = sp.Symbol("cosine", real=True)
-        return sp.integrate(_DECAY / (_DECAY**2 + s.wave**2 * cosine**2), (cosine, 0, 1))
+        return sp.integrate(_DECAY / (_DECAY**2 + s.wave**2 * COSINE**2), (COSINE, 0, 1))
     # a quarter of the circle with the tangent as variable: cos^2 = 1/(1 + tan^2)
     tangent, a, b = sp.symbols("tangent a b", positive=True)
     inverse = (_DECAY + s.wave**2 / (1 + tangent**2) / _DECAY) * (1 + tangent**2)
@@ -355,12 +329,6 @@ def first_flight(dimension: int) -> sp.Expr:
     product = quadratic.coeff_monomial(1) * quadratic.coeff_monomial(tangent**2)
     quarter = sp.integrate(1 / (a + b * tangent**2), (tangent, 0, sp.oo))
     return quarter.subs(b, sp.expand(product) / a) / (sp.pi / 2)
-
-
-@cache
-def transform(dimension: int) -> sp.Expr:
-    """<w> in Laplace space: (z + 1 - i K cos) w = 1 + <w>, averaged over directions."""
-    return _all_flights(first_flight(dimension)).subs(_DECAY, 1 + s.laplace)
 
 
 def _all_flights(first: sp.Expr) -> sp.Expr:
@@ -371,22 +339,20 @@ def _all_flights(first: sp.Expr) -> sp.Expr:
 
 
 @cache
-def fourth_order(dimension: int) -> sp.Expr:
-    """The Laplace transform of <r^4> by the order K^4, less that of the chain with nu_m = 1."""
+def transform(dimension: int) -> sp.Expr:
+    """<w> in Laplace space: (z + 1 - i K cos) w = 1 + <w>, averaged over directions.
+
+    Its order K^4, which is <r^4>, must be that of the chain with nu_m = 1.
+    """
     series = sp.series(first_flight(dimension), s.wave, 0, 6).removeO()
-    zero, second, fourth = (series.coeff(s.wave, order) for order in (0, 2, 4))
+    start, second, fourth = (series.coeff(s.wave, order) for order in (0, 2, 4))
     flight = sp.Symbol("first", positive=True)
-    slope, bend = (sp.diff(_all_flights(flight), flight, n).subs(flight, zero) for n in (1, 2))
+    slope, bend = (sp.diff(_all_flights(flight), flight, n).subs(flight, start) for n in (1, 2))
     found = (slope * fourth + bend * second**2 / 2).subs(_DECAY, 1 + s.laplace)
-    square = {2: sp.Rational(3, 8), 3: sp.Rational(1, 5)}[dimension]  # <cos^4>
+    found *= sp.factorial(4) / over_directions(COSINE**4, dimension)
     chain = elastic_transform(dimension).subs({s.nu1: 1, s.nu2: 1})
-    return sp.cancel(found * sp.factorial(4) / square - chain)
-
-
-def _checked(dimension: int) -> sp.Expr:
-    difference = fourth_order(dimension)
-    must(difference == 0, f"the order K^4 and the chain of <r^4> differ by {difference}")
-    return difference
+    zero(found - chain, "the order K^4 is not the chain of <r^4>")
+    return _all_flights(first_flight(dimension)).subs(_DECAY, 1 + s.laplace)
 
 
 row(

@@ -80,17 +80,13 @@ def _one_collision() -> Derived:
     )
 
 
-def _uniform_flux(dimension: int) -> sp.Expr:
-    """The element of the cross section over that of the angles, which the flux must equal."""
+@cache
+def impact_density(dimension: int) -> sp.Expr:
+    """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
     normal, angles = contact(dimension)
     across = normal[: dimension - 1, 0]  # the part of the normal across the velocity
     element = in_sines(across.jacobian(angles).det(), *angles[1:])
     zero(flux_per_angle(dimension) - element, "the flux is not uniform over the cross section")
-    return element
-
-
-def impact_density(dimension: int) -> sp.Expr:
-    """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
     return flux_per_impact(dimension) / cross_section(dimension)
 
 
@@ -247,62 +243,78 @@ def _space_cooling() -> Derived:
     )
 
 
+def _loss_at_e_zero(dimension: int) -> sp.Expr:
+    """lambda(p) of smooth scatterers at e = 0, where s = |y|."""
+    return sp.factor(1 - sp.integrate(s.y**s.p * _speed_at_e_zero(dimension), (s.y, 0, 1)))
+
+
+def _speed_at_e_zero(dimension: int) -> sp.Expr:
+    """The density of s = |y| at e = 0."""
+    must(_polynomials()[0].subs({s.e: 0, s.et: 1}) == s.y**2, "s is not |y|")
+    return impact_density(dimension) * (2 if dimension == 2 else 1)  # both signs of y
+
+
 @cache
-def space_e_zero_solution() -> sp.Expr:
-    """F(c) of smooth spheres at e = 0: E[Y^n] = (n+1)!, so that Y has the density y exp(-y)."""
-    order = sp.Symbol("order", positive=True)
-    loss = _loss_at_e_zero()
-    start = 1 / sp.diff(loss, s.p).subs(s.p, 0)  # E[Y] = 1/kappa (beyond:moments)
-    found = sp.gamma(order + 2)  # the integral of y^order y exp(-y)
+def e_zero_solution(dimension: int) -> sp.Expr:
+    """F(c) of smooth scatterers at e = 0, where Y has the density y^(D-2) exp(-y)."""
+    order, loss = sp.Symbol("order", positive=True), _loss_at_e_zero(dimension)
+    found = sp.gamma(order + dimension - 1)  # the integral of y^order y^(D-2) exp(-y)
     ratio = sp.gammasimp(found.subs(order, order + 1) / found)
-    # E[Y^(n+1)] = n E[Y^n]/lambda(n)
-    zero(ratio - order / loss.subs(s.p, order), "not the moments of y exp(-y)")
-    must(found.subs(order, 1) == start, "not the moments of y exp(-y)")
+    # E[Y^(n+1)] = n E[Y^n]/lambda(n), and E[Y] = 1/kappa (beyond:moments)
+    zero(ratio - order / loss.subs(s.p, order), "not the moments of Y")
+    must(found.subs(order, 1) * sp.diff(loss, s.p).subs(s.p, 0) == 1, "not the mean of Y")
     scale = sp.sqrt(found.subs(order, 2))  # c = Y/sqrt(E[Y^2])
-    density = scale * (s.x * sp.exp(-s.x)).subs(s.x, scale * s.c)
-    return density / (4 * sp.pi * s.c**2)
+    density = scale * (s.x ** (dimension - 2) * sp.exp(-s.x)).subs(s.x, scale * s.c)
+    return density / _shell(s.c, dimension)
 
 
-def _loss_at_e_zero() -> sp.Expr:
-    """lambda(p) of smooth spheres at e = 0."""
-    return sp.factor(1 - space_power().subs({s.et: 1, s.e: 0}))
+def _shell(radius: sp.Expr, dimension: int) -> sp.Expr:
+    return 2 * (dimension - 1) * sp.pi * radius ** (dimension - 1)
 
 
 @cache
-def space_e_zero_residual() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+def e_zero_residual(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """(gain, loss, h, residual) of the scaled equation at e = 0 with that F inserted.
 
-    At e = 0 a tracer of speed u leaves a collision with speed u y, so with the density 2 c/u^2 of
-    its speed c; all per unit of volume of velocity, with the rate of collisions u (l = 1).
+    A tracer of speed u leaves a collision with speed u |y|; all per unit of volume of velocity,
+    with the rate of collisions u (l = 1).
     """
-    u = sp.Symbol("u", positive=True)
-    shape = space_e_zero_solution()
-    after = impact_density(3).subs(s.y, s.c / u) / u
-    arriving = sp.integrate(4 * sp.pi * u**2 * shape.subs(s.c, u) * u * after, (u, s.c, sp.oo))
-    gain = arriving / (4 * sp.pi * s.c**2)
-    lost = s.c * shape
-    third = sp.integrate(4 * sp.pi * s.c**5 * shape, (s.c, 0, sp.oo))
-    rate = _loss_at_e_zero().subs(s.p, 2) * third
-    right = rate / 2 * (3 * shape + s.c * sp.diff(shape, s.c))
-    return gain, lost, rate, sp.simplify(gain - lost - right)
+    u, shape = sp.Symbol("u", positive=True), e_zero_solution(dimension)
+    after = _speed_at_e_zero(dimension).subs(s.y, s.c / u) / u
+    arriving = _shell(u, dimension) * shape.subs(s.c, u) * u * after
+    gain = sp.integrate(arriving, (u, s.c, sp.oo)) / _shell(s.c, dimension)
+    third = sp.integrate(_shell(s.c, dimension) * s.c**3 * shape, (s.c, 0, sp.oo))
+    rate = _loss_at_e_zero(dimension).subs(s.p, 2) * third
+    right = rate / 2 * (dimension * shape + s.c * sp.diff(shape, s.c))
+    return gain, s.c * shape, rate, sp.simplify(gain - s.c * shape - right)
+
+
+def _e_zero(dimension: int) -> tuple[sp.Eq, sp.Expr]:
+    _, _, rate, residual = e_zero_residual(dimension)
+    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
+    return eq(s.F(s.bc), e_zero_solution(dimension)), rate
+
+
+@derives("beyond:e-zero")
+def _plane_e_zero() -> Derived:
+    shape, rate = _e_zero(2)
+    return result(sp.Tuple(shape, eq(s.M2 / 2, rate)), "Y is exponential; h = lambda(2) <c^3>")
 
 
 @derives("beyond:space-e-zero")
 def _space_e_zero() -> Derived:
-    shape = space_e_zero_solution()
-    gain, lost, rate, residual = space_e_zero_residual()
-    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
+    shape, rate = _e_zero(3)
     norm, second = (
-        sp.integrate(4 * sp.pi * s.c ** (2 + order) * shape, (s.c, 0, sp.oo)) for order in (0, 2)
+        sp.integrate(_shell(s.c, 3) * s.c**order * shape.rhs, (s.c, 0, sp.oo)) for order in (0, 2)
     )
     return result(
         sp.Tuple(
-            eq(s.lam(s.p), _loss_at_e_zero()),
-            eq(s.F(s.bc), shape),
+            eq(s.lam(s.p), _loss_at_e_zero(3)),
+            shape,
             eq(Int(s.F(s.bc), s.bc), norm),
             eq(Avg(s.c**2), second),
             eq(s.h, rate),
         ),
-        ("gain", gain),
+        "Y has the density y exp(-y); h = lambda(2) <c^3>",
         numbers={"h at e = 0": rate},
     )

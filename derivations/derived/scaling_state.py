@@ -1,11 +1,8 @@
-"""Exact results that the paper does not have, each derived: moments, cooling rate, tails, limits.
-
-In the scaling state v t/l tends in law to Y; kappa = E[-ln s] and lambda(p) = E[1 - s^p].
-
-Closed forms of the exact theory, integrated from one collision; beyond the paper.
+"""Exact results that the paper does not have: closed forms, moments, cooling rate, tail, limits.
 
 E is the average over the impact parameter y, uniform on [0, 1]; s^2 = e^2 + b^2 y^2 with
-b^2 = 1 - e^2. Every function returns a sympy expression in e (and p).
+b^2 = 1 - e^2. In the scaling state v t/l tends in law to Y; kappa = E[-ln s] and
+lambda(p) = E[1 - s^p]. The closed forms are sympy expressions in e (and p).
 """
 
 from __future__ import annotations
@@ -296,45 +293,6 @@ def _ring() -> Derived:
         ("E[Y^2]/E[Y]^2 - 1", variance),
         note="F tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5), not to "
         "a Gaussian: fixed scatterers never thermalise a speed.",
-    )
-
-
-@cache
-def e_zero_solution() -> sp.Expr:
-    """F(c) at e = 0: E[Y^n] = n! makes Y exponential."""
-    dead = {s.lam(i): sp.Rational(i, i + 1) for i in range(1, 8)}
-    moments = [moment(i).subs(dead).subs(s.klog, 1) for i in range(1, 8)]
-    must(moments == [sp.factorial(i) for i in range(1, 8)], "the moments of Y at e = 0 are not n!")
-    root = sp.sqrt(moments[1])
-    return sp.exp(-s.c * root) * root / (2 * sp.pi * s.c)
-
-
-@cache
-def e_zero_residual() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """(gain, loss, residual) of the scaled equation at e = 0 with that F inserted.
-
-    At e = 0 a tracer of speed u leaves a collision with speed u|y|: uniform on [0, u].
-    """
-    u = sp.Symbol("u", positive=True)
-    shape = e_zero_solution()
-    arriving = sp.integrate(2 * sp.pi * u * shape.subs(s.c, u) * 2 * u / u, (u, s.c, sp.oo))
-    gain = arriving / (2 * sp.pi * s.c)
-    lost = 2 * s.c * shape
-    half_m2 = sp.integrate(
-        2 * sp.pi * s.c * shape * 2 * s.c * s.c**2 * sp.Rational(1, 3), (s.c, 0, sp.oo)
-    )  # lambda(2) <c^3> with lambda(2) = 2/3
-    right = half_m2 * (2 * shape + s.c * sp.diff(shape, s.c))
-    return gain, lost, sp.simplify(gain - lost - right)
-
-
-@derives("beyond:e-zero")
-def _e_zero() -> Derived:
-    gain, lost, residual = e_zero_residual()
-    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
-    third = sp.integrate(2 * sp.pi * s.c**4 * e_zero_solution(), (s.c, 0, sp.oo))
-    return result(
-        sp.Tuple(eq(s.F(s.bc), e_zero_solution()), eq(s.M2 / 2, sp.Rational(2, 3) * third)),
-        ("gain", gain),
     )
 
 

@@ -117,11 +117,9 @@ def test_the_solver_meets_its_twin(value: float) -> None:
 
 def test_the_scaled_vdf_of_the_solver_at_e_zero_is_the_derived_one() -> None:
     speeds = RANDOM.uniform(0.05, 12, 20)
-    derived = sp.lambdify(sy.c, scaling_state.e_zero_solution(), "numpy")(speeds)
+    derived = sp.lambdify(sy.c, any_law.e_zero_solution(2), "numpy")(speeds)
     np.testing.assert_allclose(ScalingSolution(0.0).vdf(speeds), derived, rtol=TOLERANCE)
-    for gain, loss, *_, residual in (
-        scaling_state.e_zero_residual(), any_law.space_e_zero_residual()
-    ):  # fmt: skip
+    for gain, loss, _, residual in map(any_law.e_zero_residual, (2, 3)):
         assert residual == 0
         assert gain != loss
 
