@@ -357,10 +357,8 @@ def transform(dimension: int) -> sp.Expr:
 
 row(
     "beyond:isotropic-space",
-    lambda: (
-        eq(s.Fhat(s.wave, s.laplace), transform(3)),
-        "w = <exp(i k.r)>: dw/dzeta = i K cos w + <w> - w, K = k l, zeta = v t/l",
-    ),
+    lambda: eq(s.Fhat(s.wave, s.laplace), transform(3)),
+    "w = <exp(i k.r)>: dw/dzeta = i K cos w + <w> - w, K = k l, zeta = v t/l",
     note="Elastic spheres scatter isotropically (beyond:space-isotropic).",
 )
 

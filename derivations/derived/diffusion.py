@@ -231,17 +231,13 @@ def _ap4() -> Derived:
 
 row(
     "ap6",
-    lambda: (
-        eq(sp.Derivative(_N, s.t), density_series(_N)),
-        "each order of the gradient carries at least one factor of epsilon",
-    ),
+    lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
+    "each order of the gradient carries at least one factor of epsilon",
     note="Rests on ap4.",
 )
 
 
-@derives("ap7")
-def _ap7() -> Derived:
-    return continuity_order(s.Jj(s.br, s.v, s.t), _N)
+derives("ap7")(lambda: continuity_order(s.Jj(s.br, s.v, s.t), _N))
 
 
 @derives("ap8")
@@ -276,7 +272,8 @@ def _ap11_6() -> Derived:
 
 row(
     "ap12",
-    lambda: (orders(_N)[1], "order epsilon^1 of the kinetic equation"),
+    lambda: orders(_N)[1],
+    "order epsilon^1 of the kinetic equation",
     note="Formally right, given ap4 and ap11.",
 )
 
@@ -298,7 +295,8 @@ def _expansion() -> Expansion:
 
 row(
     "ap13",
-    lambda: (_expansion().first_order, "zeroth order and cooling inserted"),
+    lambda: _expansion().first_order,
+    "zeroth order and cooling inserted",
     note="Formally right, given ap4 and ap11.",
 )
 row(
@@ -309,7 +307,8 @@ row(
 )
 row(
     "ap15",
-    lambda: (_expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out"),
+    lambda: _expansion().of_b,
+    "p^(1) = B.grad n inserted, the gradient divided out",
     note="Formally right, given ap14.",
 )
 
@@ -327,7 +326,8 @@ def _ap16() -> Derived:
 
 row(
     "ap18",
-    lambda: (_expansion().of_coefficient, ("the equation for B", _expansion().of_b)),
+    lambda: _expansion().of_coefficient,
+    "the equation for B",
     note="Here nu_D is a function of the speed.",
 )
 
@@ -377,17 +377,15 @@ def _ap21() -> Derived:
 
 row(
     "ap21.5",
-    lambda: (
-        eq(
-            s.De(s.V, s.t),
-            sp.simplify(
-                (s.kappa_d * s.v**2 * s.l / _V0)
-                .subs(s.v, s.V * _V0)
-                .subs(_V0, 1 / (s.alpha + s.beta * s.t))
-            ),
+    lambda: eq(
+        s.De(s.V, s.t),
+        sp.simplify(
+            (s.kappa_d * s.v**2 * s.l / _V0)
+            .subs(s.v, s.V * _V0)
+            .subs(_V0, 1 / (s.alpha + s.beta * s.t))
         ),
-        "v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0",
     ),
+    "v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0",
     note="Follows from the last form of ap21, and fails with it: the exact elastic result is (3/8) "
     "V l/(alpha + beta t).",
 )

@@ -50,10 +50,8 @@ def _normg() -> Derived:
 
 row(
     "ddif",
-    lambda: (
-        eq(s.De(s.V, s.t1), sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)),
-        "exact at e = 1: (3/8) v l with v = V v0",
-    ),
+    lambda: eq(s.De(s.V, s.t1), sp.Rational(3, 8) * s.V * s.l / (s.alpha + s.beta * s.t1)),
+    "exact at e = 1: (3/8) v l with v = V v0",
     note="The power of V is a guess (see ap20): at e = 1 the exact one is 1, not 2. The shape of "
     "G(R) rests on it.",
     holds=False,
@@ -156,18 +154,15 @@ def saddle_exponent() -> sp.Expr:
 
 row(
     "pdefi",
-    lambda: (
-        eq(s.pd(s.V, s.R), saddle_exponent()),
-        "minus the logarithm of the integrand over 2 R/eta, over R^2",
-    ),
+    lambda: eq(s.pd(s.V, s.R), saddle_exponent()),
+    "minus the logarithm of the integrand over 2 R/eta, over R^2",
 )
 row(
     "beyond:bessel",
-    lambda: (
-        sp.Tuple(eq(s.G(s.R), closed_form()), eq(s.norm, _moment(0)), eq(Avg(s.R**2), _moment(2))),
-        ("integrand of gdefi", _weighted()),
-        "u = V^2: K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)), z^2/4 = R^2/(2 eta)",
+    lambda: sp.Tuple(
+        eq(s.G(s.R), closed_form()), eq(s.norm, _moment(0)), eq(Avg(s.R**2), _moment(2))
     ),
+    "u = V^2: K_0(z) = (1/2) int du/u exp(-u - z^2/(4 u)), z^2/4 = R^2/(2 eta)",
     note="<R^2> = 1 leaves eta = 1/2: G(R) = 4 R K_0(2 R).",
 )
 
@@ -205,7 +200,7 @@ def saddle() -> sp.Expr:
     return sp.sqrt(value)
 
 
-row("csolu", lambda: (eq(s.Vs, saddle()), ("dp/dV", sp.diff(saddle_exponent(), s.V))))
+row("csolu", lambda: eq(s.Vs, saddle()))
 
 
 _CURVATURE = Second(s.pd(s.V, s.R), s.V, s.Vs)

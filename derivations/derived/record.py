@@ -1,7 +1,6 @@
 """What a derivation leaves, and the register of derivations by label.
 
-``row(label, lambda: (formula, step, ...), note=...)`` states a derivation of one line; a longer
-one is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
+``row(label, lambda: formula, step, ..., note=...)`` states a derivation of one line; a longer one is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
 with nothing to derive has a note alone: it stands in a table under ``defines``.
 """
 
@@ -126,15 +125,15 @@ def derives(*labels: str) -> Callable[[Callable[[], Derived]], Callable[[], Deri
     return register
 
 
-def row(label: str, derivation: Callable[[], Any] = lambda: None, **said: Any) -> None:
-    """Register a derivation that gives the formula, or a tuple of it and the steps.
+def row(label: str, derivation: Callable[[], Any] = lambda: None, *steps: str, **said: Any) -> None:
+    """Register a derivation that gives the formula, or a tuple of it and steps with formulas.
 
     ``said`` is what else :func:`result` takes.
     """
 
     def derived() -> Derived:
         found = derivation()
-        return result(*(found if isinstance(found, tuple) else (found,)), **said)
+        return result(*(found if isinstance(found, tuple) else (found,)), *steps, **said)
 
     derives(label)(derived)
 

@@ -13,7 +13,7 @@ import mpmath as mp
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Avg, eq
+from ..formal import eq
 from ..premises import loss, parallel_component, speed_ratio_squared
 from .record import Derived, derives, must, result, row, zero
 from .values import a2_value, diffusion_slope_value
@@ -107,10 +107,8 @@ def mean_ratio_power() -> sp.Expr:
 
 row(
     "beyond:loss-p",
-    lambda: (
-        eq(s.lam(s.p), 1 - mean_ratio_power()),
-        ("s^2 in powers of 1 - e^2", 1 - (1 - s.e**2) * (1 - s.y**2)),
-    ),
+    lambda: eq(s.lam(s.p), 1 - mean_ratio_power()),
+    "s^2 in powers of 1 - e^2",
     note="Converges for 0 < e <= 1. By Pfaff's transformation it is 1 - e^p 2F1(-p/2, 1/2; 3/2; "
     "-(1 - e^2)/e^2).",
 )
@@ -138,19 +136,19 @@ def _loss_even() -> Derived:
 
 row(
     "beyond:loss-1",
-    lambda: (eq(s.lam(1), loss_one()), "E[s] by its antiderivative; asinh(b/e) = artanh(b)"),
+    lambda: eq(s.lam(1), loss_one()),
+    "E[s] by its antiderivative; asinh(b/e) = artanh(b)",
 )
-row("beyond:loss-2", lambda: (eq(s.lam(2), loss_two()), "E[1 - s^2]"))
+row("beyond:loss-2", lambda: eq(s.lam(2), loss_two()), "E[1 - s^2]")
 row(
     "beyond:log-loss",
-    lambda: (
-        eq(s.klog, mean_log_loss()),
-        "E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)",
-    ),
+    lambda: eq(s.klog, mean_log_loss()),
+    "E[-ln s] by its antiderivative; arctan(b/e) = arccos(e)",
 )
 row(
     "beyond:cosine",
-    lambda: (eq(s.cos_chi, mean_cosine()), "E[(-e + (1 + e) y^2)/s] by its antiderivative"),
+    lambda: eq(s.cos_chi, mean_cosine()),
+    "E[(-e + (1 + e) y^2)/s] by its antiderivative",
 )
 
 
@@ -181,11 +179,19 @@ def moment(order: int) -> sp.Expr:
 
 row(
     "beyond:cooling-rate",
-    lambda: (
-        eq(s.h, sp.simplify(s.lam(2) * (moment(3) / moment(2) ** sp.Rational(3, 2)))),
-        ("h = M_2/2 = lambda(2) <c^3>", s.lam(2) * Avg(s.c**3)),
-    ),
+    lambda: eq(s.h, sp.simplify(s.lam(2) * (moment(3) / moment(2) ** sp.Rational(3, 2)))),
+    "h = M_2/2 = lambda(2) <c^3>",
 )
+
+
+@cache
+def largest_cooling_ratio() -> tuple[float, float]:
+    """(e, h/(1 - e)) where h/(1 - e) is largest: it rises from sqrt(2) before it falls to 4/3."""
+    rate = 2 * sp.sqrt(mean_log_loss() * loss_one()) / (1 - s.e)
+    ratio = sp.lambdify(s.e, rate, "mpmath")
+    with mp.workdps(30):
+        place = mp.findroot(lambda value: mp.diff(ratio, value), 0.15)
+        return float(place), float(ratio(place))
 
 
 @derives("beyond:a2")

@@ -6,8 +6,9 @@ from math import pi, sqrt
 
 from .diffusion import sonine_slope
 from .record import Derived, Status, defines, derives, result, row
+from .scaling_state import largest_cooling_ratio
 from .sonine import at_restitution, roots
-from .values import a2_value, cooling_rate_value, diffusion_slope_value, largest_cooling_ratio
+from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 
 @derives("statement:h-linear")

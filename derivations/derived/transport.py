@@ -13,7 +13,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
-from .kinetic_equation import mass_change, weak_form
+from .kinetic_equation import mass_change
 from .record import Derived, defines, derives, must, result, row
 
 _T = s.T(s.t)
@@ -27,11 +27,9 @@ _B = s.Bv(s.bv, _T)
 
 row(
     "diffuse2",
-    lambda: (
-        eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
-        "integral of the kinetic equation over v: density and flux",
-        ("the collision operator keeps mass: its weak form with Y = 1", weak_form(1, 1)),
-    ),
+    lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
+    "integral of the kinetic equation over v: density and flux",
+    "the collision operator keeps mass: its weak form with Y = 1",
 )
 defines(
     {
@@ -72,18 +70,9 @@ def density_series(density: sp.Expr) -> sp.Expr:
 
 row(
     "diffuse6",
-    lambda: (
-        eq(sp.Derivative(_N, s.t), density_series(_N)),
-        ("order epsilon of -div J", _flux_orders()[0]),
-        ("order epsilon^2 of -div J", _flux_orders()[1]),
-    ),
+    lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
     note="Each order of the gradient carries at least one factor of epsilon.",
 )
-
-
-@derives("diffuse7")
-def _diffuse7() -> Derived:
-    return continuity_order(s.Jj(s.br, s.t), _N)
 
 
 def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
@@ -101,6 +90,9 @@ def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
         "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
         numbers={"change of the diffusion equation (order 1)": 0.0},
     )
+
+
+derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
 
 
 @derives("diffuse8")
@@ -133,7 +125,7 @@ def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
     return zeroth, first
 
 
-row("diffuse10", lambda: (orders()[0], "order epsilon^0 of the kinetic equation"))
+row("diffuse10", lambda: orders()[0], "order epsilon^0 of the kinetic equation")
 
 
 @derives("diffuse11")
@@ -148,19 +140,59 @@ def _diffuse11() -> Derived:
     )
 
 
-row("diffuse12", lambda: (orders()[1], "order epsilon^1 of the kinetic equation"))
+row("diffuse12", lambda: orders()[1], "order epsilon^1 of the kinetic equation")
 
 
-def first_order(density: sp.Expr, slope: sp.Expr, cooling: sp.Expr) -> sp.Eq:
-    """Order 1 with the zeroth inserted: ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt."""
-    known = {
-        Dt(0, density): sp.Integer(0),  # the flux of order 0 vanishes: f is even
-        sp.Derivative(_T, s.t): cooling,
-        Partial(_P0, density): slope,
+class Expansion(NamedTuple):
+    """The first order, the equation for B and that for the diffusion coefficient."""
+
+    first_order: sp.Eq
+    of_b: sp.Eq
+    of_coefficient: sp.Eq
+
+
+def expand(
+    density: sp.Expr, slope: sp.Expr, cooling: sp.Expr, coefficient: sp.Expr, source: sp.Expr
+) -> Expansion:
+    """The expansion for one density and its diffusion coefficient.
+
+    ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt; ``source``, the integral of v.v f, stands
+    for v f on the right.
+    """
+    order = orders(density)[1]
+    # the flux of order 0 vanishes: f is even
+    known = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
+    residual = (order.lhs - order.rhs).subs(known)
+    driven = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
+    first = eq(sp.expand(driven - residual), driven)
+    # p^(1) = B.grad n inserted; the gradient, which is arbitrary, is divided out
+    inserted = {
+        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
+        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
     }
-    residual = (orders(density)[1].lhs - orders(density)[1].rhs).subs(known)
-    source = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
-    return eq(sp.expand(source - residual), source)
+    sides = (sp.expand(side.subs(inserted) / density) for side in first.args)
+    of_b = eq(*(side.replace(Dot, _beside_gradient) for side in sides))
+    # times -v/2 and integrated, with D_e and nu_D named
+    half = -sp.Rational(1, 2)
+    named = {
+        Partial(_B, _T): Partial(coefficient, _T) / half,
+        Lam(_B): -s.nuD * coefficient / half,
+        s.bv * _F: source,
+    }
+    left, right = (sp.expand(half * side) for side in of_b.args)
+    return Expansion(first, of_b, eq(sp.expand(left.subs(named)), right.subs(named)))
+
+
+def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The vector X of the product X.grad."""
+    must(s.nabla0 in (one, other), f"{one}.{other} holds no gradient")
+    return other if one == s.nabla0 else one
+
+
+@cache
+def _expansion() -> Expansion:
+    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 
 row(
@@ -177,26 +209,7 @@ row(
     "operator commutes with rotations.",
     holds=True,
 )
-
-
-def b_equation(order: sp.Eq, density: sp.Expr) -> sp.Eq:
-    """Order 1 with p^(1) = B.grad n inserted and the gradient, which is arbitrary, divided out."""
-    inserted = {
-        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
-        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
-    }
-    left, right = (sp.expand(side.subs(inserted) / density) for side in order.args)
-    return eq(left.replace(Dot, _beside_gradient), right.replace(Dot, _beside_gradient))
-
-
-def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """The vector X of the product X.grad."""
-    if s.nabla0 not in (one, other):
-        raise ValueError(f"{one}.{other} holds no gradient")
-    return other if one == s.nabla0 else one
-
-
-row("diffuse15", lambda: (_expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out"))
+row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
 
 
 @cache
@@ -222,50 +235,10 @@ def _diffuse16() -> Derived:
 
 row(
     "diffuse18",
-    lambda: (_expansion().of_coefficient, ("the equation for B", _expansion().of_b)),
+    lambda: _expansion().of_coefficient,
+    "the equation for B",
     note="The paper cites diffuse17 where it means diffuse15.",
 )
-
-
-def coefficient_equation(b_equation: sp.Eq, coefficient: sp.Expr, source: sp.Expr) -> sp.Eq:
-    """-v/2 times the equation for B, integrated, with D_e and nu_D named.
-
-    ``source`` is the integral of v.v f: it stands for v f on the right.
-    """
-    half = -sp.Rational(1, 2)
-    named = {
-        Partial(_B, _T): Partial(coefficient, _T) / half,
-        Lam(_B): -s.nuD * coefficient / half,
-        s.bv * _F: source,
-    }
-    left, right = b_equation.args
-    return eq(sp.expand(half * left.subs(named)), sp.expand(half * right).subs(named))
-
-
-class Expansion(NamedTuple):
-    """The first order of the expansion, the equation for B and that for the diffusion coefficient.
-
-    ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt, ``source`` is the integral of v.v f.
-    """
-
-    first_order: sp.Eq
-    of_b: sp.Eq
-    of_coefficient: sp.Eq
-
-
-def expand(
-    density: sp.Expr, slope: sp.Expr, cooling: sp.Expr, coefficient: sp.Expr, source: sp.Expr
-) -> Expansion:
-    """The expansion for one density and its diffusion coefficient; see :class:`Expansion`."""
-    first = first_order(density, slope, cooling)
-    of_b = b_equation(first, density)
-    return Expansion(first, of_b, coefficient_equation(of_b, coefficient, source))
-
-
-@cache
-def _expansion() -> Expansion:
-    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
-    return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
 
 
 @cache
@@ -286,11 +259,8 @@ def temperature_exponent() -> sp.Expr:
 
 row(
     "diffuse20",
-    lambda: (
-        eq(Partial(_D, _T), temperature_exponent() * _D / _T),
-        ("v0 as a function of the temperature", thermal_speed()),
-        ("D_e = number l v0: exponent of T", temperature_exponent()),
-    ),
+    lambda: eq(Partial(_D, _T), temperature_exponent() * _D / _T),
+    "D_e = number l v0: exponent of T",
     note="Exact in the scaling state, where D_e/(l v0) is a number.",
 )
 

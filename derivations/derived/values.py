@@ -58,15 +58,11 @@ def moment_value(order: int, restitution: Restitution, digits: int = DIGITS) -> 
         return speed[order] / speed[2] ** (mp.mpf(order) / 2)
 
 
-def _cooling_rate(restitution: Restitution) -> mp.mpf:
-    return 2 * mp.sqrt(log_loss_value(restitution) * loss_value(1, restitution))
-
-
 @cache
 def cooling_rate_value(restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
     """h(e) = 2 sqrt(kappa lambda(1))."""
     with mp.workdps(digits):
-        return _cooling_rate(restitution)
+        return 2 * mp.sqrt(log_loss_value(restitution) * loss_value(1, restitution))
 
 
 def a2_value(restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
@@ -80,15 +76,3 @@ def diffusion_slope_value(restitution: Restitution, digits: int = DIGITS) -> mp.
     """d<r^2>/d ln t in units of l^2: 2/(kappa (1 - <cos chi>))."""
     with mp.workdps(digits):
         return 2 / (log_loss_value(restitution) * flux_loss_value(0, restitution))
-
-
-@cache
-def largest_cooling_ratio() -> tuple[float, float]:
-    """(e, h/(1 - e)) where h/(1 - e) is largest: it rises from sqrt(2) before it falls to 4/3."""
-    with mp.workdps(DIGITS):
-
-        def ratio(value: mp.mpf) -> mp.mpf:
-            return _cooling_rate(value) / (1 - value)
-
-        place = mp.findroot(lambda value: mp.diff(ratio, value), 0.15)
-        return float(place), float(ratio(place))
