@@ -113,6 +113,12 @@ def mean_free_path(dimension: int) -> sp.Expr:
     return 1 / (s.rho0 * s.d ** (dimension - 1) * cross_section(dimension))
 
 
+@cache
+def free_path(order: int) -> sp.Expr:
+    """<L^n> of the free paths, which are exponential whatever the speed, with mean 1."""
+    return sp.integrate(s.r**order * sp.exp(-s.r), (s.r, 0, sp.oo))
+
+
 def over_angle(weight: sp.Expr) -> sp.Expr:
     """The integral of cos(theta) weight over |theta| < pi/2, with y = sin(theta): weight(y)."""
     return sp.factor(sp.integrate(sp.expand(weight), (s.y, -1, 1)))

@@ -16,7 +16,7 @@ from sympy.core.function import UndefinedFunction
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from ..premises import cross_section, in_sines, mean_free_path
+from ..premises import cross_section, free_path, in_sines, mean_free_path
 from .record import Derived, derives, must, result, row, zero
 
 
@@ -93,10 +93,7 @@ def squared_displacement() -> sp.Expr:
     """
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
-    length = sp.Symbol("length", positive=True)
-    mean, square = (
-        sp.integrate(length**n * sp.exp(-length / s.l) / s.l, (length, 0, sp.oo)) for n in (1, 2)
-    )
+    mean, square = free_path(1) * s.l, free_path(2) * s.l**2
     power = sp.Symbol("power")  # c^N
     along = a * (1 - power)  # <r.u> after N collisions: starts from 0
     step = along.subs(power, c * power) - c * (along + mean)

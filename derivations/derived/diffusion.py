@@ -11,7 +11,7 @@ from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
 from ..premises import over_angle, parallel_component, speed_ratio_squared
 from .record import Derived, defines, derives, must, result, row, zero
-from .sonine import at_restitution, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
+from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 from .transport import (
     Expansion,
     continuity_order,
@@ -21,7 +21,7 @@ from .transport import (
     orders,
     thermal_speed,
 )
-from .values import a2_value, diffusion_slope_value
+from .values import diffusion_slope_value
 
 _D = s.De(s.t)
 _MSD = s.msd(s.t)
@@ -46,10 +46,7 @@ row(
     "ad4",
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
     holds=False,
-    numbers={
-        "Sonine a_2 at e = {e}": lambda e: at_restitution(roots()[0], e),
-        "exact a_2 at e = {e}": a2_value,
-    },
+    numbers=SONINE_AND_EXACT,
     at=_RESTITUTIONS,
 )
 

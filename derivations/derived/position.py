@@ -9,6 +9,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Second, chain, eq
+from ..premises import free_path
 from .random_walk import collisions
 from .record import Derived, Status, defines, derives, must, result, row, zero
 from .transport import isotropy
@@ -170,8 +171,7 @@ row(
 @derives("beyond:position")
 def _position() -> Derived:
     mean, spread = sp.symbols("N_mean N_variance_per_N", positive=True)
-    length = sp.Symbol("length", positive=True)
-    second, fourth = (sp.integrate(length**n * sp.exp(-length), (length, 0, sp.oo)) for n in (2, 4))
+    second, fourth = free_path(2), free_path(4)
     # N independent isotropic steps: cross terms carry <cos^2> = 1/2 in the plane
     pairs = second**2 * (1 + 4 * isotropy() / 2)
     square = mean**2 + spread * mean  # <N^2>

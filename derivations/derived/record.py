@@ -1,6 +1,7 @@
 """What a derivation leaves, and the register of derivations by label.
 
-``row(label, lambda: formula, step, ..., note=...)`` states a derivation of one line; a longer one is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
+``row(label, lambda: formula, step, ..., note=...)`` states a derivation of one line; a longer one
+is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
 with nothing to derive has a note alone: it stands in a table under ``defines``.
 """
 

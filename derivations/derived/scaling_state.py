@@ -14,7 +14,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import eq
-from ..premises import loss, parallel_component, speed_ratio_squared
+from ..premises import free_path, loss, parallel_component, speed_ratio_squared
 from .record import Derived, derives, must, result, row, zero
 from .values import a2_value, diffusion_slope_value
 
@@ -118,12 +118,8 @@ row(
 def _loss_even() -> Derived:
     # (e^2 + (1 - e^2) y^2)^q by the binomial theorem; y^(2k) averages to 1/(2k + 1)
     average = sp.integrate(s.y ** (2 * s.k), (s.y, 0, 1), conds="none")
-    term = (
-        sp.binomial(s.q, s.k)
-        * s.e ** (2 * (s.q - s.k))
-        * (1 - s.e**2) ** s.k
-        * sp.simplify(average)
-    )
+    power = s.e ** (2 * (s.q - s.k)) * (1 - s.e**2) ** s.k
+    term = sp.binomial(s.q, s.k) * power * sp.simplify(average)
     for order in range(1, 5):
         total = sum(term.subs({s.q: order, s.k: index}) for index in range(order + 1))
         zero(1 - total - loss(2 * order), f"the sum is not lambda({2 * order})")
@@ -198,12 +194,12 @@ def largest_cooling_ratio() -> tuple[float, float]:
 def _a2() -> Derived:
     fourth = moment(4) / moment(2) ** 2
     with mp.workdps(20):
-        zero = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
+        place = mp.findroot(lambda z: a2_value(str(z)), (0.55, 0.65), solver="secant", tol=1e-14)
     return result(
         eq(s.a2, sp.simplify(fourth / 2 - 1)),
         ("<c^4> = E[Y^4]/E[Y^2]^2", fourth),
         note="Exists for every e in [0, 1).",
-        numbers={"restitution at which a_2 = 0": zero},
+        numbers={"restitution at which a_2 = 0": place},
     )
 
 
@@ -213,9 +209,8 @@ def _series_near_one(order: int) -> tuple[sp.Expr, sp.Expr]:
     w = sp.Symbol("w", positive=True)
     averages = [sp.integrate((1 - s.y**2) ** i, (s.y, 0, 1)) for i in range(order)]
     log_loss = sum(w**i / (2 * i) * averages[i] for i in range(1, order))
-    loss_ = -sum(
-        sp.binomial(sp.Rational(1, 2), i) * (-w) ** i * averages[i] for i in range(1, order)
-    )
+    half = sp.Rational(1, 2)
+    loss_ = -sum(sp.binomial(half, i) * (-w) ** i * averages[i] for i in range(1, order))
     return sp.expand(log_loss), sp.expand(loss_)
 
 
@@ -224,10 +219,7 @@ def _cooling_near_1() -> Derived:
     w = sp.Symbol("w", positive=True)
     product = sp.expand(sp.Mul(*_series_near_one(4)).subs(w, 1 - (1 - s.gap) ** 2) / s.gap**2)
     kept = sum(product.coeff(s.gap, order) * s.gap**order for order in range(3))
-    series = sum(
-        sp.diff(2 * sp.sqrt(kept), s.gap, order).subs(s.gap, 0) / sp.factorial(order) * s.gap**order
-        for order in range(3)
-    )
+    series = sp.series(2 * sp.sqrt(kept), s.gap, 0, 3).removeO()
     return result(
         eq(s.h / s.gap, sp.expand(series)),
         ("kappa in powers of w = 1 - e^2", _series_near_one(4)[0]),
@@ -307,12 +299,9 @@ def _slope() -> Derived:
     # d<v^p v.r>/dt = <v^(p+2)> - nu(p) <v^(p+1) v.r>, <v^p v.r> = A(p) t^(-p-1), at p = -1:
     flux = sp.Symbol("A_0")
     (solution,) = sp.solve(moment(1) - (1 - s.cos_chi) * flux, flux)
-    # random flights: free paths are exponential whatever the speed, <L> = 1, <L^2> = 2
-    length = sp.Symbol("length", positive=True)
-    first, second = (sp.integrate(length**n * sp.exp(-length), (length, 0, sp.oo)) for n in (1, 2))
-    ratio = sp.Symbol("ratio")
-    persistent = ratio / (1 - ratio)  # sum of ratio^n over n >= 1
-    per_flight = second + 2 * first**2 * persistent.subs(ratio, s.cos_chi)
+    # random flights, with c/(1 - c) the sum of c^n over n >= 1
+    first, second = free_path(1), free_path(2)
+    per_flight = second + 2 * first**2 * s.cos_chi / (1 - s.cos_chi)
     flights = moment(1)  # d N/d ln t = <v> t/l
     zero(per_flight * flights - 2 * solution, "the flux hierarchy and the random flights disagree")
     return result(

@@ -142,20 +142,13 @@ def _averaged(order: int) -> sp.Expr:
     return sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
 
 
-@derives("sonine4.5")
-def _sonine4_5() -> Derived:
-    first = _averaged(1)
-    return result(
-        chain(s.a1, first, first.subs(Avg(s.c**2), 1)), "<c^2> = 1 by the definition of v0"
-    )
+def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
+    average = _averaged(order)
+    return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
-@derives("sonine5")
-def _sonine5() -> Derived:
-    second = _averaged(2)
-    return result(
-        chain(s.a2, second, second.subs(Avg(s.c**2), 1)), "<c^2> = 1 by the definition of v0"
-    )
+row("sonine4.5", lambda: _coefficient(1, s.a1), "<c^2> = 1 by the definition of v0")
+row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0")
 
 
 @derives("sonine6")
@@ -244,6 +237,13 @@ def _sonine11() -> Derived:
     )
 
 
+SONINE_AND_EXACT = {
+    "Sonine a_2 at e = {e}": lambda e: at_restitution(roots()[0], e),
+    "exact a_2 at e = {e}": a2_value,
+}
+"""Numbers beside a row, by restitution."""
+
+
 @cache
 def growth(root: sp.Expr | None = None) -> sp.Expr:
     """d/da_2 of the right-hand side of the a_2 equation, at a root (or at a symbol)."""
@@ -264,10 +264,7 @@ def _sonine12() -> Derived:
         ("growth rate H at the upper root", growths[1]),
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
-        numbers={
-            "Sonine a_2 at e = {e}": lambda e: at_restitution(chosen, e),
-            "exact a_2 at e = {e}": a2_value,
-        },
+        numbers=SONINE_AND_EXACT,
         at=(0.9, 0.6),
     )
 
@@ -308,6 +305,8 @@ def _sonine_n() -> Derived:
         ("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
     )
 
+
+# -- time dependence and stability --
 
 _V0 = s.v0(s.t)
 

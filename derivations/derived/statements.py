@@ -7,7 +7,7 @@ from math import pi, sqrt
 from .diffusion import sonine_slope
 from .record import Derived, Status, defines, derives, result, row
 from .scaling_state import largest_cooling_ratio
-from .sonine import at_restitution, roots
+from .sonine import SONINE_AND_EXACT, at_restitution, roots
 from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
 
@@ -54,19 +54,12 @@ row(
 
 @derives("statement:sonine-a2")
 def _sonine_a2() -> Derived:
-    def sonine(e: float) -> float:
-        return at_restitution(roots()[0], e)
-
     return result(
         None,
         note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
         "where the exact a_2 tends to -1/2.",
         holds=False,
-        numbers={
-            "Sonine a_2 at e = {e}": sonine,
-            "exact a_2 at e = {e}": a2_value,
-            "Sonine a_2 as e -> 1": sonine(1),
-        },
+        numbers={**SONINE_AND_EXACT, "Sonine a_2 as e -> 1": at_restitution(roots()[0], 1)},
         at=(0.6, 0.7, 0.9),
     )
 
