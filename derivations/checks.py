@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 from dataclasses import dataclass
-from enum import Enum
+from enum import IntEnum
 from functools import lru_cache
 from html import escape
 
@@ -29,7 +29,7 @@ POINTS, DIGITS = 20, 50
 OPAQUE = (sp.Symbol, sp.Derivative, sp.Integral, sp.Sum, sp.KroneckerDelta, Formal, AppliedUndef)
 
 
-class Difference(Enum):
+class Difference(IntEnum):
     """How two formulas differ; the order is that of the worst member of several."""
 
     NONE = 0
@@ -54,7 +54,7 @@ def judge(expression: sp.Expr) -> Difference:
     if expression == 0:
         return Difference.NONE
     if s.pm in expression.free_symbols:
-        return _worst(judge(expression.subs(s.pm, branch)) for branch in (1, -1))
+        return max(judge(expression.subs(s.pm, branch)) for branch in (1, -1))
     expanded = sp.expand(linear(expression))
     if expanded == 0:
         return Difference.NONE
@@ -110,11 +110,7 @@ def compare(printed: sp.Basic, derived: sp.Basic) -> Difference:
     ours, theirs = residuals(derived), residuals(printed)
     if len(ours) != len(theirs):
         return Difference.PRESENT
-    return _worst(judge(one - other) for one, other in zip(ours, theirs, strict=True))
-
-
-def _worst(differences: Iterable[Difference]) -> Difference:
-    return max(differences, key=lambda difference: difference.value)
+    return max(judge(one - other) for one, other in zip(ours, theirs, strict=True))
 
 
 report_subset: tuple[str, ...] = (
@@ -195,19 +191,9 @@ def check(label: str, printed: sp.Basic | None = None) -> Check:
             raise ValueError(f"label {label!r} has nothing to compare and no status of its own")
         status, proof = VERDICTS[compare(formula, derived.formula)]
     return Check(
-        label=label,
-        title=equation.title,
-        section=equation.section,
-        printed=formula,
-        derived=derived.formula,
-        status=status,
-        note=derived.note,
-        source=equation.source,
-        proof=proof,
-        holds=derived.holds,
-        numbers=derived.numbers,
-        steps=derived.steps,
-    )
+        label, equation.title, equation.section, formula, derived.formula, status, derived.note,
+        equation.source, proof, derived.holds, derived.numbers, derived.steps,
+    )  # fmt: skip
 
 
 def verify(labels: Iterable[str] | None = None) -> tuple[Check, ...]:
@@ -215,13 +201,7 @@ def verify(labels: Iterable[str] | None = None) -> tuple[Check, ...]:
 
     Raises ValueError naming the label that does not exist.
     """
-    if labels is None:
-        return tuple(check(label) for label in ROWS)
-    try:
-        wanted = None if isinstance(labels, str | bytes) else list(labels)
-    except TypeError:
-        wanted = None
-    if wanted is None:
+    if isinstance(labels, str | bytes) or not isinstance(labels, Iterable | None):
         kind = type(labels).__name__
         raise ValueError(f"labels: got a {kind}; it must be several labels, such as ['sonine9']")
-    return tuple(check(label) for label in wanted)
+    return tuple(check(label) for label in (ROWS if labels is None else labels))

@@ -9,16 +9,17 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Int, Partial, chain, eq
-from ..premises import gaussian_average, gaussian_moment, loss, over_angle, speed_ratio_squared
+from ..premises import (
+    free_path,
+    gaussian_average,
+    gaussian_moment,
+    loss,
+    over_angle,
+    speed_ratio_squared,
+)
 from .cooling import speed_equation_by_moment
 from .record import Derived, defines, derives, must, result, row, zero
 from .values import a2_value
-
-
-@cache
-def power_average() -> sp.Expr:
-    """The integral of x^p exp(-x) over x > 0."""
-    return sp.integrate(s.x**s.p * sp.exp(-s.x), (s.x, 0, sp.oo))
 
 
 @cache
@@ -27,12 +28,11 @@ def polynomial(order: int) -> sp.Expr:
 
     Built by Gram-Schmidt from 1, x, x^2, ...; nothing is typed in.
     """
-    if order < 0:
-        raise ValueError(f"order = {order}: a Sonine polynomial has order >= 0")
 
     def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+        # the integral of x^i exp(-x) is that of free paths
         terms = sp.Poly(sp.expand(one * other), s.x).terms()
-        return sp.Add(*(k * power_average().subs(s.p, i) for (i,), k in terms))
+        return sp.Add(*(k * free_path(i) for (i,), k in terms))
 
     monic = s.x**order
     for lower in range(order):
@@ -84,8 +84,7 @@ row(
 def generating_function() -> tuple[sp.Expr, sp.Expr]:
     """(generating function of the S_p, integral of a product of two against exp(-x)).
 
-    The integral depends on u w alone: the polynomials are orthogonal, with the coefficients of
-    its series as norms.
+    That depends on u w alone: they are orthogonal, with the coefficients of its series as norms.
     """
     u, w = sp.symbols("u w", positive=True)
     single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
