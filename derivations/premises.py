@@ -102,6 +102,16 @@ def mean_free_path(dimension: int) -> sp.Expr:
 
 
 @cache
+def isotropy() -> sp.Expr:
+    """The factor in <v_i v_j b(v)> = factor <v^2 b(v)> delta_ij: an average over the direction."""
+    direction = sp.Matrix([sp.cos(s.theta), sp.sin(s.theta)])
+    mean = (direction * direction.T).integrate((s.theta, 0, 2 * sp.pi)) / (2 * sp.pi)
+    if mean != mean[0, 0] * sp.eye(2):
+        raise ArithmeticError("the average over directions is not isotropic")
+    return mean[0, 0]
+
+
+@cache
 def free_path(order: int) -> sp.Expr:
     """<L^n> of the free paths, which are exponential whatever the speed, with mean 1."""
     return sp.integrate(s.r**order * sp.exp(-s.r), (s.r, 0, sp.oo))

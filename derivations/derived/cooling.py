@@ -136,11 +136,7 @@ row(
     "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
     holds=True,
 )
-row(
-    "tdiff2",
-    lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()),
-    "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
-)
+row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
 
 
 @derives("compare2")
@@ -154,11 +150,7 @@ def _compare2() -> Derived:
     )
 
 
-row(
-    "rearramu2",
-    lambda: eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
-    "T = m v0^2/2 inserted",
-)
+row("rearramu2", lambda: eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()))
 
 
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:

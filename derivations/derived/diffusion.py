@@ -9,7 +9,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Int, Lam, Partial, chain, dot, eq
-from ..premises import over_angle, parallel_component, speed_ratio_squared
+from ..premises import isotropy, over_angle, parallel_component, speed_ratio_squared
 from .record import Derived, defines, derives, must, result, row, zero
 from .sonine import SONINE_AND_EXACT, polynomial, roots, sonine_average, sonine_cooling_rate, tidy
 from .transport import (
@@ -17,8 +17,8 @@ from .transport import (
     continuity_order,
     density_series,
     expand,
-    isotropy,
     orders,
+    solved,
     thermal_speed,
 )
 from .values import diffusion_slope_value
@@ -226,12 +226,7 @@ def _ap4() -> Derived:
     )
 
 
-row(
-    "ap6",
-    lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
-    "each order of the gradient carries at least one factor of epsilon",
-    note="Rests on ap4.",
-)
+row("ap6", lambda: eq(sp.Derivative(_N, s.t), density_series(_N)), note="Rests on ap4.")
 
 
 derives("ap7")(lambda: continuity_order(s.Jj(s.br, s.v, s.t), _N))
@@ -257,22 +252,13 @@ row(
 
 @derives("ap11.6")
 def _ap11_6() -> Derived:
-    angle = sp.Symbol("angle", real=True)
-    mean = sp.integrate(sp.cos(angle), (angle, 0, 2 * sp.pi))
-    ratio = _N / s.mn(s.v, s.t)
-    flux = s.v * ratio * Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh)
-    return result(
-        chain(s.J0(s.br, s.v, s.t), flux, mean),
-        "sum of the direction over the circle, f being isotropic",
-    )
+    mean = sp.integrate(sp.cos(s.theta), (s.theta, 0, 2 * sp.pi))
+    isotropic = Int(s.bvh * s.f(s.v * s.bvh, s.t) * _SHELL, s.bvh)
+    flux = s.v * _N / s.mn(s.v, s.t) * isotropic
+    return result(chain(s.J0(s.br, s.v, s.t), flux, mean))
 
 
-row(
-    "ap12",
-    lambda: orders(_N)[1],
-    "order epsilon^1 of the kinetic equation",
-    note="Formally right, given ap4 and ap11.",
-)
+row("ap12", lambda: orders(_N)[1], note="Formally right, given ap4 and ap11.")
 
 
 @derives("ap12.5")
@@ -290,24 +276,14 @@ def _expansion() -> Expansion:
     return expand(_N, s.f(s.bv, s.t) / m, -_COOLING * _T, _D_AT_V, s.v**2 * m)
 
 
-row(
-    "ap13",
-    lambda: _expansion().first_order,
-    "zeroth order and cooling inserted",
-    note="Formally right, given ap4 and ap11.",
-)
+row("ap13", lambda: _expansion().first_order, note="Formally right, given ap4 and ap11.")
 row(
     "ap14",
     note="At e = 1 it holds. For e < 1 the source at one speed drives p^(1) at lower speeds, and "
     "p^(1)(v) depends on the gradient of n at other speeds too.",
     holds=False,
 )
-row(
-    "ap15",
-    lambda: _expansion().of_b,
-    "p^(1) = B.grad n inserted, the gradient divided out",
-    note="Formally right, given ap14.",
-)
+row("ap15", lambda: _expansion().of_b, note="Formally right, given ap14.")
 
 
 @derives("ap16")
@@ -321,12 +297,7 @@ def _ap16() -> Derived:
     )
 
 
-row(
-    "ap18",
-    lambda: _expansion().of_coefficient,
-    "the equation for B",
-    note="Here nu_D is a function of the speed.",
-)
+row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function of the speed.")
 
 
 @cache
@@ -349,22 +320,17 @@ def _ap20() -> Derived:
         "v0/l.",
         holds=False,
         numbers={
-            f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {speed} v0": 1 / speed
-            for speed in (0.5, 1.0, 2.0)
+            f"exact D_e over (3/8) v^2 l/v0, elastic, at v = {v} v0": 1 / v for v in (0.5, 1.0, 2.0)
         },
     )
 
 
 @derives("ap21")
 def _ap21() -> Derived:
-    unknown = sp.Symbol("D", positive=True)
-    known = {Partial(_D_AT_V, _T): -unknown / (2 * _T), _D_AT_V: unknown}
-    equation = (_expansion().of_coefficient.lhs - _expansion().of_coefficient.rhs).subs(known)
-    (solution,) = sp.solve(equation, unknown)
+    solution = solved(_expansion().of_coefficient, _D_AT_V, -sp.Rational(1, 2))
     number = sp.cancel(solution.subs(s.nuD, _V0 / s.l) / (s.v**2 * s.l / _V0))
     return result(
         chain(_D_AT_V, solution, s.v**2 * s.l / _V0),
-        ("the equation for D_e with ap20", equation),
         ("with nu_D = v0/l: number in front of v^2 l/v0", number),
         note="The first equality follows from ap18 and ap20, the second (up to a number) from nu_D "
         "~ v0/l. Both premises fail: the exact elastic result is (3/8) v l.",
@@ -372,17 +338,14 @@ def _ap21() -> Derived:
     )
 
 
+def _hopping() -> sp.Expr:
+    hopping = (s.kappa_d * s.v**2 * s.l / _V0).subs(s.v, s.V * _V0)
+    return sp.simplify(hopping.subs(_V0, 1 / (s.alpha + s.beta * s.t)))
+
+
 row(
     "ap21.5",
-    lambda: eq(
-        s.De(s.V, s.t),
-        sp.simplify(
-            (s.kappa_d * s.v**2 * s.l / _V0)
-            .subs(s.v, s.V * _V0)
-            .subs(_V0, 1 / (s.alpha + s.beta * s.t))
-        ),
-    ),
-    "v = V v0 and v0 = 1/(alpha + beta t) in v^2 l/v0",
+    lambda: eq(s.De(s.V, s.t), _hopping()),
     note="Follows from the last form of ap21, and fails with it: the exact elastic result is (3/8) "
     "V l/(alpha + beta t).",
 )

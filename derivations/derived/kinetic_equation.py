@@ -54,11 +54,7 @@ def _streaming_change() -> sp.Expr:
     return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
 
 
-row(
-    "gammaflow",
-    lambda: eq(s.Gamma_flow, _streaming_change()),
-    "free flight: p(r, v, t + dt) = p(r - v dt, v, t)",
-)
+row("gammaflow", lambda: eq(s.Gamma_flow, _streaming_change()))
 row(
     "gamma-",
     lambda: (
@@ -136,11 +132,7 @@ def collision_term() -> sp.Expr:
     return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
-row(
-    "inelaslorentz",
-    lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, collision_term()),
-    "gain: rate times Jacobian",
-)
+row("inelaslorentz", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, collision_term()))
 row(
     "inelaslorentz2",
     lambda: eq(
@@ -149,16 +141,8 @@ row(
     ),
     "integral over r: the streaming term is a surface term",
 )
-row(
-    "diffuse1",
-    lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, Lam(_P)),
-    "the inelastic Lorentz equation, its right-hand side named",
-)
-row(
-    "diffuse1.5",
-    lambda: eq(Lam(_P), collision_term()),
-    "right-hand side of the inelastic Lorentz equation",
-)
+row("diffuse1", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, Lam(_P)))
+row("diffuse1.5", lambda: eq(Lam(_P), collision_term()))
 
 
 def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
@@ -187,11 +171,7 @@ def mass_change() -> sp.Expr:
     return weak_form(1, 1).replace(Int, lambda *args: Int(*args) if args[0] != 0 else args[0])
 
 
-row(
-    "beyond:mass",
-    lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()),
-    "weak form (ad1) with Y = 1",
-)
+row("beyond:mass", lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()))
 
 
 @derives("beyond:angular-average")

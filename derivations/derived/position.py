@@ -9,10 +9,9 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Second, chain, eq
-from ..premises import free_path
+from ..premises import free_path, isotropy
 from .random_walk import collisions
 from .record import Derived, Status, defines, derives, must, result, row, zero
-from .transport import isotropy
 
 _MSD = s.msd(s.t)
 
@@ -153,11 +152,7 @@ def saddle_exponent() -> sp.Expr:
     return sp.expand(-sp.expand_log(sp.log(ratio), force=True) / s.R**2)
 
 
-row(
-    "pdefi",
-    lambda: eq(s.pd(s.V, s.R), saddle_exponent()),
-    "minus the logarithm of the integrand over 2 R/eta, over R^2",
-)
+row("pdefi", lambda: eq(s.pd(s.V, s.R), saddle_exponent()))
 row(
     "beyond:bessel",
     lambda: sp.Tuple(

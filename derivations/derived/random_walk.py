@@ -71,11 +71,7 @@ def total_time() -> sp.Expr:
     return sp.simplify(first * terms.subs(ratio, growth))
 
 
-row(
-    "tn",
-    lambda: chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()),
-    "the geometric sum of the intervals",
-)
+row("tn", lambda: chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()))
 
 
 @cache

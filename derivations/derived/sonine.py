@@ -68,16 +68,8 @@ def _sonine1() -> Derived:
     )
 
 
-row(
-    "sonine1.5",
-    lambda: sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))),
-    "Gram-Schmidt for the weight exp(-x), with S(0) = 1",
-)
-row(
-    "sonine2",
-    lambda: eq(s.S(2, s.x), polynomial(2)),
-    "Gram-Schmidt for the weight exp(-x), with S(0) = 1",
-)
+row("sonine1.5", lambda: sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))))
+row("sonine2", lambda: eq(s.S(2, s.x), polynomial(2)))
 
 
 @cache
@@ -188,11 +180,7 @@ def stationarity() -> sp.Expr:
     return sp.expand(2 * s.M2 * fourth - s.M4)
 
 
-row(
-    "sonine7",
-    lambda: eq(stationarity(), sp.Integer(0)),
-    "M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation",
-)
+row("sonine7", lambda: eq(stationarity(), sp.Integer(0)))
 
 
 @cache

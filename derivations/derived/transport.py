@@ -13,6 +13,7 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
+from ..premises import isotropy
 from .kinetic_equation import mass_change
 from .record import Derived, defines, derives, must, result, row
 
@@ -25,12 +26,7 @@ _P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
 _B = s.Bv(s.bv, _T)
 
 
-row(
-    "diffuse2",
-    lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()),
-    "integral of the kinetic equation over v: density and flux",
-    "the collision operator keeps mass: its weak form with Y = 1",
-)
+row("diffuse2", lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()))
 defines(
     {
         "diffuse3": "The zeroth moment in velocity.",
@@ -212,15 +208,6 @@ row(
 row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
 
 
-@cache
-def isotropy() -> sp.Expr:
-    """The factor in <v_i v_j b(v)> = factor <v^2 b(v)> delta_ij: an average over the direction."""
-    angle = sp.Symbol("angle", real=True)
-    cross = sp.integrate(sp.cos(angle) * sp.sin(angle), (angle, 0, 2 * sp.pi))
-    must(cross == 0, "the off-diagonal element does not vanish")
-    return sp.integrate(sp.cos(angle) ** 2, (angle, 0, 2 * sp.pi)) / (2 * sp.pi)
-
-
 @derives("diffuse16")
 def _diffuse16() -> Derived:
     integral = Int(dot(s.bv, _B), s.bv)
@@ -265,17 +252,19 @@ row(
 )
 
 
-@derives("diffuse21")
-def _diffuse21() -> Derived:
+def solved(equation: sp.Eq, coefficient: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """The diffusion coefficient where it goes as this power of T."""
     unknown = sp.Symbol("D", positive=True)
-    inserted = {Partial(_D, _T): temperature_exponent() * unknown / _T, _D: unknown}
-    equation = (_expansion().of_coefficient.lhs - _expansion().of_coefficient.rhs).subs(inserted)
-    (solution,) = sp.solve(equation, unknown)
-    return result(
-        eq(_D, sp.factor(solution)),
-        ("the equation for D_e with T dD/dT = D/2", eq(equation, sp.Integer(0))),
-        ("xi = 2 d rho0 v0 h", eq(s.xi(s.t), 2 * s.d * s.rho0 * s.v0(s.t) * s.h)),
-    )
+    inserted = {Partial(coefficient, _T): exponent * unknown / _T, coefficient: unknown}
+    (solution,) = sp.solve((equation.lhs - equation.rhs).subs(inserted), unknown)
+    return solution
+
+
+row(
+    "diffuse21",
+    lambda: eq(_D, sp.factor(solved(_expansion().of_coefficient, _D, temperature_exponent()))),
+    "the equation for D_e with T dD/dT = D/2; xi = 2 d rho0 v0 h",
+)
 
 
 @derives("diffuse22")

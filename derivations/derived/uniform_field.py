@@ -150,9 +150,7 @@ def _closed() -> Derived:
         rate = 1 - _average(dimension, _smooth(dimension)[1])
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
         rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
-    return result(
-        sp.Tuple(*rows), "1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1"
-    )
+    return result(sp.Tuple(*rows))
 
 
 @cache
