@@ -5,41 +5,34 @@ from __future__ import annotations
 from math import pi, sqrt
 
 from .diffusion import sonine_slope
-from .record import Derived, Status, defines, derives, result, row
+from .record import Status, defines, row
 from .scaling_state import largest_cooling_ratio
 from .sonine import SONINE_AND_EXACT, at_restitution, roots
 from .values import a2_value, cooling_rate_value, diffusion_slope_value
 
-
-@derives("statement:h-linear")
-def _h_linear() -> Derived:
-    place, largest = largest_cooling_ratio()
-    ratio = {"h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
-    return result(
-        None,
-        note="Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest "
-        "value at e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from the exact "
-        "moments, with no Sonine expansion.",
-        holds=False,
-        numbers={
-            "largest h/(1 - e)": largest,
-            "restitution at which it is largest": place,
-            "h/(1 - e) at e = 0": sqrt(2),
-            **ratio,
-            "h/(1 - e) as e -> 1": 4 / 3,
-        },
-    )
-
-
+row(
+    "statement:h-linear",
+    note="Nearly, not exactly: h/(1 - e) starts from sqrt(2), rises by 1 % to its largest value at "
+    "e = 0.1464 and falls to 4/3: it varies by 7 % in all. It follows from the exact moments, with "
+    "no Sonine expansion.",
+    holds=False,
+    numbers={
+        "largest h/(1 - e)": lambda: largest_cooling_ratio()[1],
+        "restitution at which it is largest": lambda: largest_cooling_ratio()[0],
+        "h/(1 - e) at e = 0": sqrt(2),
+        "h/(1 - e) at e = {e}": lambda e: cooling_rate_value(e) / (1 - e),
+        "h/(1 - e) as e -> 1": 4 / 3,
+    },
+)
 row(
     "statement:h-not-haff",
     note="h/(1 - e^2) falls from sqrt(2) to 2/3. A Gaussian VDF would give the constant "
     "sqrt(pi)/2; the exact VDF is never Gaussian.",
     holds=True,
     numbers={
-        "h/(1 - e^2) at e = 0": lambda: sqrt(2),
+        "h/(1 - e^2) at e = 0": sqrt(2),
         "h/(1 - e^2) as e -> 1": 2 / 3,
-        "of a Gaussian": lambda: sqrt(pi) / 2,
+        "of a Gaussian": sqrt(pi) / 2,
     },
 )
 row(
@@ -50,20 +43,14 @@ row(
     numbers={"a_2 at e = 0": 2.0, "a_2 at e = {e}": a2_value, "a_2 as e -> 1": -0.5},
     at=(0.2, 0.4, 0.5816, 0.9),
 )
-
-
-@derives("statement:sonine-a2")
-def _sonine_a2() -> Derived:
-    return result(
-        None,
-        note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
-        "where the exact a_2 tends to -1/2.",
-        holds=False,
-        numbers={**SONINE_AND_EXACT, "Sonine a_2 as e -> 1": at_restitution(roots()[0], 1)},
-        at=(0.6, 0.7, 0.9),
-    )
-
-
+row(
+    "statement:sonine-a2",
+    note="At e = 0.9 it is less than half of the exact value, and as e -> 1 it tends to -0.236 "
+    "where the exact a_2 tends to -1/2.",
+    holds=False,
+    numbers={**SONINE_AND_EXACT, "Sonine a_2 as e -> 1": lambda: at_restitution(roots()[0], 1)},
+    at=(0.6, 0.7, 0.9),
+)
 row(
     "statement:gaussian-f",
     note="As e -> 1 it tends to the ring delta(c - 1)/(2 pi), of relative width sqrt((1 - e^2)/5). "
@@ -113,20 +100,16 @@ defines(
     },
     Status.FIGURE,
 )
-
-
-@derives("v0re")
-def _v0re() -> Derived:
-    slope = {"exact slope at e = {e}": lambda e: 0.04 * float(cooling_rate_value(e)) / (1 - e)}
-    return result(
-        None,
-        note="The printed line 0.058 t is rho_0 times the fitted 1.45. The exact slopes at the "
-        "free path 1/(2 d rho_0) lie below it.",
-        status=Status.FIGURE,
-        numbers={"printed slope": 0.058, **slope},
-    )
-
-
+row(
+    "v0re",
+    note="The printed line 0.058 t is rho_0 times the fitted 1.45. The exact slopes at the free "
+    "path 1/(2 d rho_0) lie below it.",
+    status=Status.FIGURE,
+    numbers={
+        "printed slope": 0.058,
+        "exact slope at e = {e}": lambda e: 0.04 * cooling_rate_value(e) / (1 - e),
+    },
+)
 row(
     "hetomu2",
     note="The exact curve exists on the whole of 0 <= e <= 1.",
@@ -140,17 +123,12 @@ row(
     status=Status.FIGURE,
     numbers={"exact a_2 at e = {e}": a2_value},
 )
-
-
-@derives("soninediffuse")
-def _soninediffuse() -> Derived:
-    def ratio(e: float) -> float:
-        return sonine_slope(e) / float(diffusion_slope_value(e))
-
-    return result(
-        None,
-        note="The deviation that the paper reports is that of the first Sonine approximation.",
-        status=Status.FIGURE,
-        numbers={"slope at e = {e}, Sonine over exact": ratio},
-        at=(0.6, 0.7, 0.9),
-    )
+row(
+    "soninediffuse",
+    note="The deviation that the paper reports is that of the first Sonine approximation.",
+    status=Status.FIGURE,
+    numbers={
+        "slope at e = {e}, Sonine over exact": lambda e: sonine_slope(e) / diffusion_slope_value(e)
+    },
+    at=(0.6, 0.7, 0.9),
+)
