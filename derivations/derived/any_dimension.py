@@ -72,16 +72,16 @@ def cooling_rate() -> sp.Expr:
     return rate
 
 
-@derives("beyond:any-moments")
-def _any_moments() -> Derived:
-    first, following = mean_scaled_speed(), following_moment()
-    return result(
-        sp.Tuple(
-            eq(Avg(s.c), first), eq(Avg(s.c ** (s.p + 1)), following), eq(s.h, cooling_rate())
-        ),
-        "f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')",
-        note="In any dimension, with v0 the root mean square speed.",
-    )
+row(
+    "beyond:any-moments",
+    lambda: sp.Tuple(
+        eq(Avg(s.c), mean_scaled_speed()),
+        eq(Avg(s.c ** (s.p + 1)), following_moment()),
+        eq(s.h, cooling_rate()),
+    ),
+    "f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')",
+    note="In any dimension, with v0 the root mean square speed.",
+)
 
 
 @cache
@@ -295,15 +295,13 @@ def elastic_transform(dimension: int) -> sp.Expr:
     return sp.factor(found[4, 0])
 
 
-@derives("beyond:quartic-elastic")
-def _quartic_elastic() -> Derived:
-    transforms = [elastic_transform(dimension) for dimension in (2, 3)]
-    return result(
-        sp.Tuple(*(eq(s.rho4z(s.laplace), transform) for transform in transforms)),
-        "the chain in space with s = 1, E[P_m(cos(chi))] - 1 = -nu_m",
-        note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for "
-        "disks, nu_1 = nu_2 = 1 for spheres.",
-    )
+row(
+    "beyond:quartic-elastic",
+    lambda: sp.Tuple(*(eq(s.rho4z(s.laplace), elastic_transform(d)) for d in (2, 3))),
+    "the chain with s = 1, E[P_m(cos(chi))] - 1 = -nu_m",
+    note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for disks, "
+    "nu_1 = nu_2 = 1 for spheres.",
+)
 
 
 _DECAY = sp.Symbol("decay", positive=True)

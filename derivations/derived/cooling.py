@@ -80,22 +80,20 @@ def _veq() -> Derived:
     )
 
 
-@derives("hsimu")
-def _hsimu() -> Derived:
-    ratio = {"exact h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
-    return result(
-        eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
-        note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
-        "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean free "
-        "path, which is shorter where disks do not overlap.",
-        status=Status.FIT,
-        numbers={
-            **ratio,
-            "exact h/(1 - e) at e = 0": sp.sqrt(2),
-            "exact h/(1 - e) as e -> 1": 4 / 3,
-            "largest exact h/(1 - e)": largest_cooling_ratio()[1],
-        },
-    )
+row(
+    "hsimu",
+    lambda: eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
+    note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 as "
+    "e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean free path, "
+    "which is shorter where disks do not overlap.",
+    status=Status.FIT,
+    numbers={
+        "exact h/(1 - e) at e = {e}": lambda e: cooling_rate_value(e) / (1 - e),
+        "exact h/(1 - e) at e = 0": sp.sqrt(2),
+        "exact h/(1 - e) as e -> 1": 4 / 3,
+        "largest exact h/(1 - e)": lambda: largest_cooling_ratio()[1],
+    },
+)
 
 
 def _second_moment_rate() -> sp.Expr:
