@@ -272,12 +272,7 @@ def _quartic(dimension: int) -> Derived:
     chain, flights = one_collision_terms(dimension)
     must(chain == flights, f"the chain gives {chain}, the flights {flights}")
     equations = [chain_equation(member, dimension) for member in MEMBERS]
-    return result(
-        sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))),
-        "w = <exp(i k.r)>: dw/dt = i k.v w + (v/l)(E[w(v')] - w), a function of v t and k",
-        "S_2 is of order k^2 with m = 2, W_1 of order k^3 with m = 1",
-        ("second route: <r^4> to zeta^5 from flights with at most one collision", flights),
-    )
+    return result(sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))))
 
 
 for _dimension, _where in ((2, "plane"), (3, "space")):

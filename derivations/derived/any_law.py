@@ -31,10 +31,7 @@ def _rule() -> Derived:
     matrix = collision_matrix(s.et)
     normal = dot(s.bv, s.sigma) * s.sigma
     after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
-    return result(
-        eq(s.bvp, sp.collect(sp.expand(after), normal)),
-        ("the collision in (normal, tangential) components", matrix),
-    )
+    return result(eq(s.bvp, sp.collect(sp.expand(after), normal)))
 
 
 @cache

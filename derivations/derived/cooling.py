@@ -73,11 +73,7 @@ def _veq() -> Derived:
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     solution = 1 / inverse
     zero(sp.diff(solution, s.t) - slope.subs(_V0, solution), "v0 does not solve its equation")
-    return result(
-        eq(_V0, solution),
-        ("rate of 1/v0", sp.cancel(-slope / _V0**2)),
-        ("1/v0, integrated from 0 to t", inverse),
-    )
+    return result(eq(_V0, solution))
 
 
 row(

@@ -287,10 +287,7 @@ def _ap16() -> Derived:
     integral = sp.Symbol("integral")  # int vhat.B delta(|vhat| - 1) dvhat
     flux = s.v * isotropy() * integral * s.nabla0 * _N
     (value,) = sp.solve(_D_AT_V + s.v / 2 * integral, integral)
-    return result(
-        eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)),
-        ("mean of the squared cosine over directions", isotropy()),
-    )
+    return result(eq(s.J1(s.br, s.v, s.t), flux.subs(integral, value)))
 
 
 row("ap18", lambda: _expansion().of_coefficient, note="Here nu_D is a function of the speed.")

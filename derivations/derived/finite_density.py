@@ -65,9 +65,7 @@ def return_symbols() -> tuple[sp.Expr, sp.Expr]:
 def _return_operator() -> Derived:
     first, summed = return_symbols()
     zero(sp.diff(summed - first, s.ret).subs(s.ret, 0), "the sum does not begin so")
-    return result(
-        sp.Tuple(eq(s.lamd, first), eq(s.lamd, summed)), ("K - 1 on v^p exp(i m phi)", -s.lamm)
-    )
+    return result(sp.Tuple(eq(s.lamd, first), eq(s.lamd, summed)))
 
 
 @cache
@@ -160,10 +158,7 @@ def _free_flight() -> Derived:
     roots = sp.solve(1 + sp.I * s.wave / 2 * (q + 1 / q), q)
     (decaying,) = [root for root in roots if abs(sp.N(root.subs(s.wave, 1))) < 1]
     (found,) = sp.solve(size + sp.I * s.wave / 2 * 2 * decaying * size - 1, size)
-    return result(
-        eq(s.free(s.harm), sp.simplify(found) * sp.simplify(decaying) ** s.harm),
-        ("G_m is a power of the root that decays", decaying),
-    )
+    return result(eq(s.free(s.harm), sp.simplify(found) * sp.simplify(decaying) ** s.harm))
 
 
 @derives("beyond:loops")

@@ -145,9 +145,7 @@ row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0
 @derives("sonine6")
 def _sonine6() -> Derived:
     general = s.M2 / 2 * s.p * Avg(s.c**s.p)
-    return result(
-        eq(s.M4, general.subs(s.p, 4)), ("moments of the scaled equation (mueq)", general)
-    )
+    return result(eq(s.M4, general.subs(s.p, 4)))
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -286,11 +284,7 @@ def _sonine_n() -> Derived:
     for order in range(7):
         total = sum(term.subs({s.N: order, s.k: i}) for i in range(order + 1))
         zero(total - polynomial(order), f"not S_{order} by Gram-Schmidt")
-    return result(
-        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
-        ("generating function of orthogonal polynomials", generating_function()[0]),
-        ("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
-    )
+    return result(eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))))
 
 
 # -- time dependence and stability --
@@ -342,11 +336,7 @@ def _ac5() -> Derived:
     right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
     linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
     scale = linear / (_V0 * growth())
-    return result(
-        eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * _V0 * s.da2(s.t)),
-        ("right-hand side of the equation for a_2 with M_2 and M_4 inserted", right),
-        ("derivative of that at the stationary a_2", sp.factor(linear)),
-    )
+    return result(eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * _V0 * s.da2(s.t)))
 
 
 @derives("ac7")

@@ -97,10 +97,7 @@ def _diffuse8() -> Derived:
     terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
     factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
     (weight,) = factor
-    return result(
-        eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)),
-        ("order epsilon^j of v p, over p^(j)", weight),
-    )
+    return result(eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)))
 
 
 @cache
@@ -129,11 +126,7 @@ def _diffuse11() -> Derived:
     amplitude = sp.Symbol("A")
     # the integral of A f over v is n(r, t), that of f is n
     (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
-    return result(
-        eq(_P0, solution * _F),
-        ("f solves the zeroth order: so does any multiple A of it", amplitude * _F),
-        ("normalisation to n(r, t)", solution),
-    )
+    return result(eq(_P0, solution * _F))
 
 
 row("diffuse12", lambda: orders()[1], "order epsilon^1 of the kinetic equation")
@@ -213,11 +206,7 @@ def _diffuse16() -> Derived:
     integral = Int(dot(s.bv, _B), s.bv)
     flux = isotropy() * integral * s.nabla0 * _N
     coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
-    return result(
-        eq(s.J1(s.br, s.t), coefficient),
-        ("mean of the squared cosine over directions", isotropy()),
-        ("flux of order 1: v times B.grad n, integrated", flux),
-    )
+    return result(eq(s.J1(s.br, s.t), coefficient))
 
 
 row(
