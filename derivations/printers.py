@@ -1,22 +1,20 @@
 """Formulas and checks for readers: text, LaTeX and presentation MathML; data for JSON.
 
-A browser shows the MathML as it is: neither a script nor a font has to be loaded.
+A browser shows the MathML as it is: neither a script nor a font has to be loaded. Checks are those
+of :mod:`derivations.checks`, which imports this.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 from .symbols import LATEX, table
-
-if TYPE_CHECKING:
-    from .checks import Check
 
 LETTERS = {
     "v_vec": "𝐯", "v_vec_pre": "𝐯__*", "v_vec_post": "𝐯__′", "v_hat": "𝐯̂", "|v_hat|": "|𝐯̂|",
@@ -141,7 +139,7 @@ class _Printer(MathMLPresentationPrinter):
         return self._element("mrow", "d", *measure.args)
 
 
-def counts(checks: Iterable[Check]) -> dict[str, int]:
+def counts(checks: Iterable[Any]) -> dict[str, int]:
     """How many rows have each status, in the order of :class:`Status`; absent ones are zero."""
     from .derived.record import Status
 
@@ -149,7 +147,7 @@ def counts(checks: Iterable[Check]) -> dict[str, int]:
     return {status.value: statuses.count(status) for status in Status}
 
 
-def to_json(checks: Iterable[Check]) -> dict[str, Any]:
+def to_json(checks: Iterable[Any]) -> dict[str, Any]:
     """The checks as data that ``json.dumps`` takes: ``{"counts": {status: n}, "checks": [...]}``.
 
     Formulas come twice: as sympy text (``printed``, ``derived``) and as LaTeX.
@@ -158,7 +156,7 @@ def to_json(checks: Iterable[Check]) -> dict[str, Any]:
     return {"counts": counts(rows), "checks": [_row(row) for row in rows]}
 
 
-def _row(check: Check) -> dict[str, Any]:
+def _row(check: Any) -> dict[str, Any]:
     return {
         "label": check.label, "title": check.title, "section": check.section,
         "status": check.status.value, "proof": check.proof, "holds": check.holds,
@@ -174,7 +172,7 @@ def _row(check: Check) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def to_text(check: Check) -> str:
+def to_text(check: Any) -> str:
     """One check with its steps, as plain text for a terminal."""
     lines = [f"{check.label}: {check.title} ({check.section})", f"status: {check.status}"]
     if check.proof:
@@ -211,7 +209,7 @@ _ESCAPES = str.maketrans(
 )
 
 
-def to_latex_document(checks: Iterable[Check]) -> str:
+def to_latex_document(checks: Iterable[Any]) -> str:
     """A complete LaTeX document (pdflatex; amsmath only) with every check and its steps."""
     rows = tuple(checks)
     found = {name: str(count) for name, count in counts(rows).items() if count}
@@ -241,7 +239,7 @@ def _display(formula: sp.Basic) -> str:
     return "{\\small\\begin{align*}\n" + lines + "\n\\end{align*}}"
 
 
-def _paragraph(check: Check) -> list[str]:
+def _paragraph(check: Any) -> list[str]:
     holds = {None: "", True: ", holds", False: ", does not hold"}[check.holds]
     label, title, note = (
         text.translate(_ESCAPES) for text in (check.label, check.title, check.note)

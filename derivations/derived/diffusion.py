@@ -32,13 +32,6 @@ _V0 = s.v0(s.t)
 
 
 row(
-    "ad3",
-    note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
-    "collision rate is proportional to the speed. This alone makes D_e 15 % low.",
-    holds=False,
-    numbers={"D_e over its exact value at e = 1": lambda: truediv(*elastic_diffusion())},
-)
-row(
     "ad4",
     note="The truncated Sonine form; its tail is Gaussian, the exact one is exponential.",
     holds=False,
@@ -103,6 +96,15 @@ def elastic_diffusion() -> tuple[sp.Expr, sp.Expr]:
     decay = -over_angle(parallel_component() - 1).subs(s.e, 1) / 2
     exact = sonine_average(1).subs(s.a2, 0) / (2 * decay)
     return sp.simplify(sonine), sp.simplify(exact)
+
+
+row(
+    "ad3",
+    note="At e = 1 the equation for B is solved exactly by B ~ v f/|v|, not v f, because the "
+    "collision rate is proportional to the speed. This alone makes D_e 15 % low.",
+    holds=False,
+    numbers={"D_e over its exact value at e = 1": lambda: truediv(*elastic_diffusion())},
+)
 
 
 @derives("ad7")
