@@ -6,12 +6,11 @@ is imported before one of them is called.
 
 The rooms, each of which imports only those above it:
 
-- ``symbols``, ``formal``, ``typesetting``: what formulas are made of, and how they are typeset;
+- ``symbols``, ``formal``, ``printers``: what formulas are made of, and how they are printed;
 - ``printed``: the paper as transcribed, and the results and claims that are judged beside it;
 - ``premises``: the collision rule, and the averages over one collision that follow from it;
-- ``derived``: one function per label; it never imports ``printed``;
-- ``verdicts``: printed against derived;
-- ``output``: the verdicts as text, data and a LaTeX document.
+- ``derived``: one derivation per label; it never imports ``printed``;
+- ``checks``: printed against derived.
 
 This package imports nothing else of the project. Begin reading with ``premises``, then
 ``derived.sonine``. A new row of derivations: see :mod:`derivations.printed`.
@@ -22,55 +21,41 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .checks import Check, report_subset, verify
     from .derived.record import Status
-    from .output import to_json, to_latex_document, to_text
     from .printed import PrintedEquation, printed_equation
-    from .verdicts import Check, report_subset, verify
-
-__all__ = [
-    "Check",
-    "PrintedEquation",
-    "Status",
-    "printed_equation",
-    "report_subset",
-    "to_json",
-    "to_latex_document",
-    "to_text",
-    "verify",
-]
+    from .printers import to_json, to_latex_document, to_text
 
 _HOME = {
-    "Check": "verdicts",
+    "Check": "checks",
     "PrintedEquation": "printed",
     "Status": "derived.record",
     "printed_equation": "printed",
-    "report_subset": "verdicts",
-    "to_json": "output",
-    "to_latex_document": "output",
-    "to_text": "output",
-    "verify": "verdicts",
+    "report_subset": "checks",
+    "to_json": "printers",
+    "to_latex_document": "printers",
+    "to_text": "printers",
+    "verify": "checks",
 }
+
+__all__ = [
+    "Check", "PrintedEquation", "Status", "printed_equation", "report_subset", "to_json",
+    "to_latex_document", "to_text", "verify",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
+    from importlib import import_module, metadata
+
     if name == "__version__":
-        return _version()
+        try:
+            return metadata.version("inelastic-lorentz")
+        except metadata.PackageNotFoundError:  # a bare source tree
+            return "0+unknown"
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
     return getattr(import_module(f".{_HOME[name]}", __name__), name)
-
-
-def _version() -> str:
-    """The version of the installed distribution, ``0+unknown`` in a bare source tree."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("inelastic-lorentz")
-    except PackageNotFoundError:
-        return "0+unknown"
 
 
 def __dir__() -> list[str]:

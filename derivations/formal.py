@@ -12,14 +12,16 @@ import sympy as sp
 
 
 class Formal(sp.Function):
-    """A formal function that prints itself."""
+    """A formal function; ``template`` is the LaTeX of it, with its arguments in braces."""
 
-    def _template(self, *args: str) -> str:
-        raise NotImplementedError
+    template = ""
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        text = self._template(*(printer._print(arg) for arg in self.args))
+        text = self._written(*(printer._print(arg) for arg in self.args))
         return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
+
+    def _written(self, *args: str) -> str:
+        return self.template.format(*args)
 
 
 class Int(Formal):
@@ -27,79 +29,61 @@ class Int(Formal):
 
     nargs = (2, 3)
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        integrand, variable, *domain = (printer._print(arg) for arg in self.args)
+    def _written(self, *args: str) -> str:
+        integrand, variable, *domain = args
         if isinstance(self.args[0], sp.Add):
             integrand = rf"\left[{integrand}\right]"
         below = f"_{{{domain[0]}}}" if domain else ""
-        text = rf"\int{below} {integrand} \, \mathrm{{d}}{variable}"
-        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
+        return rf"\int{below} {integrand} \, \mathrm{{d}}{variable}"
 
 
 class Dot(Formal):
     """The scalar product of two vectors; build it with :func:`dot`."""
 
     nargs = 2
-
-    def _template(self, *args: str) -> str:
-        return rf"{args[0]} \cdot {args[1]}"
+    template = r"{0} \cdot {1}"
 
 
 class Partial(Formal):
     """Partial(X, T): the derivative of X with respect to T."""
 
     nargs = 2
-
-    def _template(self, *args: str) -> str:
-        return rf"\frac{{\partial {args[0]}}}{{\partial {args[1]}}}"
+    template = r"\frac{{\partial {0}}}{{\partial {1}}}"
 
 
 class Lam(Formal):
     """Lam(X): the collision operator Lambda applied to X."""
 
     nargs = 1
-
-    def _template(self, *args: str) -> str:
-        return rf"\Lambda {args[0]}"
+    template = r"\Lambda {0}"
 
 
 class Dt(Formal):
     """Dt(j, X): the j-th order part of the time derivative of X."""
 
     nargs = 2
-
-    def _template(self, *args: str) -> str:
-        return rf"\partial_t^{{({args[0]})}} {args[1]}"
+    template = r"\partial_t^{{({0})}} {1}"
 
 
 class Avg(Formal):
     """Avg(X): the average of X over the scaled VDF, or over the impact parameter."""
 
     nargs = 1
-
-    def _template(self, *args: str) -> str:
-        return rf"\left\langle {args[0]} \right\rangle"
+    template = r"\left\langle {0} \right\rangle"
 
 
 class Measure(Formal):
     """Measure(x): the volume element dx, where it stands as a factor."""
 
     nargs = 1
-
-    def _template(self, *args: str) -> str:
-        return rf"\mathrm{{d}}{args[0]}"
+    template = r"\mathrm{{d}}{0}"
 
 
 class Second(Formal):
     """Second(X, x, x0): the second derivative of X with respect to x at x = x0."""
 
     nargs = 3
-
-    def _template(self, *args: str) -> str:
-        return (
-            rf"\left.\frac{{\partial^2 {args[0]}}}{{\partial {args[1]}^2}}"
-            rf"\right|_{{{args[1]}={args[2]}}}"
-        )
+    template = r"\left.\frac{{\partial^2 {0}}}{{\partial {1}^2}}\right|_{{{1}={2}}}"
 
 
 def dot(one: sp.Expr, other: sp.Expr) -> sp.Expr:
@@ -115,12 +99,12 @@ def _vector_order(vector: sp.Expr) -> tuple[int, str]:
     return (2 if name.startswith("nabla") else 3 if name.startswith("J_vec") else 1, name)
 
 
-def eq(left: sp.Expr, right: sp.Expr) -> sp.Eq:
+def eq(left: sp.Expr | int, right: sp.Expr | int) -> sp.Eq:
     """An equation that sympy does not try to decide."""
     return sp.Eq(left, right, evaluate=False)
 
 
-def chain(*sides: sp.Expr) -> sp.Tuple:
+def chain(*sides: sp.Expr | int) -> sp.Tuple:
     """``a = b = c`` as the equations (a = b, b = c)."""
     return sp.Tuple(*(eq(a, b) for a, b in pairwise(sides)))
 

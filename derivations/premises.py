@@ -29,31 +29,24 @@ def collision_matrix(tangential: sp.Expr = sp.S.One) -> sp.Matrix:
 
 
 @cache
-def postcollision() -> tuple[sp.Expr, sp.Expr]:
-    """(normal, tangential) components of v'/|v| for an approach at angle theta to the normal.
-
-    theta = 0 is head-on.
-    """
-    normal, tangential = collision_matrix() * sp.Matrix([sp.cos(s.theta), sp.sin(s.theta)])
-    return normal, tangential
+def _before_and_after() -> tuple[sp.Matrix, sp.Matrix]:
+    """(normal, tangential) components of v/|v| at angle theta to the normal, and of v'/|v|."""
+    before = sp.Matrix([sp.cos(s.theta), sp.sin(s.theta)])
+    return before, collision_matrix() * before
 
 
 @cache
 def speed_ratio_squared() -> sp.Expr:
     """|v'|^2/|v|^2 as a polynomial in y = sin(theta), the impact parameter in units of d."""
-    normal, tangential = postcollision()
-    return sp.expand(_in_impact_parameter(normal**2 + tangential**2))
+    _, after = _before_and_after()
+    return in_sines(after.dot(after), s.theta).subs(sp.sin(s.theta), s.y)
 
 
 @cache
 def parallel_component() -> sp.Expr:
     """v'.v/|v|^2 as a polynomial in y."""
-    normal, tangential = postcollision()
-    return sp.expand(_in_impact_parameter(normal * sp.cos(s.theta) + tangential * sp.sin(s.theta)))
-
-
-def _in_impact_parameter(weight: sp.Expr) -> sp.Expr:
-    return sp.expand(weight).subs(sp.cos(s.theta) ** 2, 1 - s.y**2).subs(sp.sin(s.theta), s.y)
+    before, after = _before_and_after()
+    return in_sines(after.dot(before), s.theta).subs(sp.sin(s.theta), s.y)
 
 
 def contact(dimension: int) -> tuple[sp.Matrix, tuple[sp.Symbol, ...]]:
@@ -64,8 +57,6 @@ def contact(dimension: int) -> tuple[sp.Matrix, tuple[sp.Symbol, ...]]:
     """
     if dimension == 2:
         return sp.Matrix([sp.sin(s.theta), sp.cos(s.theta)]), (s.theta,)
-    if dimension != 3:
-        raise ValueError(f"dimension = {dimension}: it must be 2 or 3")
     across = [sp.sin(s.theta) * sp.cos(s.azimuth), sp.sin(s.theta) * sp.sin(s.azimuth)]
     return sp.Matrix([*across, sp.cos(s.theta)]), (s.theta, s.azimuth)
 
@@ -80,10 +71,7 @@ def in_sines(expression: sp.Expr, *angles: sp.Symbol) -> sp.Expr:
 
 @cache
 def flux_per_angle(dimension: int) -> sp.Expr:
-    """Collisions per unit time and unit of the angles of the contact, over rho0 d^(D-1) |v|.
-
-    The cosine of theta, for the flux through the surface, times the element of its area.
-    """
+    """Collisions per unit time and unit of the angles, over rho0 d^(D-1) |v|: flux times area."""
     normal, angles = contact(dimension)
     tangents = normal.jacobian(angles)
     element = sp.sqrt(in_sines((tangents.T * tangents).det(), *angles))
@@ -113,6 +101,22 @@ def mean_free_path(dimension: int) -> sp.Expr:
     return 1 / (s.rho0 * s.d ** (dimension - 1) * cross_section(dimension))
 
 
+@cache
+def isotropy() -> sp.Expr:
+    """The factor in <v_i v_j b(v)> = factor <v^2 b(v)> delta_ij: an average over the direction."""
+    direction = sp.Matrix([sp.cos(s.theta), sp.sin(s.theta)])
+    mean = (direction * direction.T).integrate((s.theta, 0, 2 * sp.pi)) / (2 * sp.pi)
+    if mean != mean[0, 0] * sp.eye(2):
+        raise ArithmeticError("the average over directions is not isotropic")
+    return mean[0, 0]
+
+
+@cache
+def free_path(order: int) -> sp.Expr:
+    """<L^n> of the free paths, which are exponential whatever the speed, with mean 1."""
+    return sp.integrate(s.r**order * sp.exp(-s.r), (s.r, 0, sp.oo))
+
+
 def over_angle(weight: sp.Expr) -> sp.Expr:
     """The integral of cos(theta) weight over |theta| < pi/2, with y = sin(theta): weight(y)."""
     return sp.factor(sp.integrate(sp.expand(weight), (s.y, -1, 1)))
@@ -121,8 +125,6 @@ def over_angle(weight: sp.Expr) -> sp.Expr:
 @cache
 def loss(order: int) -> sp.Expr:
     """lambda(p) = E[1 - s^p] for an even order p: the mean relative loss of |v|^p per collision."""
-    if order % 2 or order < 0:
-        raise ValueError(f"order = {order}: an even order >= 0 is needed for a polynomial")
     return sp.factor(over_angle(1 - speed_ratio_squared() ** (order // 2)) / 2)
 
 

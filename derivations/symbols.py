@@ -10,33 +10,27 @@ is all that the paper's expansions ask of it.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import sympy as sp
-from sympy.core.function import UndefinedFunction
 
 _MEANINGS: dict[str, str] = {}
 LATEX: dict[str, str] = {}
 """LaTeX of the names that sympy would not typeset as the paper does."""
 
 
-def _record(name: str, meaning: str, latex: str) -> None:
+def _named(kind: Any, name: str, meaning: str, latex: str = "", **assumptions: bool) -> Any:
     _MEANINGS[name] = meaning
     if latex:
         LATEX[name] = latex
+    return kind(name, **assumptions)
 
 
-def _vector(name: str, meaning: str, latex: str = "", **assumptions: bool) -> sp.Symbol:
-    _record(name, meaning, latex)
-    return sp.Symbol(name, **assumptions)
-
-
-_real = partial(_vector, real=True)
-_positive = partial(_vector, positive=True)
-
-
-def _function(name: str, meaning: str, latex: str = "", **assumptions: bool) -> UndefinedFunction:
-    _record(name, meaning, latex)
-    return sp.Function(name, **assumptions)
+_vector = partial(_named, sp.Symbol)
+_real = partial(_named, sp.Symbol, real=True)
+_positive = partial(_named, sp.Symbol, positive=True)
+_function = partial(_named, sp.Function)
+_positives = partial(_named, sp.Function, positive=True)
 
 
 # --- the system
@@ -46,7 +40,7 @@ d = _positive("d", "diameter of a disk or a sphere (tracer and scatterer)")
 dim = _positive("D", "number of dimensions: 2 in the plane, 3 in space")
 rho0 = _positive("rho_0", "number density of the scatterers")
 l = _positive(  # noqa: E741
-    "l", "mean free path; in the Boltzmann-Grad limit 1/(2 d rho_0), in space 1/(pi d^2 rho_0)"
+    "l", "mean free path 1/(2 d rho_0), in space 1/(pi d^2 rho_0)"
 )
 m = _positive("m", "mass of the tracer")
 n = _positive("n", "mean density of the tracer")
@@ -67,12 +61,8 @@ sigma = _vector("sigma_hat", "unit vector from the scatterer to the tracer", lat
 nabla = _vector("nabla", "gradient in position", latex=r"\nabla")
 nabla0 = _vector("nabla_0", "gradient in position, first order in epsilon", latex=r"\nabla^{(0)}")
 nabla1 = _vector("nabla_1", "gradient in position, second order in epsilon", latex=r"\nabla^{(1)}")
-hemi = _vector(
-    "v.sigma > 0", "the half circle of possible sigma", latex=r"\mathbf{v}\cdot\hat{\sigma}>0"
-)
-hemi_c = _vector(
-    "c.sigma > 0", "the half circle of possible sigma", latex=r"\mathbf{c}\cdot\hat{\sigma}>0"
-)
+hemi = _vector("v.sigma > 0", "half circle of sigma", latex=r"\mathbf{v}\cdot\hat{\sigma}>0")
+hemi_c = _vector("c.sigma > 0", "half circle of sigma", latex=r"\mathbf{c}\cdot\hat{\sigma}>0")
 
 # --- one collision
 y = _real("y", "impact parameter in units of d: uniform on [-1, 1]; in space y^2 on [0, 1]")
@@ -94,8 +84,8 @@ vh = _positive("|v_hat|", "length of the direction vector, one", latex=r"|\hat{\
 c = _positive("c", "scaled speed v/v0(t)")
 cp = _positive("c'", "scaled postcollision speed")
 x = _positive("x", "argument of a Sonine polynomial")
-v0 = _function("v_0", "thermal velocity, the square root of <v^2>", positive=True)
-T = _function("T", "temperature m v0^2/2", positive=True)
+v0 = _positives("v_0", "thermal velocity, the square root of <v^2>")
+T = _positives("T", "temperature m v0^2/2")
 f = _function("f", "velocity distribution")
 fa2 = _function("f_a2", "velocity distribution in the first Sonine approximation", latex=r"f_{a_2}")
 F = _function("F", "scaled velocity distribution")
@@ -118,11 +108,9 @@ Mp = _positive("M_p", "p-th moment of the scaled collision integral")
 a1 = _real("a_1", "first Sonine coefficient")
 a2 = _real("a_2", "second Sonine coefficient")
 a = _function("a", "Sonine coefficient a(p)", real=True)
-a2bar = _real("a2_bar", "stationary second Sonine coefficient", latex=r"\bar{a}_2")
+a2bar = _real("a2_bar", "stationary a_2", latex=r"\bar{a}_2")
 a2t = _function("a_2", "second Sonine coefficient over time", real=True)
-da2 = _function(
-    "delta_a2", "departure of a_2 from its stationary value", latex=r"\delta a_2", real=True
-)
+da2 = _function("delta_a2", "departure of a_2 from that", latex=r"\delta a_2", real=True)
 H = _real("H", "growth rate of a perturbation of a_2, up to a positive factor")
 pm = _real("pm", "plus or minus one: the branch of a square root", latex=r"\pm")
 pprime = _positive("p'", "order of a second polynomial")
@@ -131,7 +119,7 @@ beta = _positive("beta", "d rho_0 h(e)")
 
 # --- random walk and Chapman-Enskog
 N = _positive("N", "number of collisions")
-tau = _function("tau", "time between collision N-1 and collision N", positive=True)
+tau = _positives("tau", "time between collision N-1 and collision N")
 tc = _function("t", "time of collision N")
 k = _positive("k", "summation index")
 eps = _positive("epsilon", "formal expansion parameter")
@@ -141,25 +129,16 @@ J0 = _function("J_vec_0", "flux of the tracer: zeroth order", latex=r"\mathbf{J}
 J1 = _function("J_vec_1", "flux of the tracer: first order", latex=r"\mathbf{J}^{(1)}")
 Jj = _function("J_vec_j", "flux of the tracer: order j", latex=r"\mathbf{J}^{(j)}")
 Bv = _function("B_vec", "p^(1) per density gradient", latex=r"\mathbf{B}")
-De = _function("D_e", "diffusion coefficient", positive=True)
+De = _positives("D_e", "diffusion coefficient")
 nuD = _positive("nu_D", "relaxation rate of the flux")
-xi = _function("xi", "cooling rate of the temperature, 2 d rho_0 h v0(t)", positive=True)
-msd = _function(
-    "msd_e", "mean square displacement", latex=r"\langle r^{2}\rangle_{e}", positive=True
-)
-msd1 = _function(
-    "msd", "mean square displacement, elastic", latex=r"\langle r^{2}\rangle", positive=True
-)
+xi = _positives("xi", "cooling rate of the temperature, 2 d rho_0 h v0(t)")
+msd = _positives("msd_e", "mean square displacement", latex=r"\langle r^{2}\rangle_{e}")
+msd1 = _positives("msd", "mean square displacement, elastic", latex=r"\langle r^{2}\rangle")
 mn = _function("m", "f summed over directions at one speed")
 delta = _function("delta", "Dirac's delta")
-Gamma_minus, Gamma_plus, Gamma_flow = (
-    _vector(f"Gamma_{kind}", f"change of p dr dv in a short time: {kind}", latex)
-    for kind, latex in (
-        ("loss", r"\Gamma_{-}"),
-        ("gain", r"\Gamma_{+}"),
-        ("flow", r"\Gamma_{\mathrm{flow}}"),
-    )
-)
+Gamma_minus = _vector("Gamma_loss", "change of p dr dv in a short time: loss", r"\Gamma_{-}")
+Gamma_plus = _vector("Gamma_gain", "change of p dr dv in a short time: gain", r"\Gamma_{+}")
+Gamma_flow = _vector("Gamma_flow", "the same by free flight", r"\Gamma_{\mathrm{flow}}")
 
 # --- distribution of position
 R = _positive("R", "distance over the root of the mean square displacement")
@@ -173,18 +152,12 @@ gamma = _positive("gamma", "the paper's fitted prefactor")
 kappa_d = _positive("kappa", "the paper's undetermined prefactor of D_e(V, t)")
 g = _function("g", "radial density of position, elastic")
 ge = _function("g_e", "radial density of position")
-gt = _function(
-    "g_e_tilde", "radial density of position at one hopping velocity", latex=r"\tilde{g}_e"
-)
+gt = _function("g_e_tilde", "the same at one hopping velocity", latex=r"\tilde{g}_e")
 G = _function("G", "scaled radial density of position")
-Gt = _function(
-    "G_tilde", "scaled radial density of position at one hopping velocity", latex=r"\tilde{G}"
-)
+Gt = _function("G_tilde", "the same at one hopping velocity", latex=r"\tilde{G}")
 
 # --- displacement in any dimension
-msdN = _function(
-    "msd_N", "mean square displacement after N collisions", latex=r"\langle r^{2}\rangle_{N}"
-)
+msdN = _function("msd_N", "<r^2> after N collisions", latex=r"\langle r^{2}\rangle_{N}")
 zeta = _positive("zeta", "v t/l with v the speed at the start")
 chi1 = _function("chi_1", "displacement along the initial direction, over l")
 rho2 = _function("rho_2", "<r^2>/l^2 of tracers that start with one speed")
@@ -192,9 +165,7 @@ rho4 = _function("rho_4", "<r^4>/l^4 of tracers that start with one speed")
 laplace = _positive("z", "variable of the Laplace transform in zeta")
 rho4z = _function("rho_4_tilde", "Laplace transform of rho_4 in zeta", latex=r"\tilde{\rho}_4")
 wave = _positive("K", "wave number times l")
-Fhat = _function(
-    "F_hat", "Fourier and Laplace transform of the density of position", latex=r"\hat{F}"
-)
+Fhat = _function("F_hat", "Fourier and Laplace transform of g", latex=r"\hat{F}")
 nu1 = _positive("nu_1", "decay rate of the first harmonic, 1 - E[cos(chi)]")
 nu2 = _positive("nu_2", "decay rate of the second harmonic")
 S2 = _function("S_2", "second harmonic of <exp(i k.r)>, of order k^2, in units of l^2")
@@ -222,8 +193,8 @@ lamj = _function("lambda_j", "loss of harmonic j per collision")
 q = _positive("q", "half of an even order")
 cos_chi = _real("cos_chi", "mean cosine of the deflection angle", latex=r"\langle\cos\chi\rangle")
 klog = _positive("kappa_ln", "mean log loss E[-ln s]", latex=r"\kappa_{\ln}")
-lam = _function("lambda", "loss of |v|^p per collision, E[1 - s^p]", positive=True)
-MY = _function("M_Y", "moment E[Y^p] of Y = lim v t/l", positive=True)
+lam = _positives("lambda", "loss of |v|^p per collision, E[1 - s^p]")
+MY = _positives("M_Y", "moment E[Y^p] of Y = lim v t/l")
 gap = _positive("delta", "1 - e")
 width2 = _positive("w2", "relative variance of the speed", latex=r"w^2")
 power = _real("power", "power of c in the tail of F")
@@ -240,7 +211,7 @@ f3 = _function("f_3", "harmonic 3 of the velocity distribution about the field")
 row0 = _function("row_0", "harmonic 0 of the derivative of f by v_z")
 row1 = _function("row_1", "harmonic 1 of the derivative of f by v_z")
 row2 = _function("row_2", "harmonic 2 of the derivative of f by v_z")
-lam1 = _function("lambda_1", "1 - E[s^p cos(chi)], by the order p", positive=True)
+lam1 = _positives("lambda_1", "1 - E[s^p cos(chi)], by the order p")
 lam2 = _function("lambda_{2}", "1 - E[s^p P_2(cos(chi))], in the plane cos(2 chi)", positive=True)
 theta_z = _real("theta_z", "angle between the velocity and the field", latex=r"\theta_z")
 drift = _positive("u", "drift along the field")

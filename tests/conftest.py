@@ -15,7 +15,7 @@ from kinetics import cli
 # the matrices are small: threads of the linear algebra only get into each other's way
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # the formulas behind the reference values: collision.py, cooling.py, displacement.py, densities.py
-for _folder in ("references", "golden", "derivations/printed"):
+for _folder in ("references", "golden", "derivations"):
     sys.path.insert(0, str(Path(__file__).parent / _folder))
 
 

@@ -1,10 +1,28 @@
-"""What follows from the premises: one function per label, registered by ``@derives(label)``.
+"""What follows from the premises: a derivation for each label, registered when this is imported.
 
-One file per part of the paper, and for what the paper does not have ``closed_forms`` and
-``scaling_state`` (the paper's collision law), ``any_law`` (tangential restitution, space) and
-``any_dimension`` (moments and displacement), ``finite_density`` (scatterers that are met again);
-``record`` holds what a derivation leaves.
+One file for a section of the paper; for what the paper does not have ``scaling_state`` (its
+collision law), ``any_law`` (tangential restitution, space), ``any_dimension`` (moments and
+displacement), ``finite_density`` and ``uniform_field``. ``record`` holds what a derivation leaves.
 
-May import: ``symbols``, ``formal``, ``typesetting``, ``premises``; never ``printed``, so that
-nothing printed can be taken for derived. Begin reading with ``record``, then ``sonine``.
+May import: ``symbols``, ``formal``, ``premises``; never ``printed``, so that nothing printed can
+be taken for derived. Begin reading with ``record``, then ``sonine``.
 """
+
+from . import (  # noqa: F401  (they register their derivations)
+    any_dimension,
+    any_law,
+    cooling,
+    diffusion,
+    finite_density,
+    kinetic_equation,
+    position,
+    random_walk,
+    scaling_state,
+    sonine,
+    statements,
+    transport,
+    uniform_field,
+)
+from .record import REGISTRY
+
+__all__ = ["REGISTRY"]

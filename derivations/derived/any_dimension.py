@@ -1,20 +1,23 @@
 """Moments of velocity and displacement in any dimension, and the chain of <r^4> in two and three.
 
 They use of a collision only its averages E[s^p], kappa = E[-ln s] and E[s^p P_m(cos chi)]; in the
-plane cos(m chi) stands for the Legendre polynomial P_m(cos chi).
+plane cos(m chi) stands for the Legendre polynomial P_m(cos chi). At the end a tracer that keeps its
+speed and scatters isotropically, as elastic spheres do: with l = 1, zeta = v t and K = k l,
+w = <exp(i k.r)> obeys dw/dzeta = i K cos w + <w> - w, with <w> the average over the direction of
+the velocity, and cos that of its angle to k.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import sympy as sp
 from sympy.core.function import UndefinedFunction
 
 from .. import symbols as s
 from ..formal import Avg, Partial, eq
-from ..premises import cross_section, in_sines, mean_free_path
-from .record import Derived, Step, derives, result
+from ..premises import cross_section, free_path, in_sines, mean_free_path
+from .record import Derived, derives, must, result, row, zero
 
 
 @derives("beyond:any-average")
@@ -26,16 +29,14 @@ def _any_average() -> Derived:
         change = rate * s.v**s.p * (ratio_power - 1)  # E[(s v)^p] - v^p, times the rate
         # rho0 in terms of l, the mean free path
         changes.append(sp.powsimp(change * mean_free_path(dimension) / s.l))
-    if changes[0] != changes[1]:
-        raise ArithmeticError("with the mean free path the moments still know the dimension")
+    must(changes[0] == changes[1], "with the mean free path the moments still know the dimension")
     averaged = changes[0].subs(ratio_power, 1 - s.lam(s.p))
     factor = sp.cancel(averaged / s.v ** (s.p + 1))
     return result(
         eq(Partial(Avg(s.v**s.p), s.t), factor * Avg(s.v ** (s.p + 1))),
-        Step("change of |v|^p per unit time: rate v/l, and |v'| = s |v|", changes[0]),
-        Step("with lambda(p) = 1 - E[s^p]", averaged),
-        note="The rate of collisions is v/l with l = 1/(2 d rho0) in the plane and "
-        "1/(pi d^2 rho0) in space. The directions drop out: no isotropy is needed.",
+        ("change of |v|^p per unit time: rate v/l, and |v'| = s |v|", changes[0]),
+        note="The rate of collisions is v/l with l = 1/(2 d rho0) in the plane and 1/(pi d^2 rho0) "
+        "in space. The directions drop out: no isotropy is needed.",
     )
 
 
@@ -58,8 +59,7 @@ def following_moment() -> sp.Expr:
 @cache
 def mean_scaled_speed() -> sp.Expr:
     """<c>, from p -> 0: p/lambda(p) -> 1/kappa, since d(1 - s^p)/dp = -ln s there; <c^0> = 1."""
-    if sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0) != -sp.log(s.s):
-        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
+    must(sp.diff(1 - s.s**s.p, s.p).subs(s.p, 0) == -sp.log(s.s), "lambda(p)/p at p = 0")
     limit = following_moment() * s.lam(s.p) / s.p / s.klog
     return limit.subs(Avg(s.c**s.p), 1)
 
@@ -72,20 +72,16 @@ def cooling_rate() -> sp.Expr:
     return rate
 
 
-@derives("beyond:any-moments")
-def _any_moments() -> Derived:
-    first, following = mean_scaled_speed(), following_moment()
-    return result(
-        sp.Tuple(
-            eq(Avg(s.c), first), eq(Avg(s.c ** (s.p + 1)), following), eq(s.h, cooling_rate())
-        ),
-        Step("f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')"),
-        Step("its moment of order p over <c^p>, by parts: free of D", _by_parts()),
-        Step("the same moment of the collisions is -lambda(p) <c^(p+1)>", following),
-        Step("<c>: p -> 0, where p/lambda(p) tends to 1/kappa", first),
-        Step("<c^2> = 1 gives h", cooling_rate()),
-        note="In any dimension, with v0 the root mean square speed.",
-    )
+row(
+    "beyond:any-moments",
+    lambda: sp.Tuple(
+        eq(Avg(s.c), mean_scaled_speed()),
+        eq(Avg(s.c ** (s.p + 1)), following_moment()),
+        eq(s.h, cooling_rate()),
+    ),
+    "f(v, t) = F(v/v0)/v0^D with dv0/dt = -h v0^2/(2 l): df/dt is (h/2)(D F + c F')",
+    note="In any dimension, with v0 the root mean square speed.",
+)
 
 
 @cache
@@ -97,10 +93,7 @@ def squared_displacement() -> sp.Expr:
     """
     c = s.cos_chi
     a, b, g = sp.symbols("a b g")
-    length = sp.Symbol("length", positive=True)
-    mean, square = (
-        sp.integrate(length**n * sp.exp(-length / s.l) / s.l, (length, 0, sp.oo)) for n in (1, 2)
-    )
+    mean, square = free_path(1) * s.l, free_path(2) * s.l**2
     power = sp.Symbol("power")  # c^N
     along = a * (1 - power)  # <r.u> after N collisions: starts from 0
     step = along.subs(power, c * power) - c * (along + mean)
@@ -120,18 +113,14 @@ def _any_slope() -> Derived:
     # second route: <u_i.u_j> = c^|i - j|, with <L^2> = 2 l^2 where i = j and <L>^2 elsewhere
     for flown in range(5):
         pairs = sum(s.cos_chi ** abs(i - j) for i in range(flown) for j in range(flown)) + flown
-        if sp.cancel(after.subs(s.N, flown) - s.l**2 * pairs) != 0:
-            raise ArithmeticError(f"<r^2> after {flown} flights is not the sum over their pairs")
+        zero(after.subs(s.N, flown) - s.l**2 * pairs, f"{flown} flights are not their pairs")
     return result(
         sp.Tuple(
             eq(s.msdN(s.N), after),
             eq(Partial(s.msd(s.t), sp.log(s.t)), sp.simplify(per_flight * flights)),
         ),
-        Step("one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)"),
-        Step("solved from <r^2> = <r.u> = 0", after),
-        Step("second route, for N = 0 ... 4: the sum over pairs, <u_i.u_j> = c^|i-j|, is the same"),
-        Step("per collision, late", per_flight),
-        Step("collisions per ln t", flights),
+        "one flight more: <r'^2> = <r^2> + 2 <L> <r.u> + <L^2>, <r'.u'> = c (<r.u> + <L>)",
+        "second route, for N = 0 ... 4: the sum over pairs, <u_i.u_j> = c^|i-j|, is the same",
         note="Only E[u'] = <cos chi> u is used, which holds in any dimension by symmetry about u. "
         "Free paths are exponential with mean l whatever the speed.",
     )
@@ -139,9 +128,8 @@ def _any_slope() -> Derived:
 
 # -- the chain of <r^4> ---------------------------------------------------------------------------
 
-_COSINE = sp.Symbol("cosine", real=True)
-_Z = sp.Symbol("z", nonzero=True)
-"""exp(i angle): over all angles only its power 0 has an average."""
+COSINE = sp.Symbol("cosine", real=True)
+"""The cosine of the angle between the velocity and a fixed direction."""
 
 MEMBERS: dict[tuple[int, int], UndefinedFunction] = {
     (1, 1): s.chi1,
@@ -155,48 +143,38 @@ _START = (0, 0)
 """The order 0 of <exp(i k.r)>, which is 1."""
 
 
-def _cosine(dimension: int) -> sp.Expr:
-    """The cosine of the angle between k and the velocity; in the plane _Z is exp(i angle)."""
-    return (_Z + 1 / _Z) / 2 if dimension == 2 else _COSINE
-
-
+@cache
 def harmonic(order: int, dimension: int) -> sp.Expr:
-    """Space: P_m of that cosine. Plane: exp(i m phi) + exp(-i m phi), 1 for m = 0."""
-    if dimension == 3:
-        return sp.legendre(order, _COSINE)
-    return _Z**order + _Z**-order if order else sp.Integer(1)
+    """cos(m angle) in the plane, P_m in space: a polynomial in that cosine."""
+    return (sp.chebyshevt if dimension == 2 else sp.legendre)(order, COSINE)
 
 
 def over_directions(weight: sp.Expr, dimension: int) -> sp.Expr:
-    """The average over all directions of the velocity."""
+    """The average over all directions of the velocity of a polynomial in that cosine."""
     if dimension == 2:
-        return sp.expand(weight).coeff(_Z, 0)
-    return sp.integrate(sp.expand(weight), (_COSINE, -1, 1)) / 2
+        turned = sp.expand(weight).subs(COSINE, sp.cos(s.theta))
+        return sp.integrate(sp.expand(turned), (s.theta, 0, sp.pi)) / sp.pi
+    return sp.integrate(sp.expand(weight), (COSINE, -1, 1)) / 2
+
+
+def share(weight: sp.Expr, to: int, dimension: int) -> sp.Expr:
+    """The coefficient of a harmonic in a polynomial in that cosine."""
+    target = harmonic(to, dimension)
+    return over_directions(weight * target, dimension) / over_directions(target**2, dimension)
 
 
 @cache
 def kernel(order: int, dimension: int) -> sp.Expr:
     """The factor by which a deflection chi multiplies a harmonic, averaged about the velocity."""
-    before = harmonic(order, dimension)
-    if dimension == 2:  # chi to either side
-        mean = sum(before.subs(_Z, _Z * sp.exp(sign * sp.I * s.chi)) for sign in (1, -1)) / 2
-        factor = sp.cos(order * s.chi)
-        left = sp.expand(mean - factor.rewrite(sp.exp) * before)
-    else:  # any azimuth
-        across = sp.sqrt(1 - _COSINE**2) * sp.sin(s.chi) * (_Z + 1 / _Z) / 2
-        turned = before.subs(_COSINE, _COSINE * sp.cos(s.chi) + across)
-        factor = sp.legendre(order, sp.cos(s.chi))
-        left = in_sines(sp.expand(turned).coeff(_Z, 0) - factor * before, s.chi)
-    if left != 0:
-        raise ArithmeticError(f"a deflection does not keep harmonic {order}")
-    return factor
-
-
-def coupling(to: int, of: int, dimension: int) -> sp.Expr:
-    """The coefficient of harmonic ``to`` in the cosine times harmonic ``of``."""
-    target = harmonic(to, dimension)
-    product = _cosine(dimension) * harmonic(of, dimension) * target
-    return over_directions(product, dimension) / over_directions(target**2, dimension)
+    before, side = harmonic(order, dimension), sp.Symbol("side")
+    across = sp.sqrt(1 - COSINE**2) * sp.sin(s.chi) * side
+    turned = sp.expand(before.subs(COSINE, COSINE * sp.cos(s.chi) + across))
+    # side is 1 or -1 in the plane, and the cosine of any azimuth in space
+    means = (1, 0, 1, 0, 1) if dimension == 2 else (1, 0, sp.Rational(1, 2), 0, sp.Rational(3, 8))
+    mean = sum(mean * turned.coeff(side, power) for power, mean in enumerate(means))
+    factor = before.subs(COSINE, sp.cos(s.chi))
+    must(in_sines(mean - factor * before, s.chi) == 0, f"harmonic {order} does not stay")
+    return sp.cos(order * s.chi) if dimension == 2 else factor
 
 
 @cache
@@ -208,10 +186,10 @@ def scale(member: tuple[int, int], dimension: int) -> sp.Expr:
     """
     order, m = member
     if m == 0:
-        return over_directions(_cosine(dimension) ** order, dimension) / sp.factorial(order)
-    if member == (1, 1):
-        return coupling(1, 0, dimension)
-    return sp.Integer(-1) ** ((order - m) // 2) if dimension == 2 else sp.Integer(1)
+        return over_directions(COSINE**order, dimension) / sp.factorial(order)
+    if member == (1, 1) or dimension == 3:
+        return sp.Integer(1)
+    return 2 * sp.Integer(-1) ** ((order - m) // 2)  # exp(i m phi) + exp(-i m phi)
 
 
 @cache
@@ -225,8 +203,8 @@ def sources(dimension: int) -> dict[tuple[int, int], dict[tuple[int, int], sp.Ex
         chain[order, m] = {}
         for other in (_START, *MEMBERS):
             if other[0] == order - 1:
-                factor = coupling(m, other[1], dimension) * scale(other, dimension)
-                factor /= scale((order, m), dimension)
+                factor = share(COSINE * harmonic(other[1], dimension), m, dimension)
+                factor *= scale(other, dimension) / scale((order, m), dimension)
                 if factor:
                     chain[order, m][other] = factor
     return chain
@@ -290,38 +268,15 @@ def late_flatness(dimension: int) -> sp.Expr:
     return sp.cancel(fourth / second**2)
 
 
-def _quartic(dimension: int, convention: str) -> Derived:
+def _quartic(dimension: int) -> Derived:
     chain, flights = one_collision_terms(dimension)
-    difference = [sp.expand(one - other) for one, other in zip(chain, flights, strict=True)]
-    if difference != [0, 0]:
-        raise ArithmeticError(f"the chain and the flights differ by {difference}")
+    must(chain == flights, f"the chain gives {chain}, the flights {flights}")
     equations = [chain_equation(member, dimension) for member in MEMBERS]
-    return result(
-        sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))),
-        Step("w = <exp(i k.r)>: dw/dt = i k.v w + (v/l)(E[w(v')] - w), a function of v t and k"),
-        Step(convention),
-        Step("E[w(v')] by harmonic: factor of order 1", kernel(1, dimension)),
-        Step("factor of order 2", kernel(2, dimension)),
-        Step("second route: <r^4> to zeta^5 from flights with at most one collision", flights),
-        Step("the chain less that", sp.Tuple(*difference)),
-        Step("late: rho_2 ~ X, W_1 ~ X, rho_4 ~ X^2 with X = ln zeta", late_flatness(dimension)),
-    )
+    return result(sp.Tuple(*equations, eq(s.flatness, late_flatness(dimension))))
 
 
-@derives("beyond:quartic-plane")
-def _quartic_plane() -> Derived:
-    return _quartic(
-        2,
-        "harmonics i^m exp(i m phi): S_2 of order k^2 with m = 2, W_1 of order k^3 with m = 1",
-    )
-
-
-@derives("beyond:quartic-space")
-def _quartic_space() -> Derived:
-    return _quartic(
-        3,
-        "in powers of i k and P_m(cos): S_2 of order 2 with m = 2, W_1 of order 3 with m = 1",
-    )
+for _dimension, _where in ((2, "plane"), (3, "space")):
+    derives(f"beyond:quartic-{_where}")(partial(_quartic, _dimension))
 
 
 @cache
@@ -335,13 +290,110 @@ def elastic_transform(dimension: int) -> sp.Expr:
     return sp.factor(found[4, 0])
 
 
-@derives("beyond:quartic-elastic")
-def _quartic_elastic() -> Derived:
-    transforms = [elastic_transform(dimension) for dimension in (2, 3)]
+row(
+    "beyond:quartic-elastic",
+    lambda: sp.Tuple(*(eq(s.rho4z(s.laplace), elastic_transform(d)) for d in (2, 3))),
+    "the chain with s = 1, E[P_m(cos(chi))] - 1 = -nu_m",
+    note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for disks, "
+    "nu_1 = nu_2 = 1 for spheres.",
+)
+
+
+_DECAY = sp.Symbol("decay", positive=True)
+"""1 + z: the rate at which a flight ends, in Laplace space."""
+_W = sp.Symbol("w", positive=True)
+
+
+@cache
+def first_flight(dimension: int) -> sp.Expr:
+    """<1/(1 + z - i K cos)> over directions: the transform of a tracer that has not collided.
+
+    The odd part in the cosine has no average. In 1 + z and K.
+    """
+    if dimension == 3:  # the cosine is uniform
+        return sp.integrate(_DECAY / (_DECAY**2 + s.wave**2 * COSINE**2), (COSINE, 0, 1))
+    # a quarter of the circle with the tangent as variable: cos^2 = 1/(1 + tan^2)
+    tangent, a, b = sp.symbols("tangent a b", positive=True)
+    inverse = (_DECAY + s.wave**2 / (1 + tangent**2) / _DECAY) * (1 + tangent**2)
+    quadratic = sp.Poly(sp.cancel(inverse), tangent)
+    product = quadratic.coeff_monomial(1) * quadratic.coeff_monomial(tangent**2)
+    quarter = sp.integrate(1 / (a + b * tangent**2), (tangent, 0, sp.oo))
+    return quarter.subs(b, sp.expand(product) / a) / (sp.pi / 2)
+
+
+def _all_flights(first: sp.Expr) -> sp.Expr:
+    """<w> from the transform of the first flight."""
+    unknown = sp.Symbol("unknown")
+    balance = sp.expand(first * (1 + unknown) - unknown)
+    return balance.coeff(unknown, 0) / -balance.coeff(unknown, 1)
+
+
+@cache
+def transform(dimension: int) -> sp.Expr:
+    """<w> in Laplace space: (z + 1 - i K cos) w = 1 + <w>, averaged over directions.
+
+    Its order K^4, which is <r^4>, must be that of the chain with nu_m = 1.
+    """
+    series = sp.series(first_flight(dimension), s.wave, 0, 6).removeO()
+    start, second, fourth = (series.coeff(s.wave, order) for order in (0, 2, 4))
+    flight = sp.Symbol("first", positive=True)
+    slope, bend = (sp.diff(_all_flights(flight), flight, n).subs(flight, start) for n in (1, 2))
+    found = (slope * fourth + bend * second**2 / 2).subs(_DECAY, 1 + s.laplace)
+    found *= sp.factorial(4) / over_directions(COSINE**4, dimension)
+    chain = elastic_transform(dimension).subs({s.nu1: 1, s.nu2: 1})
+    zero(found - chain, "the order K^4 is not the chain of <r^4>")
+    return _all_flights(first_flight(dimension)).subs(_DECAY, 1 + s.laplace)
+
+
+row(
+    "beyond:isotropic-space",
+    lambda: eq(s.Fhat(s.wave, s.laplace), transform(3)),
+    "w = <exp(i k.r)>: dw/dzeta = i K cos w + <w> - w, K = k l, zeta = v t/l",
+    note="Elastic spheres scatter isotropically (beyond:space-isotropic).",
+)
+
+
+@cache
+def ring_transform(order: int) -> tuple[sp.Expr, sp.Expr]:
+    """A lemma, at one order in K^2: (a ring over zeta, transformed; exp(-w Q)/Q).
+
+    A ring of radius sqrt(zeta^2 - w^2), zeta > w, has the Fourier transform J_0(K radius); times
+    exp(-zeta) its Laplace transform is exp(-w Q)/Q with Q the root of (1 + z)^2 + K^2.
+    """
+    later = sp.Symbol("later", positive=True)  # zeta - w
+    bessel = sp.Rational((-1) ** order, 4**order * sp.factorial(order) ** 2)
+    radius_power = sp.Poly(sp.expand((later**2 + 2 * later * _W) ** order), later)
+    ring = sum(
+        coefficient * sp.factorial(power) / _DECAY ** (power + 1)
+        for (power,), coefficient in radius_power.terms()
+    )
+    square = sp.Symbol("square")  # K^2
+    root = sp.sqrt(_DECAY**2 + square)
+    shape = sp.diff(sp.exp(-_W * root) / root, square, order).subs(square, 0)
+    return bessel * ring, sp.expand(sp.simplify(shape * sp.exp(_W * _DECAY)) / sp.factorial(order))
+
+
+@derives("beyond:isotropic-plane")
+def _plane() -> Derived:
+    for order in range(4):
+        ring, expected = ring_transform(order)
+        zero(ring - expected, f"the transform of a ring fails at order {order} in K^2")
+    # 1/(Q - 1) = 1/Q + the integral over w of exp(w) exp(-w Q)/Q: rings of all radii
+    root = sp.Symbol("Q", positive=True)
+    excess = sp.Symbol("excess", positive=True)  # Q - 1
+    rings = sp.integrate(sp.exp(-_W * excess), (_W, 0, sp.oo)).subs(excess, root - 1) / root
+    zero(1 / root + rings - _all_flights(1 / root), "the rings do not add up to the transform")
+    height = sp.sqrt(s.zeta**2 - s.r**2)  # the w whose ring has the radius r
+    spread = -sp.diff(height, s.r) * sp.exp(height - s.zeta)
+    mass = sp.integrate(sp.exp(_W - s.zeta), (_W, 0, s.zeta)) + sp.exp(-s.zeta)
+    must(sp.expand(mass) == 1, "the density of position is not normalised")
     return result(
-        sp.Tuple(*(eq(s.rho4z(s.laplace), transform) for transform in transforms)),
-        Step("the chain in the plane with s = 1, E[cos(m chi)] - 1 = -nu_m", transforms[0]),
-        Step("the chain in space with s = 1, E[P_m(cos(chi))] - 1 = -nu_m", transforms[1]),
-        note="By partial fractions it is <r^4>(t) at each speed. nu_1 = 4/3, nu_2 = 16/15 for "
-        "disks, nu_1 = nu_2 = 1 for spheres.",
+        sp.Tuple(
+            eq(s.Fhat(s.wave, s.laplace), sp.simplify(transform(2))),
+            eq(s.g(s.r, s.zeta), sp.exp(-s.zeta) * s.delta(s.r - s.zeta) + spread),
+        ),
+        "1/(Q - 1) = 1/Q + the integral over w > 0 of exp(w) exp(-w Q)/Q",
+        "exp(-w Q)/Q is exp(-zeta) on a ring of radius sqrt(zeta^2 - w^2): to order K^6",
+        note="Paasschens' closed form; the second term for r < zeta, with r in units of l. "
+        "Isotropic scattering in the plane is not that of disks, whose mean cosine is -1/3.",
     )

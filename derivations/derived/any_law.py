@@ -23,7 +23,7 @@ from ..premises import (
     mean_free_path,
 )
 from .any_dimension import cooling_rate
-from .record import Derived, Number, Step, derives, numbers_at, result
+from .record import Derived, derives, must, result, row, zero
 
 
 @derives("beyond:rule")
@@ -31,12 +31,7 @@ def _rule() -> Derived:
     matrix = collision_matrix(s.et)
     normal = dot(s.bv, s.sigma) * s.sigma
     after = matrix[1, 1] * (s.bv - normal) + matrix[0, 0] * normal
-    return result(
-        eq(s.bvp, sp.collect(sp.expand(after), normal)),
-        Step("the collision in (normal, tangential) components", matrix),
-        Step("normal part of v", normal),
-        Step("each part times its factor", after),
-    )
+    return result(eq(s.bvp, sp.collect(sp.expand(after), normal)))
 
 
 @cache
@@ -63,8 +58,7 @@ def one_collision(dimension: int) -> tuple[sp.Expr, sp.Expr]:
 @cache
 def _polynomials() -> tuple[sp.Expr, sp.Expr]:
     """(s^2, s cos(chi)) in y, the same in the plane and in space."""
-    if one_collision(2) != one_collision(3):
-        raise ArithmeticError("a collision in space is not one in the plane of v and sigma")
+    must(one_collision(2) == one_collision(3), "space is not the plane of v and sigma")
     return one_collision(2)
 
 
@@ -73,48 +67,31 @@ def _one_collision() -> Derived:
     square, along = _polynomials()
     smooth = {s.e: s.e / s.et, s.et: 1}
     smooth_square, smooth_along = (part.subs(smooth, simultaneous=True) for part in (square, along))
-    scaled = (
-        sp.expand(square - s.et**2 * smooth_square),
-        sp.expand(along - s.et * smooth_along),
-    )
-    if scaled != (0, 0):
-        raise ArithmeticError("e_t is not a scale of the speed alone")
+    scaled = (sp.expand(square - s.et**2 * smooth_square), sp.expand(along - s.et * smooth_along))
+    must(scaled == (0, 0), "e_t is not a scale of the speed alone")
     return result(
         sp.Tuple(eq(s.s**2, square), eq(s.s * sp.cos(s.chi), along)),
-        Step("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
-        Step("v'/|v| in space", sp.Tuple(*velocity_after(3))),
-        Step("|v'|^2/|v|^2 with y = sin(theta), the same in both", square),
-        Step("v'.v/|v|^2, the same in both", along),
-        Step("s^2 and s cos(chi) less e_t^2 and e_t times those of e/e_t, 1", sp.Tuple(*scaled)),
+        ("v'/|v| in the plane, v along the last axis", sp.Tuple(*velocity_after(2))),
         note="But for a factor both depend on e/e_t alone: s(e, e_t) = e_t s(e/e_t, 1), and the "
         "deflection is that of the restitution e/e_t with e_t = 1.",
     )
 
 
-def _uniform_flux(dimension: int) -> sp.Expr:
-    """The element of the cross section over that of the angles, which the flux must equal."""
+@cache
+def impact_density(dimension: int) -> sp.Expr:
+    """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
     normal, angles = contact(dimension)
     across = normal[: dimension - 1, 0]  # the part of the normal across the velocity
     element = in_sines(across.jacobian(angles).det(), *angles[1:])
-    if sp.expand(flux_per_angle(dimension) - element) != 0:
-        raise ArithmeticError("the flux is not uniform over the cross section")
-    return element
-
-
-def impact_density(dimension: int) -> sp.Expr:
-    """The probability density of y: on [-1, 1] in the plane, on [0, 1] in space."""
+    zero(flux_per_angle(dimension) - element, "the flux is not uniform over the cross section")
     return flux_per_impact(dimension) / cross_section(dimension)
 
 
-@derives("beyond:measure-plane")
-def _measure_plane() -> Derived:
-    return result(
-        sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
-        Step("collisions per angle: flux through the circle, over d rho0 |v|", flux_per_angle(2)),
-        Step("which is the element of the cross section", _uniform_flux(2)),
-        Step("collisions per impact parameter", flux_per_impact(2)),
-        Step("all of them: the rate over d rho0 |v|", cross_section(2)),
-    )
+row(
+    "beyond:measure-plane",
+    lambda: sp.Tuple(eq(s.chance(s.y), impact_density(2)), eq(s.l, mean_free_path(2))),
+    "collisions per angle: flux through the circle, over d rho0 |v|",
+)
 
 
 @derives("beyond:measure-space")
@@ -126,10 +103,7 @@ def _measure_space() -> Derived:
             eq(s.chance(s.y**2), squared),
             eq(s.l, mean_free_path(3)),
         ),
-        Step("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
-        Step("which is the element of the cross section", _uniform_flux(3)),
-        Step("collisions per impact parameter", flux_per_impact(3)),
-        Step("all of them: the rate over d^2 rho0 |v|", cross_section(3)),
+        ("collisions per angle: flux through the sphere, over d^2 rho0 |v|", flux_per_angle(3)),
         note="Here y runs from 0 to 1; the azimuth about v is uniform.",
     )
 
@@ -161,8 +135,7 @@ def _plane_equal() -> Derived:
             eq(s.klog, plane_average(-sp.log(ratio))),
             eq(s.cos_chi, plane_average(cosine)),
         ),
-        Step("s with e_t = e does not depend on y", ratio),
-        Step("cos(chi)", cosine),
+        ("s with e_t = e does not depend on y", ratio),
         note="Every collision multiplies the speed by e and deflects as an elastic one.",
     )
 
@@ -173,14 +146,12 @@ def space_power() -> sp.Expr:
     return sp.powsimp(sp.factor(space_average(s.s**s.p)))
 
 
-@derives("beyond:space-power")
-def _space_power() -> Derived:
-    return result(
-        eq(Avg(s.s**s.p), space_power()),
-        Step("y^2 is uniform on [0, 1], so s^2 is uniform from e^2 to e_t^2", _polynomials()[0]),
-        Step("E[s^p], the integral of s^p 2 s/(e_t^2 - e^2) from e to e_t", space_power()),
-        note="As e_t -> e it tends to e^p. lambda(p) = 1 - E[s^p].",
-    )
+row(
+    "beyond:space-power",
+    lambda: eq(Avg(s.s**s.p), space_power()),
+    "y^2 is uniform on [0, 1], so s^2 is uniform from e^2 to e_t^2",
+    note="As e_t -> e it tends to e^p. lambda(p) = 1 - E[s^p].",
+)
 
 
 @cache
@@ -196,14 +167,8 @@ def space_log_loss() -> sp.Expr:
 @derives("beyond:space-log")
 def _space_log() -> Derived:
     smooth = space_log_loss().subs(s.et, 1)
-    if sp.cancel(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss()) != 0:
-        raise ArithmeticError("kappa is not the derivative of lambda(p) at p = 0")
-    return result(
-        sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, smooth)),
-        Step("E[-ln s], the integral of -ln(s) 2 s/(e_t^2 - e^2) from e to e_t", space_log_loss()),
-        Step("e_t = 1", smooth),
-        Step("second route: the derivative of 1 - E[s^p] at p = 0 is the same"),
-    )
+    zero(-sp.diff(space_power(), s.p).subs(s.p, 0) - space_log_loss(), "kappa is not lambda'(0)")
+    return result(sp.Tuple(eq(s.klog, space_log_loss()), eq(s.klog, smooth)))
 
 
 @cache
@@ -212,14 +177,11 @@ def space_cosine() -> sp.Expr:
     return sp.factor(space_average(_polynomials()[1] / s.s))
 
 
-@derives("beyond:space-cosine")
-def _space_cosine() -> Derived:
-    return result(
-        eq(s.cos_chi, space_cosine()),
-        Step("s cos(chi)", _polynomials()[1]),
-        Step("E[(s cos(chi))/s] with s^2 uniform", space_cosine()),
-        note="Zero for elastic spheres, which scatter isotropically; 2/3 at e = 0.",
-    )
+row(
+    "beyond:space-cosine",
+    lambda: eq(s.cos_chi, space_cosine()),
+    note="Zero for elastic spheres, which scatter isotropically; 2/3 at e = 0.",
+)
 
 
 @derives("beyond:space-isotropic")
@@ -228,8 +190,7 @@ def _space_isotropic() -> Derived:
     cosine = sp.cancel(along / sp.sqrt(square))
     density = sp.cancel(impact_density(3) / sp.diff(cosine, s.y))
     ends = cosine.subs(s.y, 0), cosine.subs(s.y, 1)
-    if ends != (-1, 1):
-        raise ArithmeticError("cos(chi) does not run from -1 to 1")
+    must(ends == (-1, 1), "cos(chi) does not run from -1 to 1")
     modes = [sp.legendre(order, sp.cos(s.chi)) for order in (1, 2, 3, 4)]
     means = [
         sp.integrate(sp.expand(mode.subs(sp.cos(s.chi), cosine)) * impact_density(3), (s.y, 0, 1))
@@ -240,8 +201,7 @@ def _space_isotropic() -> Derived:
             eq(s.chance(sp.cos(s.chi)), density),
             *(eq(Avg(mode), mean) for mode, mean in zip(modes, means, strict=True)),
         ),
-        Step("cos(chi) with e_t = e", cosine),
-        Step("its density on [-1, 1]: uniform", density),
+        ("cos(chi) with e_t = e", cosine),
         note="Uniform on [-1, 1] means that every Legendre polynomial of order 1 and more averages "
         "to zero. It holds for every e_t = e, at e = 1 for elastic spheres.",
     )
@@ -266,75 +226,85 @@ def _space_cooling() -> Derived:
 
     return result(
         eq(s.h, space_cooling_rate()),
-        Step("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
-        Step("lambda(1) with e_t = 1", _smooth_loss_one()),
-        Step("inserted in the rate of beyond:any-moments", cooling_rate()),
+        ("kappa with e_t = 1", space_log_loss().subs(s.et, 1)),
         note="With v0 the root mean square speed, as in the plane: dv0/dt = -h v0^2/(2 l).",
-        numbers=numbers_at((0.4, 0.7, 0.9), {"h at e = {e}": rate}),
+        numbers={"h at e = {e}": rate},
+        at=(0.4, 0.7, 0.9),
     )
 
 
+def _loss_at_e_zero(dimension: int) -> sp.Expr:
+    """lambda(p) of smooth scatterers at e = 0, where s = |y|."""
+    return sp.factor(1 - sp.integrate(s.y**s.p * _speed_at_e_zero(dimension), (s.y, 0, 1)))
+
+
+def _speed_at_e_zero(dimension: int) -> sp.Expr:
+    """The density of s = |y| at e = 0."""
+    must(_polynomials()[0].subs({s.e: 0, s.et: 1}) == s.y**2, "s is not |y|")
+    return impact_density(dimension) * (2 if dimension == 2 else 1)  # both signs of y
+
+
 @cache
-def space_e_zero_solution() -> sp.Expr:
-    """F(c) of smooth spheres at e = 0: E[Y^n] = (n+1)!, so that Y has the density y exp(-y)."""
-    order = sp.Symbol("order", positive=True)
-    loss = _loss_at_e_zero()
-    start = 1 / sp.diff(loss, s.p).subs(s.p, 0)  # E[Y] = 1/kappa (beyond:moments)
-    found = sp.gamma(order + 2)  # the integral of y^order y exp(-y)
+def e_zero_solution(dimension: int) -> sp.Expr:
+    """F(c) of smooth scatterers at e = 0, where Y has the density y^(D-2) exp(-y)."""
+    order, loss = sp.Symbol("order", positive=True), _loss_at_e_zero(dimension)
+    found = sp.gamma(order + dimension - 1)  # the integral of y^order y^(D-2) exp(-y)
     ratio = sp.gammasimp(found.subs(order, order + 1) / found)
-    # E[Y^(n+1)] = n E[Y^n]/lambda(n)
-    if sp.cancel(ratio - order / loss.subs(s.p, order)) != 0 or found.subs(order, 1) != start:
-        raise ArithmeticError("the moments of Y at e = 0 are not those of y exp(-y)")
+    # E[Y^(n+1)] = n E[Y^n]/lambda(n), and E[Y] = 1/kappa (beyond:moments)
+    zero(ratio - order / loss.subs(s.p, order), "not the moments of Y")
+    must(found.subs(order, 1) * sp.diff(loss, s.p).subs(s.p, 0) == 1, "not the mean of Y")
     scale = sp.sqrt(found.subs(order, 2))  # c = Y/sqrt(E[Y^2])
-    density = scale * (s.x * sp.exp(-s.x)).subs(s.x, scale * s.c)
-    return density / (4 * sp.pi * s.c**2)
+    density = scale * (s.x ** (dimension - 2) * sp.exp(-s.x)).subs(s.x, scale * s.c)
+    return density / _shell(s.c, dimension)
 
 
-def _loss_at_e_zero() -> sp.Expr:
-    """lambda(p) of smooth spheres at e = 0."""
-    return sp.factor(1 - space_power().subs({s.et: 1, s.e: 0}))
+def _shell(radius: sp.Expr, dimension: int) -> sp.Expr:
+    return 2 * (dimension - 1) * sp.pi * radius ** (dimension - 1)
 
 
 @cache
-def space_e_zero_residual() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+def e_zero_residual(dimension: int) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """(gain, loss, h, residual) of the scaled equation at e = 0 with that F inserted.
 
-    At e = 0 a tracer of speed u leaves a collision with speed u y, so with the density 2 c/u^2 of
-    its speed c; all per unit of volume of velocity, with the rate of collisions u (l = 1).
+    A tracer of speed u leaves a collision with speed u |y|; all per unit of volume of velocity,
+    with the rate of collisions u (l = 1).
     """
-    u = sp.Symbol("u", positive=True)
-    shape = space_e_zero_solution()
-    after = impact_density(3).subs(s.y, s.c / u) / u
-    arriving = sp.integrate(4 * sp.pi * u**2 * shape.subs(s.c, u) * u * after, (u, s.c, sp.oo))
-    gain = arriving / (4 * sp.pi * s.c**2)
-    lost = s.c * shape
-    third = sp.integrate(4 * sp.pi * s.c**5 * shape, (s.c, 0, sp.oo))
-    rate = _loss_at_e_zero().subs(s.p, 2) * third
-    right = rate / 2 * (3 * shape + s.c * sp.diff(shape, s.c))
-    return gain, lost, rate, sp.simplify(gain - lost - right)
+    u, shape = sp.Symbol("u", positive=True), e_zero_solution(dimension)
+    after = _speed_at_e_zero(dimension).subs(s.y, s.c / u) / u
+    arriving = _shell(u, dimension) * shape.subs(s.c, u) * u * after
+    gain = sp.integrate(arriving, (u, s.c, sp.oo)) / _shell(s.c, dimension)
+    third = sp.integrate(_shell(s.c, dimension) * s.c**3 * shape, (s.c, 0, sp.oo))
+    rate = _loss_at_e_zero(dimension).subs(s.p, 2) * third
+    right = rate / 2 * (dimension * shape + s.c * sp.diff(shape, s.c))
+    return gain, s.c * shape, rate, sp.simplify(gain - s.c * shape - right)
+
+
+def _e_zero(dimension: int) -> tuple[sp.Eq, sp.Expr]:
+    _, _, rate, residual = e_zero_residual(dimension)
+    must(residual == 0, f"the scaled equation at e = 0 leaves {residual}")
+    return eq(s.F(s.bc), e_zero_solution(dimension)), rate
+
+
+@derives("beyond:e-zero")
+def _plane_e_zero() -> Derived:
+    shape, rate = _e_zero(2)
+    return result(sp.Tuple(shape, eq(s.M2 / 2, rate)), "Y is exponential; h = lambda(2) <c^3>")
 
 
 @derives("beyond:space-e-zero")
 def _space_e_zero() -> Derived:
-    shape = space_e_zero_solution()
-    gain, lost, rate, residual = space_e_zero_residual()
-    if residual != 0:
-        raise ArithmeticError(f"the scaled equation at e = 0 leaves {residual}")
+    shape, rate = _e_zero(3)
     norm, second = (
-        sp.integrate(4 * sp.pi * s.c ** (2 + order) * shape, (s.c, 0, sp.oo)) for order in (0, 2)
+        sp.integrate(_shell(s.c, 3) * s.c**order * shape.rhs, (s.c, 0, sp.oo)) for order in (0, 2)
     )
     return result(
         sp.Tuple(
-            eq(s.lam(s.p), _loss_at_e_zero()),
-            eq(s.F(s.bc), shape),
+            eq(s.lam(s.p), _loss_at_e_zero(3)),
+            shape,
             eq(Int(s.F(s.bc), s.bc), norm),
             eq(Avg(s.c**2), second),
             eq(s.h, rate),
         ),
-        Step("moments of Y are (n+1)!: y exp(-y), scaled", shape),
-        Step("gain", gain),
-        Step("loss", lost),
-        Step("h = lambda(2) <c^3>", rate),
-        Step("gain - loss - (h/2)(3 + c d/dc) F", residual),
-        numbers=(Number("h at e = 0", float(rate)),),
+        "Y has the density y exp(-y); h = lambda(2) <c^3>",
+        numbers={"h at e = 0": rate},
     )

@@ -8,19 +8,9 @@ import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, Partial, dot, eq
-from .closed_form_values import largest_cooling_ratio
-from .quadrature_values import cooling_rate_value
-from .record import (
-    RESTITUTIONS,
-    Derived,
-    Number,
-    Status,
-    Step,
-    defines,
-    derives,
-    numbers_at,
-    result,
-)
+from .record import Derived, Status, defines, derives, result, row, zero
+from .scaling_state import largest_cooling_ratio
+from .values import cooling_rate_value
 
 _F_SCALED = s.F(s.bc)
 
@@ -34,7 +24,7 @@ def _gtilde() -> Derived:
     root = sp.sqrt(s.msd1(s.t))
     return result(
         eq(s.g(s.r, s.t), sp.diff(s.r / root, s.r) * s.G(s.R)),
-        Step("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
+        ("g dr = G dR with R = r over the root of <r^2>", sp.diff(s.r / root, s.r)),
         note="The form is a change of variable; that G does not depend on time holds at e = 1, and "
         "only asymptotically.",
         holds=True,
@@ -49,28 +39,20 @@ defines(
         "mup": "Twice lambda(p) <c^(p+1)> by the weak form (sonine8).",
     }
 )
-
-
-@derives("tdiff")
-def _tdiff() -> Derived:
-    exact = -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T
-    return result(
-        eq(sp.Derivative(_T, s.t), exact),
-        Step("weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)"),
-        Step("d<v^2>/dt = -2 d rho0 lambda(2) <v^3>, scaled", exact),
-        note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
-        "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
-        holds=True,
-        numbers=numbers_at(
-            RESTITUTIONS,
-            {
-                "rate at the Gaussian start at e = {e}": lambda e: (
-                    sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
-                ),
-                "h in the scaling state at e = {e}": cooling_rate_value,
-            },
+row(
+    "tdiff",
+    lambda: eq(sp.Derivative(_T, s.t), -2 * s.d * _V0 * s.rho0 * s.lam(2) * Avg(s.c**3) * _T),
+    "weak form with Y = m v^2/2: the loss is E[1 - s^2] = lambda(2)",
+    note="The exact rate has lambda(2) <c^3> in place of h. It is constant only in the scaling "
+    "state; from the Gaussian start it begins at (sqrt(pi)/2)(1 - e^2) and tends to h.",
+    holds=True,
+    numbers={
+        "rate at the Gaussian start at e = {e}": lambda e: (
+            sp.sqrt(sp.pi) / 2 * (1 - sp.Float(e) ** 2)
         ),
-    )
+        "h in the scaling state at e = {e}": cooling_rate_value,
+    },
+)
 
 
 def _speed_equation(rate: sp.Expr) -> sp.Expr:
@@ -82,14 +64,7 @@ def _speed_equation(rate: sp.Expr) -> sp.Expr:
     return solution
 
 
-@derives("vdiff")
-def _vdiff() -> Derived:
-    rate = _speed_equation(_ENERGY_LOSS)
-    return result(
-        eq(sp.Derivative(_V0, s.t), rate),
-        Step("dT/dt", _ENERGY_LOSS),
-        Step("T = m v0^2/2 inserted, solved for dv0/dt", rate),
-    )
+row("vdiff", lambda: eq(sp.Derivative(_V0, s.t), _speed_equation(_ENERGY_LOSS)))
 
 
 @derives("veq")
@@ -97,43 +72,24 @@ def _veq() -> Derived:
     slope = _speed_equation(_ENERGY_LOSS)
     inverse = 1 / s.v0(0) + sp.integrate(sp.cancel(-slope / _V0**2), (s.t, 0, s.t))
     solution = 1 / inverse
-    if sp.simplify(sp.diff(solution, s.t) - slope.subs(_V0, solution)) != 0:
-        raise ArithmeticError("the thermal velocity does not solve its equation")
-    return result(
-        eq(_V0, solution),
-        Step("rate of 1/v0", sp.cancel(-slope / _V0**2)),
-        Step("1/v0, integrated from 0 to t", inverse),
-    )
+    zero(sp.diff(solution, s.t) - slope.subs(_V0, solution), "v0 does not solve its equation")
+    return result(eq(_V0, solution))
 
 
-@derives("hsimu")
-def _hsimu() -> Derived:
-    ratio = {"exact h/(1 - e) at e = {e}": lambda e: float(cooling_rate_value(e)) / (1 - e)}
-    return result(
-        eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
-        note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 "
-        "as e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean "
-        "free path, which is shorter where disks do not overlap.",
-        status=Status.FIT,
-        numbers=(
-            *numbers_at(RESTITUTIONS, ratio),
-            Number("exact h/(1 - e) at e = 0", float(sp.sqrt(2))),
-            Number("exact h/(1 - e) as e -> 1", 4 / 3),
-            Number("largest exact h/(1 - e)", largest_cooling_ratio()[1]),
-        ),
-    )
-
-
-@derives("tdepend")
-def _tdepend() -> Derived:
-    return result(
-        None,
-        Step("inserted in the kinetic equation, time separates", _scaled_derivative()),
-        Step("all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)"),
-        note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows "
-        "beyond the paper). At e = 1 nothing cools and any isotropic F is stationary.",
-        holds=True,
-    )
+row(
+    "hsimu",
+    lambda: eq(s.h, 2 * sp.sqrt(s.klog * s.lam(1))),
+    note="The exact h/(1 - e) is nearly constant: sqrt(2) at e = 0, 1.4297 at its largest, 4/3 as "
+    "e -> 1. The fitted 1.45 lies above all of it; it takes 1/(2 d rho_0) for the mean free path, "
+    "which is shorter where disks do not overlap.",
+    status=Status.FIT,
+    numbers={
+        "exact h/(1 - e) at e = {e}": lambda e: cooling_rate_value(e) / (1 - e),
+        "exact h/(1 - e) at e = 0": sp.sqrt(2),
+        "exact h/(1 - e) as e -> 1": 4 / 3,
+        "largest exact h/(1 - e)": lambda: largest_cooling_ratio()[1],
+    },
+)
 
 
 def _second_moment_rate() -> sp.Expr:
@@ -146,38 +102,6 @@ def _energy_rate() -> sp.Expr:
     energy, rate = s.m / 2 * _V0**2, s.d * s.rho0 * _V0
     density, volume = s.n / _V0**2, _V0**2
     return energy * rate * density * volume / s.n * (-s.M2)
-
-
-@derives("tdiff2")
-def _tdiff2() -> Derived:
-    return result(
-        eq(sp.Derivative(_T, s.t), _second_moment_rate()),
-        Step(
-            "kinetic equation times m v^2/2, with f dv = n F dc and v.sigma = v0 c.sigma",
-            _energy_rate(),
-        ),
-        Step("m v0^2/2 = T", _second_moment_rate()),
-    )
-
-
-@derives("compare2")
-def _compare2() -> Derived:
-    difference = _ENERGY_LOSS - _second_moment_rate()
-    (solution,) = sp.solve(difference, s.h)
-    return result(
-        eq(s.h, solution),
-        Step("difference of the two rates of T", difference),
-        note="Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
-    )
-
-
-@derives("rearramu2")
-def _rearramu2() -> Derived:
-    return result(
-        eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()),
-        Step("dT/dt", _second_moment_rate()),
-        Step("T = m v0^2/2 inserted"),
-    )
 
 
 def speed_equation_by_moment() -> sp.Expr:
@@ -195,6 +119,34 @@ def _scaled_derivative() -> sp.Expr:
     return sp.simplify((rate * _V0 / (s.n * s.d * s.rho0)).subs(s.v, s.c * _V0).doit())
 
 
+row(
+    "tdepend",
+    lambda: (
+        None,
+        ("inserted in the kinetic equation, time separates", _scaled_derivative()),
+        "all moments of F then follow: E[Y^(p+1)] = p E[Y^p]/lambda(p)",
+    ),
+    note="Holds: for 0 <= e < 1 a normalised F with all its moments exists (see the rows beyond "
+    "the paper). At e = 1 nothing cools and any isotropic F is stationary.",
+    holds=True,
+)
+row("tdiff2", lambda: eq(sp.Derivative(_T, s.t), _second_moment_rate()))
+
+
+@derives("compare2")
+def _compare2() -> Derived:
+    difference = _ENERGY_LOSS - _second_moment_rate()
+    (solution,) = sp.solve(difference, s.h)
+    return result(
+        eq(s.h, solution),
+        ("difference of the two rates of T", difference),
+        note="Exact; with the exact moments it gives h = 2 sqrt(kappa lambda(1)).",
+    )
+
+
+row("rearramu2", lambda: eq(sp.Derivative(_V0, s.t), speed_equation_by_moment()))
+
+
 def _scaled_coefficients() -> tuple[sp.Expr, sp.Expr]:
     """The factors of F and of c dF/dc in I(F)."""
     power = sp.Symbol("q", positive=True)
@@ -210,9 +162,8 @@ def _ifmu2() -> Derived:
     plain, slope = _scaled_coefficients()
     return result(
         eq(s.I_(_F_SCALED), plain * _F_SCALED + slope * dot(s.bc, Partial(_F_SCALED, s.bc))),
-        Step("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
-        Step("factor of F", plain),
-        Step("factor of c.dF/dc", slope),
+        ("df/dt of the scaling form, over n d rho0/v0", _scaled_derivative()),
+        ("factor of F", plain),
     )
 
 
@@ -224,7 +175,7 @@ def _mueq() -> Derived:
     factor = sp.factor(-(plain + slope * by_parts))
     return result(
         eq(s.Mp, factor * Avg(s.c**s.p)),
-        Step("integral by parts of c dF/dc against c^p in the plane", by_parts),
-        Step("M_p over <c^p>", factor),
+        ("integral by parts of c dF/dc against c^p in the plane", by_parts),
+        ("M_p over <c^p>", factor),
         note="Exact for every real p for which the boundary terms vanish.",
     )

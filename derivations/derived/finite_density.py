@@ -15,7 +15,7 @@ from .. import symbols as s
 from ..formal import eq
 from ..premises import mean_free_path
 from .any_law import impact_density, plane_average, velocity_after
-from .record import Derived, Step, derives, result
+from .record import Derived, derives, must, result, row, zero
 
 
 @cache
@@ -28,13 +28,7 @@ def straight_back() -> sp.Expr:
     return sp.factor(per_contact.subs(s.theta, 0) / turned)
 
 
-@derives("beyond:straight-back")
-def _straight_back() -> Derived:
-    return result(
-        eq(s.back, straight_back()),
-        Step("v'/|v|, across and along v", sp.Tuple(*velocity_after(2).subs(s.et, 1))),
-        Step("y = sin(theta) is uniform on [-1, 1]", impact_density(2)),
-    )
+row("beyond:straight-back", lambda: eq(s.back, straight_back()))
 
 
 @cache
@@ -49,13 +43,10 @@ def return_chance() -> sp.Expr:
 def _return_chance() -> Derived:
     total = sp.integrate(return_chance(), (s.dist, s.d, s.l))
     together = sp.cancel(return_chance() * s.dist) * sp.log(s.l / s.d)
-    if sp.simplify(sp.expand_log(together) - sp.expand_log(total)) != 0:
-        raise ArithmeticError("the integral over the distance is no logarithm")
+    zero(sp.expand_log(together) - sp.expand_log(total), "no logarithm")
     return result(
         sp.Tuple(eq(s.retR(s.dist), return_chance()), eq(s.ret, together)),
-        Step("directions that meet a disk at the distance R: 2 asin(d/R)", 2 * s.d / s.dist),
-        Step("the second scatterer is met at R with the chance dR/l", 1 / mean_free_path(2)),
-        Step("from R = d to R = l, beyond which others are in the way", together),
+        ("directions that meet a disk at the distance R: 2 asin(d/R)", 2 * s.d / s.dist),
         note="Where it begins and ends changes the order n, not n ln(1/n), n = rho_0 d^2.",
     )
 
@@ -73,16 +64,8 @@ def return_symbols() -> tuple[sp.Expr, sp.Expr]:
 @derives("beyond:return-operator")
 def _return_operator() -> Derived:
     first, summed = return_symbols()
-    if sp.simplify(sp.diff(summed - first, s.ret).subs(s.ret, 0)) != 0:
-        raise ArithmeticError("the sum of all returns does not begin with the first one")
-    path = sp.expand(sp.cancel(1 / summed - 1 / s.lamm))
-    return result(
-        sp.Tuple(eq(s.lamd, first), eq(s.lamd, summed)),
-        Step("K - 1 on v^p exp(i m phi)", -s.lamm),
-        Step("straight back with e times the speed", sp.cos(sp.pi * s.harm) * s.e**s.p),
-        Step("(K - 1) + epsilon (K - 1) B (K - 1)", -first),
-        Step("the integral over the path, less 1/lambda_m", path),
-    )
+    zero(sp.diff(summed - first, s.ret).subs(s.ret, 0), "the sum does not begin so")
+    return result(sp.Tuple(eq(s.lamd, first), eq(s.lamd, summed)))
 
 
 @cache
@@ -100,18 +83,16 @@ def _return_slope() -> Derived:
     p = sp.Symbol("small", positive=True)
     first, _ = return_symbols()
     cooling = first.subs({s.harm: 0, s.p: p}).subs(s.lamm, s.klog * p)
-    if sp.limit(cooling / p, p, 0) != s.klog:
-        raise ArithmeticError("returns change the mean log loss")
+    must(sp.limit(cooling / p, p, 0) == s.klog, "returns change the mean log loss")
     elastic = plane_average(2 * s.y**2 - 1)  # cos(chi) of an elastic bounce
     return result(
         sp.Tuple(
             eq(s.coefA(s.e), slope_coefficient()),
             eq(s.coefA(1), slope_coefficient().subs({s.e: 1, s.cos_chi: elastic})),
         ),
-        Step("2 l^2/[kappa lambda_1(0)], and kappa does not change", sp.limit(cooling / p, p, 0)),
-        Step("mean cosine at e = 1", elastic),
-        note="At e = 1 the diffusion coefficient is that of the Boltzmann equation times "
-        "1 + (4/3) n ln n, as van Leeuwen and Weijland found in 1967.",
+        ("2 l^2/[kappa lambda_1(0)], and kappa does not change", sp.limit(cooling / p, p, 0)),
+        note="At e = 1 the diffusion coefficient is that of the Boltzmann equation times 1 + (4/3) "
+        "n ln n, as van Leeuwen and Weijland found in 1967.",
     )
 
 
@@ -129,9 +110,7 @@ def _enskog_path() -> Derived:
     first = s.l + sp.diff(path, small).subs(small, 0)
     return result(
         eq(s.ln, sp.factor(first)),
-        Step("no scatterer is within d of the tracer or of one that it touches", sp.pi * s.d**2),
-        Step("of two in contact, these areas share", shared_area()),
-        Step("so that contacts are more frequent by", 1 + s.rho0 * shared_area()),
+        ("no scatterer is within d of the tracer or of one that it touches", sp.pi * s.d**2),
         note="The tracer, at random in the free area, is one more hard disk.",
     )
 
@@ -145,12 +124,10 @@ def _two_disks() -> Derived:
     per_offset = sp.cancel(1 / sp.diff(offset, s.y))  # dy of the second disk
     # it is met with the chance rho0 d dy dR, and meets the first disk again over |offset| < 1
     chance = sp.factor(2 * per_offset * s.rho0 * s.d)
-    if sp.simplify(chance - return_chance()) != 0:
-        raise ArithmeticError("two routes to the chance of a return differ")
+    zero(chance - return_chance(), "two routes to the chance of a return differ")
     return result(
         sp.Tuple(eq(s.offset, offset), eq(s.retR(s.dist), chance)),
-        Step("tan(pi - chi) per impact parameter, head-on", slope),
-        Step("dy/d(offset)", per_offset),
+        ("tan(pi - chi) per impact parameter, head-on", slope),
         note="The integrand of the two-disk integral at large R: a uniform impact parameter on the "
         "first disk at the second meeting, whatever it was at the first one.",
     )
@@ -170,10 +147,7 @@ def _corridor() -> Derived:
     logarithm = -difference.subs({a: rate, b: single})
     return result(
         sp.Tuple(eq(s.damp, rate), eq(s.Lnest, sp.logcombine(sp.expand(logarithm), force=True))),
-        Step("the way back leaves the corridor, of width 2 d, by", s.offset * u * s.d),
-        Step("scatterers met out and back, over R/l", rate),
-        Step("without the corridor", single),
-        Step("integral of [exp(-a R) - exp(-b R)]/R", difference),
+        ("the way back leaves the corridor, of width 2 d, by", s.offset * u * s.d),
     )
 
 
@@ -184,11 +158,7 @@ def _free_flight() -> Derived:
     roots = sp.solve(1 + sp.I * s.wave / 2 * (q + 1 / q), q)
     (decaying,) = [root for root in roots if abs(sp.N(root.subs(s.wave, 1))) < 1]
     (found,) = sp.solve(size + sp.I * s.wave / 2 * 2 * decaying * size - 1, size)
-    return result(
-        eq(s.free(s.harm), sp.simplify(found) * sp.simplify(decaying) ** s.harm),
-        Step("G_m is a power of the root that decays", decaying),
-        Step("and m = 0 has the source", found),
-    )
+    return result(eq(s.free(s.harm), sp.simplify(found) * sp.simplify(decaying) ** s.harm))
 
 
 @derives("beyond:loops")
@@ -204,7 +174,6 @@ def _loops() -> Derived:
     (whole,) = sp.solve(source.subs({above: -i_half * up * now, below: -i_half * down * now}), now)
     return result(
         sp.Tuple(eq(s.tail(s.k), tail), eq(s.prop, whole)),
-        Step("row j of (lambda + i K cos(phi)) x = 0", row),
-        Step("row m, with the source", source),
+        ("row j of (lambda + i K cos(phi)) x = 0", row),
         note="Downwards the same with j - 1 in place of j + 1.",
     )

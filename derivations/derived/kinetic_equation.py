@@ -13,7 +13,7 @@ import sympy as sp
 from .. import symbols as s
 from ..formal import Avg, Dot, Int, Lam, Measure, Partial, chain, dot, eq, linear
 from ..premises import collision_matrix
-from .record import Derived, Status, Step, defines, derives, result
+from .record import Derived, Status, defines, derives, must, result, row
 
 _P = s.pd(s.br, s.bv, s.t)
 _P_PRE = s.pd(s.br, s.bvs, s.t)
@@ -37,21 +37,8 @@ def bounce(before: sp.Symbol) -> sp.Expr:
     return sp.collect(sp.expand((before - normal) + normal_factor() * normal), normal)
 
 
-@derives("vchange")
-def _vchange() -> Derived:
-    return result(
-        eq(s.bv, bounce(s.bvs)),
-        Step("normal part of v*", dot(s.bvs, s.sigma) * s.sigma),
-        Step("the collision in (normal, tangential) components", collision_matrix()),
-        Step("tangential part kept, normal part times -e", bounce(s.bvs)),
-    )
-
-
-@derives("ad2")
-def _ad2() -> Derived:
-    return result(eq(s.bvp, bounce(s.bv)), Step("the collision rule with v before", bounce(s.bv)))
-
-
+row("vchange", lambda: eq(s.bv, bounce(s.bvs)), "the collision in (normal, tangential) components")
+row("ad2", lambda: eq(s.bvp, bounce(s.bv)), "the collision rule with v before")
 defines(
     {
         "dtchange": "The balance that defines gain, loss and streaming.",
@@ -67,29 +54,20 @@ def _streaming_change() -> sp.Expr:
     return s.dt * sp.diff(shifted, s.dt).subs(s.dt, 0) * _P * Measure(s.br) * Measure(s.bv)
 
 
-@derives("gammaflow")
-def _gammaflow() -> Derived:
-    return result(
-        eq(s.Gamma_flow, _streaming_change()),
-        Step(
-            "free flight: p(r, v, t + dt) = p(r - v dt, v, t)", sp.exp(-s.dt * dot(s.bv, s.nabla))
-        ),
-        Step("first order in dt", _streaming_change()),
-    )
-
-
-@derives("gamma-")
-def _gamma_minus() -> Derived:
-    return result(
+row("gammaflow", lambda: eq(s.Gamma_flow, _streaming_change()))
+row(
+    "gamma-",
+    lambda: (
         None,
-        Step(
+        (
             "scatterers in the strip of width db and length |v| dt, all b from -d to d",
             eq(sp.Integral(s.rho0 * s.v * s.dt, (s.b, -s.d, s.d)), 2 * s.d * s.rho0 * s.v * s.dt),
         ),
-        note="Counts the scatterers in the strip that the tracer sweeps: uncorrelated scatterers. "
-        "Its rate 2 d rho_0 |v| makes the mean free path 1/(2 d rho_0).",
-        status=Status.DEFINITION,
-    )
+    ),
+    note="Counts the scatterers in the strip that the tracer sweeps: uncorrelated scatterers. Its "
+    "rate 2 d rho_0 |v| makes the mean free path 1/(2 d rho_0).",
+    status=Status.DEFINITION,
+)
 
 
 @derives("gamma+")
@@ -101,8 +79,8 @@ def _gamma_plus() -> Derived:
             Int(before * Measure(s.bvs), s.b),
             Int(before * volume_ratio() * Measure(s.bv), s.b),
         ),
-        Step("Jacobian matrix of the collision at fixed sigma", collision_matrix()),
-        Step("dv*/dv", volume_ratio()),
+        ("Jacobian matrix of the collision at fixed sigma", collision_matrix()),
+        ("dv*/dv", volume_ratio()),
         note="Holds at fixed sigma, where the Jacobian is 1/e. At fixed impact parameter it is "
         "1/s^2 with s the speed ratio: the second integral is to be read over sigma, as the paper "
         "then does.",
@@ -116,11 +94,7 @@ def _ftdiff() -> Derived:
     loss = Int(_P * Measure(s.br) * Measure(s.bv) * s.rho0 * s.v * s.dt, s.b)
     right = sp.expand(linear((gain - loss) / volume))
     flow = sp.cancel(_streaming_change() / volume)
-    return result(
-        eq(sp.Derivative(_P, s.t) - flow, right),
-        Step("gain less loss, per dr dv dt", right),
-        Step("streaming, per dr dv dt", flow),
-    )
+    return result(eq(sp.Derivative(_P, s.t) - flow, right), ("streaming, per dr dv dt", flow))
 
 
 def _rate(speed: sp.Symbol) -> sp.Expr:
@@ -142,23 +116,13 @@ def gain_rate() -> tuple[sp.Expr, sp.Expr]:
     return before, before.subs(dot(s.bvs, s.sigma), dot(s.bv, s.sigma) / normal_factor())
 
 
-@derives("bexpress")
-def _bexpress() -> Derived:
-    return result(
-        chain(s.Brate(s.v, s.sigma), _rate(s.v), loss_rate()),
-        Step("b = d sin(pi - psi), differentiated", _rate(s.v)),
-        note="The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
-    )
-
-
-@derives("bexpress2")
-def _bexpress2() -> Derived:
-    return result(
-        chain(s.Brate(s.vs, s.sigma), _rate(s.vs), *gain_rate()),
-        Step("b = d sin(pi - psi), differentiated", _rate(s.vs)),
-        Step("v*.sigma = |v*| cos(psi)", gain_rate()[0]),
-        Step("v.sigma over v*.sigma", normal_factor()),
-    )
+row(
+    "bexpress",
+    lambda: chain(s.Brate(s.v, s.sigma), _rate(s.v), loss_rate()),
+    "b = d sin(pi - psi), differentiated",
+    note="The second equality takes sigma -> -sigma in the loss, where the tracer approaches.",
+)
+row("bexpress2", lambda: chain(s.Brate(s.vs, s.sigma), _rate(s.vs), *gain_rate()))
 
 
 @cache
@@ -168,41 +132,17 @@ def collision_term() -> sp.Expr:
     return s.rho0 * Int(gain - loss_rate() * _P, s.sigma, s.hemi)
 
 
-@derives("inelaslorentz")
-def _inelaslorentz() -> Derived:
-    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
-    return result(
-        eq(left, collision_term()),
-        Step("gain: rate times Jacobian", gain_rate()[1] * volume_ratio()),
-        Step("loss: rate", loss_rate()),
-        Step("mass: the weak form (ad1) with Y = 1 vanishes", weak_form(1, 1)),
-    )
-
-
-@derives("inelaslorentz2")
-def _inelaslorentz2() -> Derived:
-    uniform = collision_term().subs({_P_PRE: s.f(s.bvs, s.t), _P: s.f(s.bv, s.t)})
-    return result(
-        eq(sp.Derivative(s.f(s.bv, s.t), s.t), uniform),
-        Step("integral over r: the streaming term is a surface term", uniform),
-    )
-
-
-@derives("diffuse1")
-def _diffuse1() -> Derived:
-    left = sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P
-    return result(
-        eq(left, Lam(_P)),
-        Step("the inelastic Lorentz equation, its right-hand side named", collision_term()),
-    )
-
-
-@derives("diffuse1.5")
-def _diffuse1_5() -> Derived:
-    return result(
-        eq(Lam(_P), collision_term()),
-        Step("right-hand side of the inelastic Lorentz equation", collision_term()),
-    )
+row("inelaslorentz", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, collision_term()))
+row(
+    "inelaslorentz2",
+    lambda: eq(
+        sp.Derivative(s.f(s.bv, s.t), s.t),
+        collision_term().subs({_P_PRE: s.f(s.bvs, s.t), _P: s.f(s.bv, s.t)}),
+    ),
+    "integral over r: the streaming term is a surface term",
+)
+row("diffuse1", lambda: eq(sp.Derivative(_P, s.t) + dot(s.bv, s.nabla) * _P, Lam(_P)))
+row("diffuse1.5", lambda: eq(Lam(_P), collision_term()))
 
 
 def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
@@ -218,16 +158,11 @@ def weak_form(after: sp.Expr | int, before: sp.Expr | int) -> sp.Expr:
     return s.d * s.rho0 * Int(Int(inner, s.sigma, s.hemi), s.bv)
 
 
-@derives("ad1")
-def _ad1() -> Derived:
-    return result(
-        eq(Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv), weak_form(s.Y(s.bvp), s.Y(s.bv))),
-        Step("volume element dv*/dv", volume_ratio()),
-        Step("v.sigma over v*.sigma", normal_factor()),
-        Step("weight of the gain before the change", gain_rate()[1] * volume_ratio()),
-        Step("both changes together leave the weight (v.sigma)", weak_form(s.Y(s.bvp), s.Y(s.bv))),
-        note="With Y = 1 it vanishes: the operator keeps mass.",
-    )
+row(
+    "ad1",
+    lambda: eq(Int(s.Y(s.bv) * Lam(s.X(s.bv)), s.bv), weak_form(s.Y(s.bvp), s.Y(s.bv))),
+    note="With Y = 1 it vanishes: the operator keeps mass.",
+)
 
 
 @cache
@@ -236,34 +171,32 @@ def mass_change() -> sp.Expr:
     return weak_form(1, 1).replace(Int, lambda *args: Int(*args) if args[0] != 0 else args[0])
 
 
-@derives("beyond:mass")
-def _mass() -> Derived:
-    operator = Int(Lam(s.X(s.bv)), s.bv)
-    return result(eq(operator, mass_change()), Step("weak form (ad1) with Y = 1", weak_form(1, 1)))
+row("beyond:mass", lambda: eq(Int(Lam(s.X(s.bv)), s.bv), mass_change()))
 
 
 @derives("beyond:angular-average")
 def _angular_average() -> Derived:
     # v.sigma dsigma = v cos(theta) dtheta = v dy with y = sin(theta), -1 < y < 1
-    if sp.diff(sp.sin(s.theta), s.theta) != sp.cos(s.theta):
-        raise ArithmeticError("dy is not cos(theta) dtheta")
+    must(sp.diff(sp.sin(s.theta), s.theta) == sp.cos(s.theta), "dy is not cos(theta) dtheta")
     total = sp.integrate(sp.cos(s.theta), (s.theta, -sp.pi / 2, sp.pi / 2))
     # |v'|^p - |v|^p averages to -lambda(p) |v|^p; the rate brings one more power of |v|
     return result(
         eq(Partial(Avg(s.v**s.p), s.t), -s.d * s.rho0 * total * s.lam(s.p) * Avg(s.v**s.p * s.v)),
-        Step("weak form with Y = |v|^p", weak_form(s.vs**s.p, s.v**s.p)),
-        Step("weight of all angles: the integral of cos(theta)", total),
-        Step("hence y = sin(theta) is uniform, and E[s^p] = 1 - lambda(p)"),
+        ("weak form with Y = |v|^p", weak_form(s.vs**s.p, s.v**s.p)),
+        ("weight of all angles: the integral of cos(theta)", total),
         note="The deflection drops out for an isotropic VDF: only the speed ratio s is left.",
     )
 
 
-@derives("sonine8")
-def _sonine8() -> Derived:
-    weak = -weak_form(s.cp**s.p, s.c**s.p) / (s.d * s.rho0)
-    scaled = weak.subs({s.X(s.bv): s.F(s.bc), s.hemi: s.hemi_c}).subs(s.bv, s.bc).replace(Dot, dot)
-    return result(
-        eq(s.Mp, scaled),
-        Step("weak form with X = F and Y = c^p, divided by d rho0", scaled),
-        note="Holds for every p for which <c^(p+1)> exists, with no Sonine expansion.",
-    )
+row(
+    "sonine8",
+    lambda: eq(
+        s.Mp,
+        (-weak_form(s.cp**s.p, s.c**s.p) / (s.d * s.rho0))
+        .subs({s.X(s.bv): s.F(s.bc), s.hemi: s.hemi_c})
+        .subs(s.bv, s.bc)
+        .replace(Dot, dot),
+    ),
+    "weak form with X = F and Y = c^p, divided by d rho0",
+    note="Holds for every p for which <c^(p+1)> exists, with no Sonine expansion.",
+)

@@ -9,13 +9,8 @@ from sympy.concrete.gosper import gosper_sum
 
 from .. import symbols as s
 from ..formal import chain, eq
-from .quadrature_values import (
-    cooling_rate_value,
-    diffusion_slope_value,
-    log_loss_value,
-    mean_scaled_speed_value,
-)
-from .record import RESTITUTIONS, Derived, Step, defines, derives, numbers_at, result
+from .record import Derived, defines, derives, result, row, zero
+from .values import cooling_rate_value, diffusion_slope_value, log_loss_value, moment_value
 
 defines(
     {
@@ -31,18 +26,16 @@ def _taun() -> Derived:
     speed = (1 / (s.alpha + s.beta * s.t)).subs(s.t, s.tc(s.N - 1))
     return result(
         chain(s.tau(s.N), s.l / s.v0(s.tc(s.N - 1)), s.l / speed),
-        Step("v0 as solved, at the time of the last collision", speed),
+        ("v0 as solved, at the time of the last collision", speed),
         note="The second equality follows from veq. The first is a guess: the rate of collisions "
         "is <v>/l, not v0/l, and the number of collisions grows as ln t/kappa exactly.",
         holds=False,
-        numbers=numbers_at(
-            (0.4, 0.9),
-            {
-                "exact <c> at e = {e}": mean_scaled_speed_value,
-                "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
-                "dN/d ln t at e = {e}, exact": lambda e: 1 / float(log_loss_value(e)),
-            },
-        ),
+        numbers={
+            "exact <c> at e = {e}": lambda e: moment_value(1, e),
+            "dN/d ln t at e = {e}, printed": _collisions_per_log_time,
+            "dN/d ln t at e = {e}, exact": lambda e: 1 / float(log_loss_value(e)),
+        },
+        at=(0.4, 0.9),
     )
 
 
@@ -65,17 +58,7 @@ def interval() -> sp.Expr:
     return solution.subs(index, s.N)
 
 
-@derives("taun#2")
-def _taun_2() -> Derived:
-    return result(
-        eq(s.tau(s.N), interval()),
-        Step(
-            "difference of tau_(N+1) and tau_N, with t_N - t_(N-1) = tau_N",
-            s.l * s.beta * s.tau(s.N),
-        ),
-        Step("tau_1, since t_0 = 0", s.l * s.alpha),
-        Step("the recursion solved", interval()),
-    )
+row("taun#2", lambda: eq(s.tau(s.N), interval()), "tau_(N+1) - tau_N, with t_N - t_(N-1) = tau_N")
 
 
 @cache
@@ -88,12 +71,7 @@ def total_time() -> sp.Expr:
     return sp.simplify(first * terms.subs(ratio, growth))
 
 
-@derives("tn")
-def _tn() -> Derived:
-    return result(
-        chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()),
-        Step("the geometric sum of the intervals", total_time()),
-    )
+row("tn", lambda: chain(s.tc(s.N), sp.Sum(s.tau(s.k), (s.k, 1, s.N)), total_time()))
 
 
 @cache
@@ -111,12 +89,10 @@ def collisions() -> sp.Expr:
 def _n() -> Derived:
     time = sp.Symbol("time", positive=True)
     elastic = sp.limit(collisions().subs(s.tc(s.N), time), s.beta, 0)
-    if sp.simplify(elastic - time / (s.alpha * s.l)) != 0:
-        raise ArithmeticError("the elastic limit is not t/(alpha l)")
+    zero(elastic - time / (s.alpha * s.l), "the elastic limit is not t/(alpha l)")
     return result(
         eq(s.N, collisions()),
-        Step("t_N solved for N", collisions()),
-        Step("its elastic limit beta -> 0", elastic),
+        ("its elastic limit beta -> 0", elastic),
         note="Its limit beta -> 0 is t/(alpha l), as the paper states.",
     )
 
@@ -128,17 +104,14 @@ def _msd() -> Derived:
 
     return result(
         chain(s.msd(s.t), s.l**2 * s.N, s.l**2 * collisions().subs(s.tc(s.N), s.t)),
-        Step("N as a function of time, inserted", collisions()),
+        ("N as a function of time, inserted", collisions()),
         note="<r^2> = l^2 N neglects that free paths vary (their mean square is 2 l^2) and that a "
-        "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d "
-        "makes up for a part.",
+        "direction persists. As e -> 1 the exact slope is 3/2 of it; the paper's l = 13.5 d makes "
+        "up for a part.",
         holds=False,
-        numbers=numbers_at(
-            RESTITUTIONS,
-            {
-                "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,
-                "slope at e = {e}, with the paper's l = 13.5 d (l^2)": fitted,
-                "slope at e = {e}, exact (l^2)": diffusion_slope_value,
-            },
-        ),
+        numbers={
+            "slope at e = {e}, l^2 N with the exact h (l^2)": _collisions_per_log_time,
+            "slope at e = {e}, with the paper's l = 13.5 d (l^2)": fitted,
+            "slope at e = {e}, exact (l^2)": diffusion_slope_value,
+        },
     )

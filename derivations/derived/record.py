@@ -1,8 +1,8 @@
 """What a derivation leaves, and the register of derivations by label.
 
-A derivation is a function without arguments under ``@derives(label)`` that returns
-``result(formula, step, ..., note=...)``. A label with nothing to derive has a note alone: it
-stands in a table under ``defines``.
+``row(label, lambda: formula, step, ..., note=...)`` states a derivation of one line; a longer one
+is a function without arguments under ``@derives(label)`` that returns ``result(...)``. A label
+with nothing to derive has a note alone: it stands in a table under ``defines``.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cache, partial
-from typing import SupportsFloat
+from functools import cache
+from typing import Any
 
 import sympy as sp
 
@@ -67,40 +67,55 @@ class Derived:
 
 def result(
     formula: sp.Basic | None,
-    *steps: Step,
+    *steps: str | tuple[str, sp.Basic],
     note: str = "",
     status: Status | None = None,
     holds: bool | None = None,
-    numbers: Iterable[Number] = (),
+    numbers: Mapping[str, Any] | None = None,
+    at: Iterable[float] = RESTITUTIONS,
 ) -> Derived:
-    """A derived formula with its steps; a row that says whether it ``holds`` is an assumption."""
-    if holds is not None:
-        status = Status.ASSUMPTION
-    return Derived(formula, steps, note, status, holds, tuple(numbers))
+    """A derived formula with its steps; a row that says whether it ``holds`` is an assumption.
+
+    ``numbers`` are values by name, or functions that give them; a function whose name holds
+    ``{e}`` is called with each restitution of ``at``.
+    """
+    found: list[Number] = []
+    of_restitution = {name: value for name, value in (numbers or {}).items() if "{e}" in name}
+    for name, value in (numbers or {}).items():
+        if name not in of_restitution:
+            found.append(Number(name, float(value() if callable(value) else value)))
+        elif name == next(iter(of_restitution)):
+            found += [
+                Number(each.format(e=e), float(function(e)))
+                for e in at
+                for each, function in of_restitution.items()
+            ]
+    taken = (Step(step) if isinstance(step, str) else Step(*step) for step in steps)
+    status = status if holds is None else Status.ASSUMPTION
+    return Derived(formula, tuple(taken), note, status, holds, tuple(found))
 
 
-def numbers_at(
-    restitutions: Iterable[float], values: Mapping[str, Callable[[float], SupportsFloat]]
-) -> tuple[Number, ...]:
-    """Each of the functions of e at each restitution; ``{e}`` in a name stands for its value."""
-    return tuple(
-        Number(name.format(e=e), float(value(e)))
-        for e in restitutions
-        for name, value in values.items()
-    )
+def must(hold: bool, else_: str) -> None:
+    """What a derivation relies on: ArithmeticError with the other case unless it holds."""
+    if not hold:
+        raise ArithmeticError(else_)
 
 
-Derivation = Callable[[], Derived]
-REGISTRY: dict[str, Derivation] = {}
+def zero(expression: sp.Expr, else_: str) -> None:
+    """That an expression is zero, as :func:`must`; the cheap simplifications come first."""
+    must(any(way(expression) == 0 for way in (sp.expand, sp.cancel, sp.simplify)), else_)
 
 
-def derives(*labels: str) -> Callable[[Derivation], Derivation]:
+REGISTRY: dict[str, Callable[[], Derived]] = {}
+
+
+def derives(*labels: str) -> Callable[[Callable[[], Derived]], Callable[[], Derived]]:
     """Register a derivation for one or more labels (the paper repeats some formulas).
 
     It runs at most once in a process. Raises ValueError for a label that has a derivation.
     """
 
-    def register(function: Derivation) -> Derivation:
+    def register(function: Callable[[], Derived]) -> Callable[[], Derived]:
         once = cache(function)
         for label in labels:
             if label in REGISTRY:
@@ -111,7 +126,20 @@ def derives(*labels: str) -> Callable[[Derivation], Derivation]:
     return register
 
 
+def row(label: str, derivation: Callable[[], Any] = lambda: None, *steps: str, **said: Any) -> None:
+    """Register a derivation that gives the formula, or a tuple of it and steps with formulas.
+
+    ``said`` is what else :func:`result` takes.
+    """
+
+    def derived() -> Derived:
+        found = derivation()
+        return result(*(found if isinstance(found, tuple) else (found,)), *steps, **said)
+
+    derives(label)(derived)
+
+
 def defines(notes: Mapping[str, str], status: Status = Status.DEFINITION) -> None:
     """Register labels with nothing to derive, each with its note: definitions, or sketches."""
     for label, note in notes.items():
-        derives(label)(partial(Derived, None, note=note, status=status))
+        row(label, note=note, status=status)

@@ -1,22 +1,25 @@
-"""Sonine polynomials, the equation for a_2, its roots, and their stability (Appendix B)."""
+"""Sonine polynomials, the equation for a_2, its roots, their stability (Appendix B)."""
 
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import sympy as sp
 
 from .. import symbols as s
-from ..formal import Avg, Int, chain, eq
-from ..premises import gaussian_average, gaussian_moment, loss, over_angle, speed_ratio_squared
-from .quadrature_values import a2_value
-from .record import Derived, Number, Step, derives, numbers_at, result
-
-
-@cache
-def power_average() -> sp.Expr:
-    """The integral of x^p exp(-x) over x > 0."""
-    return sp.integrate(s.x**s.p * sp.exp(-s.x), (s.x, 0, sp.oo))
+from ..formal import Avg, Int, Partial, chain, eq
+from ..premises import (
+    free_path,
+    gaussian_average,
+    gaussian_moment,
+    loss,
+    over_angle,
+    speed_ratio_squared,
+)
+from .cooling import speed_equation_by_moment
+from .record import Derived, defines, derives, must, result, row, zero
+from .values import a2_value
 
 
 @cache
@@ -25,12 +28,11 @@ def polynomial(order: int) -> sp.Expr:
 
     Built by Gram-Schmidt from 1, x, x^2, ...; nothing is typed in.
     """
-    if order < 0:
-        raise ValueError(f"order = {order}: a Sonine polynomial has order >= 0")
 
     def inner(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+        # the integral of x^i exp(-x) is that of free paths
         terms = sp.Poly(sp.expand(one * other), s.x).terms()
-        return sp.Add(*(k * power_average().subs(s.p, i) for (i,), k in terms))
+        return sp.Add(*(k * free_path(i) for (i,), k in terms))
 
     monic = s.x**order
     for lower in range(order):
@@ -58,7 +60,7 @@ def _sonine1() -> Derived:
     weighted = sp.exp(-2 * rate * reach) * sp.exp(reach**2)
     return result(
         None,
-        Step("F^2/phi for an exponential tail", weighted),
+        ("F^2/phi for an exponential tail", weighted),
         note="The coefficients a_p = <S_p> exist, but the series does not converge to F for any e "
         "in [0, 1): the exact tail is exp(-2 c/h), so that F^2/phi is not integrable. As e -> 1 "
         "the VDF tends to a ring, not to the Gaussian that the series starts from.",
@@ -66,28 +68,15 @@ def _sonine1() -> Derived:
     )
 
 
-@derives("sonine1.5")
-def _sonine1_5() -> Derived:
-    return result(
-        sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))),
-        Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(1)),
-    )
-
-
-@derives("sonine2")
-def _sonine2() -> Derived:
-    return result(
-        eq(s.S(2, s.x), polynomial(2)),
-        Step("Gram-Schmidt for the weight exp(-x), with S(0) = 1", polynomial(2)),
-    )
+row("sonine1.5", lambda: sp.Tuple(*(eq(s.S(order, s.x), polynomial(order)) for order in (0, 1))))
+row("sonine2", lambda: eq(s.S(2, s.x), polynomial(2)))
 
 
 @cache
 def generating_function() -> tuple[sp.Expr, sp.Expr]:
     """(generating function of the S_p, integral of a product of two against exp(-x)).
 
-    The integral depends on u w alone: the polynomials are orthogonal, with the coefficients of
-    its series as norms.
+    That depends on u w alone: they are orthogonal, with the coefficients of its series as norms.
     """
     u, w = sp.symbols("u w", positive=True)
     single = sp.exp(-s.x * u / (1 - u)) / (1 - u)
@@ -102,27 +91,26 @@ def squared_norm() -> sp.Expr:
     u, w, z = sp.symbols("u w z", positive=True)
     in_product = sp.simplify(generating_function()[1].subs(w, z / u))
     ratio = sp.simplify(sp.diff(in_product, z) / in_product**2)
-    if in_product.has(u) or ratio != 1 or in_product.subs(z, 0) != 1:
-        raise ArithmeticError("the product of generating functions is not 1/(1 - u w)")
+    must(
+        not in_product.has(u) and ratio == 1 and in_product.subs(z, 0) == 1, "it is not 1/(1 - u w)"
+    )
     return sp.Integer(1)  # 1/(1 - z) = 1 + z + z^2 + ...
 
 
 @derives("sonine3")
 def _sonine3() -> Derived:
-    single, product = generating_function()
+    single, _ = generating_function()
     u = sp.Symbol("u", positive=True)
     series = sp.series(single, u, 0, 4).removeO()
     for order in range(4):
-        if sp.expand(series.coeff(u, order) - polynomial(order)) != 0:
-            raise ArithmeticError(f"the generating function does not give S_{order}")
+        zero(series.coeff(u, order) - polynomial(order), f"not S_{order}")
     return result(
         eq(
             Int(s.phi(s.bc) * s.S(s.p, s.c**2) * s.S(s.pprime, s.c**2), s.bc),
             squared_norm() * sp.KroneckerDelta(s.p, s.pprime),
         ),
-        Step("phi dc is exp(-x) dx with x = c^2", sp.exp(-s.x)),
-        Step("generating function", single),
-        Step("product of two of them, integrated: a function of u w alone", product),
+        ("phi dc is exp(-x) dx with x = c^2", sp.exp(-s.x)),
+        ("generating function", single),
         note="For all orders at once, by the generating function. The norm is 1 in the plane.",
     )
 
@@ -135,7 +123,7 @@ def _sonine4() -> Derived:
         chain(
             s.a(s.p), Int(s.S(s.p, s.c**2) * s.F(s.bc), s.bc) / norm, Avg(s.S(s.p, s.c**2)) / norm
         ),
-        Step("squared norm of S_p", norm),
+        ("squared norm of S_p", norm),
     )
 
 
@@ -145,32 +133,19 @@ def _averaged(order: int) -> sp.Expr:
     return sp.Add(*(k * (Avg(s.c ** (2 * power)) if power else 1) for (power,), k in terms))
 
 
-@derives("sonine4.5")
-def _sonine4_5() -> Derived:
-    first = _averaged(1)
-    return result(
-        chain(s.a1, first, first.subs(Avg(s.c**2), 1)),
-        Step("<S_1>", first),
-        Step("<c^2> = 1 by the definition of v0"),
-    )
+def _coefficient(order: int, symbol: sp.Symbol) -> sp.Tuple:
+    average = _averaged(order)
+    return chain(symbol, average, average.subs(Avg(s.c**2), 1))
 
 
-@derives("sonine5")
-def _sonine5() -> Derived:
-    second = _averaged(2)
-    return result(
-        chain(s.a2, second, second.subs(Avg(s.c**2), 1)),
-        Step("<S_2>", second),
-        Step("<c^2> = 1 by the definition of v0"),
-    )
+row("sonine4.5", lambda: _coefficient(1, s.a1), "<c^2> = 1 by the definition of v0")
+row("sonine5", lambda: _coefficient(2, s.a2), "<c^2> = 1 by the definition of v0")
 
 
 @derives("sonine6")
 def _sonine6() -> Derived:
     general = s.M2 / 2 * s.p * Avg(s.c**s.p)
-    return result(
-        eq(s.M4, general.subs(s.p, 4)), Step("moments of the scaled equation (mueq)", general)
-    )
+    return result(eq(s.M4, general.subs(s.p, 4)))
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -182,33 +157,18 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     return sp.factor(expression)
 
 
-def _moment_steps(order: int, symbol: sp.Symbol) -> tuple[Step, ...]:
+def _moment(order: int, symbol: sp.Symbol) -> tuple[Any, ...]:
+    loss_ = over_angle(1 - speed_ratio_squared() ** (order // 2))
     return (
-        Step("speed ratio of one collision, squared", speed_ratio_squared()),
-        Step(
-            f"average of 1 - s^{order} over the impact parameter, both halves",
-            eq(sp.Symbol("I_y"), over_angle(1 - speed_ratio_squared() ** (order // 2))),
-        ),
-        Step(
-            f"average of c^{order + 1} over the Gaussian times 1 + a_2 S_2(c^2)",
-            sonine_average(order + 1),
-        ),
-        Step("their product", eq(symbol, tidy(collision_moment(order)))),
+        eq(symbol, tidy(collision_moment(order))),
+        ("speed ratio of one collision, squared", speed_ratio_squared()),
+        (f"1 - s^{order} over the impact parameter, both halves", eq(sp.Symbol("I_y"), loss_)),
+        (f"<c^{order + 1}> over the Gaussian times 1 + a_2 S_2(c^2)", sonine_average(order + 1)),
     )
 
 
-@derives("sonine9")
-def _sonine9() -> Derived:
-    return result(
-        eq(s.M2, tidy(collision_moment(2))),
-        *_moment_steps(2, s.M2),
-        note="Exact in a_2; the next coefficient a_3 would add to it.",
-    )
-
-
-@derives("sonine10")
-def _sonine10() -> Derived:
-    return result(eq(s.M4, tidy(collision_moment(4))), *_moment_steps(4, s.M4))
+row("sonine9", lambda: _moment(2, s.M2), note="Exact in a_2; a_3 would add to it.")
+row("sonine10", lambda: _moment(4, s.M4))
 
 
 @cache
@@ -218,13 +178,7 @@ def stationarity() -> sp.Expr:
     return sp.expand(2 * s.M2 * fourth - s.M4)
 
 
-@derives("sonine7")
-def _sonine7() -> Derived:
-    return result(
-        eq(stationarity(), sp.Integer(0)),
-        Step("M_4 = (M_2/2) 4 <c^4> from the moments of the scaled equation"),
-        Step("<c^4> over the Gaussian times 1 + a_2 S_2", sonine_average(4)),
-    )
+row("sonine7", lambda: eq(stationarity(), sp.Integer(0)))
 
 
 @cache
@@ -241,8 +195,7 @@ def roots() -> tuple[sp.Expr, sp.Expr]:
     square = sp.sqrt(sp.expand(64 * (first**2 - 4 * second * zeroth)))
     lower, upper = ((-8 * first + sign * square) / (16 * second) for sign in (-1, 1))
     for root in (lower, upper):
-        if sp.expand(quadratic().subs(s.a2, root)) != 0:
-            raise ArithmeticError("the quadratic formula does not solve the a_2 equation")
+        zero(quadratic().subs(s.a2, root), "the quadratic formula does not solve the a_2 equation")
     return lower, upper
 
 
@@ -257,17 +210,23 @@ def _sonine11() -> Derived:
     mean, half = sp.expand((lower + upper) / 2), sp.expand((upper - lower) / 2)
     return result(
         eq(s.a2, mean + s.pm * half),
-        Step("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
-        Step("lower root", lower),
-        Step("upper root", upper),
+        ("the equation for a_2, less its factor sqrt(pi)(1 - e^2)", eq(quadratic(), 0)),
+        ("lower root", lower),
         note="At e = 1 every a_2 solves the equation; the roots do not tend to the Gaussian's 0 "
         "there.",
-        numbers=(
-            Number("lower root at e = 0.9", at_restitution(lower, 0.9)),
-            Number("lower root as e -> 1", at_restitution(lower, 1)),
-            Number("upper root at e = 0.9", at_restitution(upper, 0.9)),
-        ),
+        numbers={
+            "lower root at e = 0.9": at_restitution(lower, 0.9),
+            "lower root as e -> 1": at_restitution(lower, 1),
+            "upper root at e = 0.9": at_restitution(upper, 0.9),
+        },
     )
+
+
+SONINE_AND_EXACT = {
+    "Sonine a_2 at e = {e}": lambda e: at_restitution(roots()[0], e),
+    "exact a_2 at e = {e}": a2_value,
+}
+"""Numbers beside a row, by restitution."""
 
 
 @cache
@@ -286,19 +245,12 @@ def _sonine12() -> Derived:
     (chosen,) = (root for root, sign in zip(roots(), signs, strict=True) if sign < 0)
     return result(
         eq(s.a2, chosen),
-        Step("growth rate H at the lower root", growths[0]),
-        Step("growth rate H at the upper root", growths[1]),
-        Step("H over the distance of the roots: lower, upper", sp.Tuple(*signs)),
-        Step("the root with H < 0 is the stable one", chosen),
+        ("growth rate H at the lower root", growths[0]),
+        ("growth rate H at the upper root", growths[1]),
         note="The stable root of the truncated equation, but far from the exact a_2, which exists "
         "for every e, is 2 at e = 0, 0 at e = 0.5929352 and tends to -1/2 as e -> 1.",
-        numbers=numbers_at(
-            (0.9, 0.6),
-            {
-                "Sonine a_2 at e = {e}": lambda e: at_restitution(chosen, e),
-                "exact a_2 at e = {e}": a2_value,
-            },
-        ),
+        numbers=SONINE_AND_EXACT,
+        at=(0.9, 0.6),
     )
 
 
@@ -317,8 +269,8 @@ def _collision_moment() -> Derived:
     ratio = sp.expand(sp.expand_func(average) / sp.gamma(z)).subs(z, (s.p + 3) / 2)
     return result(
         eq(s.Mp, 2 * s.lam(s.p) * sp.gamma((s.p + 3) / 2) * sp.collect(sp.expand(ratio), s.a2)),
-        Step("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
-        Step("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
+        ("weak form: twice lambda(p) <c^(p+1)>", 2 * s.lam(s.p) * Avg(s.c ** (s.p + 1))),
+        ("<c^(p+1)> of the Sonine form over Gamma((p + 3)/2)", ratio),
         note="p = 2 and p = 4 are sonine9 and sonine10.",
     )
 
@@ -327,16 +279,130 @@ def _collision_moment() -> Derived:
 def _sonine_n() -> Derived:
     # exp(-x u/(1-u))/(1-u) = sum_k (-x u)^k/k! (1-u)^(-k-1); coefficient of u^(N-k) of the power
     inner = sp.binomial(s.N, s.N - s.k)
-    if sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) != 1:
-        raise ArithmeticError("the binomial coefficient is not symmetric")
+    must(sp.gammasimp((inner / sp.binomial(s.N, s.k)).rewrite(sp.gamma)) == 1, "not symmetric")
     term = (-1) ** s.k * s.x**s.k / sp.factorial(s.k) * sp.binomial(s.N, s.k)
     for order in range(7):
         total = sum(term.subs({s.N: order, s.k: i}) for i in range(order + 1))
-        if sp.expand(total - polynomial(order)) != 0:
-            raise ArithmeticError(f"the coefficients are not those of S_{order} by Gram-Schmidt")
+        zero(total - polynomial(order), f"not S_{order} by Gram-Schmidt")
+    return result(eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))))
+
+
+# -- time dependence and stability --
+
+_V0 = s.v0(s.t)
+
+defines(
+    {
+        "ac1": "General: any f can be written so, with <c^2> = 1 at all times.",
+        "ac4": "Defines the perturbation.",
+    }
+)
+
+
+def _moment_balance(order: sp.Expr, moment: sp.Expr, rate: sp.Expr, loss: sp.Expr) -> sp.Expr:
+    """d<v^p>/dt + loss, with <v^p> = v0^p <c^p>, over d rho0 v0^(p+1)."""
+    slope = speed_equation_by_moment()
+    product = _V0**order * rate + order * _V0 ** (order - 1) * slope * moment
+    return sp.expand(sp.simplify(product / (s.d * s.rho0 * _V0 ** (order + 1)))) + loss
+
+
+row(
+    "ac2",
+    lambda: (
+        eq(_moment_balance(s.p, Avg(s.c**s.p), Partial(Avg(s.c**s.p), s.t), s.Mp), sp.Integer(0)),
+        ("rate of v0", speed_equation_by_moment()),
+    ),
+)
+
+
+@derives("ac3")
+def _ac3() -> Derived:
+    rate = sp.Symbol("adot")
+    fourth = sonine_average(4)
+    balance = _moment_balance(
+        sp.Integer(4), fourth.subs(s.a2, s.a2t(s.t)), sp.diff(fourth, s.a2) * rate, s.M4
+    )
+    (solution,) = sp.solve(balance, rate)
     return result(
-        eq(s.S(s.N, s.x), sp.Sum(term, (s.k, 0, s.N))),
-        Step("generating function of orthogonal polynomials", generating_function()[0]),
-        Step("coefficient of u^(N-k) in (1 - u)^(-k-1)", inner),
-        Step("Gram-Schmidt agrees with it for N = 0 ... 6", polynomial(6)),
+        eq(sp.Derivative(s.a2t(s.t), s.t), sp.factor(solution)),
+        ("moment equation of the time-dependent scaled VDF, p = 4", eq(balance, 0)),
+        note="M_2 and M_4 stand for their values at a_2(t).",
+    )
+
+
+@derives("ac5")
+def _ac5() -> Derived:
+    prefactor = s.d * s.rho0 * _V0 / 2
+    right = prefactor * sp.sqrt(sp.pi) * (1 - s.e**2) * quadratic()
+    linear = sp.diff(right, s.a2).subs(s.a2, s.a2bar)
+    scale = linear / (_V0 * growth())
+    return result(eq(sp.Derivative(s.da2(s.t), s.t), tidy(scale) * s.H * _V0 * s.da2(s.t)))
+
+
+@derives("ac7")
+def _ac7() -> Derived:
+    lower, upper = (sp.expand(growth(root)) for root in roots())
+    return result(
+        eq(s.H, growth()),
+        ("at the lower root", lower),
+        ("at the upper root", upper),
+        note="At the two roots H is minus and plus sqrt(-383 + 828 e^2 + 900 e^4)/8: the lower "
+        "root is stable and the upper one unstable for every e above the threshold, where both "
+        "meet.",
+        numbers={
+            "H at the lower root, e = 0.9": at_restitution(lower, 0.9),
+            "H at the upper root, e = 0.9": at_restitution(upper, 0.9),
+        },
+    )
+
+
+@derives("ac6")
+def _ac6() -> Derived:
+    rate = s.d * s.rho0 / 2 * sp.sqrt(sp.pi) * (1 - s.e**2) * s.H
+    # d(delta)/delta = rate v0 dt: the logarithm is rate times the integral of v0
+    grown = s.da2(0) * sp.exp(rate * sp.Integral(_V0, (s.t, 0, s.t)))
+    path = sp.Function("path")
+    form = grown.subs(sp.Integral(_V0, (s.t, 0, s.t)), path(s.t))
+    residual = sp.diff(form, s.t).subs(sp.Derivative(path(s.t), s.t), _V0) - rate * _V0 * form
+    zero(residual, "the exponential does not solve the linear equation")
+    return result(
+        eq(s.da2(s.t), grown),
+        "ac5 divided by the perturbation and integrated",
+        note="With v0 = 1/(alpha + beta t) it is a power of time: exponent sqrt(pi)(1 - e^2) H/(2 "
+        "h). The integration variable is printed as t.",
+    )
+
+
+@derives("compare1")
+def _compare1() -> Derived:
+    discriminant = sp.expand(sp.discriminant(8 * quadratic(), s.a2))
+    square = sp.Symbol("e2", positive=True)
+    (positive,) = sp.solve(discriminant.subs(s.e, sp.sqrt(square)), square)
+    must(discriminant.subs(s.e, 1) > 0, "the roots are not real above the threshold")
+    threshold = sp.sqrt(positive)
+    return result(
+        sp.Le(threshold, s.e, evaluate=False),
+        ("discriminant of the a_2 equation", discriminant),
+        ("its only positive zero in e^2", positive),
+        note="A failure of the truncation, not of the gas: the exact a_2 exists for every e in [0, "
+        "1).",
+        numbers={"threshold restitution": threshold, "exact a_2 at e = 0.4": a2_value(0.4)},
+    )
+
+
+@derives("compare3", "compare3#2")
+def _compare3() -> Derived:
+    lower, _ = roots()
+    inserted = sp.expand(sp.cancel(collision_moment(2) / (1 - s.e**2)).subs(s.a2, lower))
+
+    def ratio(e: float) -> float:
+        return at_restitution(inserted * (1 + s.e) / 2, e)
+
+    return result(
+        eq(s.M2, (1 - s.e**2) * inserted),
+        ("M_2 at symbolic a_2", collision_moment(2)),
+        ("the stable root", eq(s.a2, lower)),
+        note="Real only above the threshold of compare1. Half of it is the Sonine cooling rate.",
+        numbers={"M_2/2 over (1 - e) at e = {e}": ratio},
+        at=(0.6, 0.7, 0.9),
     )

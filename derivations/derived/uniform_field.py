@@ -7,43 +7,26 @@ plane and in space.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import sympy as sp
 
 from .. import symbols as s
 from ..formal import Avg, eq
+from .any_dimension import COSINE, harmonic, share
 from .any_law import impact_density, one_collision
-from .record import Derived, Step, derives, result
+from .record import Derived, derives, must, result, zero
 
-_X = sp.Symbol("cosine", real=True)
 _COS = sp.cos(s.theta_z)
 _ROWS, _PARTS = (s.row0, s.row1, s.row2), (s.f0, s.f1, s.f2, s.f3)
 
 
 @cache
-def _basis(dimension: int, m: int) -> sp.Expr:
-    """cos(m theta) or P_m, as a polynomial in x."""
-    return sp.chebyshevt(m, _X) if dimension == 2 else sp.legendre(m, _X)
-
-
-def _over_directions(polynomial: sp.Expr, dimension: int) -> sp.Expr:
-    """The mean over all directions of a polynomial in x."""
-    if dimension == 2:
-        turned = sp.expand(polynomial).subs(_X, sp.cos(s.theta))
-        return sp.integrate(sp.expand(turned), (s.theta, 0, sp.pi)) / sp.pi
-    return sp.integrate(sp.expand(polynomial), (_X, -1, 1)) / 2
-
-
-@cache
 def _share(dimension: int, k: int, m: int) -> tuple[sp.Expr, sp.Expr]:
     """Harmonic m of d/dv_z acting on harmonic k: the factors of f_k' and of f_k/v."""
-    of, row = _basis(dimension, k), _basis(dimension, m)
-    norm = _over_directions(row**2, dimension)
-    return tuple(
-        _over_directions(part * row, dimension) / norm
-        for part in (_X * of, (1 - _X**2) * sp.diff(of, _X))
-    )
+    of = harmonic(k, dimension)
+    along = share(COSINE * of, m, dimension)
+    return along, share((1 - COSINE**2) * sp.diff(of, COSINE), m, dimension)
 
 
 @cache
@@ -60,21 +43,14 @@ def _rows(dimension: int) -> Derived:
     rows = [field_row(dimension, m) for m in range(3)]
     return result(
         sp.Tuple(*(eq(row(s.v), found) for row, found in zip(_ROWS, rows, strict=True))),
-        Step("d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x"),
-        Step("projected on harmonics 0, 1, 2", sp.Tuple(*rows)),
-        note="The steady state has row_m = v (gain_m - f_m), the gain being "
-        "E[s^-(d+1) P_m(cos chi) f_m(v/s)].",
+        "d/dv_z = x d/dv + (1 - x^2)/v d/dx acts on f_k(v) and its polynomial in x",
+        note="The steady state has row_m = v (gain_m - f_m), the gain being E[s^-(d+1) P_m(cos "
+        "chi) f_m(v/s)].",
     )
 
 
-@derives("beyond:field-plane")
-def _plane() -> Derived:
-    return _rows(2)
-
-
-@derives("beyond:field-space")
-def _space() -> Derived:
-    return _rows(3)
+derives("beyond:field-plane")(partial(_rows, 2))
+derives("beyond:field-space")(partial(_rows, 3))
 
 
 def _mean(dimension: int, p: sp.Expr, m: int) -> sp.Expr:
@@ -89,77 +65,53 @@ def moment_row(dimension: int, m: int) -> sp.Expr:
 
     The derivative by v_z of v^p times the harmonic itself: the boundary vanishes.
     """
-    weight = s.v**s.p * _basis(dimension, m)
-    change = _X * sp.diff(weight, s.v) + (1 - _X**2) / s.v * sp.diff(weight, _X)
+    weight = s.v**s.p * harmonic(m, dimension)
+    change = COSINE * sp.diff(weight, s.v) + (1 - COSINE**2) / s.v * sp.diff(weight, COSINE)
     over = sp.expand(sp.powsimp(sp.expand(change / s.v ** (s.p - 1))))
-    found = sp.Integer(0)
-    for k in range(m + 2):
-        basis = _basis(dimension, k)
-        share = _over_directions(over * basis, dimension)
-        share = sp.factor(share / _over_directions(basis**2, dimension))
-        found += share * _mean(dimension, s.p - 1, k)
-    return found
+    return sum(
+        sp.factor(share(over, k, dimension)) * _mean(dimension, s.p - 1, k) for k in range(m + 2)
+    )
 
 
 @derives("beyond:field-moments")
 def _moments() -> Derived:
     zeroth = moment_row(2, 0)
-    if zeroth != moment_row(3, 0):
-        raise ArithmeticError("the moments of the speed know the dimension")
+    must(zeroth == moment_row(3, 0), "the moments of the speed know the dimension")
     first = {dimension: moment_row(dimension, 1) for dimension in (2, 3)}
     return result(
         sp.Tuple(
             eq(s.lam(s.p) * _mean(2, s.p + 1, 0), zeroth),
             *(eq(s.lam1(s.p) * _mean(d, s.p + 1, 1), first[d]) for d in (2, 3)),
         ),
-        Step("gain of the mean of v^p by the field, in any dimension", zeroth),
-        Step("gain of the mean of v^p cos, in the plane", first[2]),
-        Step("in space", first[3]),
-        Step("the loss by collisions is lambda_m(p) times the mean of v^(p+1), at the rate v/l"),
+        "the loss by collisions is lambda_m(p) times the mean of v^(p+1), at the rate v/l",
     )
-
-
-@cache
-def _relations() -> dict[str, sp.Expr]:
-    """Right-hand sides of the exact relations, by what they give."""
-    speed, cos = moment_row(2, 0), _COS
-    one = {Avg(sp.Integer(1)): sp.Integer(1)}
-
-    def mean_of_power(p: int) -> sp.Expr:
-        return sp.powsimp(speed.subs(s.p, p)).subs(one) / s.lam(p)
-
-    # p -> 0: lambda(p)/p tends to kappa; p = -1: lambda(-1) = 1 - E[1/s]
-    limit = sp.limit((1 - s.s**s.p) / s.p, s.p, 0)
-    if limit != -sp.log(s.s):
-        raise ArithmeticError("lambda(p)/p does not tend to E[-ln s]")
-    first = moment_row(2, 1).subs(s.p, 1).subs(one) / s.lam1(1)
-    return {
-        "first": first,
-        "third": s.lam(2) * Avg(s.v**3) / sp.cancel(mean_of_power(2) * s.lam(2) / Avg(s.v * cos)),
-        "fourth": mean_of_power(3),
-        "cosine": s.lam(1) * Avg(s.v**2) / sp.cancel(mean_of_power(1) * s.lam(1) / Avg(cos)),
-        "inverse": s.klog * Avg(s.v),
-        "inverse square": (1 - Avg(1 / s.s))
-        / sp.cancel(sp.powsimp(speed.subs(s.p, -1)) / Avg(cos / s.v**2)),
-    }
 
 
 @derives("beyond:field-exact")
 def _exact() -> Derived:
-    found, cos = _relations(), _COS
-    if moment_row(3, 1).subs(s.p, 1).subs(Avg(sp.Integer(1)), 1) != 1:
-        raise ArithmeticError("<v v_z> depends on the dimension beyond lambda_1(1)")
+    speed, cos = moment_row(2, 0), _COS
+    one = {Avg(sp.Integer(1)): sp.Integer(1)}
+
+    def of_power(p: int) -> sp.Expr:
+        return sp.powsimp(speed.subs(s.p, p)).subs(one)
+
+    # p -> 0: lambda(p)/p tends to kappa; p = -1: lambda(-1) = 1 - E[1/s]
+    limit = sp.limit((1 - s.s**s.p) / s.p, s.p, 0)
+    must(limit == -sp.log(s.s), "lambda(p)/p does not tend to E[-ln s]")
+    for dimension in (2, 3):
+        first = moment_row(dimension, 1).subs(s.p, 1).subs(one)
+        must(first == 1, "harmonic 2 counts")
+    inverse = sp.cancel(of_power(-1) / Avg(cos / s.v**2))
     return result(
         sp.Tuple(
-            eq(Avg(s.v**2 * cos), found["first"]),
-            eq(Avg(s.v * cos), found["third"]),
-            eq(Avg(s.v**4), found["fourth"]),
-            eq(Avg(cos), found["cosine"]),
-            eq(Avg(cos / s.v), found["inverse"]),
-            eq(Avg(cos / s.v**2), found["inverse square"]),
+            eq(Avg(s.v**2 * cos), 1 / s.lam1(1)),
+            eq(Avg(s.v * cos), s.lam(2) * Avg(s.v**3) / sp.cancel(of_power(2) / Avg(s.v * cos))),
+            eq(Avg(s.v**4), of_power(3) / s.lam(3)),
+            eq(Avg(cos), s.lam(1) * Avg(s.v**2) / sp.cancel(of_power(1) / Avg(cos))),
+            eq(Avg(cos / s.v), s.klog * Avg(s.v)),
+            eq(Avg(cos / s.v**2), (1 - Avg(1 / s.s)) / inverse),
         ),
-        Step("row 1 with p = 1, where harmonic 2 drops out", found["first"]),
-        Step("row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1"),
+        "row 0 with p = 2, 3, 1; p -> 0, where lambda(p)/p -> kappa; and p = -1",
         note="In the plane and in space, for every law. The last needs E[1/s] to exist.",
     )
 
@@ -186,8 +138,7 @@ def _inverse_ratio(dimension: int) -> sp.Expr:
     b, u = sp.sqrt(width), sp.Symbol("u", positive=True)
     y = s.e * sp.sinh(u) / b
     square = sp.expand(_smooth(2)[0].subs(s.y, y)) - s.e**2 * sp.cosh(u) ** 2
-    if sp.simplify(square.rewrite(sp.exp)) != 0:
-        raise ArithmeticError("s is not e cosh(u)")
+    zero(square.rewrite(sp.exp), "s is not e cosh(u)")
     integrand = sp.cancel(sp.diff(y, u) / (s.e * sp.cosh(u)))
     return sp.integrate(integrand, (u, 0, sp.asinh(b / s.e)))
 
@@ -199,12 +150,7 @@ def _closed() -> Derived:
         rate = 1 - _average(dimension, _smooth(dimension)[1])
         rows.append(eq(Avg(s.v**2 * _COS), sp.factor(1 / rate)))
         rows.append(eq(Avg(_COS / s.v**2), _inverse_ratio(dimension) - 1))
-    return result(
-        sp.Tuple(*rows),
-        Step("1/lambda_1(1) with lambda_1(1) = 1 - E[s cos(chi)], and E[1/s] - 1"),
-        Step("E[1/s] in the plane", _inverse_ratio(2)),
-        Step("E[1/s] in space", _inverse_ratio(3)),
-    )
+    return result(sp.Tuple(*rows))
 
 
 @cache
@@ -248,9 +194,7 @@ def _nearly_elastic() -> Derived:
         rows += [eq(s.f0(s.v), shape), eq(s.drift, drift), eq(s.Dperp, across)]
     return result(
         sp.Tuple(*rows),
-        Step("kappa and lambda_1(0) in the plane", sp.Tuple(*_near_elastic(2))),
-        Step("in space", sp.Tuple(*_near_elastic(3))),
-        Step("f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0"),
+        "f_0' = -lambda_1 v f_1 and f_1/d = kappa v^2 f_0",
         note="Slow collisions spread the directions before the speed changes.",
     )
 
@@ -279,8 +223,7 @@ def _elastic() -> Derived:
         rows += [eq(s.f0(s.v), _self_similar(dimension)), eq(Avg(s.v**3), cube)]
     return result(
         sp.Tuple(*rows),
-        Step("late: f_1 = -f_0'/(lambda_1 v), and d_t f_0 = -row_0"),
-        Step("d<v_z>/dt = 1 - lambda_1 <v v_z>: <v v_z> is known over time from <v_z>"),
-        Step("d<v^3>/dt = 3 <v v_z>, from rest", rows[1].rhs),
+        "late: f_1 = -f_0'/(lambda_1 v), and d_t f_0 = -row_0",
+        "d<v_z>/dt = 1 - lambda_1 <v v_z>: <v v_z> is known over time from <v_z>",
         note="No steady state: the energy is that of the fall, v^2 = 2 z.",
     )

@@ -1,67 +1,96 @@
 """The paper as transcribed, and the other statements that are judged; nothing is corrected here.
 
 What the paper gets wrong is wrong here. ``paper.tex`` holds every label, its title and the paper's
-LaTeX of it; the files of the sections transcribe the same equations into sympy, and a test holds
-each transcription against its LaTeX. ``beyond_the_paper`` and
-``finite_density`` state the results that the paper does not have.
+LaTeX of it; ``main_text`` and ``appendices`` transcribe the same equations into sympy, and a test
+holds each transcription against its LaTeX. ``beyond`` and ``beyond_media`` state the results that
+the paper does not have, under labels that start with ``beyond:``.
 
-May import: ``symbols``, ``formal``, ``typesetting``; never ``derived``. Begin reading with
-``paper.tex``.
-
-A new row of derivations: state it here, in ``beyond_the_paper`` or
-``finite_density`` (its label starts with
-``beyond:``); or in ``paper.tex`` and in the file of its section, if the paper prints it. Then
-derive it by a function under ``@derives(label)`` in :mod:`derivations.derived`.
+May import: ``symbols``, ``formal``, ``printers``; never ``derived``. A new row is stated here and
+derived by a function under ``@derives(label)`` in :mod:`derivations.derived`.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from importlib.resources import files
 
-from . import (
-    appendix_a,
-    appendix_b,
-    appendix_c,
-    appendix_d,
-    beyond_the_paper,
-    cooling,
-    finite_density,
-    position,
-    random_walk,
-    stability,
-    transport,
-    uniform_field,
-)
-from .equation import PrintedEquation, read_equations
+import sympy as sp
 
-_FORMULAS = (
-    cooling.FORMULAS
-    | random_walk.FORMULAS
-    | transport.FORMULAS
-    | position.FORMULAS
-    | appendix_a.FORMULAS
-    | appendix_b.FORMULAS
-    | stability.FORMULAS
-    | appendix_c.FORMULAS
-    | appendix_d.FORMULAS
-)
-_PAPER = read_equations(
-    files(__name__).joinpath("paper.tex").read_text(encoding="utf-8"), _FORMULAS
-)
-_BY_LABEL = {equation.label: equation for equation in _PAPER}
+from ..printers import latex, mathml, plain
+from . import appendices, beyond, beyond_media, main_text
 
-PRINTED = {
-    label: equation for label, equation in _BY_LABEL.items() if not label.startswith("statement:")
+__all__ = ["PRINTED", "ROWS", "PrintedEquation", "printed_equation", "read_equations"]
+
+
+@dataclass(frozen=True, repr=False)
+class PrintedEquation:
+    """An equation as it is stated, misprints included.
+
+    ``source`` is the paper's LaTeX of it, empty where the paper has none (a figure, a result
+    beyond the paper). ``formula`` is its transcription: an ``Eq``, a relation, or a ``Tuple`` of
+    equations where several are chained or listed; None where there is nothing to transcribe.
+    ``latex`` and ``mathml`` are that formula, empty if there is none.
+    """
+
+    label: str
+    title: str
+    section: str
+    source: str = ""
+    formula: sp.Basic | None = None
+    latex = property(lambda self: latex(self.formula))
+    mathml = property(lambda self: mathml(self.formula))
+
+    def __repr__(self) -> str:
+        return f"PrintedEquation {self.label!r}: {self.title}: {plain(self.formula)}"
+
+    def _repr_html_(self) -> str:
+        return mathml(self.formula)
+
+
+def read_equations(text: str, formulas: Mapping[str, sp.Basic]) -> Iterator[PrintedEquation]:
+    """The equations of a text in the form of ``paper.tex``, each with its transcription.
+
+    Raises ValueError for LaTeX without transcription, and the reverse.
+    """
+    section = ""
+    for block in re.split(r"\n(?=%%? )", text):
+        head, _, body = block.partition("\n")
+        if head.startswith("%% "):
+            section = head[3:]
+        elif section:
+            label, title = head[2:].split(": ", 1)
+            source = " ".join(body.split())
+            if bool(source) is not (label in formulas):
+                raise ValueError(f"label {label!r}: LaTeX and transcription must both be there")
+            yield PrintedEquation(label, title, section, source, formulas.get(label))
+
+
+_PAPER = {
+    equation.label: equation
+    for equation in read_equations(
+        files(__name__).joinpath("paper.tex").read_text(encoding="utf-8"),
+        main_text.FORMULAS | appendices.FORMULAS,
+    )
 }
+_BEYOND = {
+    label: PrintedEquation(
+        label, title, section, formula=sp.Tuple(*stated) if len(stated) > 1 else stated[0]
+    )
+    for section, table in (
+        ("Beyond the paper", beyond.PAPERS_LAW),
+        ("Beyond the paper: any collision law", beyond.ANY_LAW),
+        ("Beyond the paper: finite density", beyond_media.FINITE_DENSITY),
+        ("Beyond the paper: a uniform field", beyond_media.UNIFORM_FIELD),
+    )
+    for label, (title, *stated) in table.items()
+}
+
+PRINTED = {label: row for label, row in _PAPER.items() if not label.startswith("statement:")}
 """The paper's equations and figures, in its order."""
 
-ROWS = (
-    PRINTED
-    | beyond_the_paper.EQUATIONS
-    | finite_density.EQUATIONS
-    | uniform_field.EQUATIONS
-    | _BY_LABEL
-)
+ROWS = PRINTED | _BEYOND | _PAPER
 """Every row: the paper's labels in its order, what lies beyond it, and its statements in words."""
 
 
@@ -77,6 +106,3 @@ def printed_equation(label: str) -> PrintedEquation:
             "'taun#2' or 'beyond:a2' (verify() gives them all)"
         )
     return ROWS[label]
-
-
-__all__ = ["PRINTED", "ROWS", "PrintedEquation", "printed_equation"]

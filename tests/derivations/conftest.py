@@ -33,5 +33,10 @@ def checks() -> tuple[Check, ...]:
 
 
 @pytest.fixture(scope="session")
+def rows(checks: tuple[Check, ...]) -> dict[str, Check]:
+    return {row.label: row for row in checks}
+
+
+@pytest.fixture(scope="session")
 def mutants() -> Mutants:
     return every_mutant

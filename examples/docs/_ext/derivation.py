@@ -31,19 +31,20 @@ def _html(label: str, known: set[str]) -> str:
     """Formula, its symbols that are not yet known on this page, and the folded steps."""
     check = _check(label)
     steps = "".join(f"<li>{escape(step.text)}{_shown(step.formula)}</li>" for step in check.steps)
+    steps = f"<ol>{steps}</ol>" if steps else ""
     numbers = "".join(f"<li>{escape(n.name)} = {n.value:.7g}</li>" for n in check.numbers)
     note = f"<p>{escape(check.note)}</p>" if check.note else ""
     return (
         f'<div class="derivation"><p class="title">{escape(check.title)}</p>'
         f"{_shown(check.printed)}{_symbols(check.printed, known)}"
         f"<details><summary>Derivation <code>{escape(label)}</code></summary>"
-        f"<ol>{steps}</ol>{f'<ul>{numbers}</ul>' if numbers else ''}{note}</details></div>"
+        f"{steps}{f'<ul>{numbers}</ul>' if numbers else ''}{note}</details></div>"
     )
 
 
 def _shown(formula: Any) -> str:
     """A formula; the members of a Tuple on lines of their own."""
-    from derivations.typesetting import mathml
+    from derivations.printers import mathml
 
     parts = (
         () if formula is None else formula.args if formula.func.__name__ == "Tuple" else [formula]
@@ -57,8 +58,8 @@ def _symbols(formula: Any, known: set[str]) -> str:
     import sympy as sp
     from sympy.core.function import AppliedUndef
 
+    from derivations.printers import mathml
     from derivations.symbols import table
-    from derivations.typesetting import mathml
 
     names = {symbol.name for symbol in formula.atoms(sp.Symbol)}
     names |= {applied.func.__name__ for applied in formula.atoms(AppliedUndef)}

@@ -1,7 +1,8 @@
 """The exact theory as numbers: quadrature over the impact parameter in mpmath, no closed form.
 
 These are the numbers that stand beside the paper's, and the independent route by which the tests
-hold the closed forms of :mod:`derivations.closed_forms`. The mean free path is the unit of length.
+hold the closed forms of :mod:`derivations.derived.scaling_state`. The unit of length is the mean
+free path.
 """
 
 from __future__ import annotations
@@ -47,36 +48,31 @@ def flux_loss_value(order: float | mp.mpf, restitution: Restitution) -> mp.mpf:
     return 1 - _average("parallel", mp.mpf(order) - 1, restitution)
 
 
-def mean_cosine_value(restitution: Restitution) -> mp.mpf:
-    """The mean cosine of the deflection angle at the working precision of mpmath."""
-    return 1 - flux_loss_value(0, restitution)
+@cache
+def moment_value(order: int, restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
+    """<c^n> of the scaling solution, n >= 0, from E[Y^(n+1)] = n E[Y^n]/lambda(n)."""
+    with mp.workdps(digits):
+        speed = [mp.mpf(1), 1 / log_loss_value(restitution)]
+        for n in range(1, max(order, 2)):
+            speed.append(n * speed[n] / loss_value(n, restitution))
+        return speed[order] / speed[2] ** (mp.mpf(order) / 2)
 
 
 @cache
-def cooling_rate_value(restitution: float | str) -> mp.mpf:
-    """h(e) = 2 sqrt(kappa lambda(1)) to 30 digits."""
-    with mp.workdps(DIGITS):
+def cooling_rate_value(restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
+    """h(e) = 2 sqrt(kappa lambda(1))."""
+    with mp.workdps(digits):
         return 2 * mp.sqrt(log_loss_value(restitution) * loss_value(1, restitution))
 
 
-@cache
-def a2_value(restitution: float | str) -> mp.mpf:
-    """The exact a_2 = <c^4>/2 - 1 to 30 digits, from E[Y^(n+1)] = n E[Y^n]/lambda(n)."""
-    with mp.workdps(DIGITS):
-        kappa = log_loss_value(restitution)
-        first, second, third = (loss_value(k, restitution) for k in (1, 2, 3))
-        fourth = 6 / (kappa * first * second * third)
-        return fourth * (kappa * first) ** 2 / 2 - 1
+def a2_value(restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
+    """The exact a_2 = <c^4>/2 - 1."""
+    with mp.workdps(digits):
+        return moment_value(4, restitution, digits) / 2 - 1
 
 
 @cache
-def diffusion_slope_value(restitution: float | str) -> mp.mpf:
-    """d<r^2>/d ln t in units of l^2, to 30 digits: 2/(kappa (1 - <cos chi>))."""
-    with mp.workdps(DIGITS):
-        return 2 / (log_loss_value(restitution) * (1 - mean_cosine_value(restitution)))
-
-
-def mean_scaled_speed_value(restitution: float | str) -> mp.mpf:
-    """<c> of the scaling solution, to 30 digits: E[Y]/sqrt(E[Y^2]) = sqrt(lambda(1)/kappa)."""
-    with mp.workdps(DIGITS):
-        return mp.sqrt(loss_value(1, restitution) / log_loss_value(restitution))
+def diffusion_slope_value(restitution: Restitution, digits: int = DIGITS) -> mp.mpf:
+    """d<r^2>/d ln t in units of l^2: 2/(kappa (1 - <cos chi>))."""
+    with mp.workdps(digits):
+        return 2 / (log_loss_value(restitution) * flux_loss_value(0, restitution))

@@ -1,0 +1,264 @@
+"""Chapman-Enskog expansion in the density gradient, order by order (diffuse1 ... diffuse22).
+
+The expansion is made with the formal parameter epsilon; the collision operator enters only as a
+linear operator, the gradient as a symbol that commutes with functions of the velocity.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import Dot, Dt, Int, Lam, Partial, dot, eq
+from ..premises import isotropy
+from .kinetic_equation import mass_change
+from .record import Derived, defines, derives, must, result, row
+
+_T = s.T(s.t)
+_D = s.De(s.t)
+_F = s.f(s.bv, s.t)
+
+_N = s.nd(s.br, s.t)
+_P0, _P1, _P2 = (order(s.br, s.bv, s.t) for order in (s.p0, s.p1, s.p2))
+_B = s.Bv(s.bv, _T)
+
+
+row("diffuse2", lambda: eq(sp.Derivative(_N, s.t) + dot(s.nabla, s.J(s.br, s.t)), mass_change()))
+defines(
+    {
+        "diffuse3": "The zeroth moment in velocity.",
+        "diffuse4": "The first moment in velocity.",
+        "diffuse9": "The power of epsilon counts the gradients.",
+        "diffuse17": "The diffusion coefficient as an integral of B.",
+        "diffuse19": "The relaxation rate of the flux; it depends on the shape of B.",
+    }
+)
+row(
+    "diffuse5",
+    note="A formal series; that it orders the distribution holds for gradients that are small over "
+    "the distance which a tracer covers while its speed falls by a fixed factor.",
+    holds=True,
+)
+
+
+@cache
+def _flux_orders() -> dict[int, sp.Expr]:
+    """Orders of -div J with both the gradient and the flux expanded."""
+    fluxes = [sp.Function(f"J_vec_{order}")(s.br, s.t) for order in range(3)]
+    total = sp.expand(
+        sum(
+            s.eps ** (order + 1 + step) * dot(gradient, flux)
+            for step, gradient in enumerate((s.nabla0, s.nabla1))
+            for order, flux in enumerate(fluxes)
+        )
+    )
+    return {order: -total.coeff(s.eps, order + 1) for order in range(3)}
+
+
+def density_series(density: sp.Expr) -> sp.Expr:
+    """The time derivative of a density in orders of epsilon, from the lowest that -div J has."""
+    lowest = min(order + 1 for order, part in _flux_orders().items() if part != 0)
+    return sp.Sum(s.eps ** (s.j + lowest) * Dt(s.j, density), (s.j, 0, sp.oo))
+
+
+row(
+    "diffuse6",
+    lambda: eq(sp.Derivative(_N, s.t), density_series(_N)),
+    note="Each order of the gradient carries at least one factor of epsilon.",
+)
+
+
+def continuity_order(flux: sp.Expr, density: sp.Expr) -> Derived:
+    """Order j of continuity: with the gradient expanded, lower fluxes meet its higher orders."""
+    index = sp.Symbol("i", integer=True, nonnegative=True)
+    gradient = sp.Function("nabla")(index)
+    lower = sp.Function("J_vec")(s.j - index, *flux.args)
+    general = -sp.Sum(dot(gradient, lower), (index, 0, s.j))
+    return result(
+        eq(Dt(s.j, density), general),
+        ("order epsilon", eq(Dt(0, density), _flux_orders()[0])),
+        ("order epsilon^2", eq(Dt(1, density), _flux_orders()[1])),
+        note="With the gradient expanded as in diffuse9, order j also holds the flux of order j - "
+        "i under the gradient of order i. The printed form drops these. At the orders that the "
+        "paper uses nothing changes, since the flux of order 0 vanishes; from order 2 on it does.",
+        numbers={"change of the diffusion equation (order 1)": 0.0},
+    )
+
+
+derives("diffuse7")(lambda: continuity_order(s.Jj(s.br, s.t), _N))
+
+
+@derives("diffuse8")
+def _diffuse8() -> Derived:
+    series = sum(s.eps**order * part for order, part in enumerate((_P0, _P1, _P2)))
+    terms = [sp.expand(s.bv * series).coeff(s.eps, order) for order in range(3)]
+    factor = {sp.cancel(term / part) for term, part in zip(terms, (_P0, _P1, _P2), strict=True)}
+    (weight,) = factor
+    return result(eq(s.Jj(s.br, s.t), Int(weight * s.pj(s.br, s.bv, s.t), s.bv)))
+
+
+@cache
+def orders(density: sp.Expr = _N) -> tuple[sp.Eq, sp.Eq]:
+    """Orders 0 and 1 of the kinetic equation; p^(j) depends on time through the density and T."""
+    change = s.eps * Dt(0, density) + s.eps**2 * Dt(1, density)
+    cooling = sp.Derivative(_T, s.t)
+    left = sp.expand(
+        sum(
+            s.eps**order * (change * Partial(part, density) + cooling * Partial(part, _T))
+            for order, part in enumerate((_P0, _P1))
+        )
+        # the gradient acts through the density, and on p^(0) alone at this order
+        + s.eps * dot(s.bv, s.nabla0) * density * Partial(_P0, density)
+    )
+    right = sp.expand(sum(s.eps**order * Lam(part) for order, part in enumerate((_P0, _P1))))
+    zeroth, first = (eq(left.coeff(s.eps, k), right.coeff(s.eps, k)) for k in (0, 1))
+    return zeroth, first
+
+
+row("diffuse10", lambda: orders()[0], "order epsilon^0 of the kinetic equation")
+
+
+@derives("diffuse11")
+def _diffuse11() -> Derived:
+    amplitude = sp.Symbol("A")
+    # the integral of A f over v is n(r, t), that of f is n
+    (solution,) = sp.solve(amplitude * s.n - _N, amplitude)
+    return result(eq(_P0, solution * _F))
+
+
+row("diffuse12", lambda: orders()[1], "order epsilon^1 of the kinetic equation")
+
+
+class Expansion(NamedTuple):
+    """The first order, the equation for B and that for the diffusion coefficient."""
+
+    first_order: sp.Eq
+    of_b: sp.Eq
+    of_coefficient: sp.Eq
+
+
+def expand(
+    density: sp.Expr, slope: sp.Expr, cooling: sp.Expr, coefficient: sp.Expr, source: sp.Expr
+) -> Expansion:
+    """The expansion for one density and its diffusion coefficient.
+
+    ``slope`` is dp^(0)/d(density), ``cooling`` is dT/dt; ``source``, the integral of v.v f, stands
+    for v f on the right.
+    """
+    order = orders(density)[1]
+    # the flux of order 0 vanishes: f is even
+    known = {Dt(0, density): 0, sp.Derivative(_T, s.t): cooling, Partial(_P0, density): slope}
+    residual = (order.lhs - order.rhs).subs(known)
+    driven = residual.subs({Lam(_P1): 0, Partial(_P1, _T): 0})
+    first = eq(sp.expand(driven - residual), driven)
+    # p^(1) = B.grad n inserted; the gradient, which is arbitrary, is divided out
+    inserted = {
+        Lam(_P1): dot(Lam(_B), s.nabla0) * density,
+        Partial(_P1, _T): dot(Partial(_B, _T), s.nabla0) * density,
+    }
+    sides = (sp.expand(side.subs(inserted) / density) for side in first.args)
+    of_b = eq(*(side.replace(Dot, _beside_gradient) for side in sides))
+    # times -v/2 and integrated, with D_e and nu_D named
+    half = -sp.Rational(1, 2)
+    named = {
+        Partial(_B, _T): Partial(coefficient, _T) / half,
+        Lam(_B): -s.nuD * coefficient / half,
+        s.bv * _F: source,
+    }
+    left, right = (sp.expand(half * side) for side in of_b.args)
+    return Expansion(first, of_b, eq(sp.expand(left.subs(named)), right.subs(named)))
+
+
+def _beside_gradient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The vector X of the product X.grad."""
+    must(s.nabla0 in (one, other), f"{one}.{other} holds no gradient")
+    return other if one == s.nabla0 else one
+
+
+@cache
+def _expansion() -> Expansion:
+    """diffuse13, diffuse15 and diffuse18; the integral of v.v f is n <v^2> = n v0^2 = 2 n T/m."""
+    return expand(_N, _F / s.n, -s.xi(s.t) * _T, _D, s.n * 2 * _T / s.m)
+
+
+row(
+    "diffuse13",
+    lambda: (
+        _expansion().first_order,
+        ("flux of order 0: v f is odd", eq(s.J0(s.br, s.t), sp.Integer(0))),
+        ("cooling", eq(sp.Derivative(_T, s.t), -s.xi(s.t) * _T)),
+    ),
+)
+row(
+    "diffuse14",
+    note="Holds: the equation is linear with a source proportional to the gradient of n, and the "
+    "operator commutes with rotations.",
+    holds=True,
+)
+row("diffuse15", lambda: _expansion().of_b, "p^(1) = B.grad n inserted, the gradient divided out")
+
+
+@derives("diffuse16")
+def _diffuse16() -> Derived:
+    integral = Int(dot(s.bv, _B), s.bv)
+    flux = isotropy() * integral * s.nabla0 * _N
+    coefficient = flux.subs(integral, _D / (-sp.Rational(1, 2)))
+    return result(eq(s.J1(s.br, s.t), coefficient))
+
+
+row(
+    "diffuse18",
+    lambda: _expansion().of_coefficient,
+    "the equation for B",
+    note="The paper cites diffuse17 where it means diffuse15.",
+)
+
+
+@cache
+def thermal_speed() -> sp.Expr:
+    """v0 as a function of the temperature, from T = m v0^2/2."""
+    speed = sp.Symbol("speed", positive=True)
+    (root,) = sp.solve(sp.Eq(_T, s.m * speed**2 / 2), speed)
+    return root
+
+
+@cache
+def temperature_exponent() -> sp.Expr:
+    """q in D_e ~ T^q: D_e is a number times l v0, the only length and speed at hand."""
+    heat = sp.Symbol("heat", positive=True)
+    speed = thermal_speed().subs(_T, heat)
+    return sp.simplify(heat * sp.diff(speed, heat) / speed)
+
+
+row(
+    "diffuse20",
+    lambda: eq(Partial(_D, _T), temperature_exponent() * _D / _T),
+    "D_e = number l v0: exponent of T",
+    note="Exact in the scaling state, where D_e/(l v0) is a number.",
+)
+
+
+def solved(equation: sp.Eq, coefficient: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """The diffusion coefficient where it goes as this power of T."""
+    unknown = sp.Symbol("D", positive=True)
+    inserted = {Partial(coefficient, _T): exponent * unknown / _T, coefficient: unknown}
+    (solution,) = sp.solve((equation.lhs - equation.rhs).subs(inserted), unknown)
+    return solution
+
+
+row(
+    "diffuse21",
+    lambda: eq(_D, sp.factor(solved(_expansion().of_coefficient, _D, temperature_exponent()))),
+    "the equation for D_e with T dD/dT = D/2; xi = 2 d rho0 v0 h",
+)
+
+
+@derives("diffuse22")
+def _diffuse22() -> Derived:
+    flux = -_D * s.nabla0 * _N
+    # order 1 of continuity with J^(0) = 0; the gradient is a symbol, its square the Laplacian
+    right = sp.expand(-s.nabla0 * flux)
+    return result(eq(Dt(1, _N), right), ("order 1 of continuity", eq(Dt(1, _N), _flux_orders()[1])))

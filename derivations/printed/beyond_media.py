@@ -1,0 +1,106 @@
+"""Results beyond the paper as they are stated: scatterers met again, and a uniform field.
+
+In the field speeds are in sqrt(g l) and times in sqrt(l/g).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from .. import symbols as s
+from ..formal import Avg, eq
+
+Q = sp.Rational
+_half = Q(1, 2)
+_n = s.rho0 * s.d**2
+_sign = (-1) ** s.harm
+_next = s.harm + 1
+_before = s.harm - 1
+
+FINITE_DENSITY: dict[str, tuple[Any, ...]] = {
+    "beyond:straight-back": ("density of the deflections straight back",
+        eq(s.back, s.e / (2 * (1 + s.e)))),
+    "beyond:return-chance": ("chance to be thrown back to the scatterer before",
+        eq(s.retR(s.dist), 2 * s.e * _n / ((1 + s.e) * s.dist)),
+        eq(s.ret, 2 * s.e * _n * sp.log(s.l / s.d) / (1 + s.e))),
+    "beyond:return-operator": ("the operator of returns on v^p exp(i m phi): to first order, and "
+        "summed",
+        eq(s.lamd, s.lamm - s.ret * _sign * s.e**s.p * s.lamm**2),
+        eq(s.lamd, s.lamm / (1 + s.ret * _sign * s.e**s.p * s.lamm))),
+    "beyond:return-slope": ("what returns do to the displacement, and to elastic diffusion",
+        eq(s.coefA(s.e), 2 * s.e * (1 - s.cos_chi) / (1 + s.e)),
+        eq(s.coefA(1), Q(4, 3))),
+    "beyond:enskog-path": ("mean free path among hard disks, to first order in their density",
+        eq(s.ln, s.l * (1 - (2 * sp.pi / 3 - sp.sqrt(3) / 2) * _n))),
+    "beyond:two-disks": ("returns of an impact parameter y on the second of two distant disks",
+        eq(s.offset, (1 + s.e) * s.y * s.dist / (s.e * s.d)),
+        eq(s.retR(s.dist), 2 * s.e * _n / ((1 + s.e) * s.dist))),
+    "beyond:corridor": ("the way back runs in the corridor of the way out",
+        eq(s.damp, 1 + s.offset / 4),
+        eq(s.Lnest, sp.log((1 + s.offset / 4) / 2))),
+    "beyond:free-flight": ("one free flight in Fourier space, harmonic by harmonic",
+        eq(s.free(s.harm), (-sp.I * (sp.sqrt(1 + s.wave**2) - 1) / s.wave)**s.harm
+            / sp.sqrt(1 + s.wave**2))),
+    "beyond:loops": ("the propagator in Fourier space as continued fractions, upwards and "
+        "downwards",
+        eq(s.tail(s.k), 1 / (s.lamj(s.k) + s.wave**2 * s.tail(s.k + 1) / 4)),
+        eq(s.prop, 1 / (s.lamm + s.wave**2 * (s.tail(_next) + s.tail(_before)) / 4))),
+}  # fmt: skip
+
+_v, _cos = s.v, sp.cos(s.theta_z)
+_F0, _F1, _F2, _F3 = (f(s.v) for f in (s.f0, s.f1, s.f2, s.f3))
+_b = sp.sqrt(1 - s.e**2)
+
+UNIFORM_FIELD: dict[str, tuple[Any, ...]] = {
+    "beyond:field-plane": ("field: harmonics cos(m phi) of the derivative by v_z, in the plane",
+        eq(s.row0(_v), _half * (sp.diff(_F1, _v) + _F1 / _v)),
+        eq(s.row1(_v), _half * (sp.diff(_F2, _v) + 2 * _F2 / _v) + sp.diff(_F0, _v)),
+        eq(s.row2(_v), _half * (sp.diff(_F3, _v) + 3 * _F3 / _v) + _half
+            * (sp.diff(_F1, _v) - _F1 / _v))),
+    "beyond:field-space": ("field: harmonics P_m(cos theta) of the derivative by v_z, in space",
+        eq(s.row0(_v), (sp.diff(_F1, _v) + 2 * _F1 / _v) / 3),
+        eq(s.row1(_v), Q(2, 5) * (sp.diff(_F2, _v) + 3 * _F2 / _v) + sp.diff(_F0, _v)),
+        eq(s.row2(_v), Q(3, 7) * (sp.diff(_F3, _v) + 4 * _F3 / _v) + Q(2, 3)
+            * (sp.diff(_F1, _v) - _F1 / _v))),
+    "beyond:field-moments": ("field: moments of the steady state, harmonics 0 and 1: in the "
+        "plane, in space",
+        eq(s.lam(s.p) * Avg(_v**(s.p + 1)), s.p * Avg(_v**(s.p - 1) * _cos)),
+        eq(s.lam1(s.p) * Avg(_v**(s.p + 1) * _cos),
+            _half * (s.p + 1) * Avg(_v**(s.p - 1)) + _half * (s.p - 1)
+            * Avg(_v**(s.p - 1) * sp.cos(2 * s.theta_z))),
+        eq(s.lam1(s.p) * Avg(_v**(s.p + 1) * _cos),
+            Q(1, 3) * (s.p + 2) * Avg(_v**(s.p - 1)) + Q(2, 3) * (s.p - 1)
+            * Avg(_v**(s.p - 1) * sp.legendre(2, _cos)))),
+    "beyond:field-exact": ("field: exact relations of the steady state",
+        eq(Avg(_v**2 * _cos), 1 / s.lam1(1)),
+        eq(Avg(_v * _cos), s.lam(2) * Avg(_v**3) / 2),
+        eq(Avg(_v**4), 3 * Avg(_v**2 * _cos) / s.lam(3)),
+        eq(Avg(_cos), s.lam(1) * Avg(_v**2)),
+        eq(Avg(_cos / _v), s.klog * Avg(_v)),
+        eq(Avg(_cos / _v**2), Avg(1 / s.s) - 1)),
+    "beyond:field-closed": ("field: <v v_z> and <cos/v^2> among smooth disks, and among smooth "
+        "spheres",
+        eq(Avg(_v**2 * _cos), 3 / (2 * (1 + s.e))),
+        eq(Avg(_cos / _v**2), sp.asinh(_b / s.e) / _b - 1),
+        eq(Avg(_v**2 * _cos), 2 / (1 + s.e)),
+        eq(Avg(_cos / _v**2), (1 - s.e) / (1 + s.e))),
+    "beyond:field-nearly-elastic": ("field: f_0 over f_0(0), drift and D_perp as e -> 1: in the "
+        "plane, in space",
+        eq(s.f0(_v), sp.exp(-Q(2, 9) * s.deficit * _v**4)),
+        eq(s.drift, s.deficit / 3 * (Q(2, 9) * s.deficit)**(-Q(3, 4)) * sp.gamma(Q(5, 4))
+            / sp.sqrt(sp.pi)),
+        eq(s.Dperp, Q(3, 8) * (Q(2, 9) * s.deficit)**(-Q(1, 4)) * sp.gamma(Q(3, 4))
+            / sp.sqrt(sp.pi)),
+        eq(s.f0(_v), sp.exp(-Q(3, 16) * s.deficit * _v**4)),
+        eq(s.drift, s.deficit / 4 * (Q(3, 16) * s.deficit)**(-Q(3, 4)) * sp.sqrt(sp.pi) / 2
+            / sp.gamma(Q(3, 4))),
+        eq(s.Dperp, (Q(3, 16) * s.deficit)**(-Q(1, 4)) / (3 * sp.gamma(Q(3, 4))))),
+    "beyond:field-elastic": ("field at e = 1: f_0 at late times over its factor, in the plane "
+        "and in space; from rest <v^3> at all times",
+        eq(s.f0(_v), s.t**(-Q(2, 3)) * sp.exp(-8 * _v**3 / (27 * s.t))),
+        eq(Avg(_v**3), Q(9, 4) * (s.t - Avg(_v * _cos))),
+        eq(s.f0(_v), sp.exp(-_v**3 / (3 * s.t)) / s.t),
+        eq(Avg(_v**3), 3 * (s.t - Avg(_v * _cos)))),
+}  # fmt: skip

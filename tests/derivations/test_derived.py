@@ -1,0 +1,354 @@
+"""The derived formulas by a second route in numbers, and the numbers of the solver against them."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+
+from derivations import symbols as sy
+from derivations.derived import any_dimension, any_law, finite_density, position, scaling_state
+from derivations.derived import values as quadrature
+from derivations.derived.uniform_field import field_row
+from derivations.formal import Second
+from derivations.printed import ROWS, printed_equation
+from derivations.symbols import R, e, eta, p
+from kinetics import CollisionLaw, ScalingSolution
+from kinetics import sonine as printed_numbers
+from kinetics.collision import law_in_medium
+from kinetics.moments.backward import Observable, quartic_displacement
+
+RANDOM = np.random.default_rng(20240607)
+RESTITUTIONS = [float(value) for value in RANDOM.uniform(0.02, 0.98, 5)]
+EXPONENTS = [float(value) for value in RANDOM.uniform(-0.9, 12.0, 5)]
+LAWS = [tuple(map(float, pair)) for pair in RANDOM.uniform(0.02, 0.98, (10, 2))]
+TOLERANCE = 1e-13  # what the closed forms of the solver promise
+
+
+@pytest.mark.parametrize(
+    ("closed", "by_quadrature"),
+    [
+        (scaling_state.loss_one, lambda z: quadrature.loss_value(1, z)),
+        (scaling_state.loss_two, lambda z: quadrature.loss_value(2, z)),
+        (scaling_state.mean_log_loss, quadrature.log_loss_value),
+        (scaling_state.mean_cosine, lambda z: 1 - quadrature.flux_loss_value(0, z)),
+    ],
+)
+def test_closed_forms_meet_quadrature_at_50_digits(closed, by_quadrature) -> None:
+    function = sp.lambdify(e, closed(), "mpmath")
+    with mp.workdps(60):
+        for value in map(mp.mpf, RESTITUTIONS):
+            assert abs(function(value) / by_quadrature(value) - 1) < mp.mpf(10) ** -50
+
+
+def test_the_hypergeometric_loss_meets_quadrature_at_50_digits() -> None:
+    function = sp.lambdify((p, e), scaling_state.mean_ratio_power(), "mpmath")
+    with mp.workdps(60):
+        for order, value in zip(EXPONENTS, map(mp.mpf, RESTITUTIONS), strict=True):
+            exact = 1 - function(mp.mpf(order), value)
+            assert abs(exact / quadrature.loss_value(order, value) - 1) < mp.mpf(10) ** -50
+
+
+def test_the_integral_of_the_paper_is_the_bessel_function_at_50_digits() -> None:
+    closed = sp.lambdify((R, eta), position.closed_form(), "mpmath")
+    radii, widths = RANDOM.uniform(0.05, 6, 5), RANDOM.uniform(0.1, 2, 5)
+    with mp.workdps(60):
+        for radius, width in zip(map(mp.mpf, radii), map(mp.mpf, widths), strict=True):
+            # V = exp(u): the integrand is then even in u about its saddle, for the trapezoid rule
+            root, step = mp.sqrt(radius**2 / (2 * width)), mp.mpf(1) / 64
+            total = mp.fsum(mp.exp(-2 * root * mp.cosh(2 * step * k)) for k in range(-320, 321))
+            integral = 2 * radius / width * step * total
+            assert abs(integral / closed(radius, width) - 1) < mp.mpf(10) ** -50
+    ours = printed_numbers.position_integral(radii, widths)
+    theirs = [float(closed(r, w)) for r, w in zip(radii, widths, strict=True)]
+    np.testing.assert_allclose(ours, theirs, rtol=TOLERANCE)
+
+
+def test_the_series_of_the_cooling_rate_and_the_tail_of_the_moments(rows) -> None:
+    near, small = (rows[f"beyond:cooling-{which}"].derived.rhs for which in ("near-1", "small-e"))
+    with mp.workdps(40):
+        tiny = mp.mpf(10) ** -4
+        small, near = sp.lambdify(e, small, "mpmath"), sp.lambdify(sy.gap, near, "mpmath")
+        rate = quadrature.cooling_rate_value(tiny, 40)
+        assert abs(rate - small(tiny)) < 20 * tiny**3  # e^3 ln e
+        rate = quadrature.cooling_rate_value(1 - tiny, 40) / tiny
+        assert abs(rate - near(tiny)) < tiny**3
+    # E[Y^(p+1)]/E[Y^p] = p/lambda(p) = p + 1/(1 - e^2) + O(1/p)
+    for value in (0.2, 0.6):
+        gaps = [
+            order / quadrature.loss_value(order, value) - order - 1 / (1 - mp.mpf(value) ** 2)
+            for order in (200, 400)
+        ]
+        assert abs(gaps[1]) < 0.02
+        assert gaps[0] / gaps[1] == pytest.approx(2, rel=0.05)
+
+
+@pytest.mark.parametrize("value", RESTITUTIONS)
+def test_the_solver_meets_its_twin(value: float) -> None:
+    law, exact = CollisionLaw(restitution=value), ScalingSolution(value)
+    with mp.workdps(30):
+        for order in EXPONENTS:
+            loss = float(quadrature.loss_value(order, value))
+            assert law.decay_rate(order) == pytest.approx(loss, rel=TOLERANCE)
+            assert law.mean_speed_ratio_power(order) == pytest.approx(1 - loss, rel=TOLERANCE)
+        flux = float(quadrature.flux_loss_value(EXPONENTS[0], value))
+        cosine = float(1 - quadrature.flux_loss_value(0, value))
+        kappa = float(quadrature.log_loss_value(value))
+    assert law.harmonic_decay_rate(EXPONENTS[0], 1) == pytest.approx(flux, rel=TOLERANCE)
+    assert law.mean_log_loss == pytest.approx(kappa, rel=TOLERANCE)
+    assert law.mean_cosine == pytest.approx(cosine, abs=TOLERANCE)  # it has a zero in e
+    rate, a2 = quadrature.cooling_rate_value(value), float(quadrature.a2_value(value))
+    slope = float(quadrature.diffusion_slope_value(value))
+    assert exact.cooling_rate == pytest.approx(float(rate), rel=TOLERANCE)
+    assert exact.tail_rate == pytest.approx(float(2 / rate), rel=TOLERANCE)
+    assert exact.tail_power == pytest.approx(1 / (1 - value**2) - 2, rel=TOLERANCE)
+    assert exact.diffusion_slope == pytest.approx(slope, rel=TOLERANCE)
+    assert exact.a2 == pytest.approx(a2, rel=TOLERANCE, abs=TOLERANCE)
+    for order in (1, 3, 4, 7, 12):
+        moment = float(quadrature.moment_value(order, value))
+        assert exact.moment(order) == pytest.approx(moment, rel=TOLERANCE)
+    # other orders by the recursion <c^(p+1)> = p h <c^p>/(2 lambda(p)), p -> 0 being 2 kappa
+    for order in (EXPONENTS[0], EXPONENTS[1]):
+        ratio = exact.moment(order + 1) / exact.moment(order)
+        derived = order * float(rate) / (2 * law.decay_rate(order))
+        assert ratio == pytest.approx(derived, rel=1e-12)
+
+
+def test_the_scaled_vdf_of_the_solver_at_e_zero_is_the_derived_one() -> None:
+    speeds = RANDOM.uniform(0.05, 12, 20)
+    derived = sp.lambdify(sy.c, any_law.e_zero_solution(2), "numpy")(speeds)
+    np.testing.assert_allclose(ScalingSolution(0.0).vdf(speeds), derived, rtol=TOLERANCE)
+    for gain, loss, _, residual in map(any_law.e_zero_residual, (2, 3)):
+        assert residual == 0
+        assert gain != loss
+
+
+# -- the paper's approximations --
+
+
+def test_the_first_sonine_order_of_the_solver_meets_the_derived_one(rows) -> None:
+    def of(label: str, *arguments: sp.Symbol):
+        system = {sy.T(sy.t): sy.v**2 / 2, sy.m: 1, sy.d: 1, sy.rho0: sp.Rational(1, 25)}
+        return sp.lambdify(arguments, rows[label].derived.rhs.subs(system), "numpy")
+
+    law, above = printed_numbers, RANDOM.uniform(0.59, 0.99, 20)
+    a2, thermal = RANDOM.uniform(-0.4, 0.4, 20), RANDOM.uniform(0.1, 2, 20)
+    root = of("sonine12", e)(above)
+    for ours, derived in [
+        (law.m2(above, a2), of("sonine9", e, sy.a2)(above, a2)),
+        (law.m4(above, a2), of("sonine10", e, sy.a2)(above, a2)),
+        (law.a2(above), root),
+        (law.cooling_rate(above), of("compare3", e)(above) / 2),
+        (law.stability(above), of("ac7", e, sy.a2bar)(above, root)),
+        (law.diffusion_rate(thermal, above, a2), of("ad6", e, sy.a2, sy.v)(above, a2, thermal)),
+        (
+            law.diffusion_coefficient(thermal, above, a2),
+            of("ad7", e, sy.a2, sy.v)(above, a2, thermal),
+        ),
+        (
+            law.msd_sonine(thermal * 100, above),
+            of("ad8#2", e, sy.a2, sy.t)(above, root, thermal * 100),
+        ),
+    ]:
+        np.testing.assert_allclose(ours, derived, rtol=TOLERANCE, atol=TOLERANCE)
+
+
+def test_the_printed_curves_of_the_solver_meet_the_printed_formulas() -> None:
+    fitted, start = sp.Rational(145, 100) * (1 - e), sp.sqrt(2)
+    walk = {
+        sy.alpha: 1 / start, sy.beta: fitted / 25, sy.l: sp.Rational(27, 2), sy.v0(0): start,
+        sy.d: 1, sy.rho0: sp.Rational(1, 25), sy.h: fitted,
+    }  # fmt: skip
+
+    def of(label: str, *arguments: sp.Symbol, at=None):
+        formula = ROWS[label].formula
+        side = formula[-1].rhs if isinstance(formula, sp.Tuple) else formula.rhs
+        return sp.lambdify(arguments, side.subs(at or {}).doit(), "numpy")
+
+    law, radii = printed_numbers, RANDOM.uniform(0.3, 6, 20)
+    time, value = RANDOM.uniform(1, 3000, 20), RANDOM.uniform(0.1, 0.95, 20)
+    saddle = of("csolu", R, eta)(radii, 0.25)
+    exponent = ROWS["pdefi"].formula.rhs
+    height, bend = sp.symbols("height bend")
+    pieces = {Second(sy.pd(sy.V, R), sy.V, sy.Vs): bend, sy.pd(sy.Vs, R): height}
+    pieces |= {sy.gamma: sp.Rational(739, 100), eta: sp.Rational(1, 4)}
+    at_saddle = [
+        sp.lambdify((sy.V, R, eta), part)(saddle, radii, 0.25)
+        for part in (exponent, sp.diff(exponent, sy.V, 2))
+    ]
+    tail = sp.lambdify((R, height, bend), ROWS["gammatailg"].formula.rhs.subs(pieces), "numpy")
+    rate = of("hsimu", e)(value)
+    shape = 1 + 0.3 * of("sonine2", sy.x)((radii / 3) ** 2)
+    for ours, theirs in [
+        (law.cooling_rate_fitted(value), rate),
+        (law.thermal_speed(time, rate), of("veq", e, sy.t, at=walk)(value, time)),
+        (law.msd_random_walk(time, value), of("msd", e, sy.t, at=walk)(value, time)),
+        (
+            law.position_given_speed(radii, 0.75, 0.6),
+            of("posivel", R, eta, sy.V)(radii, 0.75, 0.6),
+        ),
+        (law.position_peak(radii), of("peakg", R, eta, sy.Vbar)(radii, 0.75, np.sqrt(0.5))),
+        (law.position_far_tail(radii, 0.25), of("semig", R, eta)(radii, 0.25)),
+        (law.position_tail(radii), tail(radii, *at_saddle)),
+        (law.vdf(radii / 3, 0.3), np.exp(-((radii / 3) ** 2)) / np.pi * shape),
+        (law.THRESHOLD_RESTITUTION, float(ROWS["compare1"].formula.lhs)),
+    ]:
+        np.testing.assert_allclose(ours, theirs, rtol=TOLERANCE)
+
+
+# -- any collision law --
+
+
+@pytest.mark.parametrize(("e_", "et"), LAWS)
+def test_closed_forms_in_space_meet_quadrature_and_the_solver(e_: float, et: float) -> None:
+    law = CollisionLaw(e_, tangential_restitution=et, dimension=3)
+    order = EXPONENTS[0]
+
+    def average(weight) -> float:
+        """Over y^2 uniform on [0, 1], of a function of s and cos(chi)."""
+
+        def integrand(u: mp.mpf) -> mp.mpf:
+            ratio = mp.sqrt(e_**2 + (et**2 - e_**2) * u)
+            return weight(ratio, (-e_ + (e_ + et) * u) / ratio)
+
+        return float(mp.quad(integrand, mp.linspace(0, 1, 9)))
+
+    for closed, found, weight in (
+        (any_law.space_power(), law.mean_speed_ratio_power(order), lambda s, cosine: s**order),
+        (any_law.space_log_loss(), law.mean_log_loss, lambda s, cosine: -mp.log(s)),
+        (any_law.space_cosine(), law.mean_cosine, lambda s, cosine: cosine),
+    ):
+        with mp.workdps(30):
+            function = sp.lambdify((p, e, sy.et), closed, "mpmath")
+            exact = float(function(mp.mpf(order), mp.mpf(e_), mp.mpf(et)))
+        assert found == pytest.approx(exact, rel=TOLERANCE, abs=TOLERANCE)
+        assert average(weight) == pytest.approx(exact, rel=1e-12, abs=1e-12)
+
+
+def test_smooth_disks_and_equal_restitutions(rows) -> None:
+    square, along = (part.rhs.subs(sy.et, 1) for part in rows["beyond:one-collision"].derived)
+    assert sp.expand(square - scaling_state.speed_ratio_squared()) == 0
+    assert sp.expand(along - scaling_state.parallel_component()) == 0
+    for value in (0.3, 0.8, 1.0):
+        disks = CollisionLaw(value, tangential_restitution=value)
+        at = {e: value, p: 2.5}
+        derived = [float(x.rhs.subs(at)) for x in rows["beyond:plane-equal"].derived]
+        found = [disks.mean_speed_ratio_power(2.5), disks.mean_log_loss, disks.mean_cosine]
+        assert found == pytest.approx(derived, rel=TOLERANCE)
+        spheres = CollisionLaw(value, tangential_restitution=value, dimension=3)
+        for order in (1, 2, 3, 4):
+            assert spheres.harmonic_decay_rate(0.0, order) == pytest.approx(1.0, abs=TOLERANCE)
+
+
+@pytest.mark.parametrize(("dimension", "gaussian"), [(2, 2), (3, sp.Rational(5, 3))])
+def test_the_elastic_chain_tends_to_a_gaussian(dimension: int, gaussian: sp.Expr) -> None:
+    late = sp.limit(any_dimension.elastic_transform(dimension) * sy.laplace**3, sy.laplace, 0)
+    # <r^4> = late zeta^2/2 and <r^2> = 2 zeta/nu_1
+    assert sp.cancel(late / 2 / (2 / sy.nu1) ** 2) == gaussian
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_chain_of_the_solver_is_the_derived_one(dimension: int) -> None:
+    top: Observable = quartic_displacement(dimension)
+    ((of_third, third),) = top.sources
+    (of_square, square), (of_second, second) = third.sources
+    ((of_along, along),) = second.sources
+    ((to_square, again),) = square.sources
+    assert along == again
+    assert (top.harmonic, third.harmonic, second.harmonic, along.harmonic) == (0, 1, 2, 1)
+    assert along.constant == 1.0
+    drive = any_dimension.sources(dimension)
+    assert [of_third, of_square, of_second, of_along, to_square] == [
+        float(drive[to][of])
+        for to, of in (
+            ((4, 0), (3, 1)), ((3, 1), (2, 0)), ((3, 1), (2, 2)), ((2, 2), (1, 1)),
+            ((2, 0), (1, 1)),
+        )
+    ]  # fmt: skip
+
+
+# -- scatterers that are met again, and a uniform field --
+
+
+@pytest.mark.parametrize("value", [0.3, 0.7, 1.0])
+def test_returns_meet_bounces_and_the_operator_of_the_solver(value: float) -> None:
+    y = np.random.default_rng(17).uniform(-1.0, 1.0, 2_000_000)
+    cosine = (-value + (1 + value) * y**2) / np.sqrt(value**2 + (1 - value**2) * y**2)
+    share = np.mean(cosine < -math.cos(0.05)) / 0.1
+    assert share == pytest.approx(float(finite_density.straight_back().subs(e, value)), rel=0.02)
+    n, length = 0.05, sp.Symbol("length", positive=True)
+    law = law_in_medium(CollisionLaw(value), "overlapping", n, 1.0, "leading")
+    # the derived chance counts from d to l; the solver's logarithm is ln(1/n)
+    chance = sp.integrate(finite_density.return_chance(), (sy.dist, 1, length))
+    eps = float(chance.subs({e: value, sy.d: 1, sy.rho0: n, length: 1 / n}))
+    _, summed = finite_density.return_symbols()
+    for m, order in [(0, 1.0), (1, 0.0), (1, 2.5), (2, 3.0)]:
+        rate = CollisionLaw(value).harmonic_decay_rate(order, m)
+        at = {sy.harm: m, p: order, e: value, sy.lamm: rate, sy.ret: eps}
+        exact = pytest.approx(float(summed.subs(at)), rel=1e-13, abs=1e-15)
+        assert law.harmonic_decay_rate(order, m) == exact
+
+
+def test_areas_and_flights_in_numbers(rows) -> None:
+    x, y = np.random.default_rng(17).uniform(-1.0, 2.0, (2, 1_000_000))
+    inside = (x**2 + y**2 < 1) & ((x - 1) ** 2 + y**2 < 1)
+    area = float(finite_density.shared_area().subs(sy.d, 1))
+    assert 9 * inside.mean() == pytest.approx(area, rel=0.01)
+    for order, wave in [(0, 0.7), (1, 3.0), (4, 2.0)]:
+        angle = (np.arange(400) + 0.5) * np.pi / 400
+        exact = np.mean(np.cos(order * angle) / (1 + 1j * wave * np.cos(angle)))
+        found = rows["beyond:free-flight"].derived.rhs.subs({sy.harm: order, sy.wave: wave})
+        assert complex(found) == pytest.approx(complex(exact), abs=1e-12)
+    # the corridor: per path the strips of width 2 d sweep 2 d; both cover what is within d of one
+    rate = float(rows["beyond:corridor"].derived[0].rhs.subs(sy.offset, 1.4))
+    assert rate == pytest.approx(1 + 1.4 / 2 / 2, rel=1e-6)
+
+
+def test_the_continued_fractions_meet_the_inverse_of_a_matrix(rows) -> None:
+    step, propagator = rows["beyond:loops"].derived
+    wave, rates = 1.7, [0.0, 1.3, 0.9, 1.1, 1.0, 1.05]
+    size = len(rates) - 1
+    order = np.arange(-size, size + 1)
+    stream = 0.5j * wave * (np.eye(2 * size + 1, k=1) + np.eye(2 * size + 1, k=-1))
+    exact = np.linalg.inv(np.diag([rates[abs(j)] for j in order]) + stream)
+
+    def fraction(further: range) -> float:
+        value = 0.0
+        for j in further:
+            at = {sy.lamj(sy.k): rates[abs(j)], sy.tail(sy.k + 1): value, sy.wave: wave}
+            value = float(step.rhs.subs(at))
+        return value
+
+    for m in (0, 1, 2):
+        up, down = fraction(range(size, m, -1)), fraction(range(-size, m))
+        at = {sy.lamm: rates[m], sy.wave: wave}
+        at |= {sy.tail(sy.harm + 1): up, sy.tail(sy.harm - 1): down}
+        found = float(propagator.rhs.subs(at))
+        assert found == pytest.approx(exact[size + m, size + m].real, rel=1e-12)
+
+
+@pytest.mark.parametrize(("dimension", "m"), [(d, m) for d in (2, 3) for m in (0, 1, 2)])
+def test_rows_of_the_field_against_a_function_of_the_vector(dimension: int, m: int) -> None:
+    """f = v_z^3 + v^2 v_z has the harmonics 1 and 3; its derivative by v_z is 5 v_z^2 + v^2."""
+    if dimension == 2:
+        cosine, weight = np.cos((np.arange(64) + 0.5) * math.pi / 64), np.full(64, 1 / 64)
+    else:
+        cosine, weight = np.polynomial.legendre.leggauss(20)
+    family = np.polynomial.Chebyshev if dimension == 2 else np.polynomial.Legendre
+
+    def harmonic(values: np.ndarray, k: int) -> float:
+        basis = family.basis(k)(cosine)
+        return float((values * basis) @ weight / ((basis**2) @ weight))
+
+    v, parts = 1.3, (sy.f0, sy.f1, sy.f2, sy.f3)
+    shape = {f(sy.v): sy.v**3 * harmonic(cosine**3 + cosine, k) for k, f in enumerate(parts)}
+    row = field_row(dimension, m).subs(shape).doit().subs(sy.v, v)
+    assert float(row) == pytest.approx(harmonic(v**2 * (5 * cosine**2 + 1), m), abs=1e-12)
+
+
+def test_constants_of_the_nearly_elastic_limit() -> None:
+    formula = printed_equation("beyond:field-nearly-elastic").formula
+    at = {sy.deficit: 1}
+    values = [float(sp.N(x.rhs.subs(at))) for x in formula if x.lhs != sy.f0(sy.v)]
+    assert values == pytest.approx([0.52666478, 0.37760980, 0.63452714, 0.41337540], abs=5e-9)

@@ -1,0 +1,161 @@
+"""Formulas, equations and checks for readers: LaTeX, MathML, text, JSON, a LaTeX document."""
+
+import json
+import pickle
+import re
+import shutil
+import subprocess
+from html import unescape
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import sympy as sp
+
+import derivations
+from derivations import Check, printed_equation, to_json, to_latex_document, to_text, verify
+from derivations import symbols as sy
+from derivations.formal import Avg, Dt, Int, Partial, Second, dot, eq
+from derivations.printed import ROWS
+from derivations.printers import LETTERS, counts, latex, mathml, plain
+
+
+def content(formula: sp.Basic) -> str:
+    """The letters and signs of the MathML in their order, without the invisible ones."""
+    root = ElementTree.fromstring(unescape(mathml(formula)))
+    return "".join(root.itertext()).replace("\N{INVISIBLE TIMES}", "")
+
+
+def test_text_and_latex_of_formulas() -> None:
+    assert plain(sp.Tuple(eq(sy.h, sy.M2), sy.a2)) == "h = M_2; a_2"
+    assert plain(sp.Le(sy.e, 1, evaluate=False)) == "e <= 1"
+    assert latex(sy.bv) == r"\mathbf{v}"
+    assert latex(sy.msd(sy.t)) == r"\langle r^{2}\rangle_{e}{\left(t \right)}"
+    assert latex(sp.Tuple(sy.a2, sy.h)) == r"a_{2},\quad h"
+    assert latex(dot(sy.bv, sy.sigma)) == r"\hat{\sigma} \cdot \mathbf{v}"
+    assert plain(None) == latex(None) == mathml(None) == ""
+
+
+@pytest.mark.parametrize(
+    ("formula", "expected"),
+    [
+        (sy.T(sy.t), "T(t)"),
+        (sy.bvs, "𝐯*"),
+        (sy.a2bar + sy.pm, "ā2+±"),
+        (dot(sy.bv, sy.sigma), "σ̂·𝐯"),
+        (Int(sy.f(sy.bv, sy.t), sy.sigma, sy.hemi), "∫𝐯·σ̂ > 0f(𝐯,t)dσ̂"),
+        (Int(1 + sy.v, sy.bv), "∫[v+1]d𝐯"),
+        (Partial(sy.T(sy.t), sy.t), "∂T(t)∂t"),
+        (Second(sy.f(sy.v), sy.v, sy.c), "∂2f(v)∂v2|v=c"),
+        (Dt(1, sy.T(sy.t)), "∂t(1)T(t)"),
+        (Avg(sy.c**2), "⟨c2⟩"),
+        (sp.log(sy.t), "ln(t)"),
+        (sp.Derivative(sy.T(sy.t), sy.t), "ddtT(t)"),
+    ],
+)
+def test_mathml_of_formal_pieces(formula: sp.Basic, expected: str) -> None:
+    assert content(formula) == expected
+
+
+def test_several_equations_and_numbers_side_by_side() -> None:
+    assert mathml(sp.Tuple(sy.a2, sy.h)).count("<math>") == 2
+    text = mathml(2 * sp.Integer(3) ** sp.Rational(3, 4) * sp.sqrt(5) * sp.Symbol("x"))
+    assert "<mn>2</mn><mo>·</mo><msup><mn>3</mn>" in text
+    assert "<mo>&InvisibleTimes;</mo><msup><mn>" not in text
+
+
+def test_the_mathml_of_a_row_is_well_formed_and_shows_no_name_of_python() -> None:
+    names = {name for name in LETTERS if len(name) > 2}
+    hidden = ("Int", "Dot", "Partial", "Lam", "Avg", "Measure", "Second", "_vec", "_hat")
+    for label, row in ROWS.items():
+        text = mathml(row.formula)
+        ElementTree.fromstring(f"<div>{unescape(text)}</div>")
+        assert not any(f">{name}<" in text for name in names), label
+        assert not any(name in text for name in hidden), label
+
+
+def test_the_latex_document(checks: tuple[Check, ...], tmp_path: Path) -> None:
+    document = to_latex_document(checks)
+    assert document.isascii()
+    unescaped = re.sub(r"\\[{}]", "", document)
+    assert unescaped.count("{") == unescaped.count("}")
+    opened = re.findall(r"\\begin\{([a-z]+\*?)\}", document)
+    assert sorted(opened) == sorted(re.findall(r"\\end\{([a-z]+\*?)\}", document))
+    assert len(re.findall(r"\\left", document)) == len(re.findall(r"\\right(?!arrow)", document))
+    titles = re.findall(r"\\paragraph\{\\texttt\{(.*?)\}: ", document)
+    assert [title.replace(r"\_", "_").replace(r"\#", "#") for title in titles] == [
+        check.label for check in checks
+    ]
+    if shutil.which("pdflatex") is None:
+        return
+    (tmp_path / "all.tex").write_text(document, encoding="utf-8")
+    run = subprocess.run(
+        ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "all.tex"],
+        cwd=tmp_path, capture_output=True, text=True, errors="replace",
+    )  # fmt: skip
+    assert run.returncode == 0, run.stdout[-2000:]
+
+
+def test_json_holds_every_row_and_survives_a_round_trip(checks: tuple[Check, ...]) -> None:
+    data = to_json(checks)
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert [row["label"] for row in data["checks"]] == [check.label for check in checks]
+    assert sum(data["counts"].values()) == len(checks)
+    (row,) = (row for row in data["checks"] if row["label"] == "sonine9")
+    assert row["status"] == "verified"
+    assert row["printed"] == "M_2 = sqrt(pi)*(1 - e**2)*(3*a_2/8 + 1)"
+    assert row["source_latex"].startswith("M_{2}")
+    assert row["steps"]
+    assert set(row) == {
+        "label", "title", "section", "status", "proof", "holds", "note", "printed", "derived",
+        "printed_latex", "derived_latex", "source_latex", "numbers", "steps",
+    }  # fmt: skip
+    assert list(counts([])) == [
+        "verified", "erratum", "definition", "assumption", "fit", "figure", "not derived"
+    ]  # fmt: skip
+
+
+def test_text_shows_the_steps_and_the_verdict() -> None:
+    text = to_text(verify(["ad8"])[0])
+    assert "erratum" in text
+    assert "msd_e(t) = 4*Integral(D_e(t), (t', 0, t))" in text
+    assert "msd_e(t) = 4*Integral(D_e(t'), (t', 0, t))" in text
+    assert re.search(r"1\. .*: 4\n", text)
+
+
+def test_every_symbol_has_a_meaning() -> None:
+    names = [name for name, _ in sy.table()]
+    assert len(names) > 100
+    assert all(sy.meaning(name) for name in names)
+
+
+def test_checks_and_equations_are_values(checks: tuple[Check, ...]) -> None:
+    some = checks[::8]
+    again = pickle.loads(pickle.dumps(some))
+    assert again == some
+    assert len(set(again)) == len(some)
+    equation = printed_equation("vchange")
+    assert pickle.loads(pickle.dumps(equation)) == equation
+    assert equation.source.startswith(r"{\bf v}=")
+    assert equation.latex.startswith(r"\mathbf{v} =")
+    assert equation.mathml.startswith("<math>")
+    with pytest.raises(ValueError, match="sonine99"):
+        printed_equation("sonine99")
+
+
+def test_the_representation_is_short(checks: tuple[Check, ...]) -> None:
+    for check in checks[::4]:
+        lines = repr(check).splitlines()
+        assert len(lines) <= 10, check.label
+        assert check.label in lines[0]
+        assert str(check.status) in lines[0]
+        assert check.label in check._repr_html_()
+        assert check.derived_mathml in check._repr_html_()
+
+
+def test_the_package_shows_its_public_names() -> None:
+    assert {*derivations.__all__, "__version__"} <= set(dir(derivations))
+    assert all(getattr(derivations, name) is not None for name in derivations.__all__)
+    assert derivations.__version__[0].isdigit()
+    with pytest.raises(AttributeError):
+        _ = derivations.no_such_name
