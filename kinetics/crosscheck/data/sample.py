@@ -7,15 +7,12 @@ every standard error and every covariance is the spread over groups.
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import (
-    Tracks,
-)
-from kinetics.crosscheck.data.units import Flights, straight_flights
+from kinetics.crosscheck.data.tracks import Tracks
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -31,6 +28,24 @@ _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 """Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
 octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
+
+
+_SAME = 2e-3
+"""Width in ln(|r|/(|v| t)) within which tracers fly alike: numbers may have few digits."""
+_LEAST_SHARE, _FEWEST = 0.05, 20
+"""Tracers that must fly alike. Those that have collided put some 0.5 % into such a width."""
+
+
+class Flights(NamedTuple):
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+
+    share: of all tracers at that time. The ratio is 1 where units belong together: a tracer that
+    has not collided is at r = v t, whatever the scatterers; for others it has many values.
+    """
+
+    time: float
+    ratio: float
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,29 +191,66 @@ class Sample:
 
     def at(self, keep: Any) -> "Sample":
         """The sample at the times with these indices."""
+        names = ("times", "speed_scale", "length_scale", "at_rest")
         return replace(
-            self,
-            sums=self.sums[:, keep],
-            speeds=self.speeds and self.speeds.at(keep),
+            self, sums=self.sums[:, keep], speeds=self.speeds and self.speeds.at(keep),
             displacements=self.displacements and self.displacements.at(keep),
-            **{
-                name: getattr(self, name)[keep]
-                for name in ("times", "speed_scale", "length_scale", "at_rest")
-            },
-        )
+            **{name: getattr(self, name)[keep] for name in names},
+        )  # fmt: skip
 
 
-def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
-    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
-    with np.errstate(divide="ignore"):
-        place = np.floor((np.log2(values) - lowest) * per_octave)
-    return np.clip(place, -1, bins).astype(np.int64) + 1
+# -- from tracks to a sample -----------------------------------------------------------------------
 
 
 def size_of_vectors(vectors: Any) -> Any:
     """The length of vectors (n, d), also of 1e200."""
     plane = np.hypot(vectors[:, 0], vectors[:, 1])
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
+
+
+def reduced(
+    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_field: bool = False
+) -> Sample:
+    """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
+    # Another file's labels begin elsewhere, so that small runs do not fall on each other.
+    group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
+    count = tracks.times.size
+    sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
+    scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
+    counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
+    flights, start = [], None
+    for k, time in enumerate(tracks.times):
+        there = np.isfinite(tracks.velocity[k, :, 0])
+        place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
+        sizes = size_of_vectors(velocity), size_of_vectors(place)
+        own = np.full(mine.size, time) if tracks.own is None else tracks.own[k, there]
+        flights.append(straight_flights(own, sizes[1], sizes[0]))
+        scales[:, k] = [_scale(size) for size in sizes]
+        v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
+        powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
+        if with_field:
+            x = place[:, 0] / scales[1, k]
+            powers += [velocity[:, 0] / scales[0, k], x, x * x]
+        for column, power in enumerate(powers):
+            sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
+        for out, values in zip(counts, (v, r), strict=True):
+            bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
+            out[:, k] = _counted(mine % HISTOGRAM_GROUPS, bins, out[:, k].shape)
+        at_rest[k] = np.count_nonzero(v == 0)
+        if time == 0:
+            start = _start_bins(v, mine, scales[0, k])
+    used = sums[..., N].sum(axis=1) > 0
+
+    def binned(found: Any, scale: Any) -> Binned:
+        by_group = found[found.any(axis=(1, 2))]
+        edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
+        return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
+
+    return Sample(
+        names, tracks.times, sums[used], *scales, *map(binned, counts, scales),
+        start and replace(start, by_group=start.by_group[used]), at_rest, grouping,
+        flights=max(filter(None, flights), key=lambda one: one.share, default=None),
+    )  # fmt: skip
 
 
 def _scale(size: Any) -> float:
@@ -211,64 +263,42 @@ def _scale(size: Any) -> float:
     return float(2.0 ** np.clip(np.round(found), -1000, 1000))
 
 
-def reduced(
-    tracks: Tracks, label: Any, names: tuple[str, ...], grouping: str, with_field: bool = False
-) -> Sample:
-    """The sums over groups of tracers; label (n,): whole numbers that say what belongs together."""
-    # Another file's labels begin elsewhere, so that small runs do not fall on each other.
-    group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
-    count = tracks.times.size
-    sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
-    scales = np.ones((2, count))
-    counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
-    at_rest, flights, start = np.zeros(count, np.int64), [], None
-    for k, (place, velocity) in enumerate(zip(tracks.place, tracks.velocity, strict=True)):
-        there = np.isfinite(velocity[:, 0])
-        mine, own = group, None if tracks.own is None else tracks.own[k]
-        if not np.all(there):
-            place, velocity, mine = place[there], velocity[there], group[there]
-            own = None if own is None else own[there]
-        speed, distance = size_of_vectors(velocity), size_of_vectors(place)
-        scales[:, k] = _scale(speed), _scale(distance)
-        time = tracks.times[k] if own is None else own
-        flights.append(straight_flights(time, distance, speed))
-        v, r = speed / scales[0, k], distance / scales[1, k]
-        powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
-        if with_field:
-            x = place[:, 0] / scales[1, k]
-            powers += [velocity[:, 0] / scales[0, k], x, x * x]
-        for column, power in enumerate(powers):
-            sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
-        row = mine % HISTOGRAM_GROUPS * (_BINS + 2)
-        for out, values in zip(counts, (v, r), strict=True):
-            cell = row + _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
-            every = np.bincount(cell, minlength=HISTOGRAM_GROUPS * (_BINS + 2))
-            out[:, k] = every.reshape(HISTOGRAM_GROUPS, -1)
-        at_rest[k] = np.count_nonzero(v == 0)
-        if tracks.times[k] == 0:
-            start = _start_bins(v, mine, scales[0, k])
-    used = sums[..., N].sum(axis=1) > 0
+def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
+    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
+    with np.errstate(divide="ignore"):
+        place = np.floor((np.log2(values) - lowest) * per_octave)
+    return np.clip(place, -1, bins).astype(np.int64) + 1
 
-    def binned(found: Any, scale: Any) -> Binned:
-        by_group = found[found.any(axis=(1, 2))]
-        edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-        return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
-    start = start and replace(start, by_group=start.by_group[used])
-    seen = max(filter(None, flights), key=lambda one: one.share, default=None)
-    return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
-        binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,
-    )  # fmt: skip
+def _counted(group: Any, bins: Any, shape: tuple[int, int]) -> Counts:
+    """How often each bin stands in each group."""
+    cells = np.bincount(group * shape[1] + bins, minlength=shape[0] * shape[1])
+    return np.asarray(cells.reshape(shape))
 
 
 def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
-    bins = _START_BINS + 2
     place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-    counts = np.bincount(group * bins + place, minlength=MOST_GROUPS * bins).reshape(-1, bins)
-    powers = np.stack([np.bincount(place, v**power, bins) for power in (2, 4)])
+    counts = _counted(group, place, (MOST_GROUPS, _START_BINS + 2))
+    powers = np.stack([np.bincount(place, v**power, _START_BINS + 2) for power in (2, 4)])
     moving = powers[0] > 0
     counts = counts[:, moving]
     squares, quartics = powers[:, moving] / counts.sum(axis=0)
-    with np.errstate(over="ignore", under="ignore"):  # refused later, in `_in_range`
+    with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
         return StartBins(squares * np.square(unit), quartics / squares**2, counts)
+
+
+def straight_flights(time: Any, distance: Any, speed: Any) -> Flights | None:
+    """The ratio |r|/(|v| t) that most tracers share at one time; None where too few share one.
+
+    time, distance, speed (n,): of tracers at times that are nearly the same, in units of the data.
+    """
+    moving = (distance > 0) & (speed > 0) & (time > 0)
+    if np.count_nonzero(moving) < _FEWEST:
+        return None
+    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time[moving]))
+    alike = np.searchsorted(ratio, ratio + _SAME) - np.arange(ratio.size)
+    first, count = int(np.argmax(alike)), int(alike.max())
+    if count < max(_FEWEST, _LEAST_SHARE * distance.size):
+        return None
+    middle = float(np.exp(np.median(ratio[first : first + count])))
+    return Flights(float(time[moving].mean()), middle, count / distance.size)
