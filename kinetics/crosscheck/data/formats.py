@@ -18,40 +18,38 @@ from typing import Any
 
 import numpy as np
 
-from kinetics.crosscheck.data.tracks import (
-    AXES, LABELS, MOST_TIMES, SPEEDS, Asked, Averages, Table, Tracks, bad, checked, find_columns,
-    from_columns, name_of, of_type, require_memory,
-)  # fmt: skip
-from kinetics.crosscheck.data.units import split_unit, stated
+from kinetics.crosscheck.data import tracks as t
+from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
+from kinetics.crosscheck.data.units import stated
 from kinetics.errors import InputError, short
 
-Read = Tracks | Averages
+Read = Tracks | t.Averages
 FRAMES = ("times", "positions", "velocities")
 """The names of arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)."""
-_BLOCK, _LONGEST_LINE = 8 << 20, 1 << 20
-"""Bytes of a CSV file that are parsed at once, and of a line at most: so that memory stays small."""
+_BLOCK, _LONGEST = 8 << 20, 1 << 20
+"""Bytes of a CSV file that are parsed at once, and of a line at most: memory stays small."""
 
 
-def read(source: Path | Table, asked: Asked) -> Read:
+def read(source: Path | t.Table, asked: Asked) -> Read:
     """Tracks, or a table of averages, from a file or from columns in memory.
 
     InputError in one line for a file that is missing, damaged or of another format, without a
     column, or with a value that is not a finite number.
     """
-    where = name_of(source)
+    where = t.name_of(source)
     try:
-        if isinstance(source, Table):
+        if isinstance(source, t.Table):
             found = _arrays(where, source.columns, asked)
         else:
             ending = source.suffix.lower()
-            if ending == ".gz" and source.stem.lower().endswith((".csv", ".tsv")):
+            if source.name.lower().endswith((".csv.gz", ".tsv.gz")):
                 ending = ".csv"
             if ending not in FORMATS:
                 bad(where, f"ending {ending!r}", f"a file {', '.join(FORMATS)} or .csv.gz")
             if not source.is_file():
                 bad(where, "not a file" if source.exists() else "no such file", "a file")
             found = FORMATS[ending](source, where, asked)
-        return checked(where, found, asked) if isinstance(found, Tracks) else found
+        return t.checked(where, found, asked) if isinstance(found, Tracks) else found
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
@@ -59,30 +57,29 @@ def read(source: Path | Table, asked: Asked) -> Read:
         raise InputError(f"{where}: is damaged, or not of this format ({why})") from None
 
 
-# -- columns ---------------------------------------------------------------------------------------
-
-
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
     """Columns of one length, or arrays of frames, by the names of the file."""
     if not {*FRAMES} <= {*arrays}:
-        return from_columns(where, list(arrays), arrays, asked)
+        return t.from_columns(where, list(arrays), arrays, asked)
     times, place, velocity = (np.asarray(arrays[name]) for name in FRAMES)
     return Tracks(times, place, velocity, np.arange(place.shape[1] if place.ndim > 1 else 0))
 
 
 def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
     """The names of those arrays that are read."""
-    if {*FRAMES} <= {*names}:
-        return [*FRAMES]
-    return [names[k] for k in find_columns(where, names, asked).values()]
+    frames = {*FRAMES} <= {*names}
+    found = () if frames else t.find_columns(where, names, asked).values()
+    return [*FRAMES] if frames else [names[k] for k in found]
 
 
 def _csv(path: Path, where: str, asked: Asked) -> Read:
     """Commas, semicolons or tabs, as the first line has them; blank lines and # are passed over."""
     import pyarrow as pa
+    from pyarrow import csv as arrow
 
     with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
-        for line, raw in enumerate(iter(lambda: file.readline(_LONGEST_LINE), b""), 1):
+        lines = enumerate(iter(lambda: file.readline(_LONGEST), b""), 1)
+        for _, raw in lines:
             text = raw.decode("utf-8-sig").strip()
             header = text.lstrip("#").strip()
             words = re.split(r"[\s,;\"']+", header.lower())
@@ -93,72 +90,57 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
             bad(where, "an empty file", "a first line that names the columns, and rows")
         if not re.search("[A-Za-z]", header):
             bad(where, "no header", "a first line that names the columns")
-        separator = max(",;\t", key=header.count)
-        names = header.split(separator)
-        start, found = file.tell(), find_columns(where, names, asked)
+        names = header.split(separator := max(",;\t", key=header.count))
+        start, found = file.tell(), t.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
+        numbers = {one: k for one, k in found.items() if one not in t.LABELS}
         for label in (pa.int64(), pa.string()):
-            kinds = {names[k]: label if one in LABELS else pa.float64() for one, k in found.items()}
+            kinds = {
+                names[k]: pa.float64() if one in numbers else label for one, k in found.items()
+            }
             file.seek(start)
             with suppress(pa.ArrowInvalid):
-                columns = _parsed(where, file, names, separator, kinds)
-                numbers = (columns[name] for name in kinds if kinds[name] == pa.float64())
-                if "x" not in found or all(np.isfinite(one).all() for one in numbers):
-                    return from_columns(where, names, columns, asked)
+                batches = []
+                for batch in arrow.open_csv(
+                    pa.PythonFile(file, "r"),
+                    arrow.ReadOptions(column_names=names, block_size=_BLOCK),
+                    arrow.ParseOptions(delimiter=separator, invalid_row_handler=_remark),
+                    arrow.ConvertOptions(
+                        column_types=kinds, include_columns=list(kinds), null_values=[]
+                    ),
+                ):
+                    batches.append(batch)
+                    require_memory(where, float(batch.nbytes * len(batches)))
+                table = pa.Table.from_batches(batches)
+                columns = {name: table.column(name).to_numpy() for name in kinds}
+                if "x" not in found or all(
+                    np.isfinite(columns[names[k]]).all() for k in numbers.values()
+                ):
+                    return t.from_columns(where, names, columns, asked)
         file.seek(start)
-        numbers_at = {one: k for one, k in found.items() if one not in LABELS}
-        raise _bad_line(where, file, line + 1, separator, len(names), numbers_at)
+        for line, raw in lines:  # which of them is wrong
+            text = raw.decode("utf-8", "replace").strip("\r\n")
+            cells = next(csv.reader([text], delimiter=separator), [])
+            if text.strip()[:1] in ("", "#"):
+                continue
+            if len(cells) != len(names):
+                bad(f"{where}: line {line}", f"{len(cells)} cells", len(names))
+            for name, k in numbers.items():
+                _real(f"{where}: line {line}, column {name!r}", cells[k])
+    bad(where, "no rows, or an unreadable text", "rows of numbers")
 
 
-def _parsed(
-    where: str, file: Any, names: list[str], separator: str, kinds: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The columns of all rows; ArrowInvalid where a line or a number cannot be read."""
-    import pyarrow as pa
-    from pyarrow import csv as arrow
-
-    batches, size = [], 0.0
-    for batch in arrow.open_csv(
-        pa.PythonFile(file, "r"),
-        arrow.ReadOptions(column_names=names, block_size=_BLOCK),
-        arrow.ParseOptions(
-            delimiter=separator,
-            invalid_row_handler=lambda row: (
-                "skip" if row.text.lstrip()[:1] in ("", "#") else "error"
-            ),
-        ),
-        arrow.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=[]),
-    ):
-        batches.append(batch)
-        size += batch.nbytes
-        require_memory(where, size)
-    table = pa.Table.from_batches(batches)
-    return {name: table.column(name).to_numpy() for name in kinds}
+def _remark(row: Any) -> str:
+    return "skip" if row.text.strip()[:1] in ("", "#") else "error"
 
 
-def _bad_line(
-    where: str, file: Any, first: int, separator: str, count: int, numbers: Mapping[str, int]
-) -> InputError:
-    """What is wrong with the first line that is not of so many cells, with these numbers."""
-    for line, raw in enumerate(iter(lambda: file.readline(_LONGEST_LINE), b""), first):
-        text = raw.decode("utf-8", "replace").strip("\r\n")
-        if not text.strip() or text.lstrip().startswith("#"):
-            continue
-        cells = next(csv.reader([text], delimiter=separator))
-        if len(cells) != count:
-            return InputError(f"{where}: line {line}: got {len(cells)} cells; must be {count}")
-        for name, k in numbers.items():
-            if not np.isfinite(_real(cells[k]) or 0.0) or _real(cells[k]) is None:
-                got = f"{where}: line {line}, column {name!r}: got {short(cells[k])}"
-                return InputError(f"{got}; must be a finite number with a decimal point")
-    return InputError(f"{where}: has no rows, or cannot be read from line {first} on")
-
-
-def _real(text: str) -> float | None:
-    """The number, which may be infinite or NaN; None for any other text."""
+def _real(where: str, text: str, lost: bool = False) -> float:
+    """The finite number (NaN too, where it may be `lost`) that a text is; else InputError."""
     with suppress(ValueError):
-        return float(text)
-    return None
+        value = float(text)
+        if np.isfinite(value) or (lost and np.isnan(value)):
+            return value
+    bad(where, short(text), "a finite number with a decimal point")
 
 
 def _parquet(path: Path, where: str, asked: Asked) -> Read:
@@ -171,7 +153,7 @@ def _parquet(path: Path, where: str, asked: Asked) -> Read:
         table = file.read(chosen)
     if any(column.null_count for column in table.columns):
         bad(where, "empty cells", "a value in each row")
-    return from_columns(where, names, {n: table.column(n).to_numpy() for n in chosen}, asked)
+    return t.from_columns(where, names, {n: table.column(n).to_numpy() for n in chosen}, asked)
 
 
 def _npz(path: Path, where: str, asked: Asked) -> Read:
@@ -221,8 +203,8 @@ def _dataset(where: str, parent: Any, name: str) -> Any:
     found = parent[name] if _own(parent, name, h5py.Dataset) else None
     if found is None or found.is_virtual or found.external or found.dtype.kind not in "iuf":
         bad(f"{where}: {parent.name}/{name}", "something else", "numbers in this file")
-    declared = float(found.size or 0) * found.dtype.itemsize
-    require_memory(where, declared, found.id.get_storage_size())
+    size = float(found.size or 0) * found.dtype.itemsize
+    require_memory(where, size, found.id.get_storage_size())
     return found
 
 
@@ -234,9 +216,8 @@ def _unit_of(dataset: Any) -> str:
 def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     """The only group of particles with positions and velocities; the layout is at nongnu.org.
 
-    Times stand as a dataset (n_times,), or as a step between frames with an offset. Positions are
-    unwrapped by the element `image` where it stands. An element `medium` (n_tracers,), which this
-    package writes, says the configuration of each tracer.
+    Positions are unwrapped by the element `image` where it stands. An element `medium`
+    (n_tracers,), which this package writes, says the configuration of each tracer.
     """
     both = ("position", "velocity")
     groups = [particles[name] for name in particles if _own(particles, name)]
@@ -251,16 +232,18 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
     if "time" in group["position"]:
         units["time"] = _unit_of(group["position"]["time"])
-    shape, box = place.shape, _box(where, group)
+    shape, box = place.shape, None
     r, v = np.asarray(place, float), np.asarray(velocity, float)
+    if _own(group, "box") and "edges" in group["box"]:  # rectangular, and always the same
+        edges = np.atleast_2d(np.asarray(_dataset(where, group["box"], "edges"), float))
+        box = edges[0] if edges.size and np.all(edges == edges[0]) and np.all(edges > 0) else None
+        sides = np.asarray(group["box"].attrs.get("boundary", "none")).astype(str)
     if "image" in group:
         image = _dataset(where, group, "image")
         if box is None or image.shape != shape or box.size < shape[2]:
             bad(f"{where}: image", image.shape, f"{shape}, with a box that is always the same")
         r, box = r + image * box[: shape[2]], None
-    elif box is not None and np.any(
-        np.asarray(group["box"].attrs.get("boundary", ("none",))).astype(str) != "periodic"
-    ):
+    elif box is not None and np.any(sides != "periodic"):
         box = None
     labels = {"id": np.arange(shape[1])}
     for name in (name for name in ("id", "medium", "species") if name in group):
@@ -271,10 +254,13 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
     if labels["id"].ndim == 2:  # particles may change places from frame to frame
         order = np.argsort(labels["id"], axis=1, kind="stable")
         r, v = (np.take_along_axis(a, order[..., None], 1) for a in (r, v))
+        every = np.take_along_axis(labels["id"], order, 1)
+        if np.any(every != every[0]):
+            bad(f"{where}: id", "others in other frames", "the same labels at all times")
         labels |= {k: a[0][order[0]] if a.ndim == 2 else a for k, a in labels.items()}
     chosen = np.ones(shape[1], bool)
     if asked.type is not None:
-        chosen = of_type(where, labels.get("species", np.full(shape[1], "-")), asked)
+        chosen = t.of_type(where, labels.get("species", np.full(shape[1], "-")), asked)
     medium = labels["medium"][chosen] if "medium" in labels else None
     said = stated(where, units)
     return Tracks(times, r[:, chosen], v[:, chosen], labels["id"][chosen], medium, box, said)
@@ -287,52 +273,43 @@ def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
         one = _dataset(where, element, name)
         found[name] = np.asarray(one, float)
         if one.shape == ():  # a fixed step, from an offset on
-            offset = float(np.asarray(one.attrs.get("offset", 0.0), float))
-            found[name] = offset + np.arange(count) * float(one[()])
+            found[name] = one.attrs.get("offset", 0.0) + np.arange(count) * found[name]
     return asked.times_of(where, found.get("time"), found.get("step"))
-
-
-def _box(where: str, group: Any) -> Any:
-    """The lengths of a rectangular box that is always the same; None for any other."""
-    if not _own(group, "box") or "edges" not in group["box"]:
-        return None
-    edges = np.asarray(_dataset(where, group["box"], "edges"), float)
-    if edges.ndim == 2 and edges.size and np.all(edges == edges[0]):
-        edges = edges[0]
-    return edges if edges.ndim == 1 and edges.size > 1 and np.all(edges > 0) else None
 
 
 # -- frames of text --------------------------------------------------------------------------------
 
 
 class _Lines:
-    """The lines of a text file, one after another, and the number of the last."""
+    """The lines of a text file, one after another; `where` names the file and the last line."""
 
-    def __init__(self, file: Any, where: str) -> None:
-        self._file, self._where, self._number = file, where, 0
+    def __init__(self, path: Path, where: str) -> None:
+        require_memory(where, 0.5 * path.stat().st_size)
+        self._file, self._name, self._number = open(path, errors="replace"), where, 0  # noqa: SIM115
 
     @property
     def where(self) -> str:
-        """The file and the number of the line."""
-        return f"{self._where}: line {self._number}"
+        return f"{self._name}: line {self._number}"
 
     def next(self) -> str:
         """The next line; empty at the end of the file."""
         self._number += 1
-        return str(self._file.readline(_LONGEST_LINE))
+        return str(self._file.readline(_LONGEST)).strip("\n")
 
     def __iter__(self) -> Iterator[str]:
         """The lines from here on that are not blank, to the end of the file."""
-        while line := self.next():
-            if line.strip():
-                yield line.strip()
+        with self._file:
+            while line := self._file.readline(_LONGEST):
+                self._number += 1
+                if line.strip():
+                    yield line.strip()
 
-    def number(self, what: str, text: str, kind: type = int) -> Any:
-        """A finite number that is not negative, if whole."""
-        with suppress(ValueError):
-            if np.isfinite(value := kind(text)) and (kind is float or value >= 0):
-                return value
-        bad(self.where, f"{what} {short(text)}", "a whole number" if kind is int else "finite")
+    def whole(self, text: str | None = None) -> int:
+        """The whole number, not negative, that a text, or the next line, is."""
+        plain = (self.next() if text is None else text).strip()
+        if not plain.isdecimal() or len(plain) > 18:
+            bad(self.where, short(plain), "a whole number")
+        return int(plain)
 
     def table(self, count: int, names: list[str], wanted: Sequence[str]) -> dict[str, Any]:
         """Columns of the next `count` lines: (count,) each, numbers except the type.
@@ -340,12 +317,12 @@ class _Lines:
         InputError for a column that is missing or stands twice, and for a line that is missing,
         blank, joined with another, or of other columns.
         """
-        for name in wanted:
-            if names.count(name) != 1:
-                bad(self.where, f"column {name!r} {names.count(name)} times", "once")
+        for name in (name for name in wanted if names.count(name) != 1):
+            bad(self.where, f"column {name!r} {names.count(name)} times", "once")
         rows = [line.split() for line in islice(self._file, count)]
         first, self._number = self._number + 1, self._number + len(rows)
-        used = {name: (names.index(name), str if name == "type" else float) for name in wanted}
+        texts = ("type", "element")
+        used = {name: (names.index(name), str if name in texts else float) for name in wanted}
         with suppress(ValueError):
             found = np.array(rows) if rows else np.empty((0, len(names)))
             if found.shape == (count, len(names)):
@@ -354,30 +331,15 @@ class _Lines:
             if len(row) != len(names):
                 bad(self.where, f"{len(row)} columns", len(names))
             for name, (k, kind) in used.items():
-                if kind is float and _real(row[k]) is None:
-                    bad(self.where, f"column {name!r}: {short(row[k])}", "a number")
+                if kind is float:
+                    _real(f"{self.where}: column {name!r}", row[k], lost=True)
         bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
 
 
-def _of_lines(parse: Callable[[str, _Lines, Asked], Read]) -> Callable[[Path, str, Asked], Read]:
-    """The reader of a text file, from a function of its lines."""
-
-    def reader(path: Path, where: str, asked: Asked) -> Read:
-        require_memory(where, 0.5 * path.stat().st_size)
-        with open(path, encoding="utf-8", errors="replace") as file:
-            return parse(where, _Lines(file, where), asked)
-
-    return reader
-
-
 def _of_frames(
-    where: str,
-    frames: Sequence[Mapping[str, Any]],
-    asked: Asked,
-    units: Any = None,
-    box: Any = None,
+    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked, units: Any = (), box: Any = None
 ) -> Read:
-    """Tracks of the columns of frames, by our names."""
+    """Tracks of the columns of frames, by our names; units of length, speed and time."""
     import pandas as pd
 
     if not frames:
@@ -385,9 +347,10 @@ def _of_frames(
     rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
     # tracers without any number have ended
     rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
-    found = from_columns(where, list(rows), rows, replace(asked, columns=None))
+    found = t.from_columns(where, list(rows), rows, replace(asked, columns=None))
     assert isinstance(found, Tracks)
-    return replace(found, box=box, units=stated(where, units or {}))
+    said = stated(where, dict(zip(("x", "vx", "time"), units, strict=False)))
+    return replace(found, box=box, units=said)
 
 
 _STYLES = {
@@ -398,74 +361,68 @@ _STYLES = {
 """Units of length, speed and time of the styles of LAMMPS (docs.lammps.org/units.html)."""
 
 
-def _lammps(where: str, lines: _Lines, asked: Asked) -> Read:
+def _lammps(path: Path, where: str, asked: Asked) -> Read:
     """A text dump with id, vx, vy and xu, yu, or x, y with or without image flags ix, iy."""
-    frames, units, boxes, head = [], ("", "", ""), set(), dict[str, Any]()
+    d, frames, boxes, units, head = asked.dimension or 2, [], set(), ("", "", ""), dict[str, Any]()
+    lines = _Lines(path, where)
     for line in lines:
-        item = line.removeprefix("ITEM: ")
-        if item == line:
+        item, *rest = line.removeprefix("ITEM: ").split()
+        if not line.startswith("ITEM: "):
             bad(lines.where, short(line), "a line `ITEM: ...` of a LAMMPS text dump")
         if item == "TIMESTEP":
-            head = {"step": lines.number("step", lines.next())}
+            head = {"step": lines.whole()}
         elif item == "TIME":
-            head["time"] = lines.number("time", lines.next(), float)
-        elif item.startswith("NUMBER OF ATOMS"):
-            head["count"] = lines.number("number of atoms", lines.next())
+            head["time"] = _real(lines.where, lines.next())
+        elif item == "NUMBER":
+            head["count"] = lines.whole()
         elif item == "UNITS":
             unit = lines.next().strip()
             units = _STYLES.get(unit, (unit, unit, unit))
-        elif item.startswith("BOX BOUNDS"):
+        elif item == "BOX":
             edges = [lines.next().split() for _ in range(3)]
             if any(len(edge) != 2 for edge in edges):
                 bad(lines.where, "a slanted box", "rectangular, with two bounds a line")
-            bounds = np.array([[lines.number("bound", x, float) for x in edge] for edge in edges])
-            head["low"], head["length"] = bounds[:, 0], bounds[:, 1] - bounds[:, 0]
-            head["periodic"] = item.split()[2:]
-        elif item.startswith("ATOMS"):
-            if not {"step", "count"} <= {*head}:
-                bad(lines.where, "a frame without step or number of atoms", "both before ATOMS")
-            frame, box = _lammps_frame(lines, item.split()[1:], head, asked)
-            time = asked.times_of(where, head.get("time"), head["step"])
+            low, high = np.array(edges, float).T
+            head |= {"low": low, "length": high - low, "periodic": rest[1:]}
+        elif item == "ATOMS":
+            time = asked.times_of(where, head.get("time"), head.get("step"))
+            frame, wrapped = _lammps_frame(lines, rest, head, asked)
             frames.append(frame | {"time": np.full(head["count"], time)})
-            boxes.add(box)
+            periodic = wrapped and head.get("periodic", [])[:d] == ["pp"] * d
+            boxes.add(tuple(head["length"][:d]) if periodic else None)
             head = {}
     if head:
-        bad(where, "a last frame without atoms", "all frames whole")
-    box = np.array([*boxes][0]) if len(boxes) == 1 and None not in boxes else None
-    return _of_frames(where, frames, asked, dict(zip(("x", "vx", "time"), units, strict=True)), box)
+        bad(where, "a last frame without atoms", "whole frames")
+    box = np.array(boxes.pop()) if len(boxes) == 1 and None not in boxes else None
+    return _of_frames(where, frames, asked, units, box)
 
 
 def _lammps_frame(
     lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
-) -> tuple[dict[str, Any], tuple[float, ...] | None]:
-    """The columns of one frame, and its box where positions may be wrapped."""
-    d = asked.dimension or 2
-    used = {
-        axis: next(
-            (x for x in (f"{axis}u", f"{axis}su", axis, f"{axis}s") if x in names), f"{axis}u"
-        )
-        for axis in AXES[:d]
+) -> tuple[dict[str, Any], bool]:
+    """The columns of one frame, and whether positions may be wrapped."""
+    axes, used = AXES[: asked.dimension or 2], []
+    for a in axes:
+        used.append(next((x for x in (f"{a}u", f"{a}su", a, f"{a}s") if x in names), f"{a}u"))
+    flags = [f"i{x[0]}" for x in used if f"i{x[0]}" in names and "u" not in x]
+    speeds = [v for v in SPEEDS if v in names or v[1] in axes]
+    kind = next((one for one in ("type", "element") if one in names), "type")
+    kinds = [kind] if asked.type is not None else []
+    table = lines.table(head["count"], names, ["id", *speeds, *used, *flags, *kinds])
+    out = {
+        "tracer": table["id"],
+        **{v: table[v] for v in speeds},
+        **{"type": table[k] for k in kinds},
     }
-    flags = [f"i{axis}" for axis, x in used.items() if f"i{axis}" in names and "u" not in x]
-    speeds = [v for v in SPEEDS if v in names or v in SPEEDS[:d]]
-    kind = ["element" if "element" in names and "type" not in names else "type"]
-    kind = kind if asked.type is not None else []
-    table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
-    out = {"tracer": table["id"], **{v: table[v] for v in speeds}}
-    if kind:
-        out["type"] = table[kind[0]]
-    if "length" not in head and (flags or any("s" in x for x in used.values())):
+    if "length" not in head and (flags or "s" in "".join(used)):
         bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
-    for k, (axis, name) in enumerate(used.items()):
+    for k, (axis, name) in enumerate(zip(axes, used, strict=True)):
         out[axis] = table[name]
         if "s" in name:  # in units of the box
             out[axis] = out[axis] * head["length"][k] + head["low"][k]
         if f"i{axis}" in flags:
             out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    free = len(flags) == d or all("u" in name for name in used.values())
-    if free or head.get("periodic", [])[:d] != ["pp"] * d:
-        return out, None
-    return out, tuple(head["length"][:d])
+    return out, len(flags) < len(axes) and not all("u" in name for name in used)
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')
@@ -478,26 +435,23 @@ _XYZ = {
 """Properties that are read, and our names of their columns."""
 
 
-def _xyz(where: str, lines: _Lines, asked: Asked) -> Read:
+def _xyz(path: Path, where: str, asked: Asked) -> Read:
     """Extended XYZ: frames whose second line says Properties=...:pos:R:3:vel:R:3 and Time=..."""
-    frames, d = [], asked.dimension or 2
+    frames, d, lines = [], asked.dimension or 2, _Lines(path, where)
     needed = [*AXES[:d], *SPEEDS[:d], *(["type"] if asked.type is not None else [])]
     for line in lines:
-        count = lines.number("number of atoms", line)
+        count = lines.whole(line)
         said = {k.lower(): v.strip('"') for k, v in _PAIR.findall(lines.next())}
         parts, names = said.get("properties", "").split(":"), list[str]()
         for name, width in zip(parts[::3], parts[2::3], strict=False):
-            axes, wide = _XYZ.get(name.lower(), ()), lines.number(f"columns of {name!r}", width)
-            if (axes and wide not in range(min(2, len(axes)), len(axes) + 1)) or wide > 1000:
+            axes, wide = _XYZ.get(name.lower(), ()), lines.whole(width)
+            if (axes and not min(2, len(axes)) <= wide <= len(axes)) or wide > 1000:
                 bad(lines.where, f"{name} has {wide} columns", "pos:R:3:vel:R:3 in Properties=")
             names += axes[:wide] or [""] * wide
-        wanted = [*needed, *(v for v in ("tracer", "vz") if v in names and v not in needed)]
         step, time = said.get("step", said.get("timestep")), said.get("time", said.get("t"))
-        time = asked.times_of(
-            where,
-            None if time is None else lines.number("time", time, float),
-            None if step is None else lines.number("step", step),
-        )
+        time = None if time is None else _real(lines.where, time)
+        time = asked.times_of(where, time, None if step is None else lines.whole(step))
+        wanted = [*needed, *(v for v in ("tracer", "vz") if v in names and v not in needed)]
         frame = {"tracer": np.arange(count)} | lines.table(count, names, wanted)
         frames.append(frame | {"time": np.full(count, time)})
     return _of_frames(where, frames, asked)
@@ -511,7 +465,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
         bad(where, "a file of another package", "installed: pip install gsd")
     asked.times_of(where, None, 0)
     with gsd.hoomd.open(str(path), "r") as file:
-        frames = list(file[: MOST_TIMES + 1])
+        frames = list(file[: t.MOST_TIMES + 1])
     d = 3 if frames and frames[0].configuration.dimensions == 3 else 2
     boxes = np.array([frame.configuration.box for frame in frames], float)
     if len({frame.particles.N for frame in frames}) != 1 or np.any(boxes[:, 3:] != 0):
@@ -525,7 +479,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
     chosen = np.ones(place.shape[1], bool)
     if asked.type is not None:
         kinds = np.asarray(frames[0].particles.types or ["A"])
-        chosen = of_type(where, kinds[frames[0].particles.typeid], asked)
+        chosen = t.of_type(where, kinds[frames[0].particles.typeid], asked)
     # image flags that are all 0 may be none: then positions may be wrapped
     free = np.any(image) or not np.all(edges > 0) or np.any(boxes != boxes[0])
     return Tracks(
@@ -537,7 +491,7 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
 FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {
     ".csv": _csv, ".tsv": _csv, ".npz": _npz, ".parquet": _parquet,
     **dict.fromkeys((".h5", ".hdf5", ".h5md"), _hdf5),
-    **dict.fromkeys((".dump", ".lammpstrj"), _of_lines(_lammps)),
-    **dict.fromkeys((".xyz", ".extxyz"), _of_lines(_xyz)), ".gsd": _gsd,
+    **dict.fromkeys((".dump", ".lammpstrj"), _lammps),
+    **dict.fromkeys((".xyz", ".extxyz"), _xyz), ".gsd": _gsd,
 }  # fmt: skip
 """The ending of a file's name, and the function that reads it."""
