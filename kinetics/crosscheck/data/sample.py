@@ -21,15 +21,13 @@ N, V2, V4, R2, R4, VX, X, X2 = range(8)
 """Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
 and the displacement along it, along +x, and the square of this."""
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-"""Groups that tracers or configurations are gathered in, at most: primes, so that labels with a
-regular pattern spread over all of them. The relative error of a standard error from G groups is
-1/sqrt(2 G): 4.5 %, and 8 % for the counts in bins, which take most of the memory."""
+"""Groups at most: primes, so that labels with a regular pattern spread over all of them. The
+relative error of a standard error from G groups is 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins,
+which take most of the memory."""
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 """Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
 octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
-
-
 _SAME = 2e-3
 """Width in ln(|r|/(|v| t)) within which tracers fly alike: numbers may have few digits."""
 _LEAST_SHARE, _FEWEST = 0.05, 20
@@ -39,8 +37,7 @@ _LEAST_SHARE, _FEWEST = 0.05, 20
 class Flights(NamedTuple):
     """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
 
-    share: of all tracers at that time. The ratio is 1 where units belong together: a tracer that
-    has not collided is at r = v t, whatever the scatterers; for others it has many values.
+    share: of all tracers then. The ratio is 1 where units belong together, whatever the scatterers.
     """
 
     time: float
@@ -74,8 +71,8 @@ class Binned:
 class StartBins:
     """Speeds at time 0 in fine bins, of the tracers that move.
 
-    squares (n_bins,): mean v^2 in each bin, in U^2; flatness (n_bins,): <v^4>/<v^2>^2 in it, a
-    little above 1; by_group (n_groups, n_bins): counts.
+    squares (n_bins,): mean v^2 in U^2; flatness (n_bins,): <v^4>/<v^2>^2, a little above 1;
+    by_group (n_groups, n_bins): counts.
     """
 
     squares: Array
@@ -90,10 +87,7 @@ class StartBins:
 
 @dataclass(frozen=True)
 class Law:
-    """What the system has beside the restitution: smooth disks in the plane, if not told.
-
-    field : uniform acceleration along +x in U^2/d
-    """
+    """What the system has beside the restitution; field: acceleration along +x in U^2/d."""
 
     tangential_restitution: float = 1.0
     dimension: int = 2
@@ -118,22 +112,17 @@ class Law:
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
 
-    Attributes
-    ----------
     names : where the data came from
-    times : (n_times,)
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
         field, with v_x, x, x^2
-    speed_scale, length_scale : (n_times,), in U and in d
+    times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
     speeds, displacements : counts in bins, None where unknown
     start : the speeds at time 0, None without one
-    at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the time at which most of them have
     capped : collisions after which tracers were stopped, None without a cap
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
-    tabulated : from a table of averages; the groups are made up (summaries), and how errors at
-        different times are correlated is not known
+    tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
     """
@@ -167,10 +156,7 @@ class Sample:
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
     def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
-        """The sample with U = `speed`, d = `length` and d/U = `time` in the units that it had.
-
-        time: None is length/speed.
-        """
+        """The sample with U, d and d/U of these sizes in its units; time None: length/speed."""
         factor = speed / length if time is None else 1 / time
         start, told, seen = self.start, dict(self.told), self.flights
         if "number_density" in told:
@@ -271,7 +257,6 @@ def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
 
 
 def _counted(group: Any, bins: Any, shape: tuple[int, int]) -> Counts:
-    """How often each bin stands in each group."""
     cells = np.bincount(group * shape[1] + bins, minlength=shape[0] * shape[1])
     return np.asarray(cells.reshape(shape))
 

@@ -4,7 +4,9 @@ A format (`formats`) gives columns, one row for each tracer at each time, which 
 into `Tracks` or, for a table of averages, `Averages`; or frames, which are Tracks already.
 """
 
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -81,10 +83,8 @@ class Asked:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
         for name in ("speed_unit", "diameter", "time_unit", "timestep"):
             value = getattr(self, name)
-            free = ("data",) if name == "speed_unit" else (None,) if "time" in name else ()
-            if not any(
-                value is one or (one and isinstance(value, str) and value == one) for one in free
-            ):
+            told = "data" if name == "speed_unit" else None if name != "diameter" else 0.0
+            if type(value) is not type(told) or value != told:
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
@@ -103,18 +103,12 @@ class Asked:
 
 
 def checked_columns(columns: Any) -> dict[str, str]:
-    """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`.
-
-    InputError for another form, and for a name that is unknown or stands twice.
-    """
-    pairs: Any = columns.items() if isinstance(columns, Mapping) else columns or ()
+    """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
+    pairs: Any = columns.items() if isinstance(columns, Mapping) else ()
     if isinstance(columns, str):
         pairs = [part.split("=", 1) for part in columns.split(",") if part.strip()]
-    if (
-        columns is not None
-        and not isinstance(columns, str | Mapping)
-        or any(len(pair) < 2 or not str(pair[1]).strip() for pair in pairs)
-    ):
+    right = columns is None or isinstance(columns, str | Mapping)
+    if not right or any(len(pair) < 2 or not str(pair[1]).strip() for pair in pairs):
         bad("columns", short(columns), "like time=t,tracer=id, or a dictionary of names")
     known = {other: ours for ours, others in ALIASES.items() for other in (ours, *others)}
     found: dict[str, str] = {}
@@ -172,21 +166,18 @@ def name_of(source: Path | Table) -> str:
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for data of more bytes than the machine has free, or than a file can hold.
+    """InputError for arrays of more bytes than a third of what is free, or than a file can hold.
 
-    declared: bytes of the arrays; three times as much is needed to work with them. stored: bytes in
-    the file, where they are packed by deflate, which makes nothing smaller than by 1032.
+    stored: bytes in the file, packed by deflate, which makes nothing smaller than by 1032.
     """
     if stored is not None and declared > 1100 * stored + 1e6:
-        raise InputError(f"{where}: declares {declared:.2g} bytes, and holds {stored:.2g} of them")
-    try:
-        lines = Path("/proc/meminfo").read_text().split("\n")
-        free = next(1024.0 * int(line.split()[1]) for line in lines if "MemAvailable" in line)
-    except (OSError, StopIteration, ValueError):
-        free = 16e9  # another system: what most machines have
+        bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
+    free = 16e9  # on another system: what most machines have
+    with suppress(OSError, ValueError):
+        found = re.search(r"MemAvailable:\s*(\d+)", Path("/proc/meminfo").read_text())
+        free = 1024.0 * float(found[1]) if found else free
     if 3 * declared > free:
-        needs = f"data that need {3 * declared / 1e9:.2g} GB of memory"
-        bad(where, needs, f"at most the {free / 1e9:.2g} GB that are free")
+        bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
 
 
 # -- columns: one row for each tracer at each time -------------------------------------------------
@@ -427,20 +418,15 @@ def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Track
         )
 
     def side_by_side(name: str) -> Any:
-        whole = []
-        for part, at in zip(parts, rows, strict=True):
-            values = getattr(part, name)
-            out = np.full((times.size, *values.shape[1:]), np.nan)
-            out[at] = values
-            whole.append(out)
-        return np.concatenate(whole, axis=1)
-
-    def labels(name: str) -> Any:
-        every = [getattr(part, name) for part in parts]
-        return None if every[0] is None else np.concatenate(every)
+        values = [getattr(part, name) for part in parts]
+        if values[0] is None or name in ("tracer", "medium"):
+            return None if values[0] is None else np.concatenate(values)
+        for k, (one, at) in enumerate(zip(values, rows, strict=True)):
+            values[k] = np.full((times.size, *one.shape[1:]), np.nan)
+            values[k][at] = one
+        return np.concatenate(values, axis=1)
 
     file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    return Tracks(
-        times, side_by_side("place"), side_by_side("velocity"), labels("tracer"), labels("medium"),
-        None, first.units, None if first.own is None else side_by_side("own"), file,
-    )  # fmt: skip
+    names = ("place", "velocity", "tracer", "medium", "own")
+    every = {name: side_by_side(name) for name in names}
+    return Tracks(times, **every, units=first.units, file=file)

@@ -188,7 +188,7 @@ def h5md(path: Path, run: Run, change: str) -> None:
         ("one image", "image"), ("no edges", "image"), ("no box", "image"),
         ("two groups", "groups"),
         ("other times", "times"), ("few labels", "id"), ("text", "value"), ("link", "value"),
-        ("huge", "declares"),
+        ("huge", "declare"),
     ],
 )  # fmt: skip
 def test_h5md_that_cannot_be_used(tmp_path: Path, run: Run, change: str, words: str) -> None:
