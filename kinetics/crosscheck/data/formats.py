@@ -104,7 +104,10 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                 for batch in arrow.open_csv(
                     pa.PythonFile(file, "r"),
                     arrow.ReadOptions(column_names=names, block_size=_BLOCK),
-                    arrow.ParseOptions(delimiter=separator, invalid_row_handler=_remark),
+                    arrow.ParseOptions(
+                        delimiter=separator,
+                        invalid_row_handler=lambda row: "error" if _says(row.text) else "skip",
+                    ),
                     arrow.ConvertOptions(
                         column_types=kinds, include_columns=list(kinds), null_values=[]
                     ),
@@ -118,27 +121,36 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
                 ):
                     return t.from_columns(where, names, columns, asked)
         file.seek(start)
-        for line, raw in lines:  # which of them is wrong
-            text = raw.decode("utf-8", "replace").strip("\r\n")
-            cells = next(csv.reader([text], delimiter=separator), [])
-            if text.strip()[:1] in ("", "#"):
-                continue
-            if len(cells) != len(names):
-                bad(f"{where}: line {line}", f"{len(cells)} cells", len(names))
-            for name, k in numbers.items():
-                _real(f"{where}: line {line}, column {name!r}", cells[k])
+        texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)
+        split = (
+            (line, next(csv.reader([text], delimiter=separator)))
+            for line, text in texts if _says(text)
+        )  # fmt: skip
+        _require_rows(where, split, names, numbers)
     bad(where, "no rows, or an unreadable text", "rows of numbers")
 
 
-def _remark(row: Any) -> str:
-    return "skip" if row.text.strip()[:1] in ("", "#") else "error"
+def _says(text: str) -> bool:
+    """Whether a line is neither blank nor a remark."""
+    return text.strip()[:1] not in ("", "#")
 
 
-def _real(where: str, text: str, lost: bool = False) -> float:
-    """The finite number (NaN too, where it may be `lost`) that a text is; else InputError."""
+def _require_rows(
+    where: str, rows: Any, names: Sequence[str], used: Mapping[str, int], lost: str = ""
+) -> None:
+    """InputError at the first of the lines (number, cells) that lacks cells or numbers."""
+    for line, cells in rows:
+        if len(cells) != len(names):
+            bad(f"{where}: line {line}", f"{len(cells)} columns", len(names))
+        for name, k in used.items():
+            if cells[k].lower() != lost:
+                _real(f"{where}: line {line}, column {name!r}", cells[k])
+
+
+def _real(where: str, text: str) -> float:
+    """The finite number that a text is; else InputError."""
     with suppress(ValueError):
-        value = float(text)
-        if np.isfinite(value) or (lost and np.isnan(value)):
+        if np.isfinite(value := float(text)):
             return value
     bad(where, short(text), "a finite number with a decimal point")
 
@@ -327,12 +339,8 @@ class _Lines:
             found = np.array(rows) if rows else np.empty((0, len(names)))
             if found.shape == (count, len(names)):
                 return {name: found[:, k].astype(kind) for name, (k, kind) in used.items()}
-        for self._number, row in enumerate(rows, first):
-            if len(row) != len(names):
-                bad(self.where, f"{len(row)} columns", len(names))
-            for name, (k, kind) in used.items():
-                if kind is float:
-                    _real(f"{self.where}: column {name!r}", row[k], lost=True)
+        numbers = {name: k for name, (k, kind) in used.items() if kind is float}
+        _require_rows(self._name, enumerate(rows, first), names, numbers, "nan")
         bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
 
 
@@ -401,28 +409,26 @@ def _lammps_frame(
     lines: _Lines, names: list[str], head: Mapping[str, Any], asked: Asked
 ) -> tuple[dict[str, Any], bool]:
     """The columns of one frame, and whether positions may be wrapped."""
-    axes, used = AXES[: asked.dimension or 2], []
-    for a in axes:
-        used.append(next((x for x in (f"{a}u", f"{a}su", a, f"{a}s") if x in names), f"{a}u"))
-    flags = [f"i{x[0]}" for x in used if f"i{x[0]}" in names and "u" not in x]
+    axes = AXES[: asked.dimension or 2]
+    kinds = ("{}u", "{}su", "{}", "{}s")
+    chosen = [[kind.format(a) for kind in kinds if kind.format(a) in names] for a in axes]
+    used = {a: (found or [f"{a}u"])[0] for a, found in zip(axes, chosen, strict=True)}
+    flags = [f"i{a}" for a, x in used.items() if f"i{a}" in names and "u" not in x]
     speeds = [v for v in SPEEDS if v in names or v[1] in axes]
-    kind = next((one for one in ("type", "element") if one in names), "type")
-    kinds = [kind] if asked.type is not None else []
-    table = lines.table(head["count"], names, ["id", *speeds, *used, *flags, *kinds])
-    out = {
-        "tracer": table["id"],
-        **{v: table[v] for v in speeds},
-        **{"type": table[k] for k in kinds},
-    }
-    if "length" not in head and (flags or "s" in "".join(used)):
-        bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
-    for k, (axis, name) in enumerate(zip(axes, used, strict=True)):
+    kind = [] if asked.type is None else ["element" if "type" not in names else "type"]
+    table = lines.table(head["count"], names, ["id", *speeds, *used.values(), *flags, *kind])
+    out = {"tracer": table["id"]} | {v: table[v] for v in speeds}
+    out |= dict(zip(("type",), (table[k] for k in kind), strict=False))
+    for k, (axis, name) in enumerate(used.items()):
+        scaled, flagged = "s" in name, f"i{axis}" in flags
+        if (scaled or flagged) and "length" not in head:
+            bad(lines.where, "a frame without a box", "with BOX BOUNDS, or xu, yu")
         out[axis] = table[name]
-        if "s" in name:  # in units of the box
+        if scaled:  # in units of the box
             out[axis] = out[axis] * head["length"][k] + head["low"][k]
-        if f"i{axis}" in flags:
+        if flagged:
             out[axis] = out[axis] + table[f"i{axis}"] * head["length"][k]
-    return out, len(flags) < len(axes) and not all("u" in name for name in used)
+    return out, len(flags) < len(axes) and not all("u" in name for name in used.values())
 
 
 _PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*("[^"]*"|\S+)')

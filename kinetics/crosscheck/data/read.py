@@ -11,9 +11,8 @@ import numpy as np
 from kinetics.crosscheck.data import summaries
 from kinetics.crosscheck.data.formats import read
 from kinetics.crosscheck.data.sample import Law, Sample, reduced, size_of_vectors
-from kinetics.crosscheck.data.tracks import (
-    Asked, Averages, Table, Tracks, bad, joined, name_of, unwrapped,
-)  # fmt: skip
+from kinetics.crosscheck.data.tracks import Asked, Averages, Table, Tracks, bad, joined, name_of
+from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
 from kinetics.crosscheck.data.units import are_own, conversion
 from kinetics.crosscheck.words import numeral
 
@@ -60,7 +59,9 @@ def read_sample(
         return _scaled(summaries.of_averages(parts[0], names, law), asked, parts[0].units)
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
-    sample = replace(sample, law=law, warnings=(*warnings, *more))
+    # tracers of one flight share |r|/(|v| t) only at their own times
+    flights = None if asked.bin_times else sample.flights
+    sample = replace(sample, law=law, flights=flights, warnings=(*warnings, *more))
     return _scaled(sample, asked, tracks.units)
 
 
@@ -69,17 +70,13 @@ def _displacements(
 ) -> tuple[Tracks, list[str]]:
     """The tracers of all files relative to their places at time 0, and what is to be said of it."""
     where, warnings = ", ".join(names), list[str]()
-    found = [(part, False) if asked.with_field else unwrapped(part) for part in parts]
+    found = [(part, False) if asked.with_field else _unwrapped(part) for part in parts]
     tracks = joined([part for part, _ in found], names, asked)
-    if tracks.own is not None:
-        times, low, high = (f(tracks.own, axis=1) for f in (np.nanmean, np.nanmin, np.nanmax))
-        k = int(np.argmax((high - low) / np.where(times > 0, times, 1.0)))
+    if asked.bin_times:
         warnings.append(
             f"Times within {asked.bin_times:.3g} of each other are one time, at their mean: "
-            f"{times.size} times. The widest is from {low[k]:.6g} to {high[k]:.6g} in the data's "
-            f"unit, with mean {times[k]:.6g}."
+            f"{tracks.times.size} times. Whether units belong together is not tested."
         )
-        tracks = replace(tracks, times=times)
     place, size = tracks.place, _sizes(tracks.place)
     moved = tracks.times[0] == 0 and size[0] > 1e-9 * max(size)
     if asked.positions == "absolute" or (asked.positions == "auto" and moved):
@@ -175,9 +172,8 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
             "are given by --length-unit, --speed-unit and --time-unit.",
         )
     found = replace(sample.rescaled(unit, asked.diameter, time_unit), warnings=warnings)
-    slowest = 1.0 if start is None else float(found.speed_scale[0])
-    largest = max(found.speed_scale.max(), found.length_scale.max(), 1 / slowest)
-    if largest > _LARGEST:
-        got = f"speeds of {found.speed_scale.max():.3g} U, lengths of {found.length_scale.max():.3g} d"
+    speed, length = float(found.speed_scale.max()), float(found.length_scale.max())
+    if max(speed, length, 0 if start is None else 1 / float(found.speed_scale[0])) > _LARGEST:
+        got = f"speeds of {speed:.3g} U and displacements of {length:.3g} d"
         bad(", ".join(sample.names), got, f"below {_LARGEST:g}; give --speed-unit and --diameter")
     return found

@@ -209,8 +209,7 @@ def reduced(
         there = np.isfinite(tracks.velocity[k, :, 0])
         place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
         sizes = size_of_vectors(velocity), size_of_vectors(place)
-        own = np.full(mine.size, time) if tracks.own is None else tracks.own[k, there]
-        flights.append(straight_flights(own, sizes[1], sizes[0]))
+        flights.append(straight_flights(time, sizes[1], sizes[0]))
         scales[:, k] = [_scale(size) for size in sizes]
         v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
         powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
@@ -272,18 +271,15 @@ def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
         return StartBins(squares * np.square(unit), quartics / squares**2, counts)
 
 
-def straight_flights(time: Any, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers share at one time; None where too few share one.
-
-    time, distance, speed (n,): of tracers at times that are nearly the same, in units of the data.
-    """
+def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
+    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one."""
     moving = (distance > 0) & (speed > 0) & (time > 0)
     if np.count_nonzero(moving) < _FEWEST:
         return None
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time[moving]))
+    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time))
     alike = np.searchsorted(ratio, ratio + _SAME) - np.arange(ratio.size)
     first, count = int(np.argmax(alike)), int(alike.max())
     if count < max(_FEWEST, _LEAST_SHARE * distance.size):
         return None
     middle = float(np.exp(np.median(ratio[first : first + count])))
-    return Flights(float(time[moving].mean()), middle, count / distance.size)
+    return Flights(float(time), middle, count / distance.size)

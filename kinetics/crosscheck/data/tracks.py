@@ -30,12 +30,9 @@ ALIASES = {
 }
 """Other names of columns, in lower case, which are looked for where the first is missing."""
 AVERAGES = {
-    "thermal_speed": ("v0", "v_0", "v0(t)"),
-    "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
-    "a2": ("a_2",),
-    "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"),
-    "kurtosis": (),
-}
+    "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
+    "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
+}  # fmt: skip
 """Averages that a table of averages may have, and other names of them."""
 _ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
 """Endings of the name of an average's standard error."""
@@ -54,11 +51,9 @@ def bad(where: str, got: Any, must: str) -> NoReturn:
 class Asked:
     """What the user says about data; InputError for what is not allowed.
 
-    positions : "displacement": x, y are relative to the tracer's place at time 0. "absolute":
-        they are places, from which the tracer's own place at time 0 is subtracted; needs a column
-        `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin
-    speed_unit : U in the data's unit of speed; "data": from <v^2> at time 0, as a Gaussian has it
-    diameter : d in the data's unit of length
+    positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
+        places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
+    speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
     time_unit : d/U in the data's unit of time; None: diameter/speed_unit, in stated units, if any
     columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
     timestep : the time of one step, for formats whose frames give steps
@@ -127,8 +122,7 @@ class Tracks:
 
     times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
     unknown; box (d,) where positions may be wrapped; units that the file states, by "length",
-    "speed" and "time"; own (T, n): the times of the rows themselves where times were binned; file:
-    number of the file, or (n,).
+    "speed" and "time"; file: number of the file, or (n,).
     """
 
     times: Any
@@ -138,7 +132,6 @@ class Tracks:
     medium: Any = None
     box: Any = None
     units: Mapping[str, str] = field(default_factory=dict)
-    own: Any = None
     file: Any = 0
 
 
@@ -198,15 +191,13 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
             continue  # z alone does not matter in the plane; vz is read, to be refused
         wanted = (told,) if told else (ours,) if ours in bare else others
         here = [k for k in range(len(names)) if plain[k] in wanted or bare[k] in wanted]
-        if len(here) > 1:
-            bad(where, f"column {ours!r} {len(here)} times", "one")
-        if here and here[0] in found.values():
-            bad(where, f"column {plain[here[0]]!r} for two, {ours} is one", "one column for each")
-        if here:
-            found[ours] = here[0]
-        elif ours in needed or told is not None:
+        if len(here) > 1 or {*here} & {*found.values()}:
+            twice = "for two" if len(here) == 1 else f"{len(here)} times"
+            bad(where, f"column {wanted[0]!r} {twice}", "one column for each")
+        if not here and (ours in needed or told):
             there = short(", ".join(plain), 80)
             bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
+        found |= dict.fromkeys([ours] * len(here), *here or (0,))
     return found
 
 
@@ -216,13 +207,13 @@ def _find_averages(bare: Sequence[str], asked: Asked) -> dict[str, int]:
         return {}
     told = (asked.columns.get("time"), "time", *ALIASES["time"])
     times = [k for k, one in enumerate(bare) if one in told]
-    found: dict[str, int] = {}
-    for name, others in AVERAGES.items():
+    found = dict(zip(("time",), times, strict=False))
+    for name, others in AVERAGES.items() if found else ():
         for one in (name, *others):
-            error = next((f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare), None)
-            if one in bare and error is not None:
-                found |= {name: bare.index(one), f"error of {name}": bare.index(error)}
-    return {"time": times[0]} | found if found and times else {}
+            errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
+            if one in bare and errors:
+                found |= {name: bare.index(one), f"error of {name}": bare.index(errors[0])}
+    return found if len(found) > 1 else {}
 
 
 def from_columns(
@@ -232,11 +223,9 @@ def from_columns(
     found = find_columns(where, names, asked)
     values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
     units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
-    sizes = {name: len(column) for name, column in values.items()}
-    if len({*sizes.values()}) > 1:
-        bad(where, f"columns that differ in length, {sizes}", "one length")
-    if not values["time"].size:
-        bad(where, "no rows", "rows of two tracers at least")
+    if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
+        some = "columns that differ in length" if len(sizes) > 1 else "no rows"
+        bad(where, some, "one length, of two rows at least")
     # averages may be NaN where they are not known
     for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
         if name in values and not np.all(good := np.isfinite(values[name])):
@@ -291,8 +280,7 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
     n = int(number.max()) + 1
     require_memory(where, 32.0 * n * times.size)
     cell = index * n + number
-    filled = np.bincount(cell)
-    if filled.max() > 1:
+    if (filled := np.bincount(cell)).max() > 1:
         k = int(np.argmax(filled[cell] > 1))
         who = " of ".join(f"{name} {c[name][k]}" for name in keys)
         bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
@@ -308,8 +296,7 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
         labels[name] = np.empty(n, np.int64)
         labels[name][number] = c[name]
     place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
-    own = spread_out(["time"])[..., 0] if asked.bin_times else None
-    return Tracks(times, place, velocity, **labels, own=own)
+    return Tracks(times, place, velocity, **labels)
 
 
 def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
@@ -338,27 +325,21 @@ def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
 def checked(where: str, found: Tracks, asked: Asked) -> Tracks:
     """Tracks whose shapes and values can be used, by rising time; else InputError."""
     arrays = [np.asarray(one) for one in (found.times, found.place, found.velocity)]
+    labels = [np.asarray(one) for one in (found.tracer, found.medium) if one is not None]
     times, place, velocity = arrays
-    d, shape = asked.dimension or 2, place.shape
-    fit = len(shape) == velocity.ndim == 3 and velocity.shape[:2] == shape[:2]
-    labels = [x for x in (found.tracer, found.medium) if x is not None]
-    if not fit or times.shape != shape[:1] or any(np.shape(x) != shape[1:2] for x in labels):
-        got = ", ".join(str(one.shape) for one in (*arrays, *map(np.asarray, labels)))
-        must = "(T,), (T, n, d), (T, n, d) and (n,) for times, positions, velocities, labels"
-        bad(f"{where}: shapes", got, must)
+    d, shape = asked.dimension or 2, (*place.shape, 0)[:2]
+    shapes = [one.shape[:2] for one in (*arrays, *labels)]
+    if shapes != [shape[:1], shape, shape, *[shape[1:]] * len(labels)] or place.ndim != 3:
+        got = ", ".join(str(one.shape) for one in (*arrays, *labels))
+        bad(f"{where}: shapes", got, "(T,), (T, n, d), (T, n, d) and (n,) for each label")
     if times.size > MOST_TIMES or any(one.dtype.kind not in "iuf" for one in arrays):
         bad(where, f"{times.size} times", f"at most {MOST_TIMES} different times, and all numbers")
-    if min(shape[2], velocity.shape[2]) < d:
-        bad(where, "no z components", "positions and velocities in space for dimension 3")
-    if np.any(np.nan_to_num(velocity[..., d:])):
-        bad(where, "velocities with a z component", "in the plane, or say dimension 3")
+    if min(place.shape[2], velocity.shape[2]) < d or np.any(np.nan_to_num(velocity[..., d:])):
+        bad(where, f"no z components, or other than {d}", "as many as `dimension 3` or 2 says")
     order = np.argsort(times, kind="stable")
     times = times[order].astype(float)
-    if (
-        not np.all(np.isfinite(times))
-        or np.any(times < 0)
-        or np.any(np.diff(times) <= SAME_TIME * times[1:])
-    ):
+    known = np.all(np.isfinite(times) & (times >= 0))
+    if not known or np.any(np.diff(times) <= SAME_TIME * times[1:]):
         bad(f"{where}: times", short(times), "different finite numbers, not negative")
     if np.any(order[1:] < order[:-1]):
         place, velocity = place[order], velocity[order]
@@ -389,10 +370,9 @@ def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
         return rows.ffill().bfill().to_numpy().reshape(values.shape)
 
     gone = np.isnan(tracks.place[..., 0])
-    now = tracks.times[:, None] if tracks.own is None else tracks.own
-    elapsed = now[1:] - filled(np.where(gone, np.nan, now))[:-1]
-    reach = filled(np.linalg.norm(tracks.velocity, axis=2))[:-1] * np.where(gone[1:], 0.0, elapsed)
-    if np.nanmax(reach) >= tracks.box.min() / 2:
+    now = np.where(gone, np.nan, tracks.times[:, None])
+    reach = filled(np.linalg.norm(tracks.velocity, axis=2))[:-1] * (now[1:] - filled(now)[:-1])
+    if np.nanmax(reach, initial=0.0) >= tracks.box.min() / 2:
         return tracks, False
     place = np.unwrap(filled(tracks.place), axis=0, period=tracks.box)
     place[gone] = np.nan
@@ -427,6 +407,6 @@ def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Track
         return np.concatenate(values, axis=1)
 
     file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    names = ("place", "velocity", "tracer", "medium", "own")
+    names = ("place", "velocity", "tracer", "medium")
     every = {name: side_by_side(name) for name in names}
     return Tracks(times, **every, units=first.units, file=file)

@@ -52,7 +52,7 @@ TEXTS = {
     "dump: column twice": ("a.dump", DUMP.replace("id xu", "xu xu"), "'id'"),
     "dump: twice": ("a.dump", DUMP.replace("id xu yu", "id xu xu yu"), "'xu' 2 times"),
     "dump: cut": ("a.dump", DUMP[:-10], "line 1[01]"),
-    "dump: no number": ("a.dump", DUMP.replace("1 0 0 1 0", "1 a 0 1 0"), "line 10: column 'xu'"),
+    "dump: no number": ("a.dump", DUMP.replace("1 0 0 1 0", "1 a 0 1 0"), "line 10, column 'xu'"),
     "dump: huge": ("a.dump", DUMP.replace("ATOMS\n2", "ATOMS\n1000000000000"), "line 11"),
     "dump: slanted box": ("a.dump", DUMP.replace("0 9\n", "0 9 1\n", 1), "rectangular"),
     "dump: no timestep": ("a.dump", DUMP, "timestep"),
