@@ -141,7 +141,7 @@ def _require_rows(
     """InputError at the first of the lines (number, cells) that lacks cells or numbers."""
     for line, cells in rows:
         if len(cells) != len(names):
-            bad(f"{where}: line {line}", f"{len(cells)} columns", len(names))
+            bad(f"{where}: line {line}", f"{len(cells)} columns", str(len(names)))
         for name, k in used.items():
             if cells[k].lower() != lost:
                 _real(f"{where}: line {line}, column {name!r}", cells[k])

@@ -231,10 +231,11 @@ def reduced(
         edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
         return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
+    start = start and replace(start, by_group=start.by_group[used])
+    seen = max(filter(None, flights), key=lambda one: one.share, default=None)
     return Sample(
-        names, tracks.times, sums[used], *scales, *map(binned, counts, scales),
-        start and replace(start, by_group=start.by_group[used]), at_rest, grouping,
-        flights=max(filter(None, flights), key=lambda one: one.share, default=None),
+        names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
+        binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,
     )  # fmt: skip
 
 

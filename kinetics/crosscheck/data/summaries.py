@@ -9,7 +9,7 @@ correlated.
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +109,7 @@ def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
 # -- runs of the simulator -------------------------------------------------------------------------
 
 
-def is_ensemble(path: Any) -> bool:
+def is_ensemble(path: Any) -> TypeGuard[Path]:
     """Whether a source is a file of `lorentz simulate` or Ensemble.save."""
     if not isinstance(path, Path) or path.suffix.lower() not in (".h5", ".hdf5", ".h5md"):
         return False

@@ -197,7 +197,8 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
         if not here and (ours in needed or told):
             there = short(", ".join(plain), 80)
             bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
-        found |= dict.fromkeys([ours] * len(here), *here or (0,))
+        if here:
+            found[ours] = here[0]
     return found
 
 
@@ -207,7 +208,7 @@ def _find_averages(bare: Sequence[str], asked: Asked) -> dict[str, int]:
         return {}
     told = (asked.columns.get("time"), "time", *ALIASES["time"])
     times = [k for k, one in enumerate(bare) if one in told]
-    found = dict(zip(("time",), times, strict=False))
+    found: dict[str, int] = {"time": times[0]} if times else {}
     for name, others in AVERAGES.items() if found else ():
         for one in (name, *others):
             errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
@@ -271,7 +272,7 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
     import pandas as pd
 
     index, times = binned(where, c["time"], asked)
-    keys = [name for name in ("tracer", "medium") if name in c]
+    keys: list[str] = [name for name in ("tracer", "medium") if name in c]
     if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
         rows = pd.DataFrame({"time": index, **{name: c[name] for name in keys}})
         c["rank"] = rows.groupby(["time", *keys]).cumcount().to_numpy()
@@ -291,7 +292,7 @@ def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
             out[cell, k] = c[name]
         return out.reshape(times.size, n, -1)
 
-    labels: dict[str, Any] = {name: None for name in ("tracer", "medium")}
+    labels: dict[str, Any] = {"tracer": None, "medium": None}
     for name in (name for name in labels if name in c):
         labels[name] = np.empty(n, np.int64)
         labels[name][number] = c[name]

@@ -32,7 +32,7 @@ TEXTS = {
     "column missing": ("a.csv", HEAD.replace("vy", "w") + ROWS, "'vy'"),
     "column twice": ("a.csv", HEAD.replace("tracer", "vy") + ROWS, "'vy' 2 times"),
     "not a number": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,b,0"), "line 4, column 'x': got 'b'"),
-    "not finite": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,nan,0"), "line 4, column 'x': got 'nan'"),
+    "not finite": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,nan,0"), "'x': got 'nan'"),
     "decimal comma": ("a.csv", (HEAD + ROWS).replace(",", ";").replace("2;2;", "2;2,5;"), "line 4"),
     "too few cells": ("a.csv", HEAD + ROWS.replace("2,2,0,1,0,1", "2,2,0"), "line 4: got 3"),
     "too many cells": ("a.csv", HEAD + ROWS.replace("2,2,0", "2,2,0,0"), "line 4: got 7"),
