@@ -7,15 +7,12 @@ every standard error and every covariance is the spread over groups.
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.tracks import (
-    Tracks,
-)
-from kinetics.crosscheck.data.units import Flights, straight_flights
+from kinetics.crosscheck.data.tracks import Tracks
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -24,13 +21,28 @@ N, V2, V4, R2, R4, VX, X, X2 = range(8)
 """Columns of the sums: samples, and powers of speed and displacement. In a field also the velocity
 and the displacement along it, along +x, and the square of this."""
 MOST_GROUPS, HISTOGRAM_GROUPS = 251, 83
-"""Groups that tracers or configurations are gathered in, at most: primes, so that labels with a
-regular pattern spread over all of them. The relative error of a standard error from G groups is
-1/sqrt(2 G): 4.5 %, and 8 % for the counts in bins, which take most of the memory."""
+"""Groups at most: primes, so that labels with a regular pattern spread over all of them. The
+relative error of a standard error from G groups is 1/sqrt(2 G): 4.5 %, and 8 % for counts in bins,
+which take most of the memory."""
 _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 """Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
 octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
+_SAME = 2e-3
+"""Width in ln(|r|/(|v| t)) within which tracers fly alike: numbers may have few digits."""
+_LEAST_SHARE, _FEWEST = 0.05, 20
+"""Tracers that must fly alike. Those that have collided put some 0.5 % into such a width."""
+
+
+class Flights(NamedTuple):
+    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
+
+    share: of all tracers then. The ratio is 1 where units belong together, whatever the scatterers.
+    """
+
+    time: float
+    ratio: float
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +71,8 @@ class Binned:
 class StartBins:
     """Speeds at time 0 in fine bins, of the tracers that move.
 
-    squares (n_bins,): mean v^2 in each bin, in U^2; flatness (n_bins,): <v^4>/<v^2>^2 in it, a
-    little above 1; by_group (n_groups, n_bins): counts.
+    squares (n_bins,): mean v^2 in U^2; flatness (n_bins,): <v^4>/<v^2>^2, a little above 1;
+    by_group (n_groups, n_bins): counts.
     """
 
     squares: Array
@@ -75,10 +87,7 @@ class StartBins:
 
 @dataclass(frozen=True)
 class Law:
-    """What the system has beside the restitution: smooth disks in the plane, if not told.
-
-    field : uniform acceleration along +x in U^2/d
-    """
+    """What the system has beside the restitution; field: acceleration along +x in U^2/d."""
 
     tangential_restitution: float = 1.0
     dimension: int = 2
@@ -103,22 +112,17 @@ class Law:
 class Sample:
     """Sums over groups of tracers; lengths in d, speeds in U, times in d/U, time rising.
 
-    Attributes
-    ----------
     names : where the data came from
-    times : (n_times,)
     sums : (n_groups, n_times, 5), of 1, v^2, v^4, r^2, r^4 in units of the scales; (.., 8) in a
         field, with v_x, x, x^2
-    speed_scale, length_scale : (n_times,), in U and in d
+    times, speed_scale, length_scale, at_rest : (n_times,); at_rest: how many have speed zero
     speeds, displacements : counts in bins, None where unknown
     start : the speeds at time 0, None without one
-    at_rest : how many have speed zero, (n_times,)
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the time at which most of them have
     capped : collisions after which tracers were stopped, None without a cap
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
-    tabulated : from a table of averages; the groups are made up (summaries), and how errors at
-        different times are correlated is not known
+    tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
     told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
     """
@@ -152,10 +156,7 @@ class Sample:
         return np.rint(self.sums[:, :, N].sum(axis=0)).astype(np.int64)
 
     def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
-        """The sample with U = `speed`, d = `length` and d/U = `time` in the units that it had.
-
-        time: None is length/speed.
-        """
+        """The sample with U, d and d/U of these sizes in its units; time None: length/speed."""
         factor = speed / length if time is None else 1 / time
         start, told, seen = self.start, dict(self.told), self.flights
         if "number_density" in told:
@@ -176,39 +177,21 @@ class Sample:
 
     def at(self, keep: Any) -> "Sample":
         """The sample at the times with these indices."""
+        names = ("times", "speed_scale", "length_scale", "at_rest")
         return replace(
-            self,
-            sums=self.sums[:, keep],
-            speeds=self.speeds and self.speeds.at(keep),
+            self, sums=self.sums[:, keep], speeds=self.speeds and self.speeds.at(keep),
             displacements=self.displacements and self.displacements.at(keep),
-            **{
-                name: getattr(self, name)[keep]
-                for name in ("times", "speed_scale", "length_scale", "at_rest")
-            },
-        )
+            **{name: getattr(self, name)[keep] for name in names},
+        )  # fmt: skip
 
 
-def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
-    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
-    with np.errstate(divide="ignore"):
-        place = np.floor((np.log2(values) - lowest) * per_octave)
-    return np.clip(place, -1, bins).astype(np.int64) + 1
+# -- from tracks to a sample -----------------------------------------------------------------------
 
 
 def size_of_vectors(vectors: Any) -> Any:
     """The length of vectors (n, d), also of 1e200."""
     plane = np.hypot(vectors[:, 0], vectors[:, 1])
     return plane if vectors.shape[1] == 2 else np.hypot(plane, vectors[:, 2])
-
-
-def _scale(size: Any) -> float:
-    """Root mean square as a power of 2, so that it hardly depends on single tracers."""
-    largest = float(size.max(initial=0.0))
-    if largest == 0.0:
-        return 1.0
-    with np.errstate(under="ignore"):
-        found = np.log2(np.mean((size / largest) ** 2)) / 2 + np.log2(largest)
-    return float(2.0 ** np.clip(np.round(found), -1000, 1000))
 
 
 def reduced(
@@ -219,33 +202,27 @@ def reduced(
     group = (label % MOST_GROUPS + 97 * tracks.file) % MOST_GROUPS
     count = tracks.times.size
     sums = np.zeros((MOST_GROUPS, count, 8 if with_field else 5))
-    scales = np.ones((2, count))
+    scales, at_rest = np.ones((2, count)), np.zeros(count, np.int64)
     counts = np.zeros((2, HISTOGRAM_GROUPS, count, _BINS + 2), np.int32)
-    at_rest, flights, start = np.zeros(count, np.int64), [], None
-    for k, (place, velocity) in enumerate(zip(tracks.place, tracks.velocity, strict=True)):
-        there = np.isfinite(velocity[:, 0])
-        mine, own = group, None if tracks.own is None else tracks.own[k]
-        if not np.all(there):
-            place, velocity, mine = place[there], velocity[there], group[there]
-            own = None if own is None else own[there]
-        speed, distance = size_of_vectors(velocity), size_of_vectors(place)
-        scales[:, k] = _scale(speed), _scale(distance)
-        time = tracks.times[k] if own is None else own
-        flights.append(straight_flights(time, distance, speed))
-        v, r = speed / scales[0, k], distance / scales[1, k]
+    flights, start = [], None
+    for k, time in enumerate(tracks.times):
+        there = np.isfinite(tracks.velocity[k, :, 0])
+        place, velocity, mine = tracks.place[k, there], tracks.velocity[k, there], group[there]
+        sizes = size_of_vectors(velocity), size_of_vectors(place)
+        flights.append(straight_flights(time, sizes[1], sizes[0]))
+        scales[:, k] = [_scale(size) for size in sizes]
+        v, r = (size / scale for size, scale in zip(sizes, scales[:, k], strict=True))
         powers = [None, v * v, (v * v) ** 2, r * r, (r * r) ** 2]
         if with_field:
             x = place[:, 0] / scales[1, k]
             powers += [velocity[:, 0] / scales[0, k], x, x * x]
         for column, power in enumerate(powers):
             sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
-        row = mine % HISTOGRAM_GROUPS * (_BINS + 2)
         for out, values in zip(counts, (v, r), strict=True):
-            cell = row + _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
-            every = np.bincount(cell, minlength=HISTOGRAM_GROUPS * (_BINS + 2))
-            out[:, k] = every.reshape(HISTOGRAM_GROUPS, -1)
+            bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
+            out[:, k] = _counted(mine % HISTOGRAM_GROUPS, bins, out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
-        if tracks.times[k] == 0:
+        if time == 0:
             start = _start_bins(v, mine, scales[0, k])
     used = sums[..., N].sum(axis=1) > 0
 
@@ -262,13 +239,48 @@ def reduced(
     )  # fmt: skip
 
 
+def _scale(size: Any) -> float:
+    """Root mean square as a power of 2, so that it hardly depends on single tracers."""
+    largest = float(size.max(initial=0.0))
+    if largest == 0.0:
+        return 1.0
+    with np.errstate(under="ignore"):
+        found = np.log2(np.mean((size / largest) ** 2)) / 2 + np.log2(largest)
+    return float(2.0 ** np.clip(np.round(found), -1000, 1000))
+
+
+def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
+    """The bin of each value: 0 below the bins (or zero), bins + 1 above them."""
+    with np.errstate(divide="ignore"):
+        place = np.floor((np.log2(values) - lowest) * per_octave)
+    return np.clip(place, -1, bins).astype(np.int64) + 1
+
+
+def _counted(group: Any, bins: Any, shape: tuple[int, int]) -> Counts:
+    cells = np.bincount(group * shape[1] + bins, minlength=shape[0] * shape[1])
+    return np.asarray(cells.reshape(shape))
+
+
 def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
-    bins = _START_BINS + 2
     place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-    counts = np.bincount(group * bins + place, minlength=MOST_GROUPS * bins).reshape(-1, bins)
-    powers = np.stack([np.bincount(place, v**power, bins) for power in (2, 4)])
+    counts = _counted(group, place, (MOST_GROUPS, _START_BINS + 2))
+    powers = np.stack([np.bincount(place, v**power, _START_BINS + 2) for power in (2, 4)])
     moving = powers[0] > 0
     counts = counts[:, moving]
     squares, quartics = powers[:, moving] / counts.sum(axis=0)
-    with np.errstate(over="ignore", under="ignore"):  # refused later, in `_in_range`
+    with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
         return StartBins(squares * np.square(unit), quartics / squares**2, counts)
+
+
+def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
+    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one."""
+    moving = (distance > 0) & (speed > 0) & (time > 0)
+    if np.count_nonzero(moving) < _FEWEST:
+        return None
+    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time))
+    alike = np.searchsorted(ratio, ratio + _SAME) - np.arange(ratio.size)
+    first, count = int(np.argmax(alike)), int(alike.max())
+    if count < max(_FEWEST, _LEAST_SHARE * distance.size):
+        return None
+    middle = float(np.exp(np.median(ratio[first : first + count])))
+    return Flights(float(time), middle, count / distance.size)

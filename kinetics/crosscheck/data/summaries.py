@@ -9,14 +9,14 @@ correlated.
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, Binned, Law, N, Sample, reduced
-from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, name_of
-from kinetics.errors import InputError
+from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, bad, name_of
+from kinetics.errors import InputError, short
 
 if TYPE_CHECKING:
     from particles.ensemble import Ensemble
@@ -29,20 +29,18 @@ GROUPS = 1000
 
 def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
     """The sample of a table, in its own units; InputError for one that cannot be used."""
-    where = ", ".join(names)
-    order = np.argsort(table.columns["time"])
-    columns = {name: np.asarray(values, float)[order] for name, values in table.columns.items()}
+    where, columns = ", ".join(names), dict(table.columns)
+    order = np.argsort(columns["time"])
+    columns = {name: np.asarray(values, float)[order] for name, values in columns.items()}
     times = columns.pop("time")
-    if not times.size or times[0] < 0 or np.any(np.diff(times) <= 0) or times.size > MOST_TIMES:
-        raise InputError(
-            f"{where}: a table of averages needs 1 to {MOST_TIMES} different times, not negative"
-        )
+    if times[0] < 0 or np.any(np.diff(times) <= 0) or times.size > MOST_TIMES:
+        bad(f"{where}: times", short(times), f"1 to {MOST_TIMES} different times, not negative")
     for name, values in columns.items():
         if name.startswith("error of ") and np.any(values < 0):
-            raise InputError(f"{where}: an {name} is negative")
+            bad(where, f"an {name} of {np.nanmin(values):g}", "not negative")
     sums, left_out = _sums(columns, law)
     if not np.any(np.isfinite(sums[0, :, [V2, R2]])):
-        raise InputError(f"{where}: no average has a value and a standard error above 0")
+        bad(where, "no average with a standard error above 0", "one at least")
     warnings = [
         "A table of averages does not say how errors at different times are correlated. The "
         "p-value of an average is that of the time that differs most, times the number of times, "
@@ -64,7 +62,26 @@ def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
 def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
     """The sums of the made-up groups, (GROUPS, n_times, 5), and averages that cannot be used."""
     (first, *_) = columns.values()
-    spread = _Spread(first.size * len(columns))
+    most = min(first.size * len(columns), GROUPS - 2)
+    free = np.random.default_rng(0).normal(size=(GROUPS, most + 1))
+    free[:, 0] = 1.0
+    axes, used = np.linalg.qr(free)[0][:, 1:], 0
+
+    def usable(name: str) -> tuple[Array, Array]:
+        """The average, and deviations of the groups, as far as both are known.
+
+        Their mean is 0, and they are orthogonal for different averages and times.
+        """
+        nonlocal used
+        value, error = columns[name], columns[f"error of {name}"]
+        good = (
+            np.isfinite(value) & (error > 0) & np.isfinite(error) & ((value > 0) | (name == "a2"))
+        )
+        mine = axes[:, (used + np.arange(value.size)) % most]
+        used += value.size
+        spread = mine * np.where(good, error, np.nan) * np.sqrt(GROUPS * (GROUPS - 1))
+        return np.where(good, value, np.nan), spread
+
     sums = np.full((GROUPS, first.size, 5), np.nan)
     sums[..., N] = 1.0
     relative: dict[int, Array] = {}
@@ -72,62 +89,34 @@ def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
         ("thermal_speed", V2, 2.0), ("mean_square_speed", V2, 1.0), ("msd", R2, 1.0)
     ):  # fmt: skip
         if name in columns and column not in relative:
-            value, error = _usable(columns, name)
-            relative[column] = spread.of(power * error / value)
+            value, spread = usable(name)
+            relative[column] = power * spread / value
             sums[..., column] = value**power * (1 + relative[column])
     left_out = []
     for name, column, second in (("a2", V4, V2), ("kurtosis", R4, R2)):
-        if name not in columns:
-            continue
-        if second not in relative:
+        if name in columns and second not in relative:
             left_out.append(name)
-            continue
-        value, error = _usable(columns, name)
-        size = law.gaussian * (1 + value) if name == "a2" else value
-        unit = law.gaussian if name == "a2" else 1.0
-        mean = sums[..., second].mean(axis=0)
-        # The ratio to the squared second moment has the spread that the table gives it.
-        wanted = spread.of(unit * error / size) + 2 * relative[second]
-        sums[..., column] = size * mean**2 * (1 + wanted)
+        elif name in columns:
+            value, spread = usable(name)
+            if name == "a2":
+                value, spread = law.gaussian * (1 + value), law.gaussian * spread
+            # The ratio to the squared second moment has the spread that the table gives it.
+            wanted = spread / value + 2 * relative[second]
+            sums[..., column] = value * sums[..., second].mean(axis=0) ** 2 * (1 + wanted)
     return sums, left_out
-
-
-def _usable(columns: Mapping[str, Array], name: str) -> tuple[Array, Array]:
-    value, error = columns[name], columns[f"error of {name}"]
-    good = np.isfinite(value) & (error > 0) & (np.isfinite(error)) & ((value > 0) | (name == "a2"))
-    return np.where(good, value, np.nan), np.where(good, error, np.nan)
-
-
-class _Spread:
-    """Deviations of groups from their mean, which are orthogonal for different averages."""
-
-    def __init__(self, most: int) -> None:
-        rng = np.random.default_rng(0)
-        free = rng.normal(size=(GROUPS, min(most + 1, GROUPS - 1)))
-        free[:, 0] = 1.0
-        self._axes, _ = np.linalg.qr(free)
-        self._next = 1
-
-    def of(self, relative: Any) -> Any:
-        """Deviations (GROUPS, n) whose mean is 0 and has these standard errors (n,)."""
-        at = 1 + (self._next - 1 + np.arange(relative.size)) % (self._axes.shape[1] - 1)
-        self._next += relative.size
-        return self._axes[:, at] * relative * np.sqrt(GROUPS * (GROUPS - 1))
 
 
 # -- runs of the simulator -------------------------------------------------------------------------
 
 
-def is_ensemble(path: Any) -> bool:
+def is_ensemble(path: Any) -> TypeGuard[Path]:
     """Whether a source is a file of `lorentz simulate` or Ensemble.save."""
     if not isinstance(path, Path) or path.suffix.lower() not in (".h5", ".hdf5", ".h5md"):
         return False
     import h5py
 
     try:
-        if not path.is_file():
-            return False
-        with h5py.File(path, "r") as file:
+        with h5py.File(path if path.is_file() else "", "r") as file:
             return "plan" in file.attrs
     except (OSError, ValueError):
         return False  # the reader of columns says what is wrong
@@ -154,17 +143,20 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
 
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
-        raise InputError(f"{name}: this run has no output times; simulate(..., times=...)")
+        bad(name, "a run without output times", "made by simulate(..., times=...)")
     # Tracers of a Boltzmann-Grad run share no scatterers: each of them is independent.
-    free = isinstance(ensemble.medium, BoltzmannGrad)
-    stored = ensemble.arrays
-    law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
+    free, stored = isinstance(ensemble.medium, BoltzmannGrad), ensemble.arrays
     if "raw/velocities" in stored and "raw/positions" in stored:
-        found = _from_tracers(ensemble, name, "tracer" if free else "medium")
+        place, velocity = np.asarray(ensemble.positions), np.asarray(ensemble.velocities)
+        label = np.arange(place.shape[1]) // (1 if free else ensemble.tracers)
+        grouping = "tracer" if free else "medium"
+        found = reduced(
+            Tracks(times, place, velocity), label, (name,), grouping, bool(ensemble.field)
+        )
     else:
         found = _from_sums(ensemble, name, times, free)
     if found.groups < 2:
-        raise InputError(f"{name}: has one configuration; standard errors need at least two")
+        bad(name, "one configuration", "two at least, for standard errors")
     plan = ensemble.plan
     told: dict[str, Any] = {
         "restitution": ensemble.restitution,
@@ -174,38 +166,24 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
     if plan.rest:
         told["initial"] = "rest"
+    law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
     return replace(found, capped=plan.max_collisions, free=free, told=told, law=law)
-
-
-def _from_tracers(ensemble: "Ensemble", name: str, grouping: str) -> Sample:
-    label = np.arange(ensemble.media * ensemble.tracers)
-    velocity = np.asarray(ensemble.velocities)
-    tracks = Tracks(np.asarray(ensemble.times), np.asarray(ensemble.positions), velocity)
-    group = label // ensemble.tracers if grouping == "medium" else label
-    return reduced(tracks, group, (name,), grouping, bool(ensemble.field))
 
 
 def _from_sums(ensemble: "Ensemble", name: str, times: Any, free: bool) -> Sample:
     """From the sums that every run keeps."""
-    unit = ensemble.medium.diameter
     sums = np.asarray(ensemble.moments[:, :, : R4 + 1])
     if ensemble.field:  # v_x, x and x^2 of the sums of a field
         found, dimension = ensemble.arrays["field_sums"], ensemble.medium.dimension
         half = found.shape[2] // 2
-        along = found[:, :, [0, half, half + dimension]]
-        sums = np.concatenate([sums, along], axis=2)
+        sums = np.concatenate([sums, found[:, :, [0, half, half + dimension]]], axis=2)
     return Sample(
-        names=(name,),
-        times=times,
-        sums=sums,
-        speed_scale=1.0 / ensemble.plan.scales(),
-        length_scale=np.full(times.size, unit),
-        speeds=_histogram(ensemble, "speed_histogram", free),
-        displacements=_histogram(ensemble, "displacement_histogram", free),
-        start=None,
-        at_rest=np.asarray(ensemble.trapped),
-        grouping="medium",
-    )
+        (name,), times, sums, 1.0 / ensemble.plan.scales(),
+        np.full(times.size, ensemble.medium.diameter),
+        _histogram(ensemble, "speed_histogram", free),
+        _histogram(ensemble, "displacement_histogram", free),
+        None, np.asarray(ensemble.trapped), "medium",
+    )  # fmt: skip
 
 
 def _histogram(ensemble: "Ensemble", name: str, free: bool) -> Binned | None:

@@ -1,14 +1,15 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
-A format (`formats`) gives either columns, one row for each tracer at each time, which
-`from_columns` turns into `Tracks`, or frames, which are Tracks already; or `Averages`.
+A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
+into `Tracks` or, for a table of averages, `Averages`; or frames, which are Tracks already.
 """
 
-import difflib
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -29,12 +30,9 @@ ALIASES = {
 }
 """Other names of columns, in lower case, which are looked for where the first is missing."""
 AVERAGES = {
-    "thermal_speed": ("v0", "v_0", "v0(t)"),
-    "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
-    "a2": ("a_2",),
-    "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"),
-    "kurtosis": (),
-}
+    "thermal_speed": ("v0", "v_0", "v0(t)"), "mean_square_speed": ("v2", "<v2>", "<v^2>", "msv"),
+    "a2": ("a_2",), "msd": ("r2", "<r2>", "<r^2>", "mean_square_displacement"), "kurtosis": (),
+}  # fmt: skip
 """Averages that a table of averages may have, and other names of them."""
 _ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
 """Endings of the name of an average's standard error."""
@@ -44,17 +42,19 @@ SAME_TIME = 1e-9
 """Relative difference below which two times are one: above the rounding of 12 digits."""
 
 
+def bad(where: str, got: Any, must: str) -> NoReturn:
+    """Raise InputError in one line: where, what was found there, and what must be."""
+    raise InputError(f"{where}: got {got}; must be {must}")
+
+
 @dataclass(frozen=True)
 class Asked:
-    """What the user says about data.
+    """What the user says about data; InputError for what is not allowed.
 
-    positions : "displacement": x, y are relative to the tracer's place at time 0. "absolute":
-        they are places, from which the tracer's own place at time 0 is subtracted; needs a column
-        `tracer` and rows at time 0. "auto": absolute if a position at time 0 is not the origin.
-    speed_unit : U in the data's unit of speed; "data": from <v^2> at time 0, as a Gaussian has it
-    diameter : d in the data's unit of length
-    time_unit : d/U in the data's unit of time; None: diameter/speed_unit, in the units that the
-        file states, if it does
+    positions : "displacement": x, y are relative to the place at time 0; "absolute": they are
+        places, with a column `tracer` and rows at time 0; "auto": as the rows at time 0 say
+    speed_unit, diameter : U and d in the data's units; "data": U from <v^2> at time 0
+    time_unit : d/U in the data's unit of time; None: diameter/speed_unit, in stated units, if any
     columns : names of columns in the files by ours, {"time": "t_sim"} or "time=t_sim"
     timestep : the time of one step, for formats whose frames give steps
     dimension : 2 or 3; None: that of an Ensemble, or 2
@@ -67,7 +67,7 @@ class Asked:
     speed_unit: float | str = 1.0
     diameter: float = 1.0
     time_unit: float | None = None
-    columns: Any = field(default_factory=dict)
+    columns: Any = None
     timestep: float | None = None
     dimension: int | None = None
     bin_times: float | None = None
@@ -78,48 +78,41 @@ class Asked:
         one_of("positions", self.positions, ("auto", "displacement", "absolute"))
         for name in ("speed_unit", "diameter", "time_unit", "timestep"):
             value = getattr(self, name)
-            free = value is None and name in ("time_unit", "timestep")
-            if not free and not (
-                name == "speed_unit" and isinstance(value, str) and value == "data"
-            ):
+            told = "data" if name == "speed_unit" else None if name != "diameter" else 0.0
+            if type(value) is not type(told) or value != told:
                 # a unit enters as its square and its cube, which must be finite
                 object.__setattr__(self, name, real_number(name, value, 1e-100, 1e100))
         if self.dimension not in (None, 2, 3):
             refuse("dimension", self.dimension, "it must be 2 or 3")
         if self.bin_times is not None:
-            allowed = "it must be a number from 0 to 0.2, a fraction of the time"
-            real_number("bin_times", self.bin_times, 0.0, 0.2, allowed)
-        object.__setattr__(self, "columns", checked_columns(self.columns or {}))
+            real_number("bin_times", self.bin_times, 0.0, 0.2)
+        object.__setattr__(self, "columns", checked_columns(self.columns))
 
     def times_of(self, where: str, time: Any, step: Any) -> Any:
         """The times of frames: as they stand, or their steps times the timestep."""
         if time is not None:
             return np.asarray(time, float)
         if step is None or self.timestep is None:
-            what = "times" if step is None else "times, only steps; say --timestep"
-            raise InputError(f"{where}: gives no {what}")
+            bad(where, "no times" if step is None else "only steps", "times, or say --timestep")
         return np.asarray(step, float) * self.timestep
 
 
 def checked_columns(columns: Any) -> dict[str, str]:
-    """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`.
-
-    InputError for another form, and for a name that is unknown or stands twice.
-    """
-    pairs: Any = columns.items() if isinstance(columns, Mapping) else None
+    """Names of columns by ours, from a mapping or a text such as `time=t_sim,tracer=id`."""
+    pairs: Any = columns.items() if isinstance(columns, Mapping) else ()
     if isinstance(columns, str):
-        parts = [part.partition("=") for part in columns.split(",") if part.strip()]
-        pairs = [(ours.strip(), theirs.strip()) for ours, _, theirs in parts]
-    if pairs is None or not all(str(theirs) for _, theirs in pairs):
-        refuse("columns", columns, "it must be like time=t,tracer=id, or a dictionary of names")
+        pairs = [part.split("=", 1) for part in columns.split(",") if part.strip()]
+    right = columns is None or isinstance(columns, str | Mapping)
+    if not right or any(len(pair) < 2 or not str(pair[1]).strip() for pair in pairs):
+        bad("columns", short(columns), "like time=t,tracer=id, or a dictionary of names")
+    known = {other: ours for ours, others in ALIASES.items() for other in (ours, *others)}
     found: dict[str, str] = {}
     for name, theirs in pairs:
-        plain = str(name).strip().lower()
-        ours = next((one for one, others in ALIASES.items() if plain in (one, *others)), None)
+        ours = known.get(str(name).strip().lower())
         if ours is None or ours in found:
-            why = "stands twice" if ours else "is not known"
-            raise InputError(f"columns: {short(name)} {why}; allowed are {', '.join(ALIASES)}")
-        found[ours] = str(theirs)
+            twice = " twice" if ours else ""
+            bad("columns", f"{short(name)}{twice}", f"each once, of {', '.join(ALIASES)}")
+        found[ours] = str(theirs).strip().lower()
     return found
 
 
@@ -129,8 +122,7 @@ class Tracks:
 
     times (T,) rising; place, velocity (T, n, d); tracer, medium (n,) whole numbers, None where
     unknown; box (d,) where positions may be wrapped; units that the file states, by "length",
-    "speed" and "time"; own (T, n): the times of the rows themselves where times were binned; file:
-    number of the file, or (n,).
+    "speed" and "time"; file: number of the file, or (n,).
     """
 
     times: Any
@@ -140,7 +132,6 @@ class Tracks:
     medium: Any = None
     box: Any = None
     units: Mapping[str, str] = field(default_factory=dict)
-    own: Any = None
     file: Any = 0
 
 
@@ -168,23 +159,18 @@ def name_of(source: Path | Table) -> str:
 
 
 def require_memory(where: str, declared: float, stored: float | None = None) -> None:
-    """InputError for data of more bytes than the machine has free, or than a file can hold.
+    """InputError for arrays of more bytes than a third of what is free, or than a file can hold.
 
-    declared: bytes of the arrays; three times as much is needed to work with them. stored: bytes in
-    the file, where they are packed by deflate, which makes nothing smaller than by 1032.
+    stored: bytes in the file, packed by deflate, which makes nothing smaller than by 1032.
     """
     if stored is not None and declared > 1100 * stored + 1e6:
-        raise InputError(f"{where}: declares {declared:.2g} bytes, and holds {stored:.2g} of them")
-    try:
-        lines = Path("/proc/meminfo").read_text().split("\n")
-        free = next(1024.0 * int(line.split()[1]) for line in lines if "MemAvailable" in line)
-    except (OSError, StopIteration, ValueError):
-        free = 16e9  # another system: what most machines have
+        bad(where, f"{stored:.2g} bytes that declare {declared:.2g}", "a whole file")
+    free = 16e9  # on another system: what most machines have
+    with suppress(OSError, ValueError):
+        found = re.search(r"MemAvailable:\s*(\d+)", Path("/proc/meminfo").read_text())
+        free = 1024.0 * float(found[1]) if found else free
     if 3 * declared > free:
-        raise InputError(
-            f"{where}: needs about {3 * declared / 1e9:.2g} GB of memory, {free / 1e9:.2g} GB are "
-            "free; compare fewer times or tracers"
-        )
+        bad(where, f"data for {3 * declared:.2g} bytes of memory", f"at most {free:.2g}")
 
 
 # -- columns: one row for each tracer at each time -------------------------------------------------
@@ -192,36 +178,27 @@ def require_memory(where: str, declared: float, stored: float | None = None) -> 
 
 def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, int]:
     """The place of each known column; InputError where one is missing or stands twice."""
-    plain = [str(name).strip().strip("\"'").strip().lower() for name in names]
+    plain = [str(name).strip(" \t\"'").lower() for name in names]
     bare = [split_unit(name)[0] for name in plain]
     if averages := _find_averages(bare, asked):
         return averages
-    d = 3 if asked.dimension == 3 else 2
+    d = asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
     found: dict[str, int] = {}
     for ours, others in ALIASES.items():
         told = asked.columns.get(ours)
         if ours not in needed and told is None and ours in ("z", "type"):
             continue  # z alone does not matter in the plane; vz is read, to be refused
-        wanted = [told.strip().lower()] if told is not None else [ours]
-        if told is None and ours not in bare:
-            wanted = [one for one in others if one in bare]
-        known = plain if wanted and wanted[0] in plain else bare
-        here = [k for k, one in enumerate(known) if one in wanted]
-        if len(here) > 1:
-            raise InputError(f"{where}: column {ours!r} stands {len(here)} times")
-        if here and here[0] in found.values():
-            other = next(one for one, k in found.items() if k == here[0])
-            raise InputError(f"{where}: column {known[here[0]]!r} cannot be {other} and {ours}")
+        wanted = (told,) if told else (ours,) if ours in bare else others
+        here = [k for k in range(len(names)) if plain[k] in wanted or bare[k] in wanted]
+        if len(here) > 1 or {*here} & {*found.values()}:
+            twice = "for two" if len(here) == 1 else f"{len(here)} times"
+            bad(where, f"column {wanted[0]!r} {twice}", "one column for each")
+        if not here and (ours in needed or told):
+            there = short(", ".join(plain), 80)
+            bad(where, f"no column {told or ours!r} in {there}", f"{', '.join(needed)} (--columns)")
         if here:
             found[ours] = here[0]
-        elif ours in needed or told is not None:
-            near = difflib.get_close_matches(wanted[0] if wanted else ours, plain, 1, 0.5)
-            hint = f"; is {short(near[0])} meant? Say so by --columns" if near else ""
-            raise InputError(
-                f"{where}: column {told or ours!r} is missing; needed are {', '.join(needed)}, "
-                f"found are {short(', '.join(plain), 80)}{hint}"
-            )
     return found
 
 
@@ -229,152 +206,117 @@ def _find_averages(bare: Sequence[str], asked: Asked) -> dict[str, int]:
     """The places of the columns of a table of averages; empty where it is none."""
     if any(name in bare or name in asked.columns for name in ("x", "vx", *ALIASES["x"])):
         return {}
-    told = asked.columns.get("time", "").strip().lower()
-    times = [k for k, one in enumerate(bare) if one in (told, "time", *ALIASES["time"])]
-    found: dict[str, int] = {}
-    for name, others in AVERAGES.items():
+    told = (asked.columns.get("time"), "time", *ALIASES["time"])
+    times = [k for k, one in enumerate(bare) if one in told]
+    found: dict[str, int] = {"time": times[0]} if times else {}
+    for name, others in AVERAGES.items() if found else ():
         for one in (name, *others):
-            error = next((f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare), None)
-            if one in bare and error is not None:
-                found |= {name: bare.index(one), f"error of {name}": bare.index(error)}
-    return {"time": times[0]} | found if found and times else {}
+            errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
+            if one in bare and errors:
+                found |= {name: bare.index(one), f"error of {name}": bare.index(errors[0])}
+    return found if len(found) > 1 else {}
 
 
 def from_columns(
-    where: str, columns: Mapping[str, Any], asked: Asked, units: Mapping[str, str] | None = None
+    where: str, names: Sequence[str], columns: Mapping[Any, Any], asked: Asked
 ) -> Tracks | Averages:
-    """Tracks, or averages, of columns by our names, (n,) each; units: of those that state one."""
-    said = stated(where, units or {})
-    values = {name: _column(where, name, np.asarray(column)) for name, column in columns.items()}
-    sizes = {name: len(column) for name, column in values.items()}
-    if len({*sizes.values()}) > 1:
-        text = ", ".join(f"{name} {size}" for name, size in sizes.items())
-        raise InputError(f"{where}: columns differ in length ({text})")
-    checked = ("time", *AXES, *SPEEDS) if "x" in values else ("time",)
-    for name in checked:  # averages may be NaN where they are not known
+    """Tracks or averages: names of all columns, and those (n,) that `find_columns` finds."""
+    found = find_columns(where, names, asked)
+    values = {ours: _column(where, ours, columns[names[k]]) for ours, k in found.items()}
+    units = stated(where, {ours: split_unit(names[k])[1] for ours, k in found.items()})
+    if len(sizes := {len(column) for column in values.values()}) > 1 or not min(sizes):
+        some = "columns that differ in length" if len(sizes) > 1 else "no rows"
+        bad(where, some, "one length, of two rows at least")
+    # averages may be NaN where they are not known
+    for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
-            raise InputError(
-                f"{where}: row {k} has {name} = {values[name][k]}; every value must be finite"
-            )
+            bad(f"{where}: row {k}", f"{name} = {values[name][k]}", "a finite number")
     if "x" not in values:
-        return Averages(values, said)
+        return Averages(values, units)
     if asked.type is not None:
-        kinds = np.array([f"{x:g}" if isinstance(x, float) else str(x) for x in columns["type"]])
-        chosen = kinds == str(asked.type)
+        chosen = of_type(where, values.pop("type"), asked)
         values = {name: column[chosen] for name, column in values.items()}
-        if not np.any(chosen):
-            known = ", ".join(sorted({*kinds[:1000]})[:9]) or "none"
-            raise InputError(f"{where}: type: got {short(asked.type)}; there are {known}")
-    if not values["time"].size:
-        raise InputError(f"{where}: has no rows; at least two tracers are needed")
-    d = asked.dimension or 2
-    if d == 2 and np.any(values.get("vz", 0.0)):
-        raise InputError(f"{where}: velocities have a z component; say dimension 3")
-    return _dense(where, values, said, asked, d)
+    return replace(_dense(where, values, asked), units=units)
 
 
 def _column(where: str, name: str, values: Any) -> Any:
-    """Numbers as floats, labels as whole numbers."""
+    """Numbers as floats, labels as whole numbers, or types as texts."""
+    values, here = np.asarray(values), f"{where}: column {name!r}"
     if values.ndim != 1:
-        raise InputError(f"{where}: column {name!r} has shape {values.shape}; it must be (n,)")
+        bad(here, f"shape {values.shape}", "(n,)")
+    if name in LABELS and values.dtype.kind in "OUST":
+        import pandas as pd
+
+        codes, texts = pd.factorize(values.astype(str), sort=True)
+        return texts[codes] if name == "type" else codes
     if values.dtype.kind not in "iuf" or values.dtype.itemsize > 8:
-        if name not in LABELS or values.dtype.kind not in "OUST":
-            raise InputError(f"{where}: column {name!r} is of type {values.dtype}, not of numbers")
-        return np.unique(values.astype(str), return_inverse=True)[1]
+        bad(here, f"type {values.dtype}", "numbers")
     if name not in LABELS:
         return values.astype(float, copy=False)
-    whole = values.dtype.kind != "f" or (np.abs(values) < 2.0**63) & (values == np.rint(values))
-    if not np.all(whole):
-        raise InputError(f"{where}: {name!r} must be whole numbers below 2^63, without NaN")
-    with np.errstate(over="ignore"):
-        return values.astype(np.int64, copy=False)
+    if values.dtype.kind == "f" and not np.all((np.abs(values) < 2.0**63) & (values % 1 == 0)):
+        bad(here, "others", "whole numbers below 2^63")
+    return values.astype(np.int64, copy=False)
 
 
-def _dense(
-    where: str, c: Mapping[str, Any], units: Mapping[str, str], asked: Asked, d: int
-) -> Tracks:
-    index, times = _binned(where, c["time"], max(SAME_TIME, asked.bin_times or 0.0))
-    labels = {name: c[name] for name in ("tracer", "medium") if name in c}
-    if "tracer" not in labels:  # the k-th row of each time is taken for the same tracer
-        labels["rank"] = _rank(_number([index, *labels.values()]))
-    every, frame = list(labels.values()), index.size // times.size
-    frames = index.size == frame * times.size and all(
-        np.array_equal(column, np.tile(column[:frame], times.size)) for column in every
-    )
-    number = np.tile(_number([c[:frame] for c in every]), times.size) if frames else _number(every)
+def of_type(where: str, kinds: Any, asked: Asked) -> Any:
+    """Which have the type that is asked for (n,); InputError where none has."""
+    texts = np.asarray(kinds).astype(str)
+    chosen = texts == str(asked.type)
+    if not np.any(chosen):
+        bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
+    return chosen
+
+
+def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
+    import pandas as pd
+
+    index, times = binned(where, c["time"], asked)
+    keys: list[str] = [name for name in ("tracer", "medium") if name in c]
+    if "tracer" not in c:  # the k-th row of each time is taken for the same tracer
+        rows = pd.DataFrame({"time": index, **{name: c[name] for name in keys}})
+        c["rank"] = rows.groupby(["time", *keys]).cumcount().to_numpy()
+        keys.append("rank")
+    number = pd.DataFrame({name: c[name] for name in keys}).groupby(keys).ngroup().to_numpy()
     n = int(number.max()) + 1
-    require_memory(where, 16.0 * d * n * times.size)
+    require_memory(where, 32.0 * n * times.size)
     cell = index * n + number
-    filled = np.bincount(cell, minlength=n * times.size)
-    if filled.max() > 1:
+    if (filled := np.bincount(cell)).max() > 1:
         k = int(np.argmax(filled[cell] > 1))
-        who = " of ".join(f"{name} {values[k]}" for name, values in labels.items())
-        raise InputError(f"{where}: {who} has more than one row at time {c['time'][k]:g}")
+        who = " of ".join(f"{name} {c[name][k]}" for name in keys)
+        bad(where, f"more than one row of {who} at time {c['time'][k]:g}", "one row for each time")
 
     def spread_out(names: Sequence[str]) -> Any:
         out = np.full((times.size * n, len(names)), np.nan)
         for k, name in enumerate(names):
             out[cell, k] = c[name]
-        return out.reshape(times.size, n, len(names))
+        return out.reshape(times.size, n, -1)
 
-    first = np.empty(n, np.int64)
-    first[number[::-1]] = np.arange(number.size)[::-1]
-    one = {name: c[name][first] if name in c else None for name in ("tracer", "medium")}
-    own = spread_out(["time"])[..., 0] if asked.bin_times else None
-    return Tracks(
-        times, spread_out(AXES[:d]), spread_out(SPEEDS[:d]), one["tracer"], one["medium"], None,
-        units, own,
-    )  # fmt: skip
+    labels: dict[str, Any] = {"tracer": None, "medium": None}
+    for name in (name for name in labels if name in c):
+        labels[name] = np.empty(n, np.int64)
+        labels[name][number] = c[name]
+    place, velocity = (spread_out([one for one in axes if one in c]) for axes in (AXES, SPEEDS))
+    return Tracks(times, place, velocity, **labels)
 
 
-def _number(columns: Sequence[Any]) -> Any:
-    """One whole number from 0 on for each row, (n,), the same where all columns are the same."""
-    keys, size = np.zeros(len(columns[0]), np.int64), 1
-    for column in columns:
-        low, high = int(column.min()), int(column.max())
-        if high - low < 4 * column.size + 1000:  # labels that are counted need no sorting
-            codes, span = column - low, high - low + 1
-        else:
-            codes = np.unique(column, return_inverse=True)[1]
-            span = int(codes.max()) + 1
-        if size * span > 16 * column.size + 1000:
-            keys = np.unique(keys * span + codes, return_inverse=True)[1]
-            size = int(keys.max()) + 1
-        else:
-            keys, size = keys * span + codes, size * span
-    there = np.bincount(keys, minlength=size) > 0
-    return keys if np.all(there) else (np.cumsum(there) - 1)[keys]
+def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
+    """The index of each row's time among the different ones, and these, at their means."""
+    import pandas as pd
 
-
-def _rank(keys: Any) -> Any:
-    """The number of each row among those with the same key."""
-    order = np.argsort(keys, kind="stable")
-    counts = np.bincount(keys)
-    out = np.empty(keys.size, np.int64)
-    out[order] = np.arange(keys.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    return out
-
-
-def _binned(where: str, time: Any, within: float) -> tuple[Any, Any]:
-    """The index of each row's time among the different ones, and these."""
-    if time.min() < 0:
-        raise InputError(f"{where}: time: got {time.min():g}; times must not be negative")
-    # rows that stand together at one time, as in most files, are looked at once
-    starts = np.flatnonzero(np.concatenate([[True], time[1:] != time[:-1]]))
-    different, found = np.unique(time[starts], return_inverse=True)
+    within = max(SAME_TIME, asked.bin_times or 0.0)
+    found, different = pd.factorize(time, sort=True)
+    if different[0] < 0:
+        bad(f"{where}: time", f"{different[0]:g}", "not negative")
     firsts = [different[0]]
     while different[-1] - firsts[-1] > within * different[-1]:
         if len(firsts) == MOST_TIMES:
-            raise InputError(
-                f"{where}: time: more than {MOST_TIMES} different times; every tracer must be "
-                "given at the same few times, or say --bin-times"
-            )
+            few = f"at most {MOST_TIMES}, the same for every tracer, or say --bin-times"
+            bad(f"{where}: time", f"more than {MOST_TIMES} different times", few)
         # the first that is not so near: t - first > within * t rises with t
         firsts.append(different[np.argmax(different - firsts[-1] > within * different)])
     times = np.array(firsts)
-    nearest = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)
-    at = np.repeat(nearest[found], np.diff(np.concatenate([starts, [time.size]])))
+    at = np.searchsorted(times[:-1] / 2 + times[1:] / 2, different)[found]
     return at, times if within <= SAME_TIME else np.bincount(at, time) / np.bincount(at)
 
 
@@ -383,40 +325,32 @@ def _binned(where: str, time: Any, within: float) -> tuple[Any, Any]:
 
 def checked(where: str, found: Tracks, asked: Asked) -> Tracks:
     """Tracks whose shapes and values can be used, by rising time; else InputError."""
-    d, shape, speeds = asked.dimension or 2, np.shape(found.place), np.shape(found.velocity)
-    if len(shape) != 3 or speeds[:2] != shape[:2] or np.shape(found.times) != shape[:1]:
-        raise InputError(
-            f"{where}: times, positions and velocities have shapes {np.shape(found.times)}, "
-            f"{shape}, {speeds}; they must be (n_times,) and twice (n_times, n_tracers, 2 or 3)"
-        )
-    if shape[0] > MOST_TIMES:
-        raise InputError(f"{where}: time: more than {MOST_TIMES} different times")
-    labels = [x for x in (found.tracer, found.medium) if x is not None]
-    if any(np.shape(label) != shape[1:2] for label in labels):
-        raise InputError(f"{where}: needs one label for each of {shape[1]} tracers")
-    if min(shape[2], speeds[2]) < d:
-        raise InputError(f"{where}: has no z components; dimension 3 needs them")
-    if np.any(np.nan_to_num(found.velocity[..., d:])):
-        raise InputError(f"{where}: velocities have a z component; say dimension 3")
-    times = np.asarray(found.times, float)
-    if not np.all(np.isfinite(times)) or np.any(times < 0):
-        raise InputError(f"{where}: times must be finite numbers, not negative")
+    arrays = [np.asarray(one) for one in (found.times, found.place, found.velocity)]
+    labels = [np.asarray(one) for one in (found.tracer, found.medium) if one is not None]
+    times, place, velocity = arrays
+    d, shape = asked.dimension or 2, (*place.shape, 0)[:2]
+    shapes = [one.shape[:2] for one in (*arrays, *labels)]
+    if shapes != [shape[:1], shape, shape, *[shape[1:]] * len(labels)] or place.ndim != 3:
+        got = ", ".join(str(one.shape) for one in (*arrays, *labels))
+        bad(f"{where}: shapes", got, "(T,), (T, n, d), (T, n, d) and (n,) for each label")
+    if times.size > MOST_TIMES or any(one.dtype.kind not in "iuf" for one in arrays):
+        bad(where, f"{times.size} times", f"at most {MOST_TIMES} different times, and all numbers")
+    if min(place.shape[2], velocity.shape[2]) < d or np.any(np.nan_to_num(velocity[..., d:])):
+        bad(where, f"no z components, or other than {d}", "as many as `dimension 3` or 2 says")
     order = np.argsort(times, kind="stable")
-    times = times[order]
-    if np.any(np.diff(times) <= SAME_TIME * times[1:]):
-        raise InputError(f"{where}: has more than one frame at one time")
-    place, velocity = (np.asarray(a[..., :d], float) for a in (found.place, found.velocity))
-    if not np.all(order == np.arange(order.size)):
+    times = times[order].astype(float)
+    known = np.all(np.isfinite(times) & (times >= 0))
+    if not known or np.any(np.diff(times) <= SAME_TIME * times[1:]):
+        bad(f"{where}: times", short(times), "different finite numbers, not negative")
+    if np.any(order[1:] < order[:-1]):
         place, velocity = place[order], velocity[order]
-    bad = ~np.isfinite(place).all(axis=2) | ~np.isfinite(velocity).all(axis=2)
-    if np.any(bad):  # a tracer without any number has ended
-        gone = np.isnan(place).all(axis=2) & np.isnan(velocity).all(axis=2)
-        if np.any(bad & ~gone):
-            k, i = np.argwhere(bad & ~gone)[0]
-            raise InputError(
-                f"{where}: tracer {i} at time {times[k]:g} has {place[k, i]} and {velocity[k, i]}; "
-                "every value must be a finite number"
-            )
+    place, velocity = (a[..., :d].astype(float, copy=False) for a in (place, velocity))
+    wrong = ~np.isfinite(place).all(axis=2) | ~np.isfinite(velocity).all(axis=2)
+    if np.any(wrong):  # a tracer without any number has ended
+        wrong &= ~(np.isnan(place).all(axis=2) & np.isnan(velocity).all(axis=2))
+        for k, i in np.argwhere(wrong):
+            got = f"{place[k, i]} and {velocity[k, i]}"
+            bad(f"{where}: tracer {i} at time {times[k]:g}", got, "finite numbers")
     box = None if found.box is None else np.asarray(found.box, float)[:d]
     return replace(found, times=times, place=place, velocity=velocity, box=box)
 
@@ -427,58 +361,53 @@ def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
     Speeds never rise without a field, so that between two frames a tracer moves by |v| dt at most.
     Where that is less than half the box, its way is the shortest one; else nothing is changed.
     """
-    if tracks.box is None or tracks.tracer is None:
+    if tracks.box is None or tracks.tracer is None or tracks.times.size < 2:
         return tracks, False
-    place, out, crossed = tracks.place, np.empty_like(tracks.place), False
-    added, last = np.zeros(place.shape[1:]), place[0].copy()
-    speed, time = np.zeros((2, len(added)))
-    for k, at in enumerate(tracks.times):
-        there = np.isfinite(place[k, :, 0])
-        now = np.full(len(added), at) if tracks.own is None else tracks.own[k]
-        known = there & np.isfinite(last[:, 0])
-        elapsed = (now - time)[known]
-        if np.any(elapsed < 0) or np.any(speed[known] * elapsed >= tracks.box.min() / 2):
-            return tracks, False
-        edges = np.where(known[:, None], np.round((last - place[k]) / tracks.box), 0.0)
-        crossed = crossed or bool(np.any(edges))
-        added += edges * tracks.box
-        out[k] = place[k] + added
-        last[there], time[there] = place[k, there], now[there]
-        speed[there] = np.linalg.norm(tracks.velocity[k, there], axis=1)
-    return replace(tracks, place=out), crossed
+    import pandas as pd
+
+    def filled(values: Any) -> Any:
+        """With the last value known where a tracer is missing."""
+        rows = pd.DataFrame(values.reshape(len(values), -1))
+        return rows.ffill().bfill().to_numpy().reshape(values.shape)
+
+    gone = np.isnan(tracks.place[..., 0])
+    now = np.where(gone, np.nan, tracks.times[:, None])
+    reach = filled(np.linalg.norm(tracks.velocity, axis=2))[:-1] * (now[1:] - filled(now)[:-1])
+    if np.nanmax(reach, initial=0.0) >= tracks.box.min() / 2:
+        return tracks, False
+    place = np.unwrap(filled(tracks.place), axis=0, period=tracks.box)
+    place[gone] = np.nan
+    crossed = np.nanmax(np.abs(place - tracks.place)) > tracks.box.min() / 2
+    return replace(tracks, place=place), bool(crossed)
 
 
-def joined(parts: Sequence[Tracks], names: Sequence[str], within: float) -> Tracks:
+def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Tracks:
     """The tracers of several files side by side, at the times of any of them."""
     first = parts[0]
     if len(parts) == 1:
         return first
     for name in ("tracer", "medium"):
         if len({getattr(part, name) is None for part in parts}) > 1:
-            raise InputError(f"{names[-1]}: column {name} must be in all files or in none")
+            bad(names[-1], f"another column {name} than before", "in all files or in none")
     if any(dict(part.units) != dict(first.units) for part in parts):
-        raise InputError(f"{names[-1]}: states other units than what was read before")
-    every = np.concatenate([part.times for part in parts])
-    index, times = _binned(names[0], every, max(SAME_TIME, within))
+        bad(names[-1], "units that differ from those of other files", "the same units")
+    index, times = binned(names[0], np.concatenate([part.times for part in parts]), asked)
     rows = np.split(index, np.cumsum([part.times.size for part in parts])[:-1])
     if any(np.unique(at).size < at.size for at in rows):
-        raise InputError("bin_times: times of the files do not fall together; give another")
+        bad(
+            "bin_times", asked.bin_times, "a fraction that puts each time into one bin of all files"
+        )
 
     def side_by_side(name: str) -> Any:
-        whole = []
-        for part, at in zip(parts, rows, strict=True):
-            values = getattr(part, name)
-            out = np.full((times.size, *values.shape[1:]), np.nan)
-            out[at] = values
-            whole.append(out)
-        return np.concatenate(whole, axis=1)
-
-    def labels(name: str) -> Any:
-        every = [getattr(part, name) for part in parts]
-        return None if every[0] is None else np.concatenate(every)
+        values = [getattr(part, name) for part in parts]
+        if values[0] is None or name in ("tracer", "medium"):
+            return None if values[0] is None else np.concatenate(values)
+        for k, (one, at) in enumerate(zip(values, rows, strict=True)):
+            values[k] = np.full((times.size, *one.shape[1:]), np.nan)
+            values[k][at] = one
+        return np.concatenate(values, axis=1)
 
     file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    return Tracks(
-        times, side_by_side("place"), side_by_side("velocity"), labels("tracer"), labels("medium"),
-        None, first.units, None if first.own is None else side_by_side("own"), file,
-    )  # fmt: skip
+    names = ("place", "velocity", "tracer", "medium")
+    every = {name: side_by_side(name) for name in names}
+    return Tracks(times, **every, units=first.units, file=file)

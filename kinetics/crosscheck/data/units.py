@@ -1,4 +1,4 @@
-"""Units: those that files state beside their numbers, and what tracers in straight flight tell.
+"""Units that files state beside their numbers: which are known, and what follows for d/U.
 
 Lengths, speeds and times may stand in units that do not belong together, as mm, m/s and s. Then
 d/U is not the diameter over U in numbers, and is converted.
@@ -6,9 +6,7 @@ d/U is not the diameter over U in numbers, and is converted.
 
 import re
 from collections.abc import Mapping
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from kinetics.errors import InputError, short
 
@@ -57,14 +55,11 @@ def stated(where: str, units: Mapping[str, str]) -> dict[str, str]:
 def size_of(kind: str, unit: str) -> float | None:
     """The size of a unit in metres, seconds or metres per second; None if it is not known."""
     plain = unit.strip().lower()
-    if kind == "length":
-        return LENGTHS.get(plain)
-    if kind == "time":
-        return TIMES.get(plain)
+    if kind != "speed":
+        return (LENGTHS if kind == "length" else TIMES).get(plain)
     found = _SPEED.fullmatch(plain)
-    if not found:
-        return None
-    length, time = LENGTHS.get(found[1]), TIMES.get(found[2] or found[3])
+    length = LENGTHS.get(found[1]) if found else None
+    time = TIMES.get(found[2] or found[3]) if found else None
     return None if length is None or time is None else length / time
 
 
@@ -82,40 +77,3 @@ def conversion(units: Mapping[str, str]) -> float | None:
         return 1.0
     length, speed, time = (size_of(k, units.get(k, "")) for k in ("length", "speed", "time"))
     return None if length is None or speed is None or time is None else length / speed / time
-
-
-class Flights(NamedTuple):
-    """Tracers that have flown straight by a time: the ratio |r|/(|v| t) that they share.
-
-    share: of all tracers at that time. The ratio is 1 where units belong together: a tracer that
-    has not collided is at r = v t, whatever the scatterers; for others it has many values.
-    """
-
-    time: float
-    ratio: float
-    share: float
-
-
-_SAME = 2e-3
-"""Width in ln(|r|/(|v| t)) within which tracers fly alike: numbers may have few digits."""
-_LEAST_SHARE, _FEWEST = 0.05, 20
-"""Tracers that must fly alike. Those that have collided put some 0.5 % into such a width."""
-
-
-def straight_flights(time: Any, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers share at one time; None where too few share one.
-
-    time, distance, speed (n,): of tracers at times that are nearly the same, in units of the data.
-    """
-    time = np.broadcast_to(np.asarray(time, float), distance.shape)
-    moving = (distance > 0) & (speed > 0) & (time > 0)
-    if np.count_nonzero(moving) < _FEWEST:
-        return None
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time[moving]))
-    alike = np.searchsorted(ratio, ratio + _SAME) - np.arange(ratio.size)
-    first = int(np.argmax(alike))
-    count = int(alike[first])
-    if count < max(_FEWEST, _LEAST_SHARE * distance.size):
-        return None
-    middle = float(np.exp(np.median(ratio[first : first + count])))
-    return Flights(float(time[moving].mean()), middle, count / distance.size)

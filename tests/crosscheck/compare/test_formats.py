@@ -93,6 +93,14 @@ def test_numbers_of_a_csv_come_back_to_the_last_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.place[0].T, v)
 
 
+def test_a_last_line_without_an_end_is_read(tmp_path: Path, csv: Path) -> None:
+    text = csv.read_text()
+    for name, cut in (("a.csv", text[:-1]), ("b.csv", text)):
+        (tmp_path / name).write_text(cut)
+    found = [moments(read_sample([tmp_path / name])) for name in ("a.csv", "b.csv")]
+    np.testing.assert_array_equal(*found)
+
+
 @pytest.mark.parametrize("order", ["shuffled", "by tracer"])
 def test_rows_may_come_in_any_order(run: Run, order: str) -> None:
     data = columns_of(run)
@@ -170,9 +178,7 @@ def test_binned_times_are_at_their_mean(run: Run) -> None:
     mean = (data["t"] * factor).reshape(4, -1).mean(axis=1)
     np.testing.assert_allclose(found.times, mean, rtol=1e-12)
     np.testing.assert_allclose(moments(found), truth(run), rtol=1e-9)
-    # straight flights are found by the times of the rows themselves
-    assert found.flights is not None
-    assert found.flights.ratio == pytest.approx(1.0, abs=1e-3 + 0.01)
+    assert found.flights is None  # which tracers fly alike is not known then
 
 
 def test_units_that_do_not_belong_together_are_converted(run: Run) -> None:

@@ -182,7 +182,7 @@ def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> N
         (["-e", "1.5"], "restitution: got 1.5"),
         (["--speed-unit", "U"], "--speed-unit"),
         (["--figures", "pdf"], "--output"),
-        (["--columns", "time=x"], "cannot be time and x"),
+        (["--columns", "time=x"], "for two"),
         (["-o", "page.txt"], "must end in .html"),
         (["-o", "folder.html"], "is a folder"),
         (["-o", "missing/page.html"], "does not exist"),
