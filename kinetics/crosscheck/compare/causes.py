@@ -4,21 +4,21 @@ A cause says which parameters of the theory (`theory.Point`) are other than what
 value, or free. One that is right lowers the chi-square to what chance allows. Several may: they are
 ranked by the chi-square that they leave plus 2 for each fitted parameter (Akaike's criterion), and
 "explains" is said only of those within NEAR_BEST of the best. The theory among scatterers at a
-finite density has an error of its own: that makes its chi-square smaller, and what the larger
-covariance takes from the likelihood is counted against it. Units that do not belong together are
-looked for first: then nothing else is claimed. Notes are made in any case.
+finite density has an error of its own: what that larger covariance takes from the likelihood is
+counted against it. Units that do not belong together are looked for first: then nothing else is
+claimed. Tracers that are trapped or missing are noted in any case.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Components, Fit, choose_components, components_of, fit
+from kinetics.crosscheck.compare.fit import Fit, choose_components, components_of, fit
 from kinetics.crosscheck.compare.judge import Both
-from kinetics.crosscheck.compare.result import Explanation
+from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
 from kinetics.crosscheck.compare.theory import SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.data.sample import V2, N, Sample
@@ -33,73 +33,67 @@ _LEAST_GAIN = 16.0
 """Of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation."""
 _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
 """Logarithms of the factors from which a unit or a free path is looked for."""
-MEDIA = {"hard disks": "hard disks that do not overlap", "overlapping": "overlapping disks"}
-"""The media that are tried, as in a Scene, and in words."""
 _LEAST_RESTITUTION = 0.2
 """Below it the theory at a finite density is of the leading order only, its error not measured."""
+STARTS = {
+    "gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U", "rest": "rest",
+}  # fmt: skip
+"""The starts that have a name, as the middle of a sentence."""
 
 
-class Cause(NamedTuple):
-    """A cause of a difference.
-
-    changes : of the data and theory, the parameters that are set, one dictionary for each variant;
-        none where the cause does not apply
-    free : the parameter that is fitted, if one is
-    words : of data, theory and fit, the sentence and the headline
-    """
-
-    name: str
-    changes: Callable[[Both], Sequence[dict[str, Any]]]
-    words: Callable[[Both, Fit], tuple[str, str]]
-    free: tuple[str, ...] = ()
+def start_in_words(start: Any) -> str:
+    """A start as the middle of a sentence."""
+    return STARTS[start] if isinstance(start, str) else "the data's own speeds at time 0"
 
 
-def tested_causes(both: Both) -> tuple[list[Explanation], Any]:
-    """Every cause, the likeliest first, and the averages that the one that explains expects.
+def explained(both: Both, differ: bool) -> list[Explanation]:
+    """What explains a difference (if they differ) and is to be noted, the likeliest first."""
+    if both.sample.law.field:
+        return []
+    tested = tested_causes(both) if differ else []
+    notes = [note for note in (_traps(both), _missing(both)) if note is not None]
+    # Python's sort keeps the order of those of one outcome: the likeliest stays first.
+    return sorted([*tested, *notes], key=lambda item: [*OUTCOMES].index(item.outcome))
 
-    Empty where too few averages have a spread. None without one that explains.
-    """
+
+def tested_causes(both: Both) -> list[Explanation]:
+    """Every cause, the likeliest first; none where too few averages have a spread."""
     # Not time 0: there a cause in the start would leave nothing that could differ.
     usable = both.usable & (both.sample.times > 0)
-    components = components_of(both.names, usable, both.sample, 1)
-    if components.tested.size < 2:
-        return [], None
-    before = hotelling(*both.flat(components.tested), None, components.one_by_one)
+    components = components_of(both.names, usable, both.sample.groups, 1)
+    if components.tested.size < 2 or not components.fitted.size:
+        return []
+    before = hotelling(*both.flat(components.tested), None, both.sample.tabulated)
     if before is None:
-        return [], None
-    tested = [
-        (found.chi_square.value + 2 * len(cause.free) + found.widening, found, cause)
-        for cause in CAUSES
-        for change in cause.changes(both)
-        if (found := _fitted(both, components, change, cause.free))
-        and found.chi_square
-        # a share of tracers at rest is one between none and nearly all
-        and (cause.free != ("at_rest",) or 0 < found.point.at_rest < 0.85)
+        return []
+    tested = []
+    for cause in CAUSES:
+        for change in cause.changes(both):
+            point, free, starts = both.point._replace(**change), cause.free, list[Any]([()])
+            if free:
+                starts = [(getattr(point, free[0]),)]
+                if free[0] not in ("restitution", "at_rest"):
+                    starts = [(math.log(starts[0][0]) + shift,) for shift in _FACTORS]
+            found = fit(both.expectation, point, free, components, starts)
+            # a share of tracers at rest is one between none and nearly all
+            if (
+                found
+                and found.chi_square
+                and (free != ("at_rest",) or 0 < found.point.at_rest < 0.85)
+            ):
+                # -2 ln likelihood, to a constant, plus 2 per parameter
+                criterion = found.chi_square.value + 2 * len(free) + found.widening
+                tested.append((criterion, _judged(both, cause, found, before)))
+    tested.sort(key=lambda one: one[0])
+    return [
+        replace(item, outcome="in part")
+        if item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST
+        else item
+        for criterion, item in tested
     ]
-    tested.sort(key=lambda one: one[0])  # -2 ln likelihood, to a constant, plus 2 per parameter
-    every, best = [], None
-    for criterion, found, cause in tested:
-        item = _judged(both, cause, found, before)
-        if item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST:
-            item = replace(item, outcome="in part")
-        if item.outcome == "explains" and best is None:
-            best = found.theory
-        every.append(item)
-    return every, best
 
 
-def _fitted(
-    both: Both, components: Components, change: dict[str, Any], free: tuple[str, ...]
-) -> Fit | None:
-    point = both.point._replace(**change)
-    told = [getattr(point, name) for name in free]
-    starts: Any = [told]
-    if free and free[0] not in ("restitution", "at_rest"):
-        starts = [[math.log(told[0]) + shift] for shift in _FACTORS]
-    return fit(both.expectation, point, free, components, starts)
-
-
-def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanation:
+def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explanation:
     """What a cause comes to, from the chi-square that it leaves."""
     after, outcome = found.chi_square, "does not"
     assert after is not None
@@ -109,11 +103,9 @@ def _judged(both: Both, cause: Cause, found: Fit, before: ChiSquare) -> Explanat
     elif before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
         outcome = "in part"
     text, headline = cause.words(both, found)
-    text += (
-        f" The averages' chi-square goes from {numeral(before.value, '.4g')} to "
-        f"{numeral(after.value, '.4g')} with {after.freedom} degrees of freedom "
-        f"(p = {numeral(after.p_value, '.2g')})."
-    )
+    numbers = [numeral(x, ".4g") for x in (before.value, after.value)]
+    text += f" The averages' chi-square goes from {numbers[0]} to {numbers[1]} with "
+    text += f"{after.freedom} degrees of freedom (p = {numeral(after.p_value, '.2g')})."
     value, error = found.value(cause.free[0]) if cause.free else (None, None)
     return Explanation(
         cause.name, outcome, text, True, value, error, before.value, after.value, after.freedom,
@@ -136,75 +128,60 @@ def _media(both: Both) -> list[dict[str, Any]]:
     """
     from kinetics.collision.medium import HIGHEST_DENSITY
 
-    scene, fitted = both.solution.scene, both.found is not None and "path" in both.found.free
-    known = scene.restitution >= _LEAST_RESTITUTION and scene.number_density <= HIGHEST_DENSITY
-    if fitted or both.sample.free or not known or not both.sample.law.smooth_disks:
+    law, fitted = both.sample.law, both.found is not None and "path" in both.found.free
+    known = both.point.restitution >= _LEAST_RESTITUTION and law.smooth_disks
+    if fitted or both.sample.free or not known or law.free_path(both.point.path) > HIGHEST_DENSITY:
         return []
-    return [{"scatterers": medium} for medium in MEDIA]
+    return [{"scatterers": medium} for medium in ("hard disks", "overlapping")]
 
 
 def _of_density(both: Both, found: Fit) -> tuple[str, str]:
-    from kinetics.collision.medium import SETTLED, TESTED_DENSITY
+    from kinetics.collision.medium import SETTLED
 
-    kind, n = found.point.scatterers, both.solution.scene.number_density
-    changes = found.theory[:, -1] / both.theory[:, -1] - 1
+    kind, n = found.point.scatterers, numeral(both.sample.law.free_path(both.point.path), ".4g")
+    v0, r2 = (numeral(found.theory[k, -1] / both.theory[k, -1] - 1, "+.2%") for k in (0, 2))
     text = (
-        f"The finite density of the scatterers, n = ρ₀d² = {numeral(n, '.4g')}, as {MEDIA[kind]}: "
-        f'the equation of Scene(scatterers="{kind}"), in which tracers meet scatterers again; '
-        f"nothing is fitted. At the last time it changes v₀ by {numeral(changes[0], '+.2%')} and "
-        f"⟨r²⟩ by {numeral(changes[2], '+.2%')}. It is trusted from {SETTLED:g} l/U on, and its "
-        f"own error, known from simulations up to n = {TESTED_DENSITY:g}, is added to the "
-        "covariance."
+        f'The finite density of the scatterers, n = ρ₀d² = {n}, by Scene(scatterers="{kind}"): '
+        f"tracers meet scatterers again; nothing is fitted. At the last time it changes v₀ by {v0} "
+        f"and ⟨r²⟩ by {r2}. It is trusted from {SETTLED:g} l/U on, and its own error is added to "
+        "the covariance."
     )
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
 
 def _of_path(both: Both, found: Fit) -> tuple[str, str]:
-    scene, law, (value, error) = both.solution.scene, both.sample.law, found.value("path")
-    told, path = scene.mean_free_path, f"l = {_pm((value, error))} d"
-    density, share = numeral(law.free_path(value), ".5g"), math.pi * scene.number_density / 4
-    text = f"Another mean free path: {path} fits best, {numeral(value / told - 1, '+.1%')} from "
-    text += f"{numeral(told, '.5g')} d, as a density of {density} d^-{law.dimension} would have."
-    if law.smooth_disks and share < 0.5:
-        # Henderson, Mol. Phys. 30, 971 (1975): the pair correlation of hard disks at contact
-        disks = told * (1 - share) ** 2 / (1 - 7 * share / 16)
-        near = abs(value - disks) <= 3 * error and value < told
-        text += (
-            f" Hard disks that do not overlap have l = {numeral(disks, '.5g')} d at this density"
-        )
-        text += ": that is the finite density of the scatterers." if near else "."
-    headline = f"{path} in place of {numeral(told, '.5g')} d"
-    if abs(math.log(value / told)) > 1 and law.dimension == 2:  # a wrong diameter is likely
-        headline += f" (as if d were {told / value:.4g} of the unit told)"
+    law, told, path = both.sample.law, both.point.path, found.value("path")
+    text = (
+        f"Another mean free path: l = {_pm(path)} d fits best, "
+        f"{numeral(path[0] / told - 1, '+.1%')} from {numeral(told, '.5g')} d, as a density of {numeral(law.free_path(path[0]), '.5g')} "
+        f"d^-{law.dimension} would have."
+    )
+    headline = f"l = {_pm(path)} d in place of {numeral(told, '.5g')} d"
+    if abs(math.log(path[0] / told)) > 1 and law.dimension == 2:  # a wrong diameter is likely
+        headline += f" (as if d were {told / path[0]:.4g} of the unit told)"
     return text, headline
-
-
-def _of_restitution(both: Both, found: Fit) -> tuple[str, str]:
-    told, e = numeral(both.point.restitution, ".5g"), _pm(found.value("restitution"))
-    text = f"Another restitution: e = {e} fits best, instead of {told}."
-    return text, f"e = {e} in place of {told}"
 
 
 def _other_starts(both: Both) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
     start = both.sample.start
     if start is not None:
-        return [] if both.own_start else [{"start": SampledStart(start)}]
+        return [] if both.point.own_start else [{"start": SampledStart(start)}]
     return [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.point.start]
 
 
 def _of_start(both: Both, found: Fit) -> tuple[str, str]:
-    named = {"gaussian": "a Gaussian", "monoenergetic": "all speeds U"}
-    start = found.point.start
-    words = named[start] if isinstance(start, str) else "the data's own speeds at time 0"
+    words = start_in_words(found.point.start)
     return f"Another start: {words}, the rest as told.", f"another start ({words})"
 
 
-def _of_unit(symbol: str, name: str) -> Callable[[Both, Fit], tuple[str, str]]:
+def _of_number(symbol: str, name: str, title: str) -> Callable[[Both, Fit], tuple[str, str]]:
     def words(both: Both, found: Fit) -> tuple[str, str]:
         value = f"{symbol} = {_pm(found.value(name))}"
-        text = f"Another {name.replace('_', ' ')}: with {value} in the data's unit, instead of 1, "
-        return text + "the equation fits best.", f"{value} in place of 1 in the data's unit"
+        told = f"in place of {numeral(getattr(both.point, name), '.5g')}"
+        if name != "restitution":
+            told += " in the data's unit"
+        return f"Another {title}: {value} {told} fits best.", f"{value} {told}"
 
     return words
 
@@ -218,16 +195,31 @@ def _always(both: Both) -> list[dict[str, Any]]:
     return [{}]
 
 
+class Cause(NamedTuple):
+    """A cause of a difference.
+
+    words : of data, theory and fit, the sentence and the headline
+    free : the parameter that is fitted, if one is
+    changes : of the data and theory, the parameters that are set, one dictionary for each variant;
+        none where the cause does not apply
+    """
+
+    name: str
+    words: Callable[[Both, Fit], tuple[str, str]]
+    free: tuple[str, ...] = ()
+    changes: Callable[[Both], Sequence[dict[str, Any]]] = _always
+
+
 CAUSES = (
-    Cause("finite density", _media, _of_density),
-    Cause("free path", _always, _of_path, ("path",)),
-    Cause("restitution", _always, _of_restitution, ("restitution",)),
-    Cause("initial speeds", _other_starts, _of_start),
-    Cause("speed unit", lambda both: [] if both.own_start else [{}], _of_unit("U", "speed_unit"),
-          ("speed_unit",)),
-    Cause("time unit", _always, _of_unit("d/U", "time_unit"), ("time_unit",)),
-    Cause("length unit", _always, _of_unit("d", "length_unit"), ("length_unit",)),
-    Cause("tracers at rest", _always, _of_rest, ("at_rest",)),
+    Cause("finite density", _of_density, (), _media),
+    Cause("free path", _of_path, ("path",)),
+    Cause("restitution", _of_number("e", "restitution", "restitution"), ("restitution",)),
+    Cause("initial speeds", _of_start, (), _other_starts),
+    Cause("speed unit", _of_number("U", "speed_unit", "unit of speed"), ("speed_unit",),
+          lambda both: [] if both.point.own_start else [{}]),
+    Cause("time unit", _of_number("d/U", "time_unit", "unit of time"), ("time_unit",)),
+    Cause("length unit", _of_number("d", "length_unit", "unit of length"), ("length_unit",)),
+    Cause("tracers at rest", _of_rest, ("at_rest",)),
 )  # fmt: skip
 """Everything that may explain a difference. The first, which has no free parameter, stands before
 others that are as likely. A new cause is one row."""
@@ -251,18 +243,15 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     if sample.law.field:
         return None
     if flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
-        found, inverse = (numeral(x, ".5g") for x in (flights.ratio, 1 / flights.ratio))
-        headline = (
-            f"tracers that fly straight have r = {found} v t, as if times were {inverse} times"
-        )
+        found, value = numeral(flights.ratio, ".5g"), 1 / flights.ratio
+        headline = f"tracers that fly straight have r = {found} v t, as if times were "
+        headline += f"{numeral(value, '.5g')} times too long"
         text = (
             f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the "
-            f"tracers have flown straight, at r = {found} v t, which is r = v t in units that "
-            "belong together. Say so by --time-unit, --length-unit or --speed-unit. No other cause "
-            "is looked for."
+            f"tracers have flown straight, at r = {found} v t in place of v t. Put it right by "
+            "--time-unit, --length-unit or --speed-unit. No other cause is looked for."
         )
-        value = 1 / flights.ratio
-        return Explanation("time unit", "found", text, True, value, headline=f"{headline} too long")
+        return Explanation("time unit", "found", text, True, value, headline=headline)
     if not isinstance(start, str):
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
@@ -271,13 +260,12 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     early = flights is not None and flights.share > _MOST and flights.time <= sample.times[:2].max()
     if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
         return None
+    headline = f"speeds at the first time are {ratio:.4g} times those of the start"
     text = (
         f"At t = {numeral(sample.times[0], '.4g')} the root mean square speed is "
-        f"{numeral(ratio * most, '.5g')} U, where the start has {numeral(most, '.4g')} U: speeds "
-        "are in another unit. Say so by --speed-unit (a number, or data where there is a time 0), "
-        "and give the diameter by --length-unit. No other cause is looked for."
+        f"{numeral(ratio * most, '.5g')} U, that of the start {numeral(most, '.4g')} U. Put it "
+        "right by --speed-unit and --length-unit. No other cause is looked for."
     )
-    headline = f"speeds at the first time are {ratio:.4g} times those of the start"
     return Explanation("speed unit", "found", text, True, ratio, headline=headline)
 
 
@@ -289,26 +277,13 @@ restitution, density or start, which shift all speeds a little, cannot put a tra
 _FEWEST_TRAPPED = 5
 
 
-def notes_of(both: Both) -> Iterator[Explanation]:
-    """Everything that is to be noted, whether or not data and theory differ."""
-    for note in (_traps, _missing, _not_forgotten):
-        if (found := note(both)) is not None:
-            yield found
-    if both.own_start and both.histograms:
-        text = (
-            "The theory starts from the data's own speeds. The averages' errors allow for that; "
-            "p-values of densities are too high while most tracers have not collided."
-        )
-        yield Explanation("own start", "noted", text, False)
-
-
 def _traps(both: Both) -> Explanation | None:
     """Tracers at the last time that are far slower than the theory's slowest, or at rest."""
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
-    for h in [h for h in both.histograms if h.name == SPEED][-1:]:
-        binned, density = both.sample.speeds, both.densities[SPEED]
+    binned = both.sample.speeds
+    for h in [h for h in both.histograms if h.name == SPEED and binned][-1:]:
         assert binned is not None
-        edges = binned.edges[h.index]
+        edges, density = binned.edges[h.index], both.densities[SPEED]
         cut = int(np.searchsorted(edges, h.edges[1] / _FAR_SLOWER))
         at = int(np.argmin(np.abs(density.times - h.time)))
         count = int(binned.totals[h.index, : cut + 1].sum())
@@ -319,9 +294,9 @@ def _traps(both: Both) -> Explanation | None:
         share, error = excess / h.samples, math.sqrt(count) / h.samples
         text = (
             f"Traps: at t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected: an "
-            f"excess of {_pm((share, error), '.2%', '.2%')} of all; {rest} have speed zero. "
-            "Tracers caught in corners between scatterers, or stopped by a program, are such."
+            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected, "
+            f"{_pm((share, error), '.2%', '.2%')} of all too many; {rest} have speed zero. They "
+            "are caught in corners between scatterers, or were stopped by a program."
         )
         return Explanation("traps", "found", text, True, share, error)
     text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
@@ -339,39 +314,19 @@ def _missing(both: Both) -> Explanation | None:
         hotelling(*both.flat(choose_components(both.usable & times, sample.groups, 1)))
         for times in (complete, ~complete)
     )
-    missing = most - int(samples[least])
+    missing, outcome = most - int(samples[least]), "noted"
     cap = f" (stopped after {sample.capped} collisions)" if sample.capped is not None else ""
     text = (
         f"Tracers are missing{cap}: {missing} of {most} at t = "
-        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away, and "
-        "what is left is too slow."
+        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away."
     )
-    outcome = "noted" if part is None else "does not"
-    if part is not None and part.p_value < AGREES_ABOVE:
-        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
-        text += f" At the times without all of them p = {numeral(part.p_value, '.2g')}."
-    left = (None, None, None) if whole is None else (whole.value, whole.freedom, whole.p_value)
+    if part is not None:
+        outcome = "does not"
+        if part.p_value < AGREES_ABOVE:
+            outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
+            text += f" At the times without all of them p = {numeral(part.p_value, '.2g')}."
+    left = (whole.value, whole.freedom, whole.p_value) if whole else (None, None, None)
     return Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,
-        None if part is None else part.value, *left,
+        part.value if part else None, *left,
     )  # fmt: skip
-
-
-def _not_forgotten(both: Both) -> Explanation | None:
-    """Whether the theory itself is still on its way to the scaling state."""
-    from kinetics import ScalingSolution
-
-    e, law = both.point.restitution, both.sample.law
-    if (e >= 1 and law.tangential_restitution >= 1) or "a2" not in both.names:
-        return None
-    i = both.names.index("a2")
-    exact = ScalingSolution(e, law.tangential_restitution, law.dimension).a2
-    last = float(both.theory[i, -1])
-    # Written so that a theory that is not finite is left out.
-    if not abs(last - exact) >= max(0.01 * (1 + exact), float(both.error[i, -1])):
-        return None
-    text = (
-        f"At the last time the equation itself has a₂ = {numeral(last, '.4f')}, the scaling state "
-        f"{numeral(exact, '.4f')}: the start is not forgotten, without anything being wrong."
-    )
-    return Explanation("start not forgotten", "noted", text, False, last - exact)

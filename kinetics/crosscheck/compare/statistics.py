@@ -2,12 +2,11 @@
 
 `d` is a vector of differences between data and theory, `replicates` the same vector with each of
 G independent groups left out in turn. Its covariance C is their jackknife spread. With p
-components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate T^2 is
-spread more widely, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
-degrees of freedom (Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same
-tracers followed over many times are thus counted once, and not once per time. Hotelling's law is
-that of Gaussian groups; for others G is replaced by `effective_groups`. What is reported is the
-chi-square that has the p-value of T^2, so that value, degrees of freedom and p belong together.
+components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate
+T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p degrees of freedom (Hotelling;
+Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same tracers followed over
+many times are thus counted once. That is the law of Gaussian groups; for others G is replaced by
+`effective_groups`. What is reported is the chi-square that has the p-value of T^2.
 """
 
 import math
@@ -22,6 +21,8 @@ GROUPS_PER_FREEDOM = 4
 """Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
 _SMALLEST_EIGENVALUE = 1e-9
 """Of the correlation matrix, relative to the largest: below, two components are the same."""
+_SMALLEST_LOG = -600.0
+"""Logarithm of a p-value down to which SciPy's functions and their inverses are used."""
 
 
 class ChiSquare(NamedTuple):
@@ -93,30 +94,25 @@ def hotelling(
 ) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
-    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value. known (p, p)
-    is the covariance of an error of the theory: it is added to that of the data. T^2 then varies
-    less than Hotelling's law allows for, so that p is rather too high than too low. one_by_one:
-    the covariances are not known, only the errors; then p is that of the component that differs
-    most, and the statistic the sum of squares.
+    known (p, p): the covariance of an error of the theory, added to that of the data; p is then
+    rather too high than too low. one_by_one: the covariances are not known, only the errors; then
+    p is that of the component that differs most, and the statistic the sum of squares.
     """
-    groups = len(replicates)
+    groups, extra = len(replicates), np.zeros((1, 1)) if known is None else known
     if difference.size == 0:
         return None
     if one_by_one:
-        extra = 0.0 if known is None else np.diagonal(known)
-        sigmas = difference / np.sqrt(errors(replicates) ** 2 + extra)
+        sigmas = difference / np.sqrt(errors(replicates) ** 2 + np.diagonal(extra))
         return of_the_worst(sigmas)._replace(statistic=float(sigmas @ sigmas))
-    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
+    axes = whitening(covariance(replicates) + extra)
     white = axes @ difference
-    freedom = white.size
+    freedom, statistic = white.size, float(white @ white)
     if freedom == 0 or groups <= freedom:
         return None
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
     # The F-distribution's upper tail by the incomplete beta function.
-    statistic = float(white @ white)
-    log_p = log_betainc(
-        (effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1))
-    )
+    x = 1 / (1 + statistic / (effective - 1))
+    log_p = log_betainc((effective - freedom) / 2, freedom / 2, x)
     value = 2 * inverse_log_gammaincc(freedom / 2, log_p)
     return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
 
@@ -128,11 +124,6 @@ def log_widening(replicates: Array, known: Array) -> float:
     """
     axes = whitening(covariance(replicates))
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
-
-
-_SMALLEST_LOG = -600.0
-"""Logarithm of a p-value down to which SciPy's functions and their inverses are used; those of
-scipy.stats (logsf) end there too."""
 
 
 def log_betainc(a: float, b: float, x: float) -> float:
@@ -163,8 +154,7 @@ def inverse_log_gammaincc(s: float, log_q: float) -> float:
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
     """Chi-square of counts against those expected, of the same sum; independent samples.
 
-    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981,
-    first order).
+    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981).
     """
     from scipy.special import gammaincc
 
