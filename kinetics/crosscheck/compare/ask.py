@@ -12,32 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kinetics.crosscheck.compare import judge, theory
 from kinetics.crosscheck.compare.causes import explained, start_in_words, wrong_unit
 from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit
-from kinetics.crosscheck.compare.judge import (
-    Both,
-    rows_of,
-    summary,
-    tests_of,
-    with_spread,
-    worst_of,
-)
 from kinetics.crosscheck.compare.result import Comparison, Parameter
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
-from kinetics.crosscheck.compare.theory import (
-    AVERAGES,
-    DISPLACEMENT,
-    IN_FIELD,
-    SPEED,
-    Expectation,
-    Point,
-    SampledStart,
-    solved,
-)
+from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
-from kinetics.crosscheck.data.sample import R2, X2, N, Sample
+from kinetics.crosscheck.data.sample import X2, Sample
 from kinetics.crosscheck.data.tracks import Table
-from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, numeral
+from kinetics.crosscheck.words import DIFFERS_ABOVE, numeral
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
 
@@ -47,11 +31,9 @@ if TYPE_CHECKING:
 
 HISTOGRAM_TIMES = 6
 """Times at which densities are compared, at most: each takes the solver some 0.1 s."""
-COLLISIONS_BEFORE = 3.0
-"""Time in l/U from which on the density of the displacement is compared. Before, sharp fronts take
-the solver long, and the displacement says no more than the speeds: few tracers have collided."""
-DISPLACEMENT_TIMES = 3
-"""Times at which it is compared, at most: the last of the densities' times, as they cost most."""
+COLLISIONS_BEFORE, DISPLACEMENT_TIMES = 3.0, 3
+"""Time in l/U from which on the density of the displacement is compared, at most at so many times,
+the last: before, sharp fronts take the solver long, and few tracers have collided."""
 DENSITY_RTOL, DISPLACEMENT_RTOL = 1e-6, 1e-4
 """Asked of the solver for densities; those of the displacement cost more."""
 _GAUSSIAN_ABOVE = 1e-3
@@ -120,20 +102,53 @@ def compare_data(
             number_density *= diameter**sample.law.dimension
     else:
         sample = _sample_of(data)
-    law = sample.law
+    law, told, path, found = sample.law, sample.told, None, None
     if tangential_restitution is not None:
-        allowed = "it must be a number from 0 (all tangential velocity lost) to 1 (smooth)"
-        name = "tangential_restitution"
-        checked = real_number(name, tangential_restitution, 0.0, 1.0, allowed)
+        checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
         law = replace(law, tangential_restitution=checked)
     if dimension is not None and dimension != law.dimension:
         refuse("dimension", dimension, f"the data are of dimension {law.dimension}")
     if field:
-        allowed = "it must be a finite number, 0 or more: the field is along +x"
-        law = replace(law, field=real_number("field", field, 0.0, allowed=allowed))
+        law = replace(law, field=real_number("field", field, 0.0))
         if sample.sums.shape[2] <= X2:
-            refuse("field", field, "the run is one without a field")
-    return compare_sample(replace(sample, law=law), restitution, number_density, initial, explain)
+            refuse("field", field, "the data are not of tracers in a field")
+    sample = replace(sample, law=law)
+    restitution = told.get("restitution") if restitution is None else restitution
+    number_density = told.get("number_density") if number_density is None else number_density
+    if restitution is not None:
+        restitution = check_restitution(restitution)
+    if number_density is not None:
+        path = law.free_path(check_positive("number_density", number_density))
+    start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
+    if restitution is None or path is None:
+        if law.field:
+            raise InputError("field: restitution and number_density must be given with it")
+        found = fitted_to(sample, restitution, path, start)
+        expectation, point = found.expectation, found.point
+    else:
+        expectation = Expectation(sample, theory.IN_FIELD if law.field else AVERAGES)
+        point = Point(restitution, path, start)
+    return _judged(judge.Both(expectation, point, found, _densities(point, sample)), explain)
+
+
+def _judged(both: judge.Both, explain: bool) -> Comparison:
+    """The rows, tests, verdict and explanations of data and theory side by side."""
+    sample, start = both.sample, both.point.start
+    rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
+    # Rows without spread no test can hold.
+    words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
+    verdict, unit = judge.worst_of(words), wrong_unit(sample, start)
+    explanations = tuple(explained(both, verdict, unit)) if explain else ()
+    likeliest = [x for x in explanations[:1] if x.outcome == "explains" and x.headline]
+    best = unit or (likeliest[0] if likeliest else None)
+    note = (_OWN_START,) if both.point.own_start and both.histograms else ()
+    tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
+    return Comparison(
+        verdict=verdict, summary=judge.summary(both, tests, verdict, best, start_in_words(start)),
+        parameters=_parameters(both, unit is not None), initial=start_in_words(start),
+        samples=tracers, groups=groups, grouping=sample.grouping, names=sample.names,
+        warnings=(*sample.warnings, *note), tests=tests, explanations=explanations, numbers=rows,
+    )  # fmt: skip
 
 
 def _sources(data: Any) -> list[Any] | None:
@@ -161,53 +176,7 @@ def _sample_of(data: Any) -> Sample:
     return from_ensemble(data).rescaled(1.0, data.medium.diameter)
 
 
-def compare_sample(
-    sample: Sample,
-    restitution: float | None = None,
-    number_density: float | None = None,
-    initial: str = "auto",
-    explain: bool = True,
-) -> Comparison:
-    """Compare a sample with the kinetic equation; number_density in d^-2, the rest as above."""
-    told, law, path, found = sample.told, sample.law, None, None
-    restitution = told.get("restitution") if restitution is None else restitution
-    number_density = told.get("number_density") if number_density is None else number_density
-    if restitution is not None:
-        restitution = check_restitution(restitution)
-    if number_density is not None:
-        path = law.free_path(check_positive("number_density", number_density))
-    start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
-    if restitution is None or path is None:
-        if law.field:
-            raise InputError("field: restitution and number_density must be given with a field")
-        found = fitted_to(sample, restitution, path, start)
-        expectation, point = found.expectation, found.point
-    else:
-        expectation = Expectation(sample, IN_FIELD if law.field else AVERAGES)
-        point = Point(restitution, path, start)
-    if law.field and sample.tabulated:
-        raise InputError("field: averages of a table are not compared in a field")
-    densities = _densities(point, sample) if law.smooth_disks and not sample.tabulated else {}
-    both = Both(expectation, point, found, densities)
-    rows, tests = tuple(rows_of(both)), tuple(tests_of(both))
-    # Rows without spread no test can hold.
-    words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-    verdict, unit = worst_of(words), wrong_unit(sample, start)
-    differ = verdict in (Verdict.DIFFERS, Verdict.UNCLEAR)
-    explanations = () if not explain else (unit,) if unit else tuple(explained(both, differ))
-    first = explanations[0] if explanations else None
-    best = unit or (first if first and first.outcome == "explains" and first.headline else None)
-    note = (_OWN_START,) if point.own_start and both.histograms else ()
-    tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
-    return Comparison(
-        verdict=verdict, summary=summary(both, tests, verdict, best, start_in_words(start)),
-        parameters=_parameters(both, unit is not None), initial=start_in_words(start),
-        samples=tracers, groups=groups, grouping=sample.grouping, names=sample.names,
-        warnings=(*sample.warnings, *note), tests=tests, explanations=explanations, numbers=rows,
-    )  # fmt: skip
-
-
-def _parameters(both: Both, wrong_unit: bool) -> dict[str, Parameter]:
+def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
     point, law, found = both.point, both.sample.law, both.found
     left, why = found.chi_square if found else None, "a unit is wrong" if wrong_unit else ""
@@ -238,16 +207,18 @@ def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
     """The densities by name, that of the displacement at late times and from a named start."""
     from kinetics import SolverStatus
 
+    if sample.tabulated or not sample.law.smooth_disks:
+        return {}
     later, found = sample.times[sample.times > 0], {}
     times = later[spread_out(later.size, HISTOGRAM_TIMES)]
     if times.size:
-        found[SPEED] = solved(point, sample.law, times, (SPEED,), DENSITY_RTOL)
+        found[theory.SPEED] = theory.solved(point, sample.law, times, (theory.SPEED,), DENSITY_RTOL)
     late = times[times > COLLISIONS_BEFORE * point.path][-DISPLACEMENT_TIMES:]
     # From hundreds of single speeds it would take long.
     if late.size and not point.own_start:
-        known = solved(point, sample.law, late, (DISPLACEMENT,), DISPLACEMENT_RTOL)
+        known = theory.solved(point, sample.law, late, (theory.DISPLACEMENT,), DISPLACEMENT_RTOL)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
-            found[DISPLACEMENT] = known
+            found[theory.DISPLACEMENT] = known
     return found
 
 
@@ -274,20 +245,15 @@ def _start(sample: Sample, initial: str) -> Any:
     if initial == "auto":
         if np.all(np.abs(squares - 1) < 1e-6):
             return "monoenergetic"
-        if gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
+        if squares.size > 1 and gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
             return "gaussian"
     if field:
         refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
-    return SampledStart(sample.start)
+    return theory.SampledStart(sample.start)
 
 
 def gaussian_p_value(sample: Sample) -> float:
-    """p-value of the speeds at time 0 under the Gaussian start: <v^2> = 2 U^2 and <v^4> = 8 U^4.
-
-    In space 3 U^2 and 15 U^4. 0 where all speeds are the same.
-    """
-    if sample.start is not None and sample.start.squares.size < 2:
-        return 0.0
+    """p-value of <v^2> and <v^4> at time 0 under the Gaussian start."""
     expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
     data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
     result = hotelling(data, expectation.replicates[:, :, 0])
@@ -300,12 +266,15 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted = " and ".join(words[name] for name in free)
     expectation, groups = Expectation(sample, AVERAGES), sample.groups
-    usable = with_spread(errors(expectation.replicates), expectation.values)
+    usable = judge.with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
     components = components_of(AVERAGES, usable, groups, len(free))
     if components.fitted.size < len(free) or groups < len(free) + 3:
         raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
-    guess = _early_log_path(sample)
+    # l to start from: a third of the largest root mean square displacement
+    msd = expectation.values[AVERAGES.index("msd")]
+    size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
+    guess = math.log(min(max(size, 1e-6), 1e6))
     known = Point(
         0.5 if restitution is None else restitution,
         math.exp(guess) if path is None else path,
@@ -327,12 +296,3 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     if found is None or not np.all(np.isfinite(found.errors)):
         raise InputError(f"data: {wanted} could not be fitted; give it")
     return found
-
-
-def _early_log_path(sample: Sample) -> float:
-    """ln l to start from: a third of the largest root mean square displacement, in d."""
-    total = sample.sums.sum(axis=0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        msd = sample.length_scale**2 * total[:, R2] / total[:, N]
-    size = float(np.sqrt(np.nanmax(msd))) if np.any(np.isfinite(msd)) else 1.0
-    return float(np.log(min(max(size / 3, 1e-6), 1e6)))

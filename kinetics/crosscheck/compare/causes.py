@@ -22,7 +22,7 @@ from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
 from kinetics.crosscheck.compare.theory import SPEED, SampledStart, bin_shares
 from kinetics.crosscheck.data.sample import V2, N, Sample
-from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, numeral
+from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)
 """p-value from which on what a cause leaves agrees."""
@@ -46,11 +46,11 @@ def start_in_words(start: Any) -> str:
     return STARTS[start] if isinstance(start, str) else "the data's own speeds at time 0"
 
 
-def explained(both: Both, differ: bool) -> list[Explanation]:
-    """What explains a difference (if they differ) and is to be noted, the likeliest first."""
-    if both.sample.law.field:
-        return []
-    tested = tested_causes(both) if differ else []
+def explained(both: Both, verdict: Verdict, unit: Explanation | None) -> list[Explanation]:
+    """What explains a difference and is to be noted, the likeliest first; or only a wrong unit."""
+    if unit or both.sample.law.field:
+        return [unit] if unit else []
+    tested = tested_causes(both) if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR) else []
     notes = [note for note in (_traps(both), _missing(both)) if note is not None]
     # Python's sort keeps the order of those of one outcome: the likeliest stays first.
     return sorted([*tested, *notes], key=lambda item: [*OUTCOMES].index(item.outcome))
@@ -151,11 +151,9 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
 
 def _of_path(both: Both, found: Fit) -> tuple[str, str]:
     law, told, path = both.sample.law, both.point.path, found.value("path")
-    text = (
-        f"Another mean free path: l = {_pm(path)} d fits best, "
-        f"{numeral(path[0] / told - 1, '+.1%')} from {numeral(told, '.5g')} d, as a density of {numeral(law.free_path(path[0]), '.5g')} "
-        f"d^-{law.dimension} would have."
-    )
+    change, density = numeral(path[0] / told - 1, "+.1%"), numeral(law.free_path(path[0]), ".5g")
+    text = f"Another mean free path: l = {_pm(path)} d fits best, {change} from what was told, as a"
+    text += f" density of {density} d^-{law.dimension} would have."
     headline = f"l = {_pm(path)} d in place of {numeral(told, '.5g')} d"
     if abs(math.log(path[0] / told)) > 1 and law.dimension == 2:  # a wrong diameter is likely
         headline += f" (as if d were {told / path[0]:.4g} of the unit told)"

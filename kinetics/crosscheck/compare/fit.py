@@ -16,16 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.compare.statistics import (
-    ChiSquare,
-    covariance,
-    errors,
-    hotelling,
-    log_widening,
-    most_freedom,
-    spread_out,
-    whitening,
-)
+from kinetics.crosscheck.compare import statistics
+from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, errors, whitening
 from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance
 
 Array = NDArray[np.float64]
@@ -90,12 +82,12 @@ def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -
     No more than the groups allow, evenly over time for each average, but not fewer than twice the
     parameters if the groups allow that.
     """
-    most = max(most_freedom(groups), min(2 * parameters, groups - 2))
+    most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
     rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]
     if not rows:
         return np.empty(0, np.int64)
     share = max(1, most // len(rows))
-    at = [k * usable.shape[1] + row[spread_out(row.size, share)] for k, row in rows]
+    at = [k * usable.shape[1] + row[statistics.spread_out(row.size, share)] for k, row in rows]
     return np.concatenate(at)[:most]
 
 
@@ -177,9 +169,9 @@ def fit(
     widening = 0.0
     if known_error is not None:
         known_error = known_error[np.ix_(tested, tested)]
-        widening = log_widening(rest, known_error)
+        widening = statistics.log_widening(rest, known_error)
     left = (expectation.values - theory).ravel()[tested]
-    after = hotelling(left, rest, known_error, one_by_one)
+    after = statistics.hotelling(left, rest, known_error, one_by_one)
     return replace(fitted, chi_square=after, widening=widening)
 
 

@@ -2,31 +2,19 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.crosscheck import words
+from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.result import ComparisonTest, Explanation, Row
-from kinetics.crosscheck.compare.statistics import (
-    ChiSquare,
-    effective_groups,
-    errors,
-    hotelling,
-    most_freedom,
-    of_the_worst,
-    pearson,
-)
+from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.compare.theory import OBSERVABLES, SPEED, Expectation, Point, bin_shares
 from kinetics.crosscheck.data.sample import Sample
-from kinetics.crosscheck.words import (
-    Verdict,
-    corrected_sigmas,
-    gaussian_sigmas,
-    judge_sigmas,
-    numeral,
-)
+from kinetics.crosscheck.words import Verdict, numeral
 from kinetics.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,7 +76,7 @@ class Both:
         self.difference = expectation.values - self.theory
         replicates = expectation.replicates - moved
         self.replicates = found.moved(replicates) if found else replicates
-        self.error, self.compared = errors(self.replicates), np.isfinite(self.difference)
+        self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
         for k, name in enumerate(self.names):
             if point.own_start or OBSERVABLES[name].of_displacements:
                 self.compared[k] &= self.sample.times > 0
@@ -129,7 +117,7 @@ def _histogram(sample: Sample, solution: "Solution", name: str, at: int) -> Hist
     independent = sample.grouping != "medium" or sample.free
     most = _MOST_BINS
     if not independent and binned.by_group is not None:
-        most = min(most, most_freedom(len(binned.by_group)) + 1)
+        most = min(most, statistics.most_freedom(len(binned.by_group)) + 1)
     peak = None
     if solution.scene.initial == "monoenergetic":
         peak = 1.0 if name == SPEED else time
@@ -149,10 +137,10 @@ def _histogram(sample: Sample, solution: "Solution", name: str, at: int) -> Hist
     # The spread of a bin that is emptier than expected is too small: at least binomial.
     error = np.maximum(error, np.sqrt(theory * (1 - theory) / samples))
     if independent or rest is None:
-        chi_square = pearson(counts, theory * samples, effect)
+        chi_square = statistics.pearson(counts, theory * samples, effect)
     else:
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
-        chi_square = hotelling((share - theory)[:-1], replicates[:, :-1])
+        chi_square = statistics.hotelling((share - theory)[:-1], replicates[:, :-1])
     edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])
     return Histogram(name, time, index, edges, share, error, theory, samples, behind, chi_square)
 
@@ -181,7 +169,7 @@ def _merged(
 
 def rows_of(both: Both) -> Iterator[Row]:
     """One row per observable and time, and per bin of a density; see `Comparison.rows`."""
-    sample, effective = both.sample, effective_groups(both.replicates)
+    sample, effective = both.sample, statistics.effective_groups(both.replicates)
     counts = 0 * sample.samples if sample.tabulated else sample.samples
     for i, name in enumerate(both.names):
         looks = int(both.usable[i].sum())
@@ -191,8 +179,8 @@ def rows_of(both: Both) -> Iterator[Row]:
             sigmas, corrected, count = None, None, int(counts[k])
             if both.usable[i, k]:
                 sigmas = float(both.difference[i, k] / error)
-                corrected = corrected_sigmas(sigmas, float(effective[i, k]), looks)
-                verdict = judge_sigmas(corrected)
+                corrected = words.corrected_sigmas(sigmas, float(effective[i, k]), looks)
+                verdict = words.judge_sigmas(corrected)
             elif sample.groups < 3 or (sample.law.field and time > 0):
                 # One tracer is always like itself, and falls before its first collision as others.
                 verdict, error = Verdict.UNDEFINED, 0.0
@@ -207,9 +195,9 @@ def rows_of(both: Both) -> Iterator[Row]:
                    h.edges, h.edges[1:], strict=False)  # fmt: skip
         for numbers in each:
             value, error, theory, z, low, high = map(float, numbers)
-            corrected = corrected_sigmas(z, h.groups, looks_in[h.name])
+            corrected = words.corrected_sigmas(z, h.groups, looks_in[h.name])
             end = high if np.isfinite(high) else None
-            yield Row(h.name, h.time, value, error, theory, z, judge_sigmas(corrected), corrected,
+            yield Row(h.name, h.time, value, error, theory, z, words.judge_sigmas(corrected), corrected,
                       h.samples, low, end)  # fmt: skip
 
 
@@ -219,8 +207,8 @@ def tests_of(both: Both) -> Iterator[ComparisonTest]:
     every = [*averages, *((h.name, h.time, h.chi_square) for h in both.histograms)]
     known = [(name, time, c) for name, time, c in every if c is not None]
     for name, time, c in known:
-        sigmas = gaussian_sigmas(min(1.0, c.p_value * len(known)))
-        verdict, within = judge_sigmas(sigmas), None
+        sigmas = words.gaussian_sigmas(min(1.0, c.p_value * len(known)))
+        verdict, within = words.judge_sigmas(sigmas), None
         if time is None:
             single, within = _of_single_times(both, both.names.index(name))
             verdict = worst_of([verdict, single])
@@ -236,14 +224,14 @@ def _over_times(both: Both, i: int) -> ChiSquare | None:
         return None
     difference = both.difference[i, times] / both.error[i, times]
     if both.sample.tabulated:
-        return of_the_worst(difference)
-    most = most_freedom(both.sample.groups)
+        return statistics.of_the_worst(difference)
+    most = statistics.most_freedom(both.sample.groups)
     replicates = both.replicates[:, i, times] / both.error[i, times]
     if times.size > most:
         starts = np.arange(most) * times.size // most
         difference = np.add.reduceat(difference, starts)
         replicates = np.add.reduceat(replicates, starts, axis=1)
-    return hotelling(difference, replicates)
+    return statistics.hotelling(difference, replicates)
 
 
 def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
@@ -253,9 +241,11 @@ def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
     """
     usable, looks = both.usable[i], 2 * int(both.usable.sum())
     difference, error = both.difference[i, usable], both.error[i, usable]
-    effective = effective_groups(both.replicates[:, i, usable])
+    effective = statistics.effective_groups(both.replicates[:, i, usable])
     each = zip((difference / error).tolist(), effective.tolist(), strict=True)
-    verdict = worst_of(judge_sigmas(corrected_sigmas(z, groups, looks)) for z, groups in each)
+    verdict = worst_of(
+        words.judge_sigmas(words.corrected_sigmas(z, groups, looks)) for z, groups in each
+    )
     size = np.abs(both.theory[i, usable] + (1.0 if both.names[i] == "a2" else 0.0))
     size = np.full(size.size, size.max()) if both.sample.law.field else size
     return verdict, float(np.max((np.abs(difference) + 2 * error) / size))
@@ -263,8 +253,8 @@ def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
 
 def worst_of(verdicts: Iterable[Verdict]) -> Verdict:
     """The worst of some verdicts; undefined without any."""
-    order, words = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES), {*verdicts}
-    return next((verdict for verdict in order if verdict in words), Verdict.UNDEFINED)
+    order, found = (Verdict.DIFFERS, Verdict.UNCLEAR, Verdict.AGREES), {*verdicts}
+    return next((verdict for verdict in order if verdict in found), Verdict.UNDEFINED)
 
 
 def summary(
@@ -272,36 +262,32 @@ def summary(
     start: str,
 ) -> str:  # fmt: skip
     """The verdict in a sentence, what was compared, and the clearest difference."""
-    cause = best.headline if best is not None else ""
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
     ]  # fmt: skip
-    would = f"; {cause} would explain it" if cause else ""
+    cause = f"; {best.headline} explains it" if best else ""
     answer = {
         Verdict.AGREES: f"No difference seen, better than {', '.join(within) or 'no average'}.",
-        Verdict.UNCLEAR: f"A difference is possible, more samples would have to show it{would}.",
-        Verdict.DIFFERS: f"They differ{f'; {cause} explains it' if cause else ''}.",
+        Verdict.UNCLEAR: f"A difference is possible, more samples would show it{cause}.",
+        Verdict.DIFFERS: f"They differ{cause}.",
     }.get(verdict, "Nothing could be tested.")
     if best is not None and best.outcome == "found":
-        answer = f"A unit is wrong: {cause}. Nothing else can be said before that is put right."
+        answer = f"A unit is wrong: {best.headline}. Put that right first."
     sample, law, point = both.sample, both.sample.law, both.point
-    numbers: dict[str, Any] = {"e": point.restitution}
-    if law.tangential_restitution != 1:
-        numbers["e_t"] = law.tangential_restitution
-    numbers["ρ₀ d²" if law.dimension == 2 else "ρ₀ d³"] = law.free_path(point.path)
-    if law.field:
-        numbers["the field"] = law.field
-    told = ", ".join(f"{name} = {numeral(value, '.6g')}" for name, value in numbers.items())
+    numbers = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
+    numbers |= {"e_t": law.tangential_restitution, "field": law.field}
+    plain = {"e_t": 1.0, "field": 0.0}
+    told = [f"{n} = {numeral(v, '.6g')}" for n, v in numbers.items() if v != plain.get(n)]
     data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
     answer += f" {data} at {sample.times.size} times from {first} to {last} d/U, compared with the "
-    answer += f"kinetic equation with {told}, from {start}."
+    answer += f"kinetic equation with {', '.join(told)}, from {start}."
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
         t = min(odd, key=lambda test: test.p_value)
         at = "" if t.time is None else f" at t = {numeral(t.time, '.4g')}"
-        answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is "
-        answer += f"{t.observable.replace('_', ' ')}{at}: chi-square {numeral(t.chi_square, '.4g')}"
-        answer += f" with {t.dof} degrees of freedom, p = {numeral(t.p_value, '.2g')}."
+        answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is {t.observable}"
+        answer += f"{at}: chi-square {numeral(t.chi_square, '.4g')} with {t.dof} degrees of freedom"
+        answer += f", p = {numeral(t.p_value, '.2g')}."
     return answer

@@ -48,11 +48,10 @@ class Row(NamedTuple):
 class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
-    The p-value holds although the same tracers stand behind several rows. `groups` independent
-    groups gave the covariance, None where it is known. `verdict` looks at the p-value times the
-    number of tests, as `sigmas` of a Gaussian, and, for an average, also at the time that differs
-    most. `within` is the relative difference that the data exclude at every time, at 95 % (of
-    1 + a2 for a2); None for a density.
+    `groups` independent groups gave the covariance, None where it is known. `verdict` looks at the
+    p-value times the number of tests, as `sigmas` of a Gaussian, and, for an average, at the time
+    that differs most. `within` is the relative difference (of 1 + a2 for a2) that the data exclude
+    at every time, at 95 %; None for a density.
     """
 
     observable: str
@@ -68,10 +67,7 @@ class ComparisonTest:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the theory needed: given (error None) or found in the data.
-
-    value is None where it was fitted and the model does not fit; the source then says so.
-    """
+    """A number of the theory: given (error None), or found; value None where no model fits."""
 
     value: float | None
     error: float | None
@@ -140,11 +136,10 @@ class Comparison(Result):
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
         `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
-        difference (that of the value, unless the theory was taken from the same data), `sigmas`
-        their difference in it. A bin is from `low` to `high`; where `high` is NaN it has no upper
-        end, and value and theory are shares of the samples. `verdict` looks at `corrected_sigmas`:
-        the sigmas of a Gaussian with the same p-value once that is multiplied by the number of
-        rows of the observable. Without spread in the data (all speeds equal) both are NaN.
+        difference, `sigmas` their difference in it. A bin is from `low` to `high`; where `high` is
+        NaN it has no upper end, and value and theory are shares of the samples. `verdict` looks at
+        `corrected_sigmas`, which allow for the number of rows of the observable. Without spread in
+        the data (all speeds equal) both are NaN.
         """
         import pandas
 
@@ -196,18 +191,12 @@ class Comparison(Result):
 
     def _dataset(self, only: Any = None, **points: Any) -> "xarray.Dataset":
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
-        import xarray
-
-        rows = self.rows
-        variables: dict[str, Any] = {name: ("row", rows[name].to_numpy()) for name in rows}
-        units = [OBSERVABLES[name].unit or "1" for name in rows["observable"]]
-        variables["units"] = ("row", units, {"long_name": "unit of value, error and theory"})
+        made = self.rows.rename_axis("row").to_xarray()
+        units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
+        made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
         scene = json.dumps(plain(dict(self.parameters)), allow_nan=False)
-        attributes = {
-            "title": self.title, "status": str(self.verdict), "summary": self.summary,
-            "scene": scene, "version": package_version(),
-        }  # fmt: skip
-        return xarray.Dataset(variables, attrs=attributes)
+        about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
+        return made.assign_attrs(**about, scene=scene, version=package_version())
 
     def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
         """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
@@ -248,11 +237,8 @@ class Comparison(Result):
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        """The verdict first, in ten lines or fewer of 100 columns."""
+        """The verdict first, and the tests of averages."""
         lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", 100)[:4]
-        for t in self.tests[:5]:
-            at = "" if t.time is None else f" at t = {t.time:.4g}"
-            p = f"chi-square {t.chi_square:.4g}/{t.dof}, p = {t.p_value:.2g}, {t.verdict}"
-            lines.append(f"  {t.observable}{at}: {p}")
-        more = len(self.tests) - 5
-        return "\n".join(lines + ([f"  ... {more} more"] if more > 0 else []))
+        shown = [t for t in self.tests if t.time is None]
+        words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
+        return "\n".join([*lines, *map(words.format, shown)])
