@@ -11,13 +11,13 @@ from click import Choice, option
 from kinetics.crosscheck.cli.options import json_option, output_path
 
 COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
-and, where known, tracer and medium (the configuration of scatterers), one row for each tracer
-at each time; or with averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or
-frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD
-(.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known; --columns says
-others. Lengths are in d, speeds in U (standard deviation of one component of the initial velocity),
-times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. Several files are
-several runs of the same system. Data are only read."""
+and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
+each time; or with averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or
+frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz)
+or GSD (.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known;
+--columns says others. Lengths are in d, speeds in U (standard deviation of one component of the
+initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise.
+Several files are several runs of the same system. Data are only read."""
 
 
 def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -> float | str:

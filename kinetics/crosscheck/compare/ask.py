@@ -269,7 +269,7 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     usable = judge.with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
     components = components_of(AVERAGES, usable, groups, len(free))
-    if components.fitted.size < len(free) or groups < len(free) + 3:
+    if components[0].size < len(free) or groups < len(free) + 3:
         raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
     # l to start from: a third of the largest root mean square displacement
     msd = expectation.values[AVERAGES.index("msd")]

@@ -1,12 +1,10 @@
 """What may explain a difference: each cause is a row of the table CAUSES, and one fit.
 
 A cause says which parameters of the theory (`theory.Point`) are other than what was told: set to a
-value, or free. One that is right lowers the chi-square to what chance allows. Several may: they are
-ranked by the chi-square that they leave plus 2 for each fitted parameter (Akaike's criterion), and
-"explains" is said only of those within NEAR_BEST of the best. The theory among scatterers at a
-finite density has an error of its own: what that larger covariance takes from the likelihood is
-counted against it. Units that do not belong together are looked for first: then nothing else is
-claimed. Tracers that are trapped or missing are noted in any case.
+value, or free. They are ranked by the chi-square that they leave plus 2 for each fitted parameter
+(Akaike's criterion), and "explains" is said only of those within NEAR_BEST of the best. Where the
+theory has an error of its own, what that takes from the likelihood is counted against it. Units
+that do not belong together are looked for first: then nothing else is claimed.
 """
 
 import math
@@ -61,9 +59,9 @@ def tested_causes(both: Both) -> list[Explanation]:
     # Not time 0: there a cause in the start would leave nothing that could differ.
     usable = both.usable & (both.sample.times > 0)
     components = components_of(both.names, usable, both.sample.groups, 1)
-    if components.tested.size < 2 or not components.fitted.size:
+    if components[1].size < 2 or not components[0].size:
         return []
-    before = hotelling(*both.flat(components.tested), None, both.sample.tabulated)
+    before = hotelling(*both.flat(components[1]), None, both.sample.tabulated)
     if before is None:
         return []
     tested = []
@@ -123,8 +121,7 @@ def _pm(found: tuple[float, float], form: str = ".5g", of_error: str = ".2g") ->
 def _media(both: Both) -> list[dict[str, Any]]:
     """The media at the density of the scatterers, where there is a theory of them.
 
-    For smooth disks in the plane at a density that is told (not fitted to the same data); not for
-    particles that are known to meet no scatterer again.
+    For smooth disks at a density that is told; not for particles that meet no scatterer again.
     """
     from kinetics.collision.medium import HIGHEST_DENSITY
 
@@ -141,10 +138,9 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
     kind, n = found.point.scatterers, numeral(both.sample.law.free_path(both.point.path), ".4g")
     v0, r2 = (numeral(found.theory[k, -1] / both.theory[k, -1] - 1, "+.2%") for k in (0, 2))
     text = (
-        f'The finite density of the scatterers, n = ρ₀d² = {n}, by Scene(scatterers="{kind}"): '
-        f"tracers meet scatterers again; nothing is fitted. At the last time it changes v₀ by {v0} "
-        f"and ⟨r²⟩ by {r2}. It is trusted from {SETTLED:g} l/U on, and its own error is added to "
-        "the covariance."
+        f'The finite density of the scatterers, n = ρ₀d² = {n}, by Scene(scatterers="{kind}"), '
+        f"trusted from {SETTLED:g} l/U on, changes v₀ by {v0} and ⟨r²⟩ by {r2} at the last time. "
+        "Nothing is fitted, and its own error is added to the covariance."
     )
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
@@ -228,6 +224,9 @@ _FAR, _MOST = 2.0, 0.5
 """Factor by which speeds are in another unit, and the share of tracers that have not collided."""
 _WRONG_ABOVE = 0.005
 """|ln(|r|/(|v| t))| from which on units do not belong together."""
+_PUT_RIGHT = (
+    "put it right by --time-unit, --length-unit or --speed-unit. No other cause is looked for."
+)
 
 
 def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
@@ -237,20 +236,14 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     named start cannot be; smaller ones cannot be while most tracers have not collided. A factor of
     two is asked for: less may be another start.
     """
-    flights = sample.flights
-    if sample.law.field:
-        return None
-    if flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
-        found, value = numeral(flights.ratio, ".5g"), 1 / flights.ratio
-        headline = f"tracers that fly straight have r = {found} v t, as if times were "
-        headline += f"{numeral(value, '.5g')} times too long"
-        text = (
-            f"At t = {numeral(flights.time, '.4g')}, {numeral(flights.share, '.0%')} of the "
-            f"tracers have flown straight, at r = {found} v t in place of v t. Put it right by "
-            "--time-unit, --length-unit or --speed-unit. No other cause is looked for."
-        )
+    flights, field = sample.flights, sample.law.field
+    if not field and flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
+        value = 1 / flights.ratio
+        headline = f"tracers that fly straight have r = {numeral(flights.ratio, '.5g')} v t, as if "
+        headline += f"times were {numeral(value, '.5g')} times too long"
+        text = f"At t = {numeral(flights.time, '.4g')}, {headline}; {_PUT_RIGHT}"
         return Explanation("time unit", "found", text, True, value, headline=headline)
-    if not isinstance(start, str):
+    if field or not isinstance(start, str):
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
@@ -259,11 +252,7 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
         return None
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
-    text = (
-        f"At t = {numeral(sample.times[0], '.4g')} the root mean square speed is "
-        f"{numeral(ratio * most, '.5g')} U, that of the start {numeral(most, '.4g')} U. Put it "
-        "right by --speed-unit and --length-unit. No other cause is looked for."
-    )
+    text = f"At t = {numeral(sample.times[0], '.4g')}, {headline}; {_PUT_RIGHT}"
     return Explanation("speed unit", "found", text, True, ratio, headline=headline)
 
 
@@ -291,10 +280,9 @@ def _traps(both: Both) -> Explanation | None:
             break
         share, error = excess / h.samples, math.sqrt(count) / h.samples
         text = (
-            f"Traps: at t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, where {numeral(expected, '.3g')} are expected, "
-            f"{_pm((share, error), '.2%', '.2%')} of all too many; {rest} have speed zero. They "
-            "are caught in corners between scatterers, or were stopped by a program."
+            f"At t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
+            f"{numeral(edges[cut], '.3g')} U, {_pm((share, error), '.2%', '.2%')} of all too many; "
+            f"{rest} have speed zero: caught between scatterers, or stopped by a program."
         )
         return Explanation("traps", "found", text, True, share, error)
     text = f"{rest} tracers have speed zero at some time, which only trapped ones have."

@@ -1,17 +1,14 @@
 """One least-squares fit, for what was not told and for every cause of a difference.
 
-Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone. A covariance that
-is estimated from the same tracers depends on their averages: where a few fast tracers raise an
-average they raise its variance too, so that weights from this covariance favour low values and
-bias the parameters (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)), with fourth moments by
-half a standard error. The standard deviation of <v^2> is proportional to <v^2>, so that its
-logarithm has nearly the same variance whatever its value. All averages enter the chi-square that is
-left, which is at the same point as the values and their errors.
+Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: where a few fast
+tracers raise a fourth moment they raise its variance too, so that weights from the same tracers
+would favour low values (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter
+the chi-square that is left, which is at the same point as the values and their errors.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,21 +33,13 @@ _TRIED = 2
 """Starts from which the least squares are looked for: those with the smallest sums of squares."""
 
 
-class Components(NamedTuple):
-    """Flat indices of the averages that are fitted, and of those that enter the chi-square."""
-
-    fitted: Indices
-    tested: Indices
-
-
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A point with some fitted parameters (`free`), and all that is known there.
 
-    errors (k,): of the parameters, relative for those whose logarithms are fitted. chi_square of
-    the tested averages at this point, whose replicates move with the parameters; widening as of
-    `log_widening`. theory (n_names, n_times). fitted (p,): indices of the averages that were
-    fitted, of p_all; influence (k, p): d(parameters)/d(data); slope (p_all, k).
+    errors (k,): relative for parameters whose logarithms are fitted. theory (n_names, n_times).
+    fitted (p,): indices of the averages that were fitted, of p_all; influence (k, p):
+    d(parameters)/d(data); slope (p_all, k). widening: of `log_widening`.
     """
 
     expectation: Expectation
@@ -93,14 +82,15 @@ def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -
 
 def components_of(
     names: Sequence[str], usable: NDArray[np.bool_], groups: int, parameters: int
-) -> Components:
-    """What is fitted and tested of the averages of which `usable` (n_names, n_times) are."""
+) -> tuple[Indices, Indices]:
+    """The averages that are fitted, and those that enter the chi-square, as `choose_components`."""
     second = usable & np.isin(names, SECOND_MOMENTS)[:, None]
-    return Components(*(choose_components(u, groups, parameters) for u in (second, usable)))
+    fitted, tested = (choose_components(u, groups, parameters) for u in (second, usable))
+    return fitted, tested
 
 
 def fit(
-    expectation: Expectation, told: Point, free: Sequence[str], components: Components,
+    expectation: Expectation, told: Point, free: Sequence[str], components: tuple[Indices, Indices],
     starts: Sequence[Sequence[float]] = ((),),
 ) -> Fit | None:  # fmt: skip
     """Least squares from the best starts; None where nothing converges, or only at a limit.
@@ -108,7 +98,7 @@ def fit(
     told: the point whose parameters `free` are fitted, none or more. starts: of them, or of the
     logarithms of those that are positive.
     """
-    groups, chosen = expectation.sample.groups, components.fitted
+    groups, (chosen, tested) = expectation.sample.groups, components
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
     middle = [0.0 if name in LIMITS else np.log(getattr(told, name)) for name in free]
@@ -163,7 +153,7 @@ def fit(
             error = np.abs(influence) @ errors(replicates)
     at = point(best)
     fitted = Fit(expectation, at, tuple(free), error, theory, influence, slope, chosen)
-    tested, known_error = components.tested, own_covariance(expectation, at, theory)
+    known_error = own_covariance(expectation, at, theory)
     rest = expectation.replicates - moved
     rest = (rest if one_by_one else fitted.moved(rest)).reshape(groups, -1)[:, tested]
     widening = 0.0

@@ -29,6 +29,8 @@ LEAST_EXPECTED = 50
 MOST_IN_A_BIN = 1 / 12
 """Share of the samples from which on a bin is not made wider, so that the body has a shape."""
 _MOST_BINS = 40
+_AT_ZERO = ("drift", "thermal_speed", "a2")
+"""The averages that say something at time 0."""
 _SAME = 1e-6
 """Relative difference up to which data without spread agree with the theory: ten times the
 tolerance that the solver is given."""
@@ -58,10 +60,8 @@ class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
     found : the fit to the same averages that the point's numbers come from, if there is one
-    densities : the solution of each density, at some times
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the difference
     compared : where there is something to compare; usable : and where it has spread
-    histograms : one for each density and time
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Both:
         self.replicates = found.moved(replicates) if found else replicates
         self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
         for k, name in enumerate(self.names):
-            if point.own_start or OBSERVABLES[name].of_displacements:
+            if point.own_start or name not in _AT_ZERO:
                 self.compared[k] &= self.sample.times > 0
         self.usable = self.compared & with_spread(self.error, expectation.values, self.theory)
         self.histograms = [

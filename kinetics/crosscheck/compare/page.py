@@ -106,7 +106,7 @@ def figures_of(rows: Any) -> dict[str, Any]:
         else:
             both = mine[["value", "theory"]].to_numpy()
             wide = both.min() > 0 and both.max() > _DECADES * both.min()
-            y = axis(seen.symbol, seen.unit, bool(seen.log and wide))
+            y = axis(seen.symbol, seen.unit, bool(wide))
             lines = [series("kinetic equation", mine["time"], mine["theory"]),
                      series("data", mine["time"], mine["value"], mine["error"])]  # fmt: skip
             z = mine.dropna(subset="sigmas")

@@ -1,12 +1,11 @@
 """Chi-square where errors are correlated, and known only from the spread of groups.
 
 `d` is a vector of differences between data and theory, `replicates` the same vector with each of
-G independent groups left out in turn. Its covariance C is their jackknife spread. With p
-components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate
-T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p degrees of freedom (Hotelling;
-Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same tracers followed over
-many times are thus counted once. That is the law of Gaussian groups; for others G is replaced by
-`effective_groups`. What is reported is the chi-square that has the p-value of T^2.
+G independent groups left out in turn. Its covariance C is their jackknife spread; because that is
+an estimate T^2 = d C^-1 d is no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
+p and G - p degrees of freedom (Hotelling; Anderson, An Introduction to Multivariate Statistical
+Analysis, 5.2), for groups that are not Gaussian with `effective_groups` as G. What is reported is
+the chi-square that has its p-value. The same tracers at many times are thus counted once.
 """
 
 import math
@@ -26,11 +25,7 @@ _SMALLEST_LOG = -600.0
 
 
 class ChiSquare(NamedTuple):
-    """A chi-square, its degrees of freedom, and the p-value that the chi-square law gives them.
-
-    groups: independent groups that the covariance was estimated from, None if it is exact;
-    statistic: then T^2 as it is (see above), by which causes are compared with one another.
-    """
+    """A chi-square; groups that the covariance is from, None if it is exact; statistic: T^2."""
 
     value: float
     freedom: int
@@ -70,8 +65,7 @@ def chance(sigmas: float) -> float:
 def effective_groups(replicates: Array) -> Array:
     """Groups that a variance from delete-one replicates (G, ...) is as good as: (...), G at most.
 
-    Where a few tracers far out make most of a variance, it is known as poorly as from few Gaussian
-    groups: the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
+    The relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
     """
     deviation = replicates - replicates.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -94,9 +88,8 @@ def hotelling(
 ) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
-    known (p, p): the covariance of an error of the theory, added to that of the data; p is then
-    rather too high than too low. one_by_one: the covariances are not known, only the errors; then
-    p is that of the component that differs most, and the statistic the sum of squares.
+    known (p, p): the covariance of an error of the theory, which is added. one_by_one: only the
+    errors are known; then p is that of the component that differs most.
     """
     groups, extra = len(replicates), np.zeros((1, 1)) if known is None else known
     if difference.size == 0:
@@ -118,10 +111,7 @@ def hotelling(
 
 
 def log_widening(replicates: Array, known: Array) -> float:
-    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p).
-
-    By so much -2 ln of a Gaussian likelihood rises, beside its chi-square, where M is added to C.
-    """
+    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p)."""
     axes = whitening(covariance(replicates))
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
@@ -152,10 +142,7 @@ def inverse_log_gammaincc(s: float, log_q: float) -> float:
 
 
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
-    """Chi-square of counts against those expected, of the same sum; independent samples.
-
-    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981).
-    """
+    """Chi-square of counts against those expected (Rao and Scott, 1981: over a design effect)."""
     from scipy.special import gammaincc
 
     if counts.size < 2:
@@ -166,10 +153,7 @@ def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSq
 
 
 def of_the_worst(sigmas: Array) -> ChiSquare:
-    """Test of differences in standard errors (n,), however they are correlated.
-
-    The p-value of the largest, times n (Bonferroni), and the chi-square that has it.
-    """
+    """Test of differences in standard errors (n,), however correlated: Bonferroni's."""
     from scipy.special import gammainccinv
 
     largest = float(np.abs(sigmas).max())

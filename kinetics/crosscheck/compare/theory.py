@@ -1,8 +1,4 @@
-"""Everything that is compared (OBSERVABLES), and what the kinetic equation says of it.
-
-A point of its parameters (`Point`) gives averages over time, with the theory's own error, and
-shares of bins.
-"""
+"""Everything that is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,11 +25,10 @@ SPEED, DISPLACEMENT = "speed_density", "position_density"
 class Observable(NamedTuple):
     """How an observable is written (title, symbol, unit, in a text), and what it is made of.
 
-    measured : of the means m over tracers (8, ..., n_times), the scales u of speed and d of
-        displacement, and the law; None for a density, whose symbol is that of its variable
-    field : compared in a field (True), without (False) or in both cases (None)
+    measured : of the means m over tracers, the scales u of speed and d of displacement, and the
+        law; None for a density, whose symbol is that of its variable
+    where : "field", "free" or "both", see `AVERAGES`
     output, component : of a Solution; the output has the observable's name, if not told
-    of_displacements : says nothing at time 0
     """
 
     title: str
@@ -41,47 +36,39 @@ class Observable(NamedTuple):
     unit: str
     short: str
     measured: Callable[[Any, Any, Any, Law], Any] | None = None
-    field: bool | None = False
+    where: str = "free"
     output: str = ""
     component: tuple[int, ...] = ()
-    of_displacements: bool = False
-    log: bool = True
 
 
-OBSERVABLES = {
-    "drift": Observable(
-        "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
-        lambda m, u, d, law: u * m[VX], True, "mean_velocity", (0,), log=False),
-    "thermal_speed": Observable(
-        "Thermal speed", "$v_0$", "U", "v₀", lambda m, u, d, law: u * np.sqrt(m[V2]), None),
-    "a2": Observable(
-        "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
-        lambda m, u, d, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1, log=False),
-    "msd": Observable(
-        "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
-        lambda m, u, d, law: d**2 * m[R2], of_displacements=True),
-    "kurtosis": Observable(
-        "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
-        "⟨r⁴⟩/⟨r²⟩²", lambda m, u, d, law: m[R4] / m[R2] ** 2, of_displacements=True, log=False),
-    "mean_displacement": Observable(
-        "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
-        lambda m, u, d, law: d * m[X], True, "", (0,), True),
-    "dispersion_parallel": Observable(
-        "Variance along the field", "var $x$", "d²", "var x",
-        lambda m, u, d, law: d**2 * (m[X2] - m[X] ** 2), True, "displacement_tensor", (0, 0), True),
-    "dispersion_perpendicular": Observable(  # across the field the mean is 0
-        "Variance across the field", "var $y$", "d²", "var y",
-        lambda m, u, d, law: d**2 * (m[R2] - m[X2]) / (law.dimension - 1), True,
-        "displacement_tensor", (1, 1), True),
-    SPEED: Observable("Speed density", "speed $v$", "U", "mean over a bin"),
-    DISPLACEMENT: Observable(
-        "Displacement density", "displacement $r$", "d", "g(r, t), mean over a bin"),
-}  # fmt: skip
+OBSERVABLES = {name: Observable(*words) for name, *words in (
+    ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
+     lambda m, u, d, law: u * m[VX], "field", "mean_velocity", (0,)),
+    ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
+     lambda m, u, d, law: u * np.sqrt(m[V2]), "both"),
+    ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
+     lambda m, u, d, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
+    ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
+     lambda m, u, d, law: d**2 * m[R2]),
+    ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, u, d, law: m[R4] / m[R2] ** 2),
+    ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
+     lambda m, u, d, law: d * m[X], "field", "", (0,)),
+    ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
+     lambda m, u, d, law: d**2 * (m[X2] - m[X] ** 2), "field", "displacement_tensor", (0, 0)),
+    ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
+     # across the field the mean is 0
+     lambda m, u, d, law: d**2 * (m[R2] - m[X2]) / (law.dimension - 1), "field",
+     "displacement_tensor", (1, 1)),
+    (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
+    (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
+)}  # fmt: skip
 """Everything that is compared, in the order of the page: a new average is one row."""
 AVERAGES, IN_FIELD = (
-    tuple(k for k, seen in OBSERVABLES.items() if seen.measured and seen.field in (None, field))
-    for field in (False, True)
+    tuple(k for k, seen in OBSERVABLES.items() if seen.measured and seen.where in ("both", where))
+    for where in ("free", "field")
 )
+"""The averages that are compared without a field, and in one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,10 +145,10 @@ def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: La
 
 
 class Expectation:
-    """What is expected of a sample: of all of it, and with each group left out.
+    """What is measured and expected of a sample: of all of it, and with each group left out.
 
     values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's. The theory is
-    the same for every group, unless it starts from the sample's own speeds: then each group's does.
+    the same for every group, unless it starts from the sample's own speeds.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
@@ -224,8 +211,7 @@ class Expectation:
 def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
     """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
 
-    Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
-    bin, finer where the start is rough; what is above the last edge is the rest.
+    Of the speed (by Gauss-Legendre, finer where the start is rough) or of the displacement.
     """
     every = np.concatenate([[0.0], edges])
     if name == DISPLACEMENT:
@@ -259,8 +245,7 @@ _REMEMBERED = np.log(10.0)
 def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
     """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages.
 
-    theory (n_names, n_times). Different averages are taken to be independent. None for dilute
-    scatterers, whose theory is exact.
+    Different averages are taken to be independent. None for dilute scatterers.
     """
     if point.scatterers == "dilute":
         return None
