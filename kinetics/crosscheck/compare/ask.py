@@ -39,31 +39,19 @@ DENSITY_RTOL, DISPLACEMENT_RTOL = 1e-6, 1e-4
 _GAUSSIAN_ABOVE = 1e-3
 """p-value from which on speeds at time 0 may be a Gaussian's."""
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-_OWN_START = (
-    "The theory starts from the data's own speeds. The averages' errors allow for that; p-values "
-    "of densities are too high while most tracers have not collided."
-)
+_OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 
 
 def compare_data(
     data: "str | PathLike[str] | Sequence[Any] | Mapping[str, Any] | Ensemble | Sample | Any",
-    restitution: float | None = None,
-    number_density: float | None = None,
-    initial: str = "auto",
-    positions: str = "auto",
-    speed_unit: float | str = 1.0,
-    diameter: float = 1.0,
-    explain: bool = True,
-    time_unit: float | None = None,
-    columns: Mapping[str, str] | str | None = None,
-    timestep: float | None = None,
-    tangential_restitution: float | None = None,
-    dimension: int | None = None,
-    bin_times: float | None = None,
-    field: float = 0.0,
-    show_progress: bool = False,
+    restitution: float | None = None, number_density: float | None = None, initial: str = "auto",
+    positions: str = "auto", speed_unit: float | str = 1.0, diameter: float = 1.0,
+    explain: bool = True, time_unit: float | None = None,
+    columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
+    tangential_restitution: float | None = None, dimension: int | None = None,
+    bin_times: float | None = None, field: float = 0.0, show_progress: bool = False,
     type: str | int | None = None,
-) -> Comparison:
+) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
     Parameters
@@ -139,8 +127,8 @@ def _judged(both: judge.Both, explain: bool) -> Comparison:
     words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
     verdict, unit = judge.worst_of(words), wrong_unit(sample, start)
     explanations = tuple(explained(both, verdict, unit)) if explain else ()
-    likeliest = [x for x in explanations[:1] if x.outcome == "explains" and x.headline]
-    best = unit or (likeliest[0] if likeliest else None)
+    likely = (x for x in explanations[:1] if x.outcome == "explains" and x.headline)
+    best = unit or next(likely, None)
     note = (_OWN_START,) if both.point.own_start and both.histograms else ()
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
     return Comparison(
@@ -196,11 +184,9 @@ def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
     by_path = "1/(2dl)" if law.dimension == 2 else "1/(πd²l)"
     return {
         "restitution": parameter("restitution", point.restitution),
-        "number_density": parameter(
-            "path", law.free_path(point.path), fitted=f"{by_path}, l "
-        ),
+        "number_density": parameter("path", law.free_path(point.path), fitted=f"{by_path}, l "),
         "mean_free_path": parameter("path", point.path, by_path.replace("l", "ρ₀")),
-    }  # fmt: skip
+    }
 
 
 def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
@@ -275,11 +261,8 @@ def fitted_to(sample: Sample, restitution: float | None, path: float | None, sta
     msd = expectation.values[AVERAGES.index("msd")]
     size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
     guess = math.log(min(max(size, 1e-6), 1e6))
-    known = Point(
-        0.5 if restitution is None else restitution,
-        math.exp(guess) if path is None else path,
-        start,
-    )
+    e, told = (0.5 if restitution is None else restitution), path or math.exp(guess)
+    known = Point(e, told, start)
     starts: list[list[float]] = [[e] for e in _SCAN]
     if path is None:
         starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]

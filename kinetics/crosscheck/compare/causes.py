@@ -8,7 +8,7 @@ that do not belong together are looked for first: then nothing else is claimed.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -33,37 +33,32 @@ _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
 """Logarithms of the factors from which a unit or a free path is looked for."""
 _LEAST_RESTITUTION = 0.2
 """Below it the theory at a finite density is of the leading order only, its error not measured."""
-STARTS = {
-    "gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U", "rest": "rest",
-}  # fmt: skip
-"""The starts that have a name, as the middle of a sentence."""
 
 
 def start_in_words(start: Any) -> str:
     """A start as the middle of a sentence."""
-    return STARTS[start] if isinstance(start, str) else "the data's own speeds at time 0"
+    named = {"gaussian": "a Gaussian start", "monoenergetic": "a start with all speeds U"}
+    return named.get(start, start) if isinstance(start, str) else "the data's own speeds at time 0"
 
 
 def explained(both: Both, verdict: Verdict, unit: Explanation | None) -> list[Explanation]:
     """What explains a difference and is to be noted, the likeliest first; or only a wrong unit."""
     if unit or both.sample.law.field:
         return [unit] if unit else []
-    tested = tested_causes(both) if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR) else []
+    tested = tested_causes(both) if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR) else ()
     notes = [note for note in (_traps(both), _missing(both)) if note is not None]
     # Python's sort keeps the order of those of one outcome: the likeliest stays first.
     return sorted([*tested, *notes], key=lambda item: [*OUTCOMES].index(item.outcome))
 
 
-def tested_causes(both: Both) -> list[Explanation]:
+def tested_causes(both: Both) -> Iterator[Explanation]:
     """Every cause, the likeliest first; none where too few averages have a spread."""
     # Not time 0: there a cause in the start would leave nothing that could differ.
     usable = both.usable & (both.sample.times > 0)
     components = components_of(both.names, usable, both.sample.groups, 1)
-    if components[1].size < 2 or not components[0].size:
-        return []
     before = hotelling(*both.flat(components[1]), None, both.sample.tabulated)
-    if before is None:
-        return []
+    if components[1].size < 2 or not components[0].size or before is None:
+        return
     tested = []
     for cause in CAUSES:
         for change in cause.changes(both):
@@ -74,21 +69,15 @@ def tested_causes(both: Both) -> list[Explanation]:
                     starts = [(math.log(starts[0][0]) + shift,) for shift in _FACTORS]
             found = fit(both.expectation, point, free, components, starts)
             # a share of tracers at rest is one between none and nearly all
-            if (
-                found
-                and found.chi_square
-                and (free != ("at_rest",) or 0 < found.point.at_rest < 0.85)
-            ):
+            low = 0.0 if free == ("at_rest",) else -1.0
+            if found and found.chi_square and low < found.point.at_rest < 0.85:
                 # -2 ln likelihood, to a constant, plus 2 per parameter
                 criterion = found.chi_square.value + 2 * len(free) + found.widening
                 tested.append((criterion, _judged(both, cause, found, before)))
     tested.sort(key=lambda one: one[0])
-    return [
-        replace(item, outcome="in part")
-        if item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST
-        else item
-        for criterion, item in tested
-    ]
+    for criterion, item in tested:
+        far = item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST
+        yield replace(item, outcome="in part") if far else item
 
 
 def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explanation:
@@ -181,27 +170,20 @@ def _of_number(symbol: str, name: str, title: str) -> Callable[[Both, Fit], tupl
 
 
 def _of_rest(both: Both, found: Fit) -> tuple[str, str]:
-    share = f"a share of {_pm(found.value('at_rest'), '.2%', '.2%')} of tracers that never move"
-    return f"{share.capitalize()} fits best.", share
-
-
-def _always(both: Both) -> list[dict[str, Any]]:
-    return [{}]
+    share = f"{_pm(found.value('at_rest'), '.2%', '.2%')} of tracers that never move"
+    return f"A share of {share} fits best.", share
 
 
 class Cause(NamedTuple):
-    """A cause of a difference.
+    """A cause: its sentence and headline, the parameter that is fitted, and those that are set.
 
-    words : of data, theory and fit, the sentence and the headline
-    free : the parameter that is fitted, if one is
-    changes : of the data and theory, the parameters that are set, one dictionary for each variant;
-        none where the cause does not apply
+    changes : one dictionary for each variant; none where the cause does not apply
     """
 
     name: str
     words: Callable[[Both, Fit], tuple[str, str]]
     free: tuple[str, ...] = ()
-    changes: Callable[[Both], Sequence[dict[str, Any]]] = _always
+    changes: Callable[[Both], Sequence[dict[str, Any]]] = lambda both: [{}]
 
 
 CAUSES = (

@@ -38,10 +38,9 @@ tolerance that the solver is given."""
 
 @dataclass(frozen=True, eq=False)
 class Histogram:
-    """One density at one time against the theory, in bins of LEAST_EXPECTED samples or more.
+    """One density at one time, of this index in the sample, against the theory.
 
-    index of the time in the sample; edges (n + 1,), in U or d: the first is 0, the last infinite;
-    share of the samples, its standard error (from `groups` groups) and the theory, (n,).
+    edges (n + 1,), the first 0, the last infinite; shares of the samples with errors, theory (n,).
     """
 
     name: str
@@ -197,8 +196,9 @@ def rows_of(both: Both) -> Iterator[Row]:
             value, error, theory, z, low, high = map(float, numbers)
             corrected = words.corrected_sigmas(z, h.groups, looks_in[h.name])
             end = high if np.isfinite(high) else None
-            yield Row(h.name, h.time, value, error, theory, z, words.judge_sigmas(corrected), corrected,
-                      h.samples, low, end)  # fmt: skip
+            verdict = words.judge_sigmas(corrected)
+            yield Row(h.name, h.time, value, error, theory, z, verdict, corrected, h.samples, low,
+                      end)  # fmt: skip
 
 
 def tests_of(both: Both) -> Iterator[ComparisonTest]:

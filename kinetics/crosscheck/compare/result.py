@@ -76,12 +76,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Something that may explain a difference, compared with the data.
+    """Something that may explain a difference; chi-squares are of all averages.
 
     outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
     chi-square falls by 16 and by a tenth at least), "does not", "noted" (not tested) or "found" (an
-    effect that the data show by itself). `chi_square_before` and `_after` are of all averages, the
-    latter at `value`. `headline` is what the summary says of it.
+    effect that the data show by itself). `headline` is what the summary says of it.
     """
 
     name: str
@@ -175,9 +174,8 @@ class Comparison(Result):
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
         parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
-        del parts["numbers"]
         data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
-        rows = [plain(row._asdict()) for row in self.numbers]
+        rows = [dict(zip(Row._fields, row, strict=True)) for row in parts.pop("numbers")]
         made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
         return made | {"figures": self.figures}
 
@@ -222,8 +220,8 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
-        def judged(kind: Any, found: Mapping[str, Any]) -> Any:
-            return kind(**{**found, "verdict": Verdict(found["verdict"])})
+        def judged(kind: Any, found: Any) -> Any:
+            return kind(**found | {"verdict": Verdict(found["verdict"])})
 
         found = json.loads(parts["document"])
         data = found["data"]

@@ -1,4 +1,4 @@
-"""Everything that is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
+"""What is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
