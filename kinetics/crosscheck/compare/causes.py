@@ -134,17 +134,6 @@ def _of_density(both: Both, found: Fit) -> tuple[str, str]:
     return text, f"the finite density of the scatterers ({kind}, no fitted number)"
 
 
-def _of_path(both: Both, found: Fit) -> tuple[str, str]:
-    law, told, path = both.sample.law, both.point.path, found.value("path")
-    change, density = numeral(path[0] / told - 1, "+.1%"), numeral(law.free_path(path[0]), ".5g")
-    text = f"Another mean free path: l = {_pm(path)} d fits best, {change} from what was told, as a"
-    text += f" density of {density} d^-{law.dimension} would have."
-    headline = f"l = {_pm(path)} d in place of {numeral(told, '.5g')} d"
-    if abs(math.log(path[0] / told)) > 1 and law.dimension == 2:  # a wrong diameter is likely
-        headline += f" (as if d were {told / path[0]:.4g} of the unit told)"
-    return text, headline
-
-
 def _other_starts(both: Both) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
     start = both.sample.start
@@ -158,20 +147,14 @@ def _of_start(both: Both, found: Fit) -> tuple[str, str]:
     return f"Another start: {words}, the rest as told.", f"another start ({words})"
 
 
-def _of_number(symbol: str, name: str, title: str) -> Callable[[Both, Fit], tuple[str, str]]:
+def _of_number(symbol: str, title: str, unit: str = "") -> Callable[[Both, Fit], tuple[str, str]]:
     def words(both: Both, found: Fit) -> tuple[str, str]:
-        value = f"{symbol} = {_pm(found.value(name))}"
-        told = f"in place of {numeral(getattr(both.point, name), '.5g')}"
-        if name != "restitution":
-            told += " in the data's unit"
-        return f"Another {title}: {value} {told} fits best.", f"{value} {told}"
+        name = found.free[0]
+        value = f"{symbol} = {_pm(found.value(name))}{unit} in place of "
+        value += f"{numeral(getattr(both.point, name), '.5g')}{unit}"
+        return f"Another {title}: {value} fits best.", value
 
     return words
-
-
-def _of_rest(both: Both, found: Fit) -> tuple[str, str]:
-    share = f"{_pm(found.value('at_rest'), '.2%', '.2%')} of tracers that never move"
-    return f"A share of {share} fits best.", share
 
 
 class Cause(NamedTuple):
@@ -188,14 +171,14 @@ class Cause(NamedTuple):
 
 CAUSES = (
     Cause("finite density", _of_density, (), _media),
-    Cause("free path", _of_path, ("path",)),
-    Cause("restitution", _of_number("e", "restitution", "restitution"), ("restitution",)),
+    Cause("free path", _of_number("l", "mean free path", " d"), ("path",)),
+    Cause("restitution", _of_number("e", "restitution"), ("restitution",)),
     Cause("initial speeds", _of_start, (), _other_starts),
-    Cause("speed unit", _of_number("U", "speed_unit", "unit of speed"), ("speed_unit",),
+    Cause("speed unit", _of_number("U", "unit of speed"), ("speed_unit",),
           lambda both: [] if both.point.own_start else [{}]),
-    Cause("time unit", _of_number("d/U", "time_unit", "unit of time"), ("time_unit",)),
-    Cause("length unit", _of_number("d", "length_unit", "unit of length"), ("length_unit",)),
-    Cause("tracers at rest", _of_rest, ("at_rest",)),
+    Cause("time unit", _of_number("d/U", "unit of time"), ("time_unit",)),
+    Cause("length unit", _of_number("d", "unit of length"), ("length_unit",)),
+    Cause("tracers at rest", _of_number("f", "share of tracers that never move"), ("at_rest",)),
 )  # fmt: skip
 """Everything that may explain a difference. The first, which has no free parameter, stands before
 others that are as likely. A new cause is one row."""
@@ -282,17 +265,11 @@ def _missing(both: Both) -> Explanation | None:
         hotelling(*both.flat(choose_components(both.usable & times, sample.groups, 1)))
         for times in (complete, ~complete)
     )
-    missing, outcome = most - int(samples[least]), "noted"
-    cap = f" (stopped after {sample.capped} collisions)" if sample.capped is not None else ""
-    text = (
-        f"Tracers are missing{cap}: {missing} of {most} at t = "
-        f"{numeral(sample.times[least], '.4g')}. A cap on collisions takes the fast ones away."
-    )
-    if part is not None:
-        outcome = "does not"
-        if part.p_value < AGREES_ABOVE:
-            outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
-            text += f" At the times without all of them p = {numeral(part.p_value, '.2g')}."
+    missing, outcome = most - int(samples[least]), "does not" if part else "noted"
+    text = f"{missing} of {most} tracers are missing at t = {numeral(sample.times[least], '.4g')}. "
+    text += "A cap on collisions takes the fast ones away."
+    if part is not None and part.p_value < AGREES_ABOVE:
+        outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
     left = (whole.value, whole.freedom, whole.p_value) if whole else (None, None, None)
     return Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,

@@ -27,8 +27,7 @@ LIMITS = {"restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9)}
 WIDEST = 12.0
 """|ln| of the factor by which such a parameter may differ from what was told."""
 _STEP = 1e-4
-"""Of a parameter, for derivatives: the solver's relative error of 1e-7 is 1e-3 of a slope of
-order 1, the step's own error far less."""
+"""Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
 _TRIED = 2
 """Starts from which the least squares are looked for: those with the smallest sums of squares."""
 
@@ -68,8 +67,7 @@ class Fit:
 def choose_components(usable: NDArray[np.bool_], groups: int, parameters: int) -> Indices:
     """Which components (n_names, n_times) can be tested together: flat indices.
 
-    No more than the groups allow, evenly over time for each average, but not fewer than twice the
-    parameters if the groups allow that.
+    No more than the groups allow, evenly over time for each average.
     """
     most = max(statistics.most_freedom(groups), min(2 * parameters, groups - 2))
     rows = [(k, np.flatnonzero(row)) for k, row in enumerate(usable) if np.any(row)]

@@ -21,31 +21,25 @@ _DECADES = 30.0
 
 def test_cells(result: Comparison) -> list[list[str]]:
     """The chi-squares, a line each below the heads."""
-    lines = [["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]]
-    for t in result.tests:
-        within = t.within is not None and t.verdict is Verdict.AGREES
-        better = f"{numeral(100 * (t.within or 0.0), '.2g')} %" if within else ""
-        lines.append(
-            [t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
-             numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
-             numeral(t.sigmas, ".1f"), better, str(t.verdict)]
-        )  # fmt: skip
-    return lines
+    heads = ["chi-square", "t [d/U]", "value", "dof", "p", "sigmas", "better than", "verdict"]
+    return [heads] + [
+        [t.observable, "all" if t.time is None else numeral(t.time, ".4g"),
+         numeral(t.chi_square, ".4g"), str(t.dof), numeral(t.p_value, ".2g"),
+         numeral(t.sigmas, ".1f"), numeral(100 * t.within, ".2g") + " %" if t.within is not None
+         and t.verdict is Verdict.AGREES else "", str(t.verdict)] for t in result.tests
+    ]  # fmt: skip
 
 
 def row_cells(result: Comparison, every: bool = True) -> list[list[str]]:
     """The rows, a line each below the heads; or those over time, and bins that do not agree."""
-    lines = [["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]]
-    for r in result.numbers:
-        if every or r.low is None or r.verdict != Verdict.AGREES:
-            high = "∞" if r.high is None else numeral(r.high, ".4g")
-            lines.append(
-                [r.observable, numeral(r.time, ".4g"),
-                 "" if r.low is None else f"{numeral(r.low, '.4g')} to {high}",
-                 number(r.value, r.error), number(r.theory),
-                 "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict)]
-            )  # fmt: skip
-    return lines
+    heads = ["observable", "t [d/U]", "bin", "value ± s.e.", "theory", "sigmas", "verdict"]
+    return [heads] + [
+        [r.observable, numeral(r.time, ".4g"), "" if r.low is None else
+         f"{numeral(r.low, '.4g')} to {'∞' if r.high is None else numeral(r.high, '.4g')}",
+         number(r.value, r.error), number(r.theory),
+         "" if r.sigmas is None else numeral(r.sigmas, "+.1f"), str(r.verdict)]
+        for r in result.numbers if every or r.low is None or r.verdict != Verdict.AGREES
+    ]  # fmt: skip
 
 
 def scene_of(result: Comparison) -> dict[str, str]:

@@ -100,9 +100,6 @@ class Explanation:
 class Comparison(Result):
     """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
 
-    A value: it cannot be changed, equals another with the same contents, can be pickled, and
-    `save(path)` writes it to a file, from which `kinetics.load` reads it back.
-
     Attributes
     ----------
     verdict : on everything, from the tests and from rows without spread
