@@ -6,114 +6,74 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import Choice, option
 
 from kinetics.crosscheck.cli.options import json_option, output_path
 
-COLUMNS = (
-    "DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy and, "
-    "where known, tracer "
-    "and medium (the configuration of scatterers), one row for each tracer at each time; or with "
-    "averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or frames of H5MD "
-    "(.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz) or GSD "
-    "(.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known; "
-    "--columns says others. "
-    "Lengths are in d, speeds in U (standard deviation of one component of the initial "
-    "velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise. "
-    "Several files are several runs of the same system. Data are only read."
-)
-FORMATS = ("pdf", "png", "svg")
+COLUMNS = """DATA is .csv (.csv.gz, .tsv), .parquet, .npz or .h5 with columns time, x, y, vx, vy
+and, where known, tracer and medium (the configuration of scatterers), one row for each tracer at
+each time; or with averages: time, v0, v0_error, msd, msd_error; or a file of an Ensemble; or
+frames of H5MD (.h5md, .h5), a LAMMPS text dump (.dump, .lammpstrj), extended XYZ (.xyz, .extxyz)
+or GSD (.gsd, with the package gsd). Usual other names (t, id, v_x, replica ...) are known;
+--columns says others. Lengths are in d, speeds in U (standard deviation of one component of the
+initial velocity), times in d/U, unless --length-unit, --speed-unit and --time-unit say otherwise.
+Several files are several runs of the same system. Data are only read."""
 
 
+def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -> float | str:
+    return text if text == "data" else float(click.FLOAT(text, parameter, context))
+
+
+# fmt: off
 @click.command(
     epilog=COLUMNS, short_help="Compare anybody's particle data with the kinetic equation."
 )
 @click.argument("data", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "-e", "--restitution", type=float, default=None,
-    help="Coefficient of restitution, 0 to 1. [default: an Ensemble's own, or fitted]",
-)  # fmt: skip
-@click.option(
-    "--tangential-restitution", type=float, default=None,
-    help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]",
-)  # fmt: skip
-@click.option(
-    "--number-density", type=float, default=None,
-    help="Scatterers per area (volume), in the data's unit of length. [default: an Ensemble's "
-    "own, or fitted]",
-)  # fmt: skip
-@click.option(
-    "--dimension", type=click.IntRange(2, 3), default=None,
-    help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, or "
-    "2]",
-)  # fmt: skip
-@click.option(
-    "--field", type=float, default=0.0,
-    help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.",
-)  # fmt: skip
-@click.option(
-    "--initial", type=click.Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
-    default="auto",
-    help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the first "
-    "of these that the data allow, Gaussian if they have no time 0.",
-)  # fmt: skip
-@click.option(
-    "--positions", type=click.Choice(["auto", "displacement", "absolute"]), default="auto",
-    help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
-    "they are not 0 at time 0. Absolute ones need the column tracer, and must not be "
-    "wrapped unless the file has the box and short steps.",
-)  # fmt: skip
-@click.option(
-    "--speed-unit", default="1", metavar="NUMBER|data",
-    help="U in the data's unit of speed; data: from the speeds at time 0.",
-)  # fmt: skip
-@click.option(
-    "--diameter", "--length-unit", "diameter", type=float, default=1.0,
-    help="Diameter d in the data's unit of length.",
-)  # fmt: skip
-@click.option(
-    "--time-unit", type=float, default=None,
-    help="d/U in the data's unit of time. [default: --length-unit over --speed-unit, in the units "
-    "that the file states, if it does]",
-)  # fmt: skip
-@click.option(
-    "--timestep", type=float, default=None,
-    help="Time of one step, where a file gives steps and no times (dumps).",
-)  # fmt: skip
-@click.option(
-    "--bin-times", type=float, default=None, metavar="FRACTION",
-    help="Times that differ by less than this fraction are one time, at their mean.",
-)  # fmt: skip
-@click.option(
-    "--columns", default="", metavar="NAME=THEIRS,...",
-    help="Names of columns in the files, as in time=t_sim,tracer=id.",
-)  # fmt: skip
-@click.option(
-    "--type", "type", default=None,
-    help="Particles of this type (species) alone, where a file has several.",
-)  # fmt: skip
-@click.option(
-    "-o", "--output", type=output_path, default=None, metavar="PAGE.html",
-    help="Write the page here, and beside it a .json file with every number in it.",
-)  # fmt: skip
-@click.option(
-    "--figures", multiple=True, type=click.Choice(FORMATS),
-    help="Write each figure as a file beside the page; may be repeated. Needs --output.",
-)  # fmt: skip
-@click.option(
-    "--fail-on", type=click.Choice(["differs", "unclear"]), default=None,
-    help="End with exit status 1 where data and equation differ (unclear: also where a difference "
-    "is possible).",
-)  # fmt: skip
+@option("-e", "--restitution", type=float,
+        help="Coefficient of restitution, 0 to 1. [default: an Ensemble's own, or fitted]")
+@option("--tangential-restitution", type=float,
+        help="Coefficient of tangential restitution, 0 to 1. [default: an Ensemble's own, or 1]")
+@option("--number-density", type=float,
+        help="Scatterers per area (volume), in the data's unit of length. [default: an Ensemble's "
+        "own, or fitted]")
+@option("--dimension", type=click.IntRange(2, 3),
+        help="3: motion among spheres in space, columns z and vz too. [default: an Ensemble's own, "
+        "or 2]")
+@option("--field", type=float, default=0.0,
+        help="Uniform acceleration along +x in U^2/d: drift, speed and variances are compared.")
+@option("--initial", type=Choice(["auto", "gaussian", "monoenergetic", "data", "rest"]),
+        default="auto",
+        help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
+        "first of these that the data allow, Gaussian if they have no time 0.")
+@option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
+        help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
+        "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped "
+        "unless the file has the box and short steps.")
+@option("--speed-unit", default="1", metavar="NUMBER|data", callback=_speed_unit,
+        help="U in the data's unit of speed; data: from the speeds at time 0.")
+@option("--diameter", "--length-unit", "diameter", type=float, default=1.0,
+        help="Diameter d in the data's unit of length.")
+@option("--time-unit", type=float,
+        help="d/U in the data's unit of time. [default: --length-unit over --speed-unit, in the "
+        "units that the file states, if it does]")
+@option("--timestep", type=float,
+        help="Time of one step, where a file gives steps and no times (dumps).")
+@option("--bin-times", type=float, metavar="FRACTION",
+        help="Times that differ by less than this fraction are one time, at their mean.")
+@option("--columns", default="", metavar="NAME=THEIRS,...",
+        help="Names of columns in the files, as in time=t_sim,tracer=id.")
+@option("--type", help="Particles of this type (species) alone, where a file has several.")
+@option("-o", "--output", type=output_path, metavar="PAGE.html",
+        help="Write the page here, and beside it a .json file with every number in it.")
+@option("--figures", multiple=True, type=Choice(["pdf", "png", "svg"]),
+        help="Write each figure as a file beside the page; may be repeated. Needs --output.")
+@option("--fail-on", type=Choice(["differs", "unclear"]),
+        help="End with exit status 1 where data and equation differ (unclear: also where a "
+        "difference is possible).")
 @json_option
 def compare(
-    data: tuple[Path, ...],
-    speed_unit: str,
-    columns: str,
-    output: Path | None,
-    figures: tuple[str, ...],
-    fail_on: str | None,
-    as_json: bool,
-    **told: Any,
+    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], fail_on: str | None,
+    as_json: bool, **told: Any,
 ) -> int:
     """Compare particle data, from any code, with the kinetic equation.
 
@@ -122,39 +82,23 @@ def compare(
     errors and a verdict; a chi-square with its p-value for each observable; and what explains a
     difference.
     """
+    # fmt: on
     from kinetics.errors import InputError
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
+    from kinetics.crosscheck.compare import page
+    from kinetics.crosscheck.compare.ask import compare_data
+    from kinetics.crosscheck.files import write_together
+
     if output is not None:
-        from kinetics.crosscheck.compare.page import files_of, prepare
-        from kinetics.crosscheck.files import write_together
-
-        prepare(output, data)
-    from kinetics.crosscheck.compare import compare_data
-
-    unit = _speed_unit(speed_unit)
-    result = compare_data(list(data), speed_unit=unit, columns=columns, show_progress=True, **told)
+        page.prepare(output, data)
+    result = compare_data(list(data), show_progress=True, **told)
     written = []
     if output is not None:
-        written = write_together(output.parent, files_of(result, output, figures))
-    if as_json:
-        click.echo(result.to_json(), nl=False)
-    else:
-        from kinetics.crosscheck.compare.page import tables
-
-        click.echo(tables(result))
-        if written:
-            click.echo(f"wrote {', '.join(str(path) for path in written)}")
+        written = write_together(output.parent, page.files_of(result, output, figures))
+    text = result.to_json() if as_json else page.tables(result) + "\n"
+    if written and not as_json:
+        text += f"wrote {', '.join(map(str, written))}\n"
+    click.echo(text, nl=False)
     return int(fail_on is not None and result.verdict in {"differs", fail_on})
-
-
-def _speed_unit(text: str) -> float | str:
-    if text == "data":
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise click.BadParameter(
-            f"{text!r}: it must be a number, or data", param_hint="'--speed-unit'"
-        ) from None

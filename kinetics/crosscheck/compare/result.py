@@ -1,12 +1,12 @@
 """Comparison: the result of comparing a sample with the kinetic equation, as a value."""
 
 import json
-import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from kinetics.crosscheck.compare.theory import OBSERVABLES
 from kinetics.crosscheck.files import dumps, plain
 from kinetics.crosscheck.words import Verdict
 from kinetics.errors import InputError, short
@@ -18,39 +18,6 @@ if TYPE_CHECKING:
     import xarray
 
 SCHEMA = "inelastic-lorentz/comparison/1"
-
-
-class Observable(NamedTuple):
-    """How an observable is written: name, symbol on an axis, unit, scale of an axis, in a text.
-
-    Of a density the symbol and the unit are those of what it is a density of.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    scale: str
-    short: str
-
-
-OBSERVABLES = {
-    key: Observable(*words) for key, *words in (
-        ("thermal_speed", "Thermal speed", "$v_0$", "U", "log", "v₀"),
-        ("a2", "Second Sonine coefficient", "$a_2$", "", "linear", "1 + a₂"),
-        ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "log", "⟨r²⟩"),
-        ("kurtosis", "Kurtosis of the displacement",
-         r"$\langle r^4\rangle/\langle r^2\rangle^2$", "", "linear", "⟨r⁴⟩/⟨r²⟩²"),
-        ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "linear", "⟨v_x⟩"),
-        ("mean_displacement", "Mean displacement along the field",
-         r"$\langle x\rangle$", "d", "log", "⟨x⟩"),
-        ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "log", "var x"),
-        ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "log", "var y"),
-        ("speed_density", "Speed density", "speed $v$", "U", "log", "mean over a bin"),
-        ("position_density", "Displacement density", "displacement $r$", "d", "log",
-         "g(r, t), mean over a bin"),
-    )
-}  # fmt: skip
-"""Every observable that a row can have, in the order of the page."""
 OUTCOMES = {
     "explains": "explains the difference",
     "found": "found in the data",
@@ -59,23 +26,32 @@ OUTCOMES = {
     "noted": "noted",
 }
 """What an explanation comes to, in words; in the order in which they are shown."""
-COLUMNS = (
-    "observable", "time", "value", "error", "theory", "sigmas", "verdict", "corrected_sigmas",
-    "samples", "low", "high",
-)  # fmt: skip
-"""Of the rows."""
-_OF_THE_DATA = ("names", "samples", "groups", "grouping")
+
+
+class Row(NamedTuple):
+    """An observable at a time, or in a bin of a density; see `Comparison.rows`."""
+
+    observable: str
+    time: float
+    value: float
+    error: float
+    theory: float
+    sigmas: float | None
+    verdict: Verdict
+    corrected_sigmas: float | None
+    samples: int
+    low: float | None = None
+    high: float | None = None
 
 
 @dataclass(frozen=True)
 class ComparisonTest:
     """All rows of an observable together (of a density: at one time) by one chi-square.
 
-    The p-value holds although the same tracers stand behind several rows. `groups` independent
-    groups gave the covariance, None where it is known. Every time of the observable entered.
-    `verdict` looks at the p-value times the number of tests, as `sigmas` of a Gaussian, and, for
-    an average, also at the time that differs most. `within` is the relative difference that the
-    data exclude at every time, at 95 % (of 1 + a2 for a2); None for a density.
+    `groups` independent groups gave the covariance, None where it is known. `verdict` looks at the
+    p-value times the number of tests, as `sigmas` of a Gaussian, and, for an average, at the time
+    that differs most. `within` is the relative difference (of 1 + a2 for a2) that the data exclude
+    at every time, at 95 %; None for a density.
     """
 
     observable: str
@@ -91,10 +67,7 @@ class ComparisonTest:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the theory needed: given (error None) or found in the data.
-
-    value is None where it was fitted and the model does not fit; the source then says so.
-    """
+    """A number of the theory: given (error None), or found; value None where no model fits."""
 
     value: float | None
     error: float | None
@@ -103,13 +76,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Something that may explain a difference, compared with the data.
+    """Something that may explain a difference; chi-squares are of all averages.
 
     outcome: "explains" (the rest agrees, and no other cause is much likelier), "in part" (the
-    chi-square falls by 16 and by a tenth at least), "does not", "noted" (a fact about data or
-    theory; `tested` is then False) or "found" (an effect that the data show by itself).
-    `chi_square_before` and `_after` are of all averages, the latter at `value`. `headline` is what
-    the summary says of it.
+    chi-square falls by 16 and by a tenth at least), "does not", "noted" (not tested) or "found" (an
+    effect that the data show by itself). `headline` is what the summary says of it.
     """
 
     name: str
@@ -129,9 +100,6 @@ class Explanation:
 class Comparison(Result):
     """A sample compared with the kinetic equation; lengths in d, speeds in U, times in d/U.
 
-    A value: it cannot be changed, equals another with the same contents, can be pickled, and
-    `save(path)` writes it to a file, from which `kinetics.load` reads it back.
-
     Attributes
     ----------
     verdict : on everything, from the tests and from rows without spread
@@ -143,8 +111,7 @@ class Comparison(Result):
     names : where the data came from
     warnings : what the reader should know of the data
     tests : ComparisonTest, one chi-square per average, and per density and time
-    explanations : Explanation; empty where nothing needs one and nothing is to be noted
-    figures : the data of every figure, by name
+    explanations : Explanation; empty where nothing needs one
     """
 
     verdict: Verdict
@@ -158,29 +125,24 @@ class Comparison(Result):
     warnings: tuple[str, ...]
     tests: tuple[ComparisonTest, ...]
     explanations: tuple[Explanation, ...]
-    columns: Mapping[str, tuple[Any, ...]] = field(repr=False)
-    figures: Mapping[str, Any] = field(repr=False)
-
-    def __post_init__(self) -> None:
-        self.store(parameters=self.parameters, columns=self.columns, figures=_tuples(self.figures))
+    numbers: tuple[Row, ...] = field(repr=False)
 
     @property
     def rows(self) -> "pandas.DataFrame":
         """Every number: a row for each observable and time (and bin of a density), as a new table.
 
         `value` is the data's, `theory` the kinetic equation's, `error` the standard error of their
-        difference (that of the value, unless the theory was taken from the same data), `sigmas`
-        their difference in it. A bin is from `low` to `high`; where `high` is NaN it has no upper
-        end, and value and theory are shares of the samples. `verdict` looks at `corrected_sigmas`:
-        the sigmas of a Gaussian with the same p-value once that is multiplied by the number of
-        rows of the observable. Without spread in the data (all speeds equal) both are NaN.
+        difference, `sigmas` their difference in it. A bin is from `low` to `high`; where `high` is
+        NaN it has no upper end, and value and theory are shares of the samples. `verdict` looks at
+        `corrected_sigmas`, which allow for the number of rows of the observable. Without spread in
+        the data (all speeds equal) both are NaN.
         """
         import pandas
 
-        texts = ("observable", "verdict")
-        frame = {n: [*map(str, c)] if n in texts else [*c] for n, c in self.columns.items()}
-        numbers = {n: "int64" if n == "samples" else "float64" for n in frame if n not in texts}
-        return pandas.DataFrame(frame).astype(numbers)
+        frame = pandas.DataFrame(self.numbers, columns=Row._fields)
+        frame["verdict"] = frame["verdict"].map(str)
+        others = ("observable", "verdict", "samples")
+        return frame.astype({name: float for name in Row._fields if name not in others})
 
     def observable(self, name: str) -> "pandas.DataFrame":
         """The rows of one observable."""
@@ -194,20 +156,25 @@ class Comparison(Result):
                 return test.p_value
         raise KeyError(f"no test of {observable!r}" + ("" if time is None else f" at {time:g}"))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
-        parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
-        columns = parts.pop("columns")
-        parts["rows"] = [
-            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
-        ]
-        data = {name: parts.pop(name) for name in _OF_THE_DATA}
-        return {"schema": SCHEMA, "title": self.title, "data": data} | parts
-
     @property
     def title(self) -> str:
         """What was compared."""
         return f"{', '.join(self.names)}: compared with the kinetic equation"
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The data of every figure, by name, made of the rows."""
+        from kinetics.crosscheck.compare.page import figures_of
+
+        return figures_of(self.rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
+        parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
+        data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
+        rows = [dict(zip(Row._fields, row, strict=True)) for row in parts.pop("numbers")]
+        made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
+        return made | {"figures": self.figures}
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -219,37 +186,30 @@ class Comparison(Result):
 
     def _dataset(self, only: Any = None, **points: Any) -> "xarray.Dataset":
         """The rows with the dimension "row"; attributes: verdict, summary, parameters, version."""
-        import xarray
-
-        rows = self.rows
-        variables: dict[str, Any] = {name: ("row", rows[name].to_numpy()) for name in rows}
-        units = [OBSERVABLES[name].unit or "1" for name in rows["observable"]]
-        variables["units"] = ("row", units, {"long_name": "unit of value, error and theory"})
-        attributes = {
-            "title": self.title,
-            "status": str(self.verdict),
-            "summary": self.summary,
-            "scene": json.dumps(plain(dict(self.parameters)), allow_nan=False),
-            "version": package_version(),
-        }
-        return xarray.Dataset(variables, attrs=attributes)
+        made = self.rows.rename_axis("row").to_xarray()
+        units = [OBSERVABLES[name].unit or "1" for name in self.rows["observable"]]
+        made["units"] = "row", units, {"long_name": "unit of value, error and theory"}
+        scene = json.dumps(plain(dict(self.parameters)), allow_nan=False)
+        about = {"title": self.title, "status": str(self.verdict), "summary": self.summary}
+        return made.assign_attrs(**about, scene=scene, version=package_version())
 
     def plot(self, name: str, ax: Any = None, **points: Any) -> Any:
         """Draw one of `figures`, data beside theory, by the name of an observable, or "sigmas".
 
         On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
         """
-        from kinetics.crosscheck.compare.draw import draw
+        from kinetics.crosscheck.compare.page import draw
 
+        figures = self.figures
         key = name.replace("_", "-") if isinstance(name, str) else name
-        if key not in self.figures:
-            known = ", ".join(figure.replace("-", "_") for figure in self.figures) or "no figures"
+        if key not in figures:
+            known = ", ".join(figure.replace("-", "_") for figure in figures) or "no figures"
             raise InputError(f"name: got {short(name)}; this comparison has {known}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        draw(self.figures[key], ax)
+        draw(figures[key], ax)
         return ax
 
     def _to_storage(self) -> dict[str, Any]:
@@ -257,43 +217,23 @@ class Comparison(Result):
 
     @classmethod
     def _from_storage(cls, parts: Mapping[str, Any]) -> Self:
+        def judged(kind: Any, found: Any) -> Any:
+            return kind(**found | {"verdict": Verdict(found["verdict"])})
+
         found = json.loads(parts["document"])
-        rows = found["rows"]
-        columns = {name: tuple(row[name] for row in rows) for name in COLUMNS}
-        columns["verdict"] = tuple(map(Verdict, columns["verdict"]))
+        data = found["data"]
         return cls(
-            verdict=Verdict(found["verdict"]),
-            columns=columns,
-            tests=tuple(
-                ComparisonTest(**t | {"verdict": Verdict(t["verdict"])}) for t in found["tests"]
-            ),
+            verdict=Verdict(found["verdict"]), summary=found["summary"], initial=found["initial"],
+            numbers=tuple(judged(Row, row) for row in found["rows"]),
+            tests=tuple(judged(ComparisonTest, test) for test in found["tests"]),
             explanations=tuple(Explanation(**item) for item in found["explanations"]),
             parameters={k: Parameter(**p) for k, p in found["parameters"].items()},
-            warnings=tuple(found["warnings"]),
-            **{name: found[name] for name in ("summary", "initial", "figures")},
-            **{k: _tuples(v) for k, v in found["data"].items()},
-        )
+            warnings=tuple(found["warnings"]), **data | {"names": tuple(data["names"])},
+        )  # fmt: skip
 
     def __repr__(self) -> str:
-        """The verdict first, in ten lines or fewer of 100 columns."""
+        """The verdict first, and the tests of averages."""
         lines = textwrap.wrap(f"Comparison: {self.verdict}. {self.summary}", 100)[:4]
-        for t in self.tests[:5]:
-            at = "" if t.time is None else f" at t = {t.time:.4g}"
-            p = f"chi-square {t.chi_square:.4g}/{t.dof}, p = {t.p_value:.2g}, {t.verdict}"
-            lines.append(f"  {t.observable}{at}: {p}")
-        more = len(self.tests) - 5
-        return "\n".join(lines + ([f"  ... {more} more"] if more > 0 else []))
-
-
-def columns_of(rows: list[dict[str, Any]]) -> dict[str, tuple[Any, ...]]:
-    """Rows as columns, as Comparison keeps them."""
-    return {name: tuple(row[name] for row in rows) for name in COLUMNS}
-
-
-def _tuples(value: Any) -> Any:
-    """Plain data with tuples in place of lists, so that they cannot be changed."""
-    if isinstance(value, Mapping):
-        return {key: _tuples(item) for key, item in value.items()}
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value
+        shown = [t for t in self.tests if t.time is None]
+        words = "  {0.observable}: {0.chi_square:.4g}/{0.dof}, p = {0.p_value:.2g}, {0.verdict}"
+        return "\n".join([*lines, *map(words.format, shown)])

@@ -1,13 +1,11 @@
 """Chi-square where errors are correlated, and known only from the spread of groups.
 
 `d` is a vector of differences between data and theory, `replicates` the same vector with each of
-G independent groups left out in turn. Its covariance C is their jackknife spread. With p
-components T^2 = d C^-1 d would be the chi-square if C were exact; because C is an estimate T^2 is
-spread more widely, as Hotelling's: T^2 (G - p)/(p (G - 1)) has the F-distribution with p and G - p
-degrees of freedom (Anderson, An Introduction to Multivariate Statistical Analysis, 5.2). The same
-tracers followed over many times are thus counted once, and not once per time. Hotelling's law is
-that of Gaussian groups; for others G is replaced by `effective_groups`. What is reported is the
-chi-square that has the p-value of T^2, so that value, degrees of freedom and p belong together.
+G independent groups left out in turn. Its covariance C is their jackknife spread; because that is
+an estimate T^2 = d C^-1 d is no chi-square, but T^2 (G - p)/(p (G - 1)) has the F-distribution with
+p and G - p degrees of freedom (Hotelling; Anderson, An Introduction to Multivariate Statistical
+Analysis, 5.2), for groups that are not Gaussian with `effective_groups` as G. What is reported is
+the chi-square that has its p-value. The same tracers at many times are thus counted once.
 """
 
 import math
@@ -22,14 +20,12 @@ GROUPS_PER_FREEDOM = 4
 """Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
 _SMALLEST_EIGENVALUE = 1e-9
 """Of the correlation matrix, relative to the largest: below, two components are the same."""
+_SMALLEST_LOG = -600.0
+"""Logarithm of a p-value down to which SciPy's functions and their inverses are used."""
 
 
 class ChiSquare(NamedTuple):
-    """A chi-square, its degrees of freedom, and the p-value that the chi-square law gives them.
-
-    groups: independent groups that the covariance was estimated from, None if it is exact;
-    statistic: then T^2 as it is (see above), by which causes are compared with one another.
-    """
+    """A chi-square; groups that the covariance is from, None if it is exact; statistic: T^2."""
 
     value: float
     freedom: int
@@ -69,8 +65,7 @@ def chance(sigmas: float) -> float:
 def effective_groups(replicates: Array) -> Array:
     """Groups that a variance from delete-one replicates (G, ...) is as good as: (...), G at most.
 
-    Where a few tracers far out make most of a variance, it is known as poorly as from few Gaussian
-    groups: the relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
+    The relative variance of a variance is (2 + kurtosis)/G (Satterthwaite's rule).
     """
     deviation = replicates - replicates.mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -93,46 +88,32 @@ def hotelling(
 ) -> ChiSquare | None:
     """Test of a difference (p,) with its replicates (G, p); None without freedom.
 
-    p_value is that of Hotelling's T^2, and value the chi-square with the same p-value. known (p, p)
-    is the covariance of an error of the theory: it is added to that of the data. T^2 then varies
-    less than Hotelling's law allows for, so that p is rather too high than too low. one_by_one:
-    the covariances are not known, only the errors; then p is that of the component that differs
-    most, and the statistic the sum of squares.
+    known (p, p): the covariance of an error of the theory, which is added. one_by_one: only the
+    errors are known; then p is that of the component that differs most.
     """
-    groups = len(replicates)
+    groups, extra = len(replicates), np.zeros((1, 1)) if known is None else known
     if difference.size == 0:
         return None
     if one_by_one:
-        extra = 0.0 if known is None else np.diagonal(known)
-        sigmas = difference / np.sqrt(errors(replicates) ** 2 + extra)
+        sigmas = difference / np.sqrt(errors(replicates) ** 2 + np.diagonal(extra))
         return of_the_worst(sigmas)._replace(statistic=float(sigmas @ sigmas))
-    axes = whitening(covariance(replicates) + (0.0 if known is None else known))
+    axes = whitening(covariance(replicates) + extra)
     white = axes @ difference
-    freedom = white.size
+    freedom, statistic = white.size, float(white @ white)
     if freedom == 0 or groups <= freedom:
         return None
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
     # The F-distribution's upper tail by the incomplete beta function.
-    statistic = float(white @ white)
-    log_p = log_betainc(
-        (effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1))
-    )
+    x = 1 / (1 + statistic / (effective - 1))
+    log_p = log_betainc((effective - freedom) / 2, freedom / 2, x)
     value = 2 * inverse_log_gammaincc(freedom / 2, log_p)
     return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
 
 
 def log_widening(replicates: Array, known: Array) -> float:
-    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p).
-
-    By so much -2 ln of a Gaussian likelihood rises, beside its chi-square, where M is added to C.
-    """
+    """ln(det(C + M)/det C), C the covariance from replicates (G, p), M a known one (p, p)."""
     axes = whitening(covariance(replicates))
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
-
-
-_SMALLEST_LOG = -600.0
-"""Logarithm of a p-value down to which SciPy's functions and their inverses are used; those of
-scipy.stats (logsf) end there too."""
 
 
 def log_betainc(a: float, b: float, x: float) -> float:
@@ -161,11 +142,7 @@ def inverse_log_gammaincc(s: float, log_q: float) -> float:
 
 
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
-    """Chi-square of counts against those expected, of the same sum; independent samples.
-
-    design_effect: variance of a count over that of independent samples (Rao and Scott, 1981,
-    first order).
-    """
+    """Chi-square of counts against those expected (Rao and Scott, 1981: over a design effect)."""
     from scipy.special import gammaincc
 
     if counts.size < 2:
@@ -176,10 +153,7 @@ def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSq
 
 
 def of_the_worst(sigmas: Array) -> ChiSquare:
-    """Test of differences in standard errors (n,), however they are correlated.
-
-    The p-value of the largest, times n (Bonferroni), and the chi-square that has it.
-    """
+    """Test of differences in standard errors (n,), however correlated: Bonferroni's."""
     from scipy.special import gammainccinv
 
     largest = float(np.abs(sigmas).max())

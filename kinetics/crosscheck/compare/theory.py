@@ -1,8 +1,6 @@
-"""What the kinetic equation says about a sample at a point of its parameters (`Point`): averages
-over time with the theory's own error, and shares of bins.
-"""
+"""What is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,23 +13,62 @@ from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 if TYPE_CHECKING:
-    from kinetics import Scene, Solution
+    from kinetics import Solution
 
 Array = NDArray[np.float64]
 
 RTOL, FIELD_RTOL = 1e-7, 1e-5
 """Asked of the solver for averages: far below any standard error; in a field it takes longer."""
-AVERAGES = ("thermal_speed", "a2", "msd", "kurtosis")
-"""The averages that are compared."""
-IN_FIELD = {
-    "drift": ("mean_velocity", (0,)),
-    "thermal_speed": ("thermal_speed", ()),
-    "mean_displacement": ("mean_displacement", (0,)),
-    "dispersion_parallel": ("displacement_tensor", (0, 0)),
-    "dispersion_perpendicular": ("displacement_tensor", (1, 1)),
-}
-"""The averages that are compared in a field, along +x: the output of a Scene, and the component."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
+
+
+class Observable(NamedTuple):
+    """How an observable is written (title, symbol, unit, in a text), and what it is made of.
+
+    measured : of the means m over tracers, the scales u of speed and d of displacement, and the
+        law; None for a density, whose symbol is that of its variable
+    where : "field", "free" or "both", see `AVERAGES`
+    output, component : of a Solution; the output has the observable's name, if not told
+    """
+
+    title: str
+    symbol: str
+    unit: str
+    short: str
+    measured: Callable[[Any, Any, Any, Law], Any] | None = None
+    where: str = "free"
+    output: str = ""
+    component: tuple[int, ...] = ()
+
+
+OBSERVABLES = {name: Observable(*words) for name, *words in (
+    ("drift", "Drift along the field", r"$\langle v_x\rangle$", "U", "⟨v_x⟩",
+     lambda m, u, d, law: u * m[VX], "field", "mean_velocity", (0,)),
+    ("thermal_speed", "Thermal speed", "$v_0$", "U", "v₀",
+     lambda m, u, d, law: u * np.sqrt(m[V2]), "both"),
+    ("a2", "Second Sonine coefficient", "$a_2$", "", "1 + a₂",
+     lambda m, u, d, law: m[V4] / (law.gaussian * m[V2] ** 2) - 1),
+    ("msd", "Mean square displacement", r"$\langle r^2\rangle$", "d²", "⟨r²⟩",
+     lambda m, u, d, law: d**2 * m[R2]),
+    ("kurtosis", "Kurtosis of the displacement", r"$\langle r^4\rangle/\langle r^2\rangle^2$", "",
+     "⟨r⁴⟩/⟨r²⟩²", lambda m, u, d, law: m[R4] / m[R2] ** 2),
+    ("mean_displacement", "Mean displacement along the field", r"$\langle x\rangle$", "d", "⟨x⟩",
+     lambda m, u, d, law: d * m[X], "field", "", (0,)),
+    ("dispersion_parallel", "Variance along the field", "var $x$", "d²", "var x",
+     lambda m, u, d, law: d**2 * (m[X2] - m[X] ** 2), "field", "displacement_tensor", (0, 0)),
+    ("dispersion_perpendicular", "Variance across the field", "var $y$", "d²", "var y",
+     # across the field the mean is 0
+     lambda m, u, d, law: d**2 * (m[R2] - m[X2]) / (law.dimension - 1), "field",
+     "displacement_tensor", (1, 1)),
+    (SPEED, "Speed density", "speed $v$", "U", "mean over a bin"),
+    (DISPLACEMENT, "Displacement density", "displacement $r$", "d", "mean over a bin"),
+)}  # fmt: skip
+"""Everything that is compared, in the order of the page: a new average is one row."""
+AVERAGES, IN_FIELD = (
+    tuple(k for k, seen in OBSERVABLES.items() if seen.measured and seen.where in ("both", where))
+    for where in ("free", "field")
+)
+"""The averages that are compared without a field, and in one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,45 +105,32 @@ class Point(NamedTuple):
     length_unit: float = 1.0
     at_rest: float = 0.0
 
-    @classmethod
-    def of(cls, scene: "Scene") -> "Point":
-        """The point of a scene."""
-        return cls(scene.restitution, scene.mean_free_path, scene.initial)
+    @property
+    def own_start(self) -> bool:
+        """Whether the theory starts from the speeds of the sample at time 0."""
+        return isinstance(self.start, SampledStart)
 
 
 def solved(
-    point: Point, law: Law, times: Array, outputs: Sequence[str], rtol: float = RTOL
+    point: Point, law: Law, times: Array, names: Sequence[str], rtol: float = 0.0
 ) -> "Solution":
-    """The solution of a scene with a mean free path instead of a density."""
+    """The solution that has these observables, see `average_of`; rtol 0 is that of averages."""
     from kinetics import Scene, solve
 
     scene = Scene(
-        restitution=point.restitution,
-        number_density=law.free_path(point.path),
-        initial=point.start,
-        times=times,
-        outputs=tuple(outputs),
-        tangential_restitution=law.tangential_restitution,
-        dimension=law.dimension,
-        scatterers=point.scatterers,
-        field=law.field,
-    )
-    return solve(scene, rtol=rtol)
-
-
-def solved_averages(point: Point, law: Law, times: Array, names: Sequence[str]) -> "Solution":
-    """The solution that has these averages, see `average_of`."""
-    if not law.field:
-        return solved(point, law, times, names)
-    outputs = tuple(dict.fromkeys(IN_FIELD[name][0] for name in names))
-    return solved(point, law, times, outputs, FIELD_RTOL)
+        restitution=point.restitution, number_density=law.free_path(point.path),
+        initial=point.start, times=times, scatterers=point.scatterers, field=law.field,
+        tangential_restitution=law.tangential_restitution, dimension=law.dimension,
+        outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
+    )  # fmt: skip
+    return solve(scene, rtol=rtol or (FIELD_RTOL if law.field else RTOL))
 
 
 def average_of(solution: "Solution", name: str) -> Array:
     """An average over time, (n_times,), by its name here."""
-    output, component = IN_FIELD[name] if solution.scene.field else (name, ())
-    place: Any = (..., *component)
-    return np.asarray(np.asarray(getattr(solution, output))[place])
+    seen = OBSERVABLES[name]
+    place: Any = (..., *seen.component)
+    return np.asarray(np.asarray(getattr(solution, seen.output or name))[place])
 
 
 def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
@@ -114,54 +138,35 @@ def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: La
 
     In units of U and d; the scales of speed and length (n_times,) are those of the sums.
     """
-    if not names:
-        return np.empty((*sums.shape[:-2], 0, sums.shape[-2]))
-    n, v2, v4, r2, r4 = (sums[..., k] for k in (N, V2, V4, R2, R4))
     with np.errstate(invalid="ignore", divide="ignore"):
-        values = {
-            "drift": lambda: speed * sums[..., VX] / n,
-            "mean_displacement": lambda: length * sums[..., X] / n,
-            "dispersion_parallel": lambda: (
-                length**2 * (sums[..., X2] / n - (sums[..., X] / n) ** 2)
-            ),
-            # Across the field the mean is 0.
-            "dispersion_perpendicular": lambda: (
-                length**2 * (r2 - sums[..., X2]) / n / (law.dimension - 1)
-            ),
-            "thermal_speed": lambda: speed * np.sqrt(v2 / n),
-            "a2": lambda: v4 * n / (law.gaussian * v2**2) - 1,
-            "msd": lambda: length**2 * r2 / n,
-            "kurtosis": lambda: r4 * n / r2**2,
-        }
-        return np.stack([values[name]() for name in names], axis=-2)
+        means = np.moveaxis(sums / sums[..., N, None], -1, 0)
+        made: Any = (OBSERVABLES[name].measured for name in names)
+        return np.stack([measured(means, speed, length, law) for measured in made], axis=-2)
 
 
 class Expectation:
-    """What is expected of a sample: of all of it, and with each group left out.
+    """What is measured and expected of a sample: of all of it, and with each group left out.
 
-    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's. With a start of
-    its own (a name, a density) the theory is the same for every group. With the sample's own start
-    it moves with the sample: each group's theory starts from its speeds.
+    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's. The theory is
+    the same for every group, unless it starts from the sample's own speeds.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
         self.sample, self.names = sample, tuple(names)
         total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
         self.values = observed(total, *scales, names, sample.law)
-        with np.errstate(invalid="ignore"):
-            self.replicates = observed(total - sample.sums, *scales, names, sample.law)
+        self.replicates = observed(total - sample.sums, *scales, names, sample.law)
         self._last: tuple[Point, tuple[Array, Array]] | None = None
 
     def theory(self, point: Point) -> tuple[Array, Array]:
         """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
         if self._last is None or self._last[0] != point:
             times = self.sample.times * (point.speed_unit / point.time_unit)
-            if isinstance(point.start, SampledStart):
+            if point.own_start:
                 found = self._from_start(point._replace(start="monoenergetic"), times)
             else:
-                solution = solved_averages(point, self.sample.law, times, self.names)
-                values = np.stack([average_of(solution, name) for name in self.names])
-                found = values, values
+                solution = solved(point, self.sample.law, times, self.names)
+                found = (np.stack([average_of(solution, name) for name in self.names]),) * 2
             self._last = point, (self._measured(found[0], point), self._measured(found[1], point))
         return self._last[1]
 
@@ -180,11 +185,11 @@ class Expectation:
 
     def _from_start(self, point: Point, times: Array) -> tuple[Array, Array]:
         """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
-        assert self.sample.start is not None
         start, law = self.sample.start, self.sample.law
+        assert start is not None
         flat, back = np.unique(np.sqrt(start.squares)[:, None] * times, return_inverse=True)
         fourth = "kurtosis" in self.names
-        found = solved(point, law, flat, ["thermal_speed", "a2", "msd", *(["kurtosis"] * fourth)])
+        found = solved(point, law, flat, AVERAGES if fourth else AVERAGES[:3])
         v2, r2 = found.thermal_speed**2, found.msd
         r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2 if fourth else np.zeros(flat.size)
         moments = np.stack([v2, law.gaussian * (1 + found.a2) * v2**2, r2, r4], axis=-1)
@@ -206,8 +211,7 @@ class Expectation:
 def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Array:
     """Share of the tracers below the first edge, in each bin, and above: (n_edges + 1,).
 
-    Of the speed or of the displacement at the time of this index. Speeds by Gauss-Legendre in each
-    bin, finer where the start is rough; what is above the last edge is the rest.
+    Of the speed (by Gauss-Legendre, finer where the start is rough) or of the displacement.
     """
     every = np.concatenate([[0.0], edges])
     if name == DISPLACEMENT:
@@ -241,19 +245,17 @@ _REMEMBERED = np.log(10.0)
 def own_covariance(expectation: Expectation, point: Point, theory: Array) -> Array | None:
     """Covariance of the theory's own error, (p, p) for p = n_names n_times flat averages.
 
-    theory (n_names, n_times). Different averages are taken to be independent. None for dilute
-    scatterers, whose theory is exact.
+    Different averages are taken to be independent. None for dilute scatterers.
     """
     if point.scatterers == "dilute":
         return None
     from kinetics.collision.medium import SETTLED
 
     times, names = expectation.sample.times, expectation.names
-    density = 1 / (2 * point.path)
     late = times >= SETTLED * point.path
     share = np.array([np.where(late, OWN_ERROR[name][1], OWN_ERROR[name][0]) for name in names])
     size = np.abs(theory + np.array([name == "a2" for name in names])[:, None])
-    error = np.where(times > 0, share * density * size, 0.0).ravel()
+    error = np.where(times > 0, share * size / (2 * point.path), 0.0).ravel()
     logs = np.log(np.where(times > 0, times, 1.0))
     correlation = np.exp(-np.abs(logs[:, None] - logs) / _REMEMBERED)
     return np.asarray(np.kron(np.eye(len(names)), correlation) * np.outer(error, error))

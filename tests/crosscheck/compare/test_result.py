@@ -132,9 +132,7 @@ def test_the_page_says_the_verdict_first_and_every_number(differing: Comparison)
 
 
 def test_texts_of_the_data_are_escaped(differing: Comparison) -> None:
-    evil = replace(
-        differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL, figures={}
-    )
+    evil = replace(differing, names=(EVIL,), warnings=(EVIL,), initial=EVIL, summary=EVIL)
     page = Page(render(evil, EVIL))
     assert "script" not in page.tags
     assert page.words.count(EVIL) >= 5

@@ -10,7 +10,7 @@ from made_data import simulated
 
 from kinetics import compare
 from kinetics.crosscheck import Comparison
-from kinetics.crosscheck.compare.ask import compare_sample, fitted_to
+from kinetics.crosscheck.compare.ask import fitted_to
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import Sample
@@ -158,7 +158,7 @@ def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float
     # the other medium, whose free path differs by 5 %, is told apart, and so is all else
     assert other.outcome != "explains"
     if medium == "hard disks":
-        wrong = compare_sample(replace(from_ensemble(run), free=True), 0.7)
+        wrong = compare(replace(from_ensemble(run), free=True), 0.7)
         assert not [item for item in wrong.explanations if item.name == "finite density"]
 
 
@@ -188,7 +188,7 @@ def test_a_model_that_does_not_fit_has_no_value() -> None:
         seed=5,
         workers=1,
     )
-    found = compare_sample(replace(from_ensemble(run), told={}), explain=False)
+    found = compare(replace(from_ensemble(run), told={}), explain=False)
     assert found.verdict == "differs"
     assert {(p.value, p.error) for p in found.parameters.values()} == {(None, None)}
 
@@ -260,7 +260,7 @@ def test_p_values_are_uniform() -> None:
 
     found: dict[Any, list[float]] = {}
     for seed in range(200):
-        for test in compare_sample(sample_of(1000 + seed), 0.75, DENSITY, explain=False).tests:
+        for test in compare(sample_of(1000 + seed), 0.75, DENSITY, explain=False).tests:
             found.setdefault((test.observable, test.time), []).append(test.p_value)
     for key, values in found.items():
         if len(values) == 200:
