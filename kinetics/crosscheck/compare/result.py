@@ -164,7 +164,7 @@ class Comparison(Result):
     @property
     def figures(self) -> dict[str, Any]:
         """The data of every figure, by name, made of the rows."""
-        from kinetics.crosscheck.compare.page import figures_of
+        from kinetics.crosscheck.compare.draw import figures_of
 
         return figures_of(self.rows)
 
@@ -198,7 +198,7 @@ class Comparison(Result):
 
         On ``ax`` or on new axes, which are returned. InputError for a name that is not there.
         """
-        from kinetics.crosscheck.compare.page import draw
+        from kinetics.crosscheck.compare.draw import draw
 
         figures = self.figures
         key = name.replace("_", "-") if isinstance(name, str) else name

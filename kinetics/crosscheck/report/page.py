@@ -88,7 +88,7 @@ def algebra_rows(labels: Iterable[str]) -> list[dict[str, Any]]:
 def printed_equations() -> dict[str, list[str]]:
     """MathML of the page's equations as `derivations` prints them: what its JSON file keeps."""
     from derivations import printed_equation
-    from derivations.typesetting import mathml
+    from derivations.printers import mathml
 
     def block(label: str) -> str:
         # Ascending powers read better: 1 - e^2.
