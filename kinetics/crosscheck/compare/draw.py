@@ -1,0 +1,74 @@
+"""The figures of a comparison: data beside theory, and the deviations of all rows."""
+
+from typing import Any
+
+import numpy as np
+
+from kinetics.crosscheck.compare.theory import OBSERVABLES
+
+_DECADES = 30.0
+"""Largest over smallest value from which on an axis is logarithmic."""
+
+
+def figures_of(rows: Any) -> dict[str, Any]:
+    """The data of every figure, by name: of each observable in the rows, and "sigmas".
+
+    Of a density the first bin and the last, which has no end, are not shown.
+    """
+
+    def axis(label: str, unit: str = "", log: bool = False) -> dict[str, str]:
+        return {"label": label, "unit": unit, "scale": "log" if log else "linear"}
+
+    def series(source: str, x: Any, y: Any, error: Any = None, group: str = "") -> dict[str, Any]:
+        lists = (None if a is None else np.asarray(a, float).tolist() for a in (x, y, error))
+        named = dict(zip(("x", "y", "error"), lists, strict=True))
+        return {"source": source, "group": group} | named
+
+    figures, time = {}, axis("time $t$", "d/U", True)
+    rows, sigmas = rows[rows["time"] > 0], []
+    for name, mine in rows.groupby("observable", sort=False):
+        seen, lines, x, y = OBSERVABLES[name], [], time, axis("")
+        if seen.measured is None:
+            x, y = axis(seen.symbol, seen.unit, True), axis("density", f"1/{seen.unit}", True)
+            for at, bins in mine.groupby("time"):
+                body = bins[(bins["low"] > 0) & bins["high"].notna() & (bins["value"] > 0)]
+                middle, group = np.sqrt(body["low"] * body["high"]), f"t = {at:.4g}"
+                lines.append(series("kinetic equation", middle, body["theory"], group=group))
+                lines.append(series("data", middle, body["value"], body["error"], group))
+        else:
+            both = mine[["value", "theory"]].to_numpy()
+            wide = both.min() > 0 and both.max() > _DECADES * both.min()
+            y = axis(seen.symbol, seen.unit, bool(wide))
+            lines = [series("kinetic equation", mine["time"], mine["theory"]),
+                     series("data", mine["time"], mine["value"], mine["error"])]  # fmt: skip
+            z = mine.dropna(subset="sigmas")
+            sigmas.append(series("data", z["time"], z["sigmas"], np.ones(len(z)), seen.symbol))
+        figures[name.replace("_", "-")] = {"title": seen.title, "x": x, "y": y, "series": lines}
+    if sigmas:
+        zero = series("zero", rows["time"].agg(["min", "max"]), [0.0, 0.0])
+        figures["sigmas"] = {
+            "title": "Differences in standard errors", "x": time,
+            "y": axis("difference / standard error"), "series": [zero, *sigmas],
+        }  # fmt: skip
+    return figures
+
+
+def draw(data: Any, ax: Any) -> None:
+    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
+    groups = [*dict.fromkeys(s["group"] for s in data["series"] if s["source"] != "zero")]
+    for s in data["series"]:
+        if s["source"] == "zero":
+            ax.axhline(0.0, color="gray", lw=0.8)
+            continue
+        colour = f"C{groups.index(s['group'])}"
+        if s["source"] == "data":
+            style = {"color": colour if len(groups) > 1 else "black", "ms": 4, "lw": 1}
+            ax.errorbar(s["x"], s["y"], s["error"], fmt="o", label=s["group"] or "data", **style)
+        else:
+            ax.plot(s["x"], s["y"], color=colour, label=None if s["group"] else s["source"])
+    for name in ("x", "y"):
+        unit = f" / {data[name]['unit']}" if data[name]["unit"] else ""
+        ax.set(**{f"{name}label": data[name]["label"] + unit, f"{name}scale": data[name]["scale"]})
+    ax.tick_params(axis="x", which="minor", labelsize="x-small", labelrotation=40)
+    ax.set_title(data["title"], fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
