@@ -64,7 +64,7 @@ def jackknife(sums: np.ndarray, function: Callable[[np.ndarray], np.ndarray]) ->
 
     sums (n_configurations, ...); function maps a sum over configurations to an array.
     """
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         total = sums.sum(axis=0)
         value = np.asarray(function(total), dtype=float)
         n = len(sums)
@@ -91,7 +91,7 @@ def share(
     c^2 and of c m, where m is the configuration's number of samples; samples (2, n_times): sums of
     m and of m^2.
     """
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         total = samples[0][:, None]
         p = counts / total
         spread = np.maximum(squares - 2.0 * p * cross + p * p * samples[1][:, None], 0.0)

@@ -158,8 +158,11 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
     if isinstance(unit, str):
         if start is None or not start.squares.size:
             bad("speed_unit", "'data'", "a number where no tracer moves at time 0")
-        mean = start.squares @ start.counts / start.counts.sum()
+        with np.errstate(over="ignore"):
+            mean = start.squares @ start.counts / start.counts.sum()
         unit = float(np.sqrt(mean / sample.law.dimension))
+        if not 0.0 < unit < np.inf:
+            bad("speed_unit", "'data'", "a number where <v²> at time 0 is beyond double precision")
         warnings += (f"U is {unit:.6g} of the data's unit, from <v²> at time 0.",)
     factor, time_unit = conversion(units), asked.time_unit
     if time_unit is None and factor not in (None, 1.0):
