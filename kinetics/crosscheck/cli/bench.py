@@ -28,7 +28,7 @@ def _output_option(names: str) -> Any:
 @_output_option("bench.json, bench.md and work-precision.svg")
 @json_option
 def bench(quick: bool, cases: tuple[str, ...], output: Path | None, as_json: bool) -> None:
-    """Measure every method on the same problems, against references of 1e-13 or better.
+    """Measure every method on the same problems, against references of 1e-12 or better.
 
     Prints Markdown tables: run time for an error, what skipping saves, collisions per second, and
     what failed.
