@@ -33,8 +33,11 @@ def figures_of(rows: Any) -> dict[str, Any]:
             for at, bins in mine.groupby("time"):
                 body = bins[(bins["low"] > 0) & bins["high"].notna() & (bins["value"] > 0)]
                 middle, group = np.sqrt(body["low"] * body["high"]), f"t = {at:.4g}"
-                lines.append(series("kinetic equation", middle, body["theory"], group=group))
-                lines.append(series("data", middle, body["value"], body["error"], group))
+                if len(body):
+                    lines.append(series("kinetic equation", middle, body["theory"], group=group))
+                    lines.append(series("data", middle, body["value"], body["error"], group))
+            if not lines:  # few tracers, in the first and the last bin
+                continue
         else:
             both = mine[["value", "theory"]].to_numpy()
             wide = both.min() > 0 and both.max() > _DECADES * both.min()
@@ -66,9 +69,16 @@ def draw(data: Any, ax: Any) -> None:
             ax.errorbar(s["x"], s["y"], s["error"], fmt="o", label=s["group"] or "data", **style)
         else:
             ax.plot(s["x"], s["y"], color=colour, label=None if s["group"] else s["source"])
-    for name in ("x", "y"):
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    for name, side in (("x", ax.xaxis), ("y", ax.yaxis)):
         unit = f" / {data[name]['unit']}" if data[name]["unit"] else ""
         ax.set(**{f"{name}label": data[name]["label"] + unit, f"{name}scale": data[name]["scale"]})
-    ax.tick_params(axis="x", which="minor", labelsize="x-small", labelrotation=40)
+        low, high = side.get_view_interval()
+        if data[name]["scale"] == "log":
+            side.set_minor_formatter(NullFormatter())
+            if high < 100 * low:  # few powers of ten
+                side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.set_title(data["title"], fontsize="medium")
     ax.legend(fontsize="small", frameon=False)
