@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import questions
 from made_data import Run, columns_of
 
 from kinetics import compare, load
@@ -176,10 +177,7 @@ def test_the_command_writes_a_page(csv: Path, tmp_path: Path, lorentz: Any) -> N
 
 def test_the_page_of_few_tracers(tmp_path: Path, lorentz: Any) -> None:
     """A density that has no bin between the first and the last has no figure."""
-    rows = ["time,tracer,x,y,vx,vy"]
-    for k, v in enumerate(np.random.default_rng(1).normal(size=(60, 2))):
-        rows += [f"{t},{k},{t * v[0]},{t * v[1]},{v[0]},{v[1]}" for t in (0.0, 0.5, 1.0)]
-    (tmp_path / "few.csv").write_text("\n".join(rows) + "\n")
+    questions.write_table(tmp_path / "few.csv", *questions.trajectories())
     told = ("compare", str(tmp_path / "few.csv"), *TOLD, "-o", str(tmp_path / "page.html"))
     document = lorentz.json(*told)
     assert all(figure["series"] for figure in document["figures"].values())
