@@ -98,11 +98,14 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
             kinds = {
                 names[k]: pa.float64() if one in numbers else label for one, k in found.items()
             }
-            file.seek(start)
+            stream = (
+                pa.PythonFile(file, "r") if path.suffix.lower() == ".gz" else pa.OSFile(str(path))
+            )
+            stream.seek(start)
             with suppress(pa.ArrowInvalid):
                 batches = []
                 for batch in arrow.open_csv(
-                    pa.PythonFile(file, "r"),
+                    stream,
                     arrow.ReadOptions(column_names=names, block_size=_BLOCK),
                     arrow.ParseOptions(
                         delimiter=separator,
