@@ -95,13 +95,6 @@ class FirstKind(_Chebyshev):
         """Columns that give the coefficients of these orders, (nodes, n); of order 0 twice it."""
         return np.asarray(np.cos(np.outer(self._angle, order)) * (2.0 / self.nodes))
 
-    def coefficient_sizes(self, values: FloatArray) -> FloatArray:
-        """Sizes of all Chebyshev coefficients, that of order 0 twice: the shape of values.
-
-        values : at the points, shape (..., nodes)
-        """
-        return np.abs(values @ self._columns(np.arange(self.nodes)))
-
 
 @dataclass(frozen=True)
 class SecondKind(_Chebyshev):

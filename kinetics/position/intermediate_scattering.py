@@ -26,9 +26,7 @@ from kinetics.position.waves import Waves
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
-# Gauss points of a panel of initial speeds, no wider than a panel of the waves: measured again by
-# kinds of starts by trial.
-_POINTS = 10
+_POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
 _LARGEST = 200.0  # K, or K T, that can be asked for: some hundred harmonics on a hundred panels
 _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no more

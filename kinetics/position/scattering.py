@@ -41,8 +41,7 @@ _LASTING = 2  # the harmonics whose decay decides from which X on the panels may
 _FEWEST_NODES = 6
 _NO_POWER = 1e-18  # a ratio of speeds of which no power but the zeroth counts
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
-# For each
-# decimal digit of the tolerance there are so many nodes, and more for each turn of K T on a panel.
+# For each decimal digit of the tolerance so many nodes, and more for each turn of K T on a panel.
 _SOME, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5
 _TURNING = 3.5  # T at which flights along k are resolved worst
 # Harmonics for each digit: late, besides K for each, and early, besides the K T of free flights.

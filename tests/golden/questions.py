@@ -61,7 +61,7 @@ def scaling_closed_form(**law: Any) -> Any:
 
 
 @question(
-    3e-12 * 10,
+    3e-11,
     disks={"restitution": 0.7},
     inelastic={"restitution": 0.0},
     spheres={"restitution": 0.4, "dimension": 3},

@@ -120,7 +120,6 @@ class Sample:
     start : the speeds at time 0, None without one
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
     flights : tracers that have flown straight, of the time at which most of them have
-    capped : collisions after which tracers were stopped, None without a cap
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
@@ -139,7 +138,6 @@ class Sample:
     grouping: str
     law: Law = Law()
     flights: Flights | None = None
-    capped: int | None = None
     free: bool = False
     tabulated: bool = False
     warnings: tuple[str, ...] = ()

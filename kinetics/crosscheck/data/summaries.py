@@ -167,7 +167,7 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     if plan.rest:
         told["initial"] = "rest"
     law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
-    return replace(found, capped=plan.max_collisions, free=free, told=told, law=law)
+    return replace(found, free=free, told=told, law=law)
 
 
 def _from_sums(ensemble: "Ensemble", name: str, times: Any, free: bool) -> Sample:
