@@ -21,7 +21,7 @@ from kinetics import ScalingSolution, sonine
 from kinetics.collision.medium import SETTLED
 from kinetics.crosscheck.report import reduce, runs
 from kinetics.crosscheck.report.reduce import Array, Measured
-from kinetics.crosscheck.report.rows import PAPER_KURTOSIS, sure_density
+from kinetics.crosscheck.report.rows import PAPER_KURTOSIS
 from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, SONINE, Case, Results
 from kinetics.crosscheck.report.systems import SCATTERERS
 from kinetics.crosscheck.words import numeral
@@ -223,11 +223,9 @@ def figures(results: Results) -> list[Drawn]:
     if results.system.in_field:
         chosen: list[Callable[[Results], Made]] = [drift, dispersion]
         chosen += [from_rest] if more["approach"] else []
-        chosen += [among_hard_disks] if more["dense"] else []
     else:
-        chosen = [cooling_rate, msd, vdf, inverse_speed, vdf_tail] if cools else [msd]
-        chosen += [position, tail_exponent, kurtosis]
-        chosen += [approach, msd_slope] if cools else []
+        chosen = [cooling_rate, msd, vdf] if cools else [msd]
+        chosen += [position, kurtosis]
     chosen += [picture] if "disks" in results.system.scatterers else []
     drawn = []
     with mpl.rc_context(fname=STYLE):
@@ -349,41 +347,6 @@ def vdf(results: Results, last: float = 2.5, log: bool = False) -> Made:
     return sheet.done("scaled speed $c = v/v_0$", "$F(c)$"), {"reason": reason}
 
 
-def vdf_tail(results: Results) -> Made:
-    """Tail of the velocity distribution
-
-    F(c) on a logarithmic scale. The exact tail of late times is a power of c times exp(−2c/h),
-    amplitude included; it is reached late for e near 1.
-    """
-    return vdf(results, last=6.0, log=True)
-
-
-def inverse_speed(results: Results) -> Made:
-    """Inverse thermal speed
-
-    2l (1/v₀(t) − 1/v₀(0))/t{over} with the l of the dilute limit, the J of the paper's Figure 2
-    over its abscissa; the paper reads a constant.
-    """
-    system: Any = results.system
-    sheet, panels = _panels(results, results.cooling)
-    for case, ax in panels:
-        e, t, start = case.restitution, case.times, 1 / math.sqrt(case.dimension)
-        scale = (1 - e if system.is_smooth else 1.0) * system.half_rate * t
-        ax.set_xscale("log")
-        slowing = (1 / case.theory[KINETIC]["thermal_speed"] - start) / scale
-        sheet.line(ax, KINETIC, t, slowing, e, named=False)
-        limit = case.theory[EXACT]["cooling_rate"] * system.half_rate * t / scale
-        sheet.line(ax, "exact limit", t, limit, e, named=False)
-        for source, found in case.measured.items():
-            v = found["thermal_speed"]
-            points = Measured((1 / v.value - start) / scale, v.error / v.value**2 / scale)
-            sheet.points(ax, source, t, points, e, named=False, largest=0.2)
-        if system.is_papers_law:
-            sheet.line(ax, FIT, t, sonine.FITTED_COOLING_FACTOR)
-    over = "/(1 − e)" if system.is_smooth else ""
-    return sheet.done(_TIME, r"$J/(d\rho_0 t)$"), {"over": over}
-
-
 def position(results: Results) -> Made:
     """Scaled displacement distribution
 
@@ -407,27 +370,6 @@ def position(results: Results) -> Made:
             surface = d * reduce.ball(d) * r ** (d - 1)
             sheet.line(ax, "Gaussian", r, surface * reduce.gaussian_vdf(r, d))
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
-
-
-def tail_exponent(results: Results) -> Made:
-    """How the tail of G(R) falls
-
-    Local exponent n of p = G(R)/R (in space G(R)/R²) ~ exp(−(R/b)ⁿ) at the last time: 1 is an
-    exponential, 2 a Gaussian. Crosses: the equation over the bands of the particles.
-    """
-    sheet, panels = _panels(results, results.cases)
-    for case, ax in panels:
-        e, at = case.restitution, reduce.band_middles(case.dimension)
-        ax.set(ylim=(0.5, 2.6), xlim=(0.0, 6.0))
-        known, _ = sure_density(case, np.linspace(0.3, 6.0, 60))
-        n = case.solved.position.position_tail(known)[0][-1]
-        sheet.line(ax, KINETIC, known, n, e, named=False)
-        sheet.marks(ax, "same bands", at, case.theory[KINETIC]["tail_exponent"], "x")
-        for source, found in case.measured.items():
-            sheet.points(ax, source, at, found["tail_exponent"], e, named=False, largest=0.5)
-        for value in (1.0, 2.0):
-            ax.axhline(value, color=INK, linewidth=0.8)
-    return sheet.done("scaled distance $R$", "$n(R)$"), {}
 
 
 def _over_time(results: Results, name: str, until: float, unit: str = "") -> tuple[_Sheet, Any]:
@@ -455,36 +397,6 @@ def kurtosis(results: Results) -> Made:
     if results.system.is_papers_law:
         sheet.line(ax, "paper's integral", ends, PAPER_KURTOSIS)
     return sheet.done(_TIME, r"$\langle r^4\rangle/\langle r^2\rangle^2$"), {}
-
-
-def approach(results: Results) -> Made:
-    """Approach to the scaling state
-
-    The second Sonine coefficient a₂(t) from a Gaussian start, where it is 0.
-    """
-    last = 1e5
-    sheet, ax = _over_time(results, "a2", last)
-    for case in results.cooling:
-        e, ends = case.restitution, [case.times[0], last]
-        sheet.line(ax, "exact limit", ends, case.theory[EXACT]["a2"], e)
-        if results.system.is_papers_law:
-            sheet.line(ax, SONINE, ends, case.theory[SONINE]["a2"], e)
-    return sheet.done(_TIME, "$a_2(t)$"), {}
-
-
-def msd_slope(results: Results) -> Made:
-    """Slope of the mean square displacement
-
-    d⟨r²⟩/d ln t over its exact limit 2l²/(κ(1 − ⟨cos χ⟩)): where it is 1, ⟨r²⟩ grows as ln t.
-    Particles: the mean slope over their last decade, at its middle.
-    """
-    sheet, ax = _over_time(results, "msd_slope", runs.LATEST, unit="msd_slope")
-    for case in results.cooling if results.system.is_papers_law else ():
-        for source in (FIT, SONINE):
-            value = case.theory[source]["msd_slope"] / case.theory[EXACT]["msd_slope"]
-            sheet.line(ax, source, [1e4, runs.LATEST], value, case.restitution)
-    ax.axhline(1, color=INK, linewidth=0.8)
-    return sheet.done(_TIME, r"$\mathrm{d}\langle r^2\rangle/\mathrm{d}\ln t$ over limit"), {}
 
 
 def picture(results: Results) -> Made:
@@ -575,20 +487,3 @@ def from_rest(results: Results) -> Made:
             sheet.line(ax, SOLVER, at, case.theory[SOLVER][name], group)
             sheet.points(ax, FREE, at[::2], case.measured[FREE][name][::2], group)
     return sheet.done(_FIELD_TIME, "$⟨v_z⟩$  [√(gl)]", "$⟨v^2⟩$  [gl]"), {}
-
-
-def among_hard_disks(results: Results) -> Made:
-    """Falling among hard disks
-
-    How fast tracers fall while they are not trapped, over the drift of the equation. Dash-dotted:
-    the shorter free path alone; the rest is disks met again.
-    """
-    cases = results.more["dense"]
-    sheet, n = _Sheet([case.restitution for case in cases]), cases[0].places["captures"][1]
-    fine, (ax,) = np.linspace(0.0, float(n[-1]), 40), sheet.axes
-    sheet.line(ax, "path alone", fine, [reduce.contact_value(float(x)) ** -0.5 for x in fine])
-    for case in cases:
-        found = case.measured[runs.EXTRAPOLATED]
-        sheet.points(ax, "particles", n, found["drift_over_density"], case.restitution)
-    ax.axhline(1, color=INK, linewidth=0.8)
-    return sheet.done(r"density $\rho_0 d^2$", "$u$ / $u$ of the equation"), {}

@@ -21,8 +21,6 @@ SPEED_EDGES = np.concatenate([np.linspace(0.0, 2.0, 21), np.linspace(2.25, 6.0, 
 """Bins of c = v/v0 for F(c)."""
 POSITION_EDGES = np.concatenate([np.linspace(0.0, 3.0, 31), np.linspace(3.25, 6.0, 12)])
 """Bins of R = r/sqrt(<r^2>) for G(R)."""
-BANDS = np.array([0.0, 0.4, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
-"""Bands of R between which the fall of G(R) is measured; the first is p(0)."""
 LEAST_EXPECTED = 50
 """Samples that a bin must be expected to hold before its jackknife error is trusted."""
 
@@ -69,16 +67,6 @@ def jackknifed(sums: dict[str, Array], of: Callable[[dict[str, Array]], Array]) 
     value = of({name: np.asarray(x.mean()) for name, x in sums.items()})
     without = {name: (x.sum() - x) / (n - 1) for name, x in sums.items()}
     return Measured(np.asarray(value), jackknife_error(of(without)))
-
-
-def weighted_fit(basis: Array, measured: Measured) -> tuple[Array, Measured]:
-    """The coefficients (k,) of least squares, and the first one with the error that follows.
-
-    basis (n, k): the functions at the points; measured (n,), its errors above 0.
-    """
-    inverse = np.linalg.pinv(basis / measured.error[:, None])
-    found = inverse @ (measured.value / measured.error)
-    return found, Measured(np.asarray(found[0]), np.asarray(np.linalg.norm(inverse[0])))
 
 
 def contact_value(number_density: float, dimension: int = 2) -> float:
@@ -193,38 +181,3 @@ def _shares(samples: Array, edges: Array) -> tuple[Array, Array]:
         return np.asarray(np.diff(below) / n)
 
     return share(None), np.array([share(group) for group in range(groups)])
-
-
-def band_exponent(shares: Array, dimension: int = 2) -> Array:
-    """Local exponent n of p(R) ~ exp(-(R/b)^n) from the shares of the `BANDS`.
-
-    shares (..., n_bands); returns (..., n_bands - 2), at `band_middles`: between neighbours, the
-    slope of ln ln(p0/p) over ln R, p being the mean of G(R)/(2 pi R), in space G(R)/(4 pi R^2),
-    over a band, R its root mean square radius, and p0 the first band's. NaN where a band is empty
-    or above the first.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p = shares / (ball(dimension) * np.diff(BANDS**dimension))
-        fall = np.log(np.log(p[..., :1] / p[..., 1:]))
-        exponent = np.diff(fall, axis=-1) / np.diff(np.log(_radii(dimension)))
-    return np.where(np.isfinite(exponent), exponent, np.nan)
-
-
-def _radii(dimension: int) -> Array:
-    """Root mean square radius of each band but the first, as of a density that is flat in it."""
-    if dimension == 3:
-        return np.asarray(np.sqrt(0.6 * np.diff(BANDS**5) / np.diff(BANDS**3)))[1:]
-    return np.asarray(np.sqrt((BANDS[1:] ** 2 + BANDS[:-1] ** 2) / 2))[1:]
-
-
-def band_middles(dimension: int = 2) -> Array:
-    """The R at which `band_exponent` stands: geometric means of neighbouring bands."""
-    radii = _radii(dimension)
-    return np.asarray(np.sqrt(radii[1:] * radii[:-1]))
-
-
-def measured_exponent(samples: Array, dimension: int = 2) -> Measured:
-    """`band_exponent` of absolute displacements (n_groups, n_in_group), with jackknife errors."""
-    every, replicates = _shares(samples, BANDS)
-    found, without = (band_exponent(shares, dimension) for shares in (every, replicates))
-    return Measured(found, jackknife_error(without))

@@ -186,7 +186,7 @@ def _of_field(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         yield _numerical(name, solver[name], theory, system.rtol)
         if name in _TURNED:
             yield from _measured(case, name, source, runs.EXACT)
-    if case.restitution >= NEARLY_ELASTIC and source != runs.EXTRAPOLATED:
+    if case.restitution >= NEARLY_ELASTIC:
         for name, value in case.theory.get(runs.LIMIT, {}).items():
             yield _row(name, "approximation", runs.LIMIT, runs.SOLVER, value, solver[name])
 
@@ -236,7 +236,6 @@ def _of_cooling(case: Case, system: Any) -> Iterable[dict[str, Any]]:
         share = theory[runs.KINETIC]["position"]
         filled = _filled(share, case.samples[run], np.diff(reduce.POSITION_EDGES))
         yield from _measured(case, "position", run, runs.KINETIC, note, filled)
-        yield from _measured(case, "tail_exponent", run, runs.KINETIC, note)
     if not paper:
         return
     end: dict[str, Any] = {"time": float(times[-1])}

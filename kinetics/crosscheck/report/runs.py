@@ -26,7 +26,7 @@ from particles import BoltzmannGrad, Ensemble, HardDisks, HardSpheres, Medium, s
 
 KINETIC, RESCALED = "kinetic equation", "kinetic equation, measured l"
 EXACT, SOLVER, FIT, SONINE = "exact", "solver", "paper's fit", "Sonine"
-FREE, EXTRAPOLATED, LIMIT = "Boltzmann-Grad", "hard disks, extrapolated", "limit e → 1"
+FREE, LIMIT = "Boltzmann-Grad", "limit e → 1"
 PATH, LEADING, FIRST, FITTED = "free path", "leading order", "first order", "fitted second order"
 """What the theory of a finite density knows, each with what the one before it has."""
 
@@ -39,7 +39,6 @@ FORGOTTEN, LONGER = 10.0, 3.0
 APPROACH_TIMES = np.geomspace(0.1, 40.0, 33)
 """Of the approach to the steady state in a field, in sqrt(l/g)."""
 _GROUPS = 100  # independent groups of tracers of a Boltzmann-Grad run, for its jackknife
-_DISKS = 10_000  # in the box in a field
 
 Tell = Callable[[str], None]
 
@@ -132,7 +131,8 @@ def cooling_case(
     found.early = early
     measured, differences = _reduced(packed, early, half_rate, found.rescaled)
     position = found.position
-    shares = [_position_share(position, edges) for edges in (reduce.POSITION_EDGES, reduce.BANDS)]
+    edges = reduce.POSITION_EDGES
+    shares = position.position_fraction(edges * math.sqrt(float(position.msd[-1])))[-1]
     vdf = {
         name: reduce.bin_average(reduce.last_vdf(solution), d)
         for name, solution in ((KINETIC, found.kinetic), (RESCALED, found.rescaled))
@@ -141,8 +141,7 @@ def cooling_case(
     of_kinetic = {
         "free_path": 1 / (2 * half_rate),
         "scaled_vdf": vdf[KINETIC],
-        "position": shares[0] / np.diff(reduce.POSITION_EDGES),
-        "tail_exponent": reduce.band_exponent(shares[1], d),
+        "position": shares / np.diff(edges),
     }
     theory = {
         KINETIC: _over_time(found.kinetic, early, half_rate) | of_kinetic,
@@ -169,7 +168,6 @@ def cooling_case(
             **{name: ("time", times) for name in OVER_TIME},
             "scaled_vdf": ("c", reduce.middles(reduce.SPEED_EDGES)),
             "position": ("distance", reduce.middles(reduce.POSITION_EDGES)),
-            "tail_exponent": ("distance", reduce.band_middles(d)),
         },
         differences=differences,
         solved=found,
@@ -249,11 +247,6 @@ def _printed(e: float, times: Array, density: float) -> dict[str, dict[str, Any]
     }
 
 
-def _position_share(position: Solution, edges: Array) -> Array:
-    root = math.sqrt(float(position.msd[-1]))
-    return np.asarray(position.position_fraction(edges * root)[-1])
-
-
 def _over_time(source: Any, early: int, half_rate: float) -> dict[str, Any]:
     """Averages over time of a solution or a run, and the rates of its last decade."""
     values = (getattr(source, name) for name in OVER_TIME)
@@ -303,7 +296,6 @@ def _reduced(
         "free_path": Measured.of(run.mean_free_path),
         "scaled_vdf": reduce.scaled_density(speeds, reduce.SPEED_EDGES, reduce.bin_measure(d)),
         "position": reduce.scaled_density(distances, reduce.POSITION_EDGES, bins),
-        "tail_exponent": reduce.measured_exponent(distances, d),
         "trapped": Measured(np.asarray(float(run.statuses.trapped)), np.asarray(np.nan)),
     }
     if rescaled is None:
@@ -371,7 +363,7 @@ def _levels(law: CollisionLaw, times: Array, system: Cooling) -> dict[str, float
 
 def _in_field(system: Falling, tell: Tell) -> Results:
     cases: list[Case] = []
-    more: dict[str, Any] = {"lines": {}, "approach": [], "dense": []}
+    more: dict[str, Any] = {"lines": {}, "approach": []}
     for d in system.dimensions:
         tell(f"{SCATTERERS[d]}: solver")
         at = np.unique([*system.line, *system.restitutions])
@@ -385,10 +377,7 @@ def _in_field(system: Falling, tell: Tell) -> Results:
         for e in system.approach or ():
             tell(f"{SCATTERERS[d]}, e = {e:g}: from rest")
             more["approach"].append(_from_rest(e, d, system))
-    for e in system.dense:
-        tell(f"hard disks, e = {e:g}")
-        more["dense"].append(_among_hard_disks(e, system))
-    return Results(system, [*cases, *more["approach"], *more["dense"]], more)
+    return Results(system, [*cases, *more["approach"]], more)
 
 
 def relaxation_time(state: Any) -> float:
@@ -418,12 +407,12 @@ def _unit_density(dimension: int) -> float:
 
 
 def _field_case(
-    state: Any, system: str, run: Ensemble, source: str, measured: dict[str, Measured],
+    state: Any, system: str, run: Ensemble, measured: dict[str, Measured],
     theory: dict[str, dict[str, Any]], times: Array, timed: Sequence[str] = (),
 ) -> Case:  # fmt: skip
     return Case(
-        system, float(state.restitution), state.dimension, times, {source: measured}, theory,
-        {source: run.media}, {source: run.media * run.tracers},
+        system, float(state.restitution), state.dimension, times, {FREE: measured}, theory,
+        {FREE: run.media}, {FREE: run.media * run.tracers},
         {name: ("time", times) for name in timed}, solved=state,
     )  # fmt: skip
 
@@ -476,7 +465,7 @@ def _steady(restitution: float, dimension: int, system: Falling) -> Case:
     solved, exact = exact_relations(state)
     theory = {SOLVER: averages | solved, EXACT: exact, LIMIT: near_elastic(restitution, d)}
     name = f"{SCATTERERS[d]} in a field"
-    return _field_case(state, name, run, FREE, measured, theory, times)
+    return _field_case(state, name, run, measured, theory, times)
 
 
 def exact_relations(state: Any) -> tuple[dict[str, float], dict[str, float]]:
@@ -543,72 +532,5 @@ def _from_rest(restitution: float, dimension: int, system: Falling) -> Case:
         "square_from_rest": solved.thermal_speed**2,
     }
     name = f"{SCATTERERS[dimension]} in a field"
-    case = (state, name, run, FREE, measured, {SOLVER: theory})
+    case = (state, name, run, measured, {SOLVER: theory})
     return _field_case(*case, APPROACH_TIMES, tuple(measured))
-
-
-def _among_hard_disks(restitution: float, system: Falling) -> Case:
-    """Tracers among hard disks at all densities of the system, and their drift as these vanish.
-
-    The equation is that of low density. Disks that stand close are met sooner and again, and a
-    tracer may come to rest in a corner of two of them, from which the field does not let it go. The
-    field is such that g l = U^2, with l = 1/(2 d rho) of the dilute limit. The drift is fitted by
-    1, n ln n and n, n = rho d^2, the orders in which a gas of fixed disks begins to differ.
-    """
-    state = solve_field(restitution, 2, rtol=1e-6)
-    first = FORGOTTEN * relaxation_time(state)
-    times = np.unique([*np.geomspace(1.0, LONGER * first, 14), first])
-    runs = []
-    for density in system.densities:
-        path = 0.5 / density
-        seed = system.seed + 7000 + round(1e5 * density) + round(1e6 * restitution)
-        # from a Gaussian start: from rest all tracers of one configuration fall alike
-        runs.append(simulate(
-            HardDisks(density, count=_DISKS), restitution, "gaussian", times * path,
-            media=system.configurations, tracers=system.tracers, seed=seed,
-            workers=system.workers, field=1.0 / path, observables=("positions",),
-        ))  # fmt: skip
-    n = np.array(system.densities)
-    ratio = Measured.joined(moving_drift(run, first, LONGER * first) for run in runs) / state.drift
-    basis = np.stack([np.ones(n.size), n * np.log(n), n], axis=1)
-    ways = [run.arrays["path_sums"][:, 0] * 2.0 * run.number_density for run in runs]
-    caught = [
-        np.bincount(run.statuses.trap_tracers[:, 0], minlength=run.media).astype(float)
-        for run in runs
-    ]
-    measured = {
-        "drift_among_disks": reduce.weighted_fit(basis, ratio)[1],
-        "drift_over_density": ratio,
-        "captures": Measured.joined(map(_ratio, caught, ways)),
-        "trapped": Measured.joined(run.trapped_fraction for run in runs),
-    }
-    theory: dict[str, dict[str, Any]] = {
-        SOLVER: {"drift_among_disks": 1.0},
-        "free path alone": {
-            "drift_over_density": np.array([reduce.contact_value(x) ** -0.5 for x in n])
-        },
-    }
-    name = "hard disks in a field"
-    case = _field_case(state, name, runs[0], EXTRAPOLATED, measured, theory, times)
-    return replace(case, places={"drift_over_density": ("density", n), "captures": ("density", n)})
-
-
-def moving_drift(run: Ensemble, first: float, last: float) -> Measured:
-    """How far tracers fall between two times, over how long they move between them, shape ().
-
-    Times in sqrt(l/g), the result in sqrt(g l). What is trapped moves no more, and neither falls.
-    """
-    path = 0.5 / run.number_density
-    at = np.searchsorted(run.times, np.array([first, last]) * path * (1 - 1e-12))
-    x = run.positions[at, :, 0].reshape(2, run.media, run.tracers) / path
-    ends = np.full((run.media, run.tracers), np.inf)
-    where = run.statuses.trap_tracers
-    ends[where[:, 0], where[:, 1]] = run.statuses.trap_times / path
-    fallen = ((x[1] - x[0]) * (ends > first)).sum(axis=1)
-    return _ratio(fallen, (np.clip(ends, first, last) - first).sum(axis=1))
-
-
-def _ratio(above: Array, below: Array) -> Measured:
-    """Sum over sum, of numbers of each configuration, and its standard error."""
-    replicates = (above.sum() - above) / (below.sum() - below)
-    return Measured(np.asarray(above.sum() / below.sum()), reduce.jackknife_error(replicates))

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinetics.crosscheck.report import runs
 from kinetics.crosscheck.report.figures import exact_rates
-from kinetics.crosscheck.report.reduce import Measured, contact_value
+from kinetics.crosscheck.report.reduce import Measured
 from kinetics.crosscheck.report.rows import OBSERVABLES, kept
 from kinetics.crosscheck.report.runs import EXACT, FIT, FREE, KINETIC, SOLVER, Case, Results
 from kinetics.crosscheck.report.systems import SCATTERERS
@@ -228,7 +228,7 @@ def _claims(cases: Sequence[Case]) -> list[dict[str, str]]:
 
 
 def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> Story:
-    lines, dense = results.more["lines"], results.more["dense"]
+    lines = results.more["lines"]
 
     def each(of: Callable[[int, Any], str]) -> str:
         return " and ".join(f"{of(d, line)} among {SCATTERERS[d]}" for d, line in lines.items())
@@ -264,31 +264,13 @@ def _falling(results: Results, table: "DataFrame", checks: Sequence[Record]) -> 
             if name in case.theory[SOLVER]
         ), key=lambda row: row["quantity"],
     )  # fmt: skip
-    tables = {"summary": summary}
-    if dense:
-        n, known = dense[0].places["captures"][1], [c.measured[runs.EXTRAPOLATED] for c in dense]
-        slower = [100 - 100 * float(x["drift_over_density"].value[-1]) for x in known]
-        caught = [100 * float(x["trapped"].value[-1][-1]) for x in known]
-        findings.append(
-            f"Hard disks at ρ₀d² = {n[-1]:g} slow the fall by {span(slower, '.0f')} %, of which "
-            f"the shorter path makes {100 - 100 * contact_value(n[-1]) ** -0.5:.0f} %; corners of "
-            f"two disks trap {span(caught, '.0f')} % in the end."
-        )
-        tables["hard_disks"] = [
-            {"restitution": c.restitution, "density": float(n[i]),
-             "drift": float(x["drift_over_density"].value[i]),
-             "error": float(x["drift_over_density"].error[i]),
-             "captures": float(x["captures"].value[i]), "until": float(c.times[-1]),
-             "trapped": float(x["trapped"].value[i][-1])}
-            for c, x in zip(dense, known, strict=True) for i in range(n.size)
-        ]  # fmt: skip
     if results.more["approach"]:
         overshoots, reached = zip(*map(_overshoot, results.more["approach"]), strict=True)
         findings.append(
             f"From rest the mean velocity first exceeds the drift, by {span(overshoots, '.0f')} %, "
             f"and is within {100 * CLOSE:g} % of it from t = {span(reached, '.2g')} √(l/g) on."
         )
-    return Story(compared, findings, f"Finding: {findings[1]}", tables=tables)
+    return Story(compared, findings, f"Finding: {findings[1]}", tables={"summary": summary})
 
 
 def _overshoot(case: Case) -> tuple[float, float]:

@@ -153,17 +153,13 @@ class Falling(_System):
     collisions: int = 8_000_000  # about so many in each run, which sets its tracers
     most_tracers: int = 200_000
     groups: int = 100  # independent ones of tracers, behind the errors
-    densities: tuple[float, ...] = (0.0025, 0.005, 0.01, 0.02, 0.04, 0.08)  # of hard disks, d^-2
-    dense: tuple[float, ...] = (0.5, 0.7, 0.9)  # the restitutions there
-    configurations: int = 200  # of hard disks
-    tracers: int = 60  # in each of them
     time_rtol: float = 1e-6  # asked of the solver over time
 
     name: ClassVar[str] = "field"
     in_field: ClassVar[bool] = True
     is_papers_law: ClassVar[bool] = False
     _least: ClassVar[Mapping[str, int]] = {
-        "configurations": 10, "tracers": 2, "groups": 10, "collisions": 1, "most_tracers": 100,
+        "groups": 10, "collisions": 1, "most_tracers": 100,
     }  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -176,8 +172,7 @@ class Falling(_System):
         ends = tuple(dict.fromkeys((found[0], found[-1])))
         followed = (0.5, 0.9) if found == FIELD_RESTITUTIONS else ends
         approach = followed if self.approach is None else self.approach
-        dense = self.dense if 2 in self.dimensions else ()
-        self._set(restitutions=found, approach=approach, dense=dense)
+        self._set(restitutions=found, approach=approach)
 
     @property
     def scatterers(self) -> str:
@@ -188,16 +183,15 @@ class Falling(_System):
     def stages(self) -> int:
         """How often a report of it tells progress."""
         each = 1 + len(self.restitutions) + len(self.approach or ())
-        return len(self.dimensions) * each + len(self.dense) + 2
+        return len(self.dimensions) * each + 2
 
     def quick(self) -> "Falling":
         """The same with fewer restitutions, unless others were asked for, and fewer samples."""
         every = self.restitutions == FIELD_RESTITUTIONS
         return replace(
             self, restitutions=(0.0, 0.5, 0.9) if every else self.restitutions,
-            approach=(self.approach or ())[:1], line=_QUICK_LINE, densities=self.densities[1::2],
-            dense=self.dense[:2], configurations=min(self.configurations, 50),
-            tracers=min(self.tracers, 20), collisions=min(self.collisions, 500_000),
+            approach=(self.approach or ())[:1], line=_QUICK_LINE,
+            collisions=min(self.collisions, 500_000),
             most_tracers=min(self.most_tracers, 10_000), rtol=max(self.rtol, 1e-6),
             time_rtol=max(self.time_rtol, 1e-4),
         )  # fmt: skip

@@ -1,9 +1,8 @@
-"""What runs are reduced to: densities, exponents and errors of samples whose truth is known."""
+"""What runs are reduced to: densities and errors of samples whose truth is known."""
 
 import math
 
 import numpy as np
-import pytest
 
 from kinetics.crosscheck.report import reduce
 
@@ -21,14 +20,3 @@ def test_the_scaled_density_of_gaussian_velocities_and_its_errors() -> None:
     assert np.all(np.abs(values.mean(axis=0) - exact) < 5 * spread / math.sqrt(300))
     # 300 repeats know the spread to 4 %; the jackknife is a little conservative
     np.testing.assert_allclose(np.sqrt((errors**2).mean(axis=0)), spread, rtol=0.2)
-
-
-@pytest.mark.parametrize("n", [1.0, 2.0])
-def test_the_exponent_of_a_known_tail(n: float) -> None:
-    r = np.linspace(0, 4, 400_001)
-    p = np.exp(-(r**n)) * r
-    cumulated = np.concatenate([[0], np.cumsum((p[1:] + p[:-1]) / 2)])
-    excess = reduce.band_exponent(np.diff(np.interp(reduce.BANDS, r, cumulated))) - n
-    # The first band's mean stands for p(0): n comes out too large, the less so the further out.
-    assert np.all(np.diff(excess) < 0)
-    assert 0 < excess[-1] < 0.1
