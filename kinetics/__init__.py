@@ -86,6 +86,7 @@ __all__ = [
     "VelocitySamples",
     "__version__",
     "compare",
+    "fit",
     "load",
     "solve",
     "solve_field",
@@ -100,8 +101,8 @@ def __getattr__(name: str) -> Any:
         value = import_module("kinetics.version").package_version()
     elif name == "sonine":
         value = import_module("kinetics.paper")
-    elif name == "compare":
-        value = import_module("kinetics.crosscheck").compare_data
+    elif name in ("compare", "fit"):
+        value = getattr(import_module("kinetics.crosscheck"), f"{name}_data")
     elif name in _HOME_OF:
         value = getattr(import_module(f"kinetics.{_HOME_OF[name]}"), name)
     else:

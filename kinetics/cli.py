@@ -26,7 +26,7 @@ ENDED = {int(signal.SIGINT): 130, int(signal.SIGTERM): 143}
 GRACE = 1.0
 """Seconds that a command has after a signal to remove what is half written and say what is saved:
 half of the two within which it promises to end."""
-COMMANDS = ("report", "solve", "simulate", "compare", "derive", "bench", "stress")
+COMMANDS = ("report", "solve", "simulate", "compare", "fit", "derive", "bench", "stress")
 
 
 class _Commands(click.Group):
@@ -37,7 +37,7 @@ class _Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS and cmd_name not in self.commands:
-            home = "bench" if cmd_name == "stress" else cmd_name
+            home = {"stress": "bench", "fit": "compare"}.get(cmd_name, cmd_name)
             module = import_module(f"kinetics.crosscheck.cli.{home}")
             self.add_command(getattr(module, cmd_name))
         return self.commands.get(cmd_name)

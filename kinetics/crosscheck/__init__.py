@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kinetics.crosscheck import compare as compare
-    from kinetics.crosscheck.compare import Comparison, compare_data
+    from kinetics.crosscheck.compare import Comparison, compare_data, fit_data
 
-__all__ = ["Comparison", "compare", "compare_data"]
+__all__ = ["Comparison", "compare", "compare_data", "fit_data"]
 
 
 def __getattr__(name: str) -> Any:

@@ -45,6 +45,10 @@ def _speed_unit(context: click.Context, parameter: click.Parameter, text: str) -
         default="auto",
         help="Speeds at time 0: Gaussian, all U, as in the data, or (in a field) none; auto: the "
         "first of these that the data allow, Gaussian if they have no time 0.")
+@option("--scatterers", type=Choice(["auto", "dilute", "hard disks", "overlapping"]),
+        default="auto",
+        help="Dilute: the kinetic equation; else it is corrected for their density. auto: as an "
+        "Ensemble says, or the likeliest for the data.")
 @option("--positions", type=Choice(["auto", "displacement", "absolute"]), default="auto",
         help="x and y are relative to the tracer's place at time 0, or absolute; auto: absolute if "
         "they are not 0 at time 0. Absolute ones need the column tracer, and must not be wrapped "
@@ -83,17 +87,48 @@ def compare(
     difference.
     """
     # fmt: on
+    from kinetics.crosscheck.compare.ask import compare_data
+
+    result = _done(compare_data, data, output, figures, as_json, told)
+    return int(fail_on is not None and result.verdict in {"differs", fail_on})
+
+
+def _fit(
+    data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...], as_json: bool,
+    **told: Any,
+) -> None:  # fmt: skip
+    """Find restitution and density of the scatterers in particle data, from any code.
+
+    Prints both with their errors, the medium that was taken and why, and how well its theory fits;
+    the page has their joint confidence region.
+    """
+    from kinetics.crosscheck.compare.ask import fit_data
+
+    _done(fit_data, data, output, figures, as_json, told)
+
+
+_TOLD = ("restitution", "number_density", "field", "fail_on")
+fit = click.Command(
+    "fit", callback=_fit, help=_fit.__doc__, epilog=COLUMNS, short_help="Find e and the density.",
+    params=[one for one in compare.params if one.name not in _TOLD],
+)  # fmt: skip
+
+
+def _done(
+    work: Any, data: tuple[Path, ...], output: Path | None, figures: tuple[str, ...],
+    as_json: bool, told: dict[str, Any],
+) -> Any:  # fmt: skip
+    """Compare, write what is asked for, and print."""
     from kinetics.errors import InputError
 
     if figures and output is None:
         raise InputError(f"figures: got {', '.join(figures)}; they need --output, the page")
     from kinetics.crosscheck.compare import page
-    from kinetics.crosscheck.compare.ask import compare_data
     from kinetics.crosscheck.files import write_together
 
     if output is not None:
         page.prepare(output, data)
-    result = compare_data(list(data), show_progress=True, **told)
+    result = work(list(data), show_progress=True, **told)
     written = []
     if output is not None:
         written = write_together(output.parent, page.files_of(result, output, figures))
@@ -101,4 +136,4 @@ def compare(
     if written and not as_json:
         text += f"wrote {', '.join(map(str, written))}\n"
     click.echo(text, nl=False)
-    return int(fail_on is not None and result.verdict in {"differs", fail_on})
+    return result

@@ -13,15 +13,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetics.crosscheck.compare import judge, theory
-from kinetics.crosscheck.compare.causes import explained, start_in_words, wrong_unit
-from kinetics.crosscheck.compare.fit import SECOND_MOMENTS, Fit, components_of, fit
-from kinetics.crosscheck.compare.result import Comparison, Parameter
+from kinetics.crosscheck.compare.causes import AGREES_ABOVE, explained, start_in_words, wrong_unit
+from kinetics.crosscheck.compare.fit import (
+    LIMITS,
+    SECOND_MOMENTS,
+    Fit,
+    components_of,
+    fit,
+    media_of,
+)
+from kinetics.crosscheck.compare.result import Comparison, Explanation, Parameter
 from kinetics.crosscheck.compare.statistics import chance, errors, hotelling, spread_out
 from kinetics.crosscheck.compare.theory import AVERAGES, Expectation, Point
 from kinetics.crosscheck.data.read import read_sample
 from kinetics.crosscheck.data.sample import X2, Sample
 from kinetics.crosscheck.data.tracks import Table
-from kinetics.crosscheck.words import DIFFERS_ABOVE, numeral
+from kinetics.crosscheck.words import DIFFERS_ABOVE, Verdict, number, numeral
 from kinetics.errors import InputError
 from kinetics.validation import check_positive, check_restitution, one_of, real_number, refuse
 
@@ -39,6 +46,15 @@ DENSITY_RTOL, DISPLACEMENT_RTOL = 1e-6, 1e-4
 _GAUSSIAN_ABOVE = 1e-3
 """p-value from which on speeds at time 0 may be a Gaussian's."""
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
+_OTHER_UNIT = 0.2
+"""|ln| of U in the data's unit from which on it was forgotten."""
+_COMPLETE = 3
+"""Times with all tracers that are enough to leave out those at which some are missing."""
+SCATTERERS = ("dilute", "hard disks", "overlapping")
+_NO_DENSITIES = (
+    "At a finite density the theory of distributions is less certain than the averages': these are "
+    "compared, with an error of the theory in their covariance, and densities are not."
+)
 _OWN_START = "The theory starts from the data's own speeds: early densities' p-values are too high."
 
 
@@ -50,7 +66,7 @@ def compare_data(
     columns: Mapping[str, str] | str | None = None, timestep: float | None = None,
     tangential_restitution: float | None = None, dimension: int | None = None,
     bin_times: float | None = None, field: float = 0.0, show_progress: bool = False,
-    type: str | int | None = None,
+    type: str | int | None = None, scatterers: str = "auto", fitted: bool = False,
 ) -> Comparison:  # fmt: skip
     """Compare particle data with the kinetic equation, as `lorentz compare` does: kinetics.compare.
 
@@ -72,6 +88,10 @@ def compare_data(
     field : a uniform acceleration along +x in U^2/d, of files and columns in memory. With a field
         restitution and number_density are needed, and causes are not looked for
     explain : test what may explain a difference; False is quicker
+    scatterers : "dilute" (the kinetic equation), "hard disks" or "overlapping" (at their density,
+        see Scene), or "auto": as an Ensemble says, or the likeliest for the data. For others than
+        smooth disks "dilute"
+    fitted : fit restitution and density also where an Ensemble says them
     show_progress : count the files that are read, on a terminal
 
     Raises
@@ -90,7 +110,7 @@ def compare_data(
             number_density *= diameter**sample.law.dimension
     else:
         sample = _sample_of(data)
-    law, told, path, found = sample.law, sample.told, None, None
+    law, told, path = sample.law, sample.told, None
     if tangential_restitution is not None:
         checked = real_number("tangential_restitution", tangential_restitution, 0.0, 1.0)
         law = replace(law, tangential_restitution=checked)
@@ -100,43 +120,118 @@ def compare_data(
         law = replace(law, field=real_number("field", field, 0.0))
         if sample.sums.shape[2] <= X2:
             refuse("field", field, "the data are not of tracers in a field")
-    sample = replace(sample, law=law)
-    restitution = told.get("restitution") if restitution is None else restitution
-    number_density = told.get("number_density") if number_density is None else number_density
+    sample, start = _own_unit(
+        replace(sample, law=law), told.get("initial", "auto") if initial == "auto" else initial
+    )
+    if not fitted:
+        restitution = told.get("restitution") if restitution is None else restitution
+        number_density = told.get("number_density") if number_density is None else number_density
     if restitution is not None:
         restitution = check_restitution(restitution)
     if number_density is not None:
         path = law.free_path(check_positive("number_density", number_density))
-    start = _start(sample, told.get("initial", "auto") if initial == "auto" else initial)
-    if restitution is None or path is None:
-        if law.field:
-            raise InputError("field: restitution and number_density must be given with it")
-        found = fitted_to(sample, restitution, path, start)
-        expectation, point = found.expectation, found.point
-    else:
-        expectation = Expectation(sample, theory.IN_FIELD if law.field else AVERAGES)
-        point = Point(restitution, path, start)
-    return _judged(judge.Both(expectation, point, found, _densities(point, sample)), explain)
+    dense = one_of("scatterers", scatterers, ("auto", *SCATTERERS)) in SCATTERERS[1:]
+    if dense and not law.smooth_disks:
+        refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
+    point = None if restitution is None or path is None else Point(restitution, path, start)
+    media = media_of(sample, scatterers, point)
+    if scatterers == "auto" and told.get("scatterers") in media:
+        media = [told["scatterers"]]
+    if law.field and point is None:
+        raise InputError("field: restitution and number_density must be given with it")
+    return _judged(sample, _fits(sample, restitution, path, start, media), media, explain)
 
 
-def _judged(both: judge.Both, explain: bool) -> Comparison:
+def fit_data(data: Any, **told: Any) -> Comparison:
+    """Restitution and number density of particle data, with errors: `lorentz fit`, kinetics.fit.
+
+    The same as `compare_data` with neither of them told, and no causes looked for. The result has
+    `parameters`, their `covariance`, the `medium` that was taken, and the figure "confidence".
+    """
+    for name in {"restitution", "number_density"} & {*told}:
+        refuse(name, told[name], "it is what is fitted; compare takes it")
+    return compare_data(data, explain=False, fitted=True, **told)
+
+
+def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool) -> Comparison:
     """The rows, tests, verdict and explanations of data and theory side by side."""
-    sample, start = both.sample, both.point.start
-    rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
-    # Rows without spread no test can hold.
-    words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
-    verdict, unit = judge.worst_of(words), wrong_unit(sample, start)
-    explanations = tuple(explained(both, verdict, unit)) if explain else ()
-    likely = (x for x in explanations[:1] if x.outcome == "explains" and x.headline)
-    best = unit or next(likely, None)
-    note = (_OWN_START,) if both.point.own_start and both.histograms else ()
+    expectation = Expectation(sample, theory.IN_FIELD if sample.law.field else AVERAGES)
+    best, explanations = _undecided(fits, _likeliest(fits)), list[Explanation]()
+    for last in (False, True):
+        point = best.point
+        both = judge.Both(expectation, best, _densities(point, sample))
+        rows, tests = tuple(judge.rows_of(both)), tuple(judge.tests_of(both))
+        # Rows without spread no test can hold.
+        words = [*(test.verdict for test in tests), *(r.verdict for r in rows if r.sigmas is None)]
+        unit = wrong_unit(sample, point.start)
+        verdict = Verdict.DIFFERS if unit else judge.worst_of(words)
+        if last or not explain:
+            break
+        explanations, medium = explained(both, verdict, unit, media)
+        if medium == point.scatterers or medium not in media:
+            break  # else what explains is in another medium: it is the one that is shown
+        best = next((one for one in fits if one.point.scatterers == medium), best)
+    likely = (x for x in explanations[:1] if x.outcome in ("explains", "found") and x.headline)
+    first = unit or (None if verdict is Verdict.AGREES else next(likely, None))
+    note = [_OWN_START] if point.own_start and both.histograms else []
+    note += [_NO_DENSITIES] if point.scatterers != "dilute" else []
     tracers, groups = (0, 0) if sample.tabulated else (int(sample.samples.max()), sample.groups)
-    return Comparison(
-        verdict=verdict, summary=judge.summary(both, tests, verdict, best, start_in_words(start)),
-        parameters=_parameters(both, unit is not None), initial=start_in_words(start),
-        samples=tracers, groups=groups, grouping=sample.grouping, names=sample.names,
-        warnings=(*sample.warnings, *note), tests=tests, explanations=explanations, numbers=rows,
+    parameters = _parameters(both, unit is not None)
+    names = {"restitution": "e", "number_density": "ρ₀"}
+    fitted = " and ".join(
+        f"{names[name]} = {number(p.value, p.error)}" for name, p in parameters.items()
+        if name in names and p.error is not None
     )  # fmt: skip
+    start = start_in_words(point.start)
+    return Comparison(
+        verdict=verdict, summary=judge.summary(
+            both, tests, verdict, first, start, f"{fitted}, fitted" * bool(fitted),
+            _medium_in_words(fits, best)),
+        parameters=parameters, initial=start, samples=tracers, groups=groups,
+        grouping=sample.grouping, names=sample.names, warnings=(*sample.warnings, *note),
+        tests=tests, explanations=tuple(explanations), numbers=rows, medium=point.scatterers,
+        covariance=tuple(map(tuple, best.covariance.tolist())),
+    )  # fmt: skip
+
+
+def _likeliest(fits: Sequence[Fit]) -> Fit:
+    """The best of those that agree with the data, or of all: the first of two that are as good."""
+    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE]
+    return min(agree or fits, key=lambda f: f.criterion)
+
+
+def _undecided(fits: Sequence[Fit], best: Fit) -> Fit:
+    """The best fit, in whose covariance is what other media would make of the numbers, by their
+    likelihoods (Buckland, Burnham and Augustin, Biometrics 53, 603 (1997)).
+    """
+
+    def at(one: Fit) -> Any:
+        values = (one.value(name)[0] for name in best.free)
+        return np.array(
+            [v if n in LIMITS else np.log(v) for n, v in zip(best.free, values, strict=True)]
+        )
+
+    weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
+    away = np.array([at(one) - at(best) for one in fits])
+    more = (away.T * (weight / weight.sum())) @ away
+    return replace(best, covariance=best.covariance + more)
+
+
+def _medium_in_words(fits: Sequence[Fit], best: Fit) -> str:
+    """Which medium was taken and why; empty where only one can be."""
+    if len(fits) < 2 or best.chi_square is None:
+        return ""
+
+    def of(one: Fit) -> str:
+        found, what = (
+            one.chi_square,
+            one.point.scatterers.replace("overlapping", "overlapping disks"),
+        )
+        left = "" if found is None else f"{numeral(found.value, '.3g')}/{found.freedom}"
+        return f"{what} {left}"
+
+    others = ", ".join(of(one) for one in fits if one.point.scatterers != best.point.scatterers)
+    return f"The medium taken: {of(best)} (chi-square/degrees of freedom; {others})."
 
 
 def _sources(data: Any) -> list[Any] | None:
@@ -167,12 +262,12 @@ def _sample_of(data: Any) -> Sample:
 def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
     """The numbers of the theory; those that were fitted have standard errors."""
     point, law, found = both.point, both.sample.law, both.found
-    left, why = found.chi_square if found else None, "a unit is wrong" if wrong_unit else ""
+    left, why = found.chi_square if found.free else None, "a unit is wrong" if wrong_unit else ""
     if left is not None and not why and left.p_value < chance(DIFFERS_ABOVE):
         why = f"the model does not fit (p = {numeral(left.p_value, '.2g')})"
 
     def parameter(name: str, value: float, told: str = "told", fitted: str = "") -> Parameter:
-        if found is None or name not in found.free:
+        if name not in found.free:
             return Parameter(value, None, told)
         if why:
             used = numeral(value, ".5g")
@@ -193,7 +288,7 @@ def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
     """The densities by name, that of the displacement at late times and from a named start."""
     from kinetics import SolverStatus
 
-    if sample.tabulated or not sample.law.smooth_disks:
+    if sample.tabulated or not sample.law.smooth_disks or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], {}
     times = later[spread_out(later.size, HISTOGRAM_TIMES)]
@@ -246,36 +341,68 @@ def gaussian_p_value(sample: Sample) -> float:
     return 0.0 if result is None else result.p_value
 
 
-def fitted_to(sample: Sample, restitution: float | None, path: float | None, start: Any) -> Fit:
-    """Restitution and l, whichever is None, by a fit. InputError where the data cannot tell."""
+def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
+    """The sample and its start. U is taken from the data where no unit was told, speeds at time 0
+    are of a named start, and those of U = 1 are far from them.
+    """
+    start = _start(sample, initial)
+    if initial != "auto" or not isinstance(start, theory.SampledStart) or sample.units:
+        return sample, start
+    squares, counts = start.bins.squares, start.bins.counts
+    unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
+    changed = sample.rescaled(unit, 1.0)
+    if abs(math.log(unit)) < _OTHER_UNIT or _start(changed, initial) != "gaussian":
+        return sample, start
+    words = f"U is taken as {numeral(unit, '.4g')} of the data's unit of speed: with it the speeds "
+    words += "at time 0 are a Gaussian's. Another U is told by --speed-unit."
+    return replace(changed, warnings=(*sample.warnings, words)), "gaussian"
+
+
+def _fits(
+    sample: Sample, restitution: float | None, path: float | None, start: Any,
+    media: Sequence[str],
+) -> list[Fit]:  # fmt: skip
+    """Restitution and l, whichever is None, by a fit in each medium; InputError where the data
+    cannot tell.
+    """
     words = {"restitution": "restitution", "path": "number_density"}
     free = [name for name, told in zip(words, (restitution, path), strict=True) if told is None]
     wanted = " and ".join(words[name] for name in free)
-    expectation, groups = Expectation(sample, AVERAGES), sample.groups
+    names = theory.IN_FIELD if sample.law.field else AVERAGES
+    expectation, groups = Expectation(sample, names), sample.groups
     usable = judge.with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
-    components = components_of(AVERAGES, usable, groups, len(free))
-    if components[0].size < len(free) or groups < len(free) + 3:
-        raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
-    # l to start from: a third of the largest root mean square displacement
-    msd = expectation.values[AVERAGES.index("msd")]
-    size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
-    guess = math.log(min(max(size, 1e-6), 1e6))
-    e, told = (0.5 if restitution is None else restitution), path or math.exp(guess)
-    known = Point(e, told, start)
-    starts: list[list[float]] = [[e] for e in _SCAN]
-    if path is None:
-        starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
-        if restitution is None:
-            starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
-    # Without the other averages, which cost more, until the place is known.
-    second = Expectation(sample, SECOND_MOMENTS)
-    mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
-    only = components_of(SECOND_MOMENTS, mine, groups, len(free))
-    if near := fit(second, known, free, only, starts):
-        at = {"restitution": near.point.restitution, "path": math.log(near.point.path)}
-        starts = [[at[name] for name in free]]
-    found = fit(expectation, known, free, components, starts)
-    if found is None or not np.all(np.isfinite(found.errors)):
+    complete = sample.samples == sample.samples.max()
+    if np.count_nonzero(complete & (sample.times > 0)) >= _COMPLETE:
+        usable &= complete  # the tracers that are left may be no fair sample
+    components = components_of(names, usable, groups, len(free))
+    starts: list[list[float]] = [[]]
+    known = Point(restitution or 0.0, path or 1.0, start)
+    if free:
+        if components[0].size < len(free) or groups < len(free) + 3:
+            raise InputError(f"data: too few times or groups ({groups}) to find {wanted}; give it")
+        # l to start from: a third of the largest root mean square displacement
+        msd = expectation.values[AVERAGES.index("msd")]
+        size = math.sqrt(max(msd[np.isfinite(msd)], default=9.0)) / 3
+        guess = math.log(min(max(size, 1e-6), 1e6))
+        known = Point(0.5 if restitution is None else restitution, path or math.exp(guess), start)
+        starts = [[e] for e in _SCAN]
+        if path is None:
+            starts = [[guess + shift] for shift in (-1.5, 0.0, 1.5)]
+            if restitution is None:
+                starts = [[e, guess + shift] for e in _SCAN[1::2] for shift in (-1.0, 1.0)]
+        # Without the other averages, which cost more, until the place is known.
+        second = Expectation(sample, SECOND_MOMENTS[:2])
+        mine = usable[np.isin(AVERAGES, SECOND_MOMENTS)]
+        only = components_of(SECOND_MOMENTS[:2], mine, groups, len(free))
+        if near := fit(second, known, free, only, starts):
+            at = {"restitution": near.point.restitution, "path": math.log(near.point.path)}
+            starts = [[at[name] for name in free]]
+    found = []
+    for medium in media:
+        one = fit(expectation, known._replace(scatterers=medium), free, components, starts)
+        if one is not None and np.all(np.isfinite(one.covariance)):
+            found.append(one)
+    if not found:
         raise InputError(f"data: {wanted} could not be fitted; give it")
     return found

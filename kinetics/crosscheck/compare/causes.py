@@ -1,10 +1,11 @@
 """What may explain a difference: each cause is a row of the table CAUSES, and one fit.
 
 A cause says which parameters of the theory (`theory.Point`) are other than what was told: set to a
-value, or free. They are ranked by the chi-square that they leave plus 2 for each fitted parameter
-(Akaike's criterion), and "explains" is said only of those within NEAR_BEST of the best. Where the
-theory has an error of its own, what that takes from the likelihood is counted against it. Units
-that do not belong together are looked for first: then nothing else is claimed.
+value, or free. Each is tried in every medium that the scatterers may be. It explains if what it
+leaves agrees (p > AGREES_ABOVE) and its value lies more than CLEARLY of its errors from what was
+told; those that explain are ranked by the likelihood that they leave (`Fit.criterion`), and only
+those near the best are said to. Units that do not belong together are looked for first: then
+nothing else is claimed.
 """
 
 import math
@@ -14,25 +15,36 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinetics.crosscheck.compare.fit import Fit, choose_components, components_of, fit
+from kinetics.crosscheck.compare.fit import (
+    LIMITS,
+    Fit,
+    choose_components,
+    components_of,
+    fit,
+    media_of,
+)
 from kinetics.crosscheck.compare.judge import Both
 from kinetics.crosscheck.compare.result import OUTCOMES, Explanation
 from kinetics.crosscheck.compare.statistics import ChiSquare, chance, hotelling
-from kinetics.crosscheck.compare.theory import SPEED, SampledStart, bin_shares
+from kinetics.crosscheck.compare.theory import SPEED, Point, SampledStart, bin_shares
 from kinetics.crosscheck.data.sample import V2, N, Sample
 from kinetics.crosscheck.words import AGREES_BELOW, DIFFERS_ABOVE, Verdict, numeral
 
 AGREES_ABOVE = chance(AGREES_BELOW)
 """p-value from which on what a cause leaves agrees."""
+CLEARLY = 3.0
+"""Errors by which a fitted value must differ from what was told."""
 NEAR_BEST = 6.0
-"""Distance from the best in chi-square plus 2 per parameter up to which a cause explains as well:
-at this distance it is exp(3) = 20 times less likely."""
+"""Distance from the best in -2 ln likelihood up to which a cause explains as well: at this distance
+it is exp(3) = 20 times less likely."""
 _LEAST_GAIN = 16.0
 """Of T^2 by one parameter, 4 sigma, and at least a tenth of it: less is no explanation."""
 _FACTORS = (0.0, -2.0, 2.0, -5.0, 5.0, -9.0, 9.0)
 """Logarithms of the factors from which a unit or a free path is looked for."""
-_LEAST_RESTITUTION = 0.2
-"""Below it the theory at a finite density is of the leading order only, its error not measured."""
+_SHARES = (0.02, 0.3, 0.9)
+"""Of the smallest mean square, from which the variance of noise is looked for."""
+_LATER = (0.3, -0.3, 3.0)
+"""Offsets of the clock that are tried, in the first time above 0."""
 
 
 def start_in_words(start: Any) -> str:
@@ -41,59 +53,94 @@ def start_in_words(start: Any) -> str:
     return named.get(start, start) if isinstance(start, str) else "the data's own speeds at time 0"
 
 
-def explained(both: Both, verdict: Verdict, unit: Explanation | None) -> list[Explanation]:
-    """What explains a difference and is to be noted, the likeliest first; or only a wrong unit."""
+def explained(
+    both: Both, verdict: Verdict, unit: Explanation | None, media: Sequence[str]
+) -> tuple[list[Explanation], str]:
+    """What explains a difference and is to be noted, the likeliest first, and in which medium; or
+    only a wrong unit.
+    """
+    medium = both.point.scatterers
     if unit or both.sample.law.field:
-        return [unit] if unit else []
-    tested = tested_causes(both) if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR) else ()
+        return [unit] if unit else [], medium
+    if (never := _never(both)) is not None:
+        return [never], medium
     notes = [note for note in (_traps(both), _missing(both)) if note is not None]
+    found = []
+    if verdict in (Verdict.DIFFERS, Verdict.UNCLEAR):
+        tested = list(tested_causes(both, media))
+        if tested and tested[0][0].outcome == "explains":
+            medium = tested[0][1]
+        found = [item for item, _ in tested]
     # Python's sort keeps the order of those of one outcome: the likeliest stays first.
-    return sorted([*tested, *notes], key=lambda item: [*OUTCOMES].index(item.outcome))
+    return sorted([*found, *notes], key=lambda item: [*OUTCOMES].index(item.outcome)), medium
 
 
-def tested_causes(both: Both) -> Iterator[Explanation]:
-    """Every cause, the likeliest first; none where too few averages have a spread."""
+def tested_causes(both: Both, media: Sequence[str]) -> Iterator[tuple[Explanation, str]]:
+    """Every cause in its best medium, the likeliest first; none where too few averages have a
+    spread.
+    """
     # Not time 0: there a cause in the start would leave nothing that could differ.
     usable = both.usable & (both.sample.times > 0)
     components = components_of(both.names, usable, both.sample.groups, 1)
-    before = hotelling(*both.flat(components[1]), None, both.sample.tabulated)
+    before = hotelling(*both.flat(components[1]))
     if components[1].size < 2 or not components[0].size or before is None:
         return
     tested = []
     for cause in CAUSES:
-        for change in cause.changes(both):
-            point, free, starts = both.point._replace(**change), cause.free, list[Any]([()])
-            if free:
-                starts = [(getattr(point, free[0]),)]
-                if free[0] not in ("restitution", "at_rest"):
-                    starts = [(math.log(starts[0][0]) + shift,) for shift in _FACTORS]
-            found = fit(both.expectation, point, free, components, starts)
-            # a share of tracers at rest is one between none and nearly all
-            low = 0.0 if free == ("at_rest",) else -1.0
-            if found and found.chi_square and low < found.point.at_rest < 0.85:
-                # -2 ln likelihood, to a constant, plus 2 per parameter
-                criterion = found.chi_square.value + 2 * len(free) + found.widening
-                tested.append((criterion, _judged(both, cause, found, before)))
-    tested.sort(key=lambda one: one[0])
-    for criterion, item in tested:
-        far = item.outcome == "explains" and criterion > tested[0][0] + NEAR_BEST
-        yield replace(item, outcome="in part") if far else item
+        found: list[Fit] = []
+        for change in cause.changes(both, media):
+            one = _fitted(both, cause, change, components, found[0].point if found else None)
+            found += [one] if one else []
+        judged = [(_judged(both, cause, one, before), one) for one in found]
+        # what explains stands before what does not, and the likelier first
+        judged.sort(key=lambda pair: (pair[0].outcome != "explains", pair[1].criterion))
+        tested += judged[: 1 if cause.free else None]
+    tested.sort(key=lambda pair: (pair[0].outcome != "explains", pair[1].criterion))
+    for item, one in tested:
+        far = item.outcome == "explains" and one.criterion > tested[0][1].criterion + NEAR_BEST
+        yield replace(item, outcome="in part") if far else item, one.point.scatterers
+
+
+def _fitted(
+    both: Both, cause: "Cause", change: dict[str, Any], components: Any, near: Point | None
+) -> Fit | None:
+    """The fit of a cause; near: where it was found in another medium, and is looked for now."""
+    point, free, starts = both.point._replace(**change), cause.free, list[Any]([()])
+    if free:
+        starts = [(x,) for x in cause.starts(both, point)]
+    if free and near is not None:
+        value = getattr(near, free[0])
+        starts = [(value if free[0] in LIMITS else math.log(value),), starts[0]]
+    try:
+        found = fit(both.expectation, point, free, components, starts)
+    except ValueError:  # a restitution or a density of which there is no theory
+        return None
+    return found if found and found.chi_square else None
 
 
 def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explanation:
     """What a cause comes to, from the chi-square that it leaves."""
     after, outcome = found.chi_square, "does not"
     assert after is not None
+    value, error, clear = None, None, True
+    if cause.free:
+        (name,) = cause.free
+        value, error = found.value(name)
+        told = float(getattr(both.point, name))
+        away = value - told if name in LIMITS else value * math.log(value / told)
+        clear = abs(away) > CLEARLY * error and 0 <= found.point.at_rest < 0.85
     if after.p_value >= AGREES_ABOVE:
         # Averages that agreed already need no explaining.
-        outcome = "explains" if before.p_value < AGREES_ABOVE else "does not"
-    elif before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
+        outcome = "explains" if clear and before.p_value < AGREES_ABOVE else "does not"
+    elif clear and before.statistic - after.statistic > max(_LEAST_GAIN, 0.1 * before.statistic):
         outcome = "in part"
-    text, headline = cause.words(both, found)
+    text, headline, value, error = cause.words(both, found, value, error)
+    if found.point.scatterers not in ("dilute", both.point.scatterers) and cause.free:
+        headline += f" ({among(found.point.scatterers)})"
     numbers = [numeral(x, ".4g") for x in (before.value, after.value)]
     text += f" The averages' chi-square goes from {numbers[0]} to {numbers[1]} with "
-    text += f"{after.freedom} degrees of freedom (p = {numeral(after.p_value, '.2g')})."
-    value, error = found.value(cause.free[0]) if cause.free else (None, None)
+    text += f"{after.freedom} degrees of freedom (p = {numeral(after.p_value, '.2g')}), "
+    text += f"{among(found.point.scatterers)}."
     return Explanation(
         cause.name, outcome, text, True, value, error, before.value, after.value, after.freedom,
         after.p_value, headline,
@@ -102,86 +149,130 @@ def _judged(both: Both, cause: "Cause", found: Fit, before: ChiSquare) -> Explan
 
 # -- the causes and their sentences ----------------------------------------------------------------
 
-
-def _pm(found: tuple[float, float], form: str = ".5g", of_error: str = ".2g") -> str:
-    return f"{numeral(found[0], form)} ± {numeral(found[1], of_error)}"
-
-
-def _media(both: Both) -> list[dict[str, Any]]:
-    """The media at the density of the scatterers, where there is a theory of them.
-
-    For smooth disks at a density that is told; not for particles that meet no scatterer again.
-    """
-    from kinetics.collision.medium import HIGHEST_DENSITY
-
-    law, fitted = both.sample.law, both.found is not None and "path" in both.found.free
-    known = both.point.restitution >= _LEAST_RESTITUTION and law.smooth_disks
-    if fitted or both.sample.free or not known or law.free_path(both.point.path) > HIGHEST_DENSITY:
-        return []
-    return [{"scatterers": medium} for medium in ("hard disks", "overlapping")]
+Words = tuple[str, str, float | None, float | None]
+"""The sentence and the headline of a cause, its value and its error as they are said."""
 
 
-def _of_density(both: Both, found: Fit) -> tuple[str, str]:
-    from kinetics.collision.medium import SETTLED
+def among(scatterers: str) -> str:
+    """The medium as the end of a sentence."""
+    return {"overlapping": "among overlapping disks"}.get(
+        scatterers, f"among {scatterers}"
+    ).replace("among dilute", "among dilute scatterers")
 
-    kind, n = found.point.scatterers, numeral(both.sample.law.free_path(both.point.path), ".4g")
+
+def _pm(value: float, error: float, form: str = ".5g", of_error: str = ".2g") -> str:
+    return f"{numeral(value, form)} ± {numeral(error, of_error)}"
+
+
+def _of_medium(both: Both, found: Fit, value: Any, error: Any) -> Words:
+    n = numeral(both.sample.law.free_path(both.point.path), ".4g")
     v0, r2 = (numeral(found.theory[k, -1] / both.theory[k, -1] - 1, "+.2%") for k in (0, 2))
-    text = (
-        f'The finite density of the scatterers, n = ρ₀d² = {n}, by Scene(scatterers="{kind}"), '
-        f"trusted from {SETTLED:g} l/U on, changes v₀ by {v0} and ⟨r²⟩ by {r2} at the last time. "
-        "Nothing is fitted, and its own error is added to the covariance."
-    )
-    return text, f"the finite density of the scatterers ({kind}, no fitted number)"
+    where = among(found.point.scatterers)
+    text = f"Another medium: {where} at n = ρ₀d² = {n} v₀ changes by {v0} and ⟨r²⟩ by {r2} at the "
+    text += "last time. Nothing is fitted; an error of the theory is in the covariance."
+    return text, f"the finite density of the scatterers ({where}, no fitted number)", None, None
 
 
-def _other_starts(both: Both) -> list[dict[str, Any]]:
+def _media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
+    return [{"scatterers": medium} for medium in media]
+
+
+def _other_media(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
+    """The media that were not looked at."""
+    return _media(both, [m for m in media_of(both.sample, "every", both.point) if m not in media])
+
+
+def _other_starts(both: Both, media: Sequence[str]) -> list[dict[str, Any]]:
     """The data's own speeds at time 0, or the other named start."""
-    start = both.sample.start
-    if start is not None:
-        return [] if both.point.own_start else [{"start": SampledStart(start)}]
-    return [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.point.start]
+    start, found = both.sample.start, list[dict[str, Any]]()
+    if start is None:
+        found = [{"start": n} for n in ("gaussian", "monoenergetic") if n != both.point.start]
+    elif not both.point.own_start:
+        found = [{"start": SampledStart(start)}]
+    return [change | medium for change in found for medium in _media(both, media)]
 
 
-def _of_start(both: Both, found: Fit) -> tuple[str, str]:
+def _of_start(both: Both, found: Fit, value: Any, error: Any) -> Words:
     words = start_in_words(found.point.start)
-    return f"Another start: {words}, the rest as told.", f"another start ({words})"
+    return f"Another start: {words}, the rest as told.", f"another start ({words})", None, None
 
 
-def _of_number(symbol: str, title: str, unit: str = "") -> Callable[[Both, Fit], tuple[str, str]]:
-    def words(both: Both, found: Fit) -> tuple[str, str]:
-        name = found.free[0]
-        value = f"{symbol} = {_pm(found.value(name))}{unit} in place of "
-        value += f"{numeral(getattr(both.point, name), '.5g')}{unit}"
-        return f"Another {title}: {value} fits best.", value
+def _of_number(symbol: str, title: str, kind: str = "", unit: str = "") -> Any:
+    """Of a number in place of what was told; kind: of a unit, which is said in the data's own."""
+
+    def words(both: Both, found: Fit, value: float, error: float) -> Words:
+        told = float(getattr(both.point, found.free[0]))
+        size, own = both.sample.units.get(kind, (1.0, ""))
+        name = f" {own}" if own else unit
+        text = f"{symbol} = {_pm(value * size, error * size)}{name} in place of "
+        text += f"{numeral(told * size, '.5g')}{name}"
+        return f"Another {title}: {text} fits best.", text, value * size, error * size
 
     return words
 
 
+def _of_noise(title: str, unit: str) -> Any:
+    def words(both: Both, found: Fit, value: float, error: float) -> Words:
+        size = math.sqrt(max(value, 0.0))
+        width = error / (2 * size) if size else math.sqrt(error)
+        text = f"noise of {_pm(size, width)} {unit} in each component of the {title}"
+        return f"{text[0].upper()}{text[1:]}.", text, size, width
+
+    return words
+
+
+def _factors(name: str) -> Any:
+    return lambda both, point: [math.log(getattr(point, name)) + shift for shift in _FACTORS]
+
+
+def _noise(name: str, output: int) -> Any:
+    def starts(both: Both, point: Point) -> list[float]:
+        found = both.expectation.values[output] ** (2 if output == 0 else 1)
+        known = found[(both.sample.times > 0) & np.isfinite(found) & (found > 0)]
+        smallest = float(known.min()) if known.size else 1.0
+        return [share * smallest / both.sample.law.dimension for share in _SHARES]
+
+    return starts
+
+
+def _offsets(both: Both, point: Point) -> list[float]:
+    first = float(both.sample.times[both.sample.times > 0].min(initial=1.0))
+    return [share * first for share in _LATER]
+
+
 class Cause(NamedTuple):
-    """A cause: its sentence and headline, the parameter that is fitted, and those that are set.
+    """A cause: its words, the parameter that is fitted and where to begin, and what is set.
 
     changes : one dictionary for each variant; none where the cause does not apply
     """
 
     name: str
-    words: Callable[[Both, Fit], tuple[str, str]]
+    words: Callable[[Both, Fit, Any, Any], Words]
     free: tuple[str, ...] = ()
-    changes: Callable[[Both], Sequence[dict[str, Any]]] = lambda both: [{}]
+    starts: Callable[[Both, Point], Sequence[float]] = lambda both, point: (0.0,)
+    changes: Callable[[Both, Sequence[str]], Sequence[dict[str, Any]]] = _media
 
 
 CAUSES = (
-    Cause("finite density", _of_density, (), _media),
-    Cause("free path", _of_number("l", "mean free path", " d"), ("path",)),
-    Cause("restitution", _of_number("e", "restitution"), ("restitution",)),
-    Cause("initial speeds", _of_start, (), _other_starts),
-    Cause("speed unit", _of_number("U", "unit of speed"), ("speed_unit",),
-          lambda both: [] if both.point.own_start else [{}]),
-    Cause("time unit", _of_number("d/U", "unit of time"), ("time_unit",)),
-    Cause("length unit", _of_number("d", "unit of length"), ("length_unit",)),
+    Cause("finite density", _of_medium, changes=_other_media),
+    Cause("restitution", _of_number("e", "restitution"), ("restitution",),
+          lambda both, point: (point.restitution, 0.9, 0.5)),
+    Cause("free path", _of_number("l", "mean free path", "", " d"), ("path",), _factors("path")),
+    Cause("initial speeds", _of_start, changes=_other_starts),
+    Cause("speed unit", _of_number("U", "unit of speed", "speed"), ("speed_unit",),
+          _factors("speed_unit"),
+          lambda both, media: [] if both.point.own_start else _media(both, media)),
+    Cause("time unit", _of_number("d/U", "unit of time", "time"), ("time_unit",),
+          _factors("time_unit")),
+    Cause("length unit", _of_number("d", "unit of length", "length"), ("length_unit",),
+          _factors("length_unit")),
+    Cause("time offset", _of_number("t₀", "zero of the clock", "time", " d/U"), ("time_offset",),
+          _offsets),
+    Cause("velocity noise", _of_noise("velocity", "U"), ("velocity_noise",), _noise("v", 0)),
+    Cause("position noise", _of_noise("displacement", "d"), ("position_noise",), _noise("r", 2)),
     Cause("tracers at rest", _of_number("f", "share of tracers that never move"), ("at_rest",)),
 )  # fmt: skip
-"""Everything that may explain a difference. The first, which has no free parameter, stands before
-others that are as likely. A new cause is one row."""
+"""Everything that may explain a difference. A new cause is one row."""
 
 # -- units that do not belong together -------------------------------------------------------------
 
@@ -189,9 +280,8 @@ _FAR, _MOST = 2.0, 0.5
 """Factor by which speeds are in another unit, and the share of tracers that have not collided."""
 _WRONG_ABOVE = 0.005
 """|ln(|r|/(|v| t))| from which on units do not belong together."""
-_PUT_RIGHT = (
-    "put it right by --time-unit, --length-unit or --speed-unit. No other cause is looked for."
-)
+_NO_OTHER = "No other cause is looked for."
+_PUT_RIGHT = f"put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
 
 
 def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
@@ -201,19 +291,31 @@ def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     named start cannot be; smaller ones cannot be while most tracers have not collided. A factor of
     two is asked for: less may be another start.
     """
-    flights, field = sample.flights, sample.law.field
-    if not field and flights is not None and abs(math.log(flights.ratio)) > _WRONG_ABOVE:
-        value = 1 / flights.ratio
-        headline = f"tracers that fly straight have r = {numeral(flights.ratio, '.5g')} v t, as if "
-        headline += f"times were {numeral(value, '.5g')} times too long"
-        text = f"At t = {numeral(flights.time, '.4g')}, {headline}; {_PUT_RIGHT}"
+    flights, field, unit = sample.flights, sample.law.field, sample.units.get("time", (1.0, ""))
+    if not field and flights and abs(math.log(flights[0].ratio)) > _WRONG_ABOVE:
+        at, straight = flights[0].time, "tracers that fly straight have r = {} v t"
+        straight = straight.format(numeral(flights[0].ratio, ".5g"))
+        # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
+        true = [one.time * one.ratio for one in flights]
+        if (
+            len(true) > 1
+            and abs(math.log(abs(np.diff(true)[0] / (flights[1].time - at)))) < _WRONG_ABOVE
+        ):
+            value = (at - true[0]) * unit[0]
+            headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
+            headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
+            text = f"{headline[0].upper()}{headline[1:]}; shift the times. {_NO_OTHER}"
+            return Explanation("time offset", "found", text, True, value, headline=headline)
+        value = 1 / flights[0].ratio
+        headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
+        text = f"At t = {numeral(at, '.4g')}, {headline}; {_PUT_RIGHT}"
         return Explanation("time unit", "found", text, True, value, headline=headline)
     if field or not isinstance(start, str):
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
     ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
-    early = flights is not None and flights.share > _MOST and flights.time <= sample.times[:2].max()
+    early = any(one.share > _MOST and one.time <= sample.times[:2].max() for one in flights)
     if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
         return None
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
@@ -246,12 +348,26 @@ def _traps(both: Both) -> Explanation | None:
         share, error = excess / h.samples, math.sqrt(count) / h.samples
         text = (
             f"At t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
-            f"{numeral(edges[cut], '.3g')} U, {_pm((share, error), '.2%', '.2%')} of all too many; "
+            f"{numeral(edges[cut], '.3g')} U, {_pm(share, error, '.2%', '.2%')} of all too many; "
             f"{rest} have speed zero: caught between scatterers, or stopped by a program."
         )
-        return Explanation("traps", "found", text, True, share, error)
+        headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
+        return Explanation("traps", "found", text, True, share, error, headline=headline)
     text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-    return Explanation("traps", "found", text, True, rest / most) if rest else None
+    headline = f"{rest} tracers come to rest"
+    return (
+        Explanation("traps", "found", text, True, rest / most, headline=headline) if rest else None
+    )
+
+
+def _never(both: Both) -> Explanation | None:
+    """Particles that have speed zero at every time."""
+    rest, most = int(both.sample.at_rest.min()), int(both.sample.samples.max())
+    if not rest or both.sample.times.size < 2:
+        return None
+    text = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move: are these the "
+    text += "scatterers? Choose the tracers by --type, or leave the others out."
+    return Explanation("scatterers", "found", text, True, rest / most, headline=text.split(":")[0])
 
 
 def _missing(both: Both) -> Explanation | None:
@@ -270,8 +386,9 @@ def _missing(both: Both) -> Explanation | None:
     text += "A cap on collisions takes the fast ones away."
     if part is not None and part.p_value < AGREES_ABOVE:
         outcome = "explains" if whole is None or whole.p_value >= AGREES_ABOVE else "in part"
-    left = (whole.value, whole.freedom, whole.p_value) if whole else (None, None, None)
+    headline = f"{missing} tracers that are missing at later times"
     return Explanation(
         "missing tracers", outcome, text, part is not None, missing / most, None,
-        part.value if part else None, *left,
+        part.value if part else None, whole.value if whole else None,
+        whole.freedom if whole else None, whole.p_value if whole else None, headline,
     )  # fmt: skip

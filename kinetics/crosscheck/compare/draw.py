@@ -10,11 +10,13 @@ _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
 
 
-def figures_of(rows: Any) -> dict[str, Any]:
-    """The data of every figure, by name: of each observable in the rows, and "sigmas".
+def figures_of(result: Any) -> dict[str, Any]:
+    """The data of every figure of a Comparison, by name: of each observable in its rows, "sigmas"
+    and, where e and l were fitted, "confidence", the region that holds both at 68 and 95 %.
 
     Of a density the first bin and the last, which has no end, are not shown.
     """
+    rows = result.rows
 
     def axis(label: str, unit: str = "", log: bool = False) -> dict[str, str]:
         return {"label": label, "unit": unit, "scale": "log" if log else "linear"}
@@ -53,6 +55,19 @@ def figures_of(rows: Any) -> dict[str, Any]:
             "title": "Differences in standard errors", "x": time,
             "y": axis("difference / standard error"), "series": [zero, *sigmas],
         }  # fmt: skip
+    if np.shape(result.covariance) == (2, 2):
+        e, path = (result.parameters[name].value for name in ("restitution", "mean_free_path"))
+        angle, root = np.linspace(0.0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
+        circle = root @ np.stack([np.cos(angle), np.sin(angle)])
+        lines = [series("data", [e], [path])] if e else []
+        for share, radius in ((68, 1.515), (95, 2.448)) if e else ():  # chi-square of two freedoms
+            x, y = e + radius * circle[0], path * np.exp(radius * circle[1])
+            lines.append(series("kinetic equation", x, y, group=f"{share} %"))
+        if lines:
+            figures["confidence"] = {
+                "title": "Restitution and mean free path together", "x": axis("restitution $e$"),
+                "y": axis("mean free path $l$", "d"), "series": lines,
+            }  # fmt: skip
     return figures
 
 

@@ -1,13 +1,14 @@
-"""One least-squares fit, for what was not told and for every cause of a difference.
+"""One least-squares fit: for what was told, for what was not, and for every cause of a difference.
 
 Parameters are fitted to the logarithms of second moments (v0 and <r^2>) alone: where a few fast
 tracers raise a fourth moment they raise its variance too, so that weights from the same tracers
 would favour low values (Altonji and Segal, J. Bus. Econ. Stat. 14, 353 (1996)). All averages enter
-the chi-square that is left, which is at the same point as the values and their errors.
+the chi-square that is left, which is at the same point as the values and their errors. Where the
+theory has an error of its own, its covariance is added to that of the data everywhere.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,17 +16,23 @@ from numpy.typing import NDArray
 
 from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.statistics import ChiSquare, covariance, errors, whitening
-from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance
+from kinetics.crosscheck.compare.theory import Expectation, Point, own_covariance, stabilised
+from kinetics.crosscheck.data.sample import Sample
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SECOND_MOMENTS = ("thermal_speed", "msd")
-"""The averages that parameters are fitted to, in the order of all averages."""
-LIMITS = {"restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9)}
+SECOND_MOMENTS = ("thermal_speed", "msd", "drift", "mean_displacement")
+"""The averages that parameters are fitted to."""
+LIMITS = {
+    "restitution": (0.0, 1.0), "at_rest": (-0.5, 0.9), "time_offset": (-1e3, 1e3),
+    "velocity_noise": (0.0, 1e3), "position_noise": (0.0, 1e6),
+}  # fmt: skip
 """Of parameters that are fitted as they are; others are positive, and their logarithms fitted."""
+LEAST_RESTITUTION, DENSEST = 0.2, 0.3
+"""Restitution from which on, and number density up to which, there is a theory of dense media."""
 WIDEST = 12.0
-"""|ln| of the factor by which such a parameter may differ from what was told."""
+"""|ln| of the factor by which a positive parameter may differ from what was told."""
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
 _TRIED = 2
@@ -34,28 +41,36 @@ _TRIED = 2
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A point with some fitted parameters (`free`), and all that is known there.
+    """A point with some fitted parameters (`free`, perhaps none), and all that is known there.
 
-    errors (k,): relative for parameters whose logarithms are fitted. theory (n_names, n_times).
-    fitted (p,): indices of the averages that were fitted, of p_all; influence (k, p):
-    d(parameters)/d(data); slope (p_all, k). widening: of `log_widening`.
+    theory (n_names, n_times); known (p_all, p_all): the covariance of its own error, None for 0;
+    covariance (k, k) of the parameters, or of the logarithms of positive ones; slope (p_all, k):
+    d(theory)/d(parameters); influence (k, p) on them of the fitted averages, whose indices are
+    `fitted` (p,). chi_square: of all averages together; widening: ln(det(C + M)/det C) of it.
     """
 
-    expectation: Expectation
     point: Point
     free: tuple[str, ...]
-    errors: Array
     theory: Array
-    influence: Array
+    known: Array | None
+    covariance: Array
     slope: Array
+    influence: Array
     fitted: Indices
     chi_square: ChiSquare | None = None
     widening: float = 0.0
 
     def value(self, name: str) -> tuple[float, float]:
         """A fitted parameter and its standard error."""
-        value, error = getattr(self.point, name), float(self.errors[self.free.index(name)])
+        k, value = self.free.index(name), float(getattr(self.point, name))
+        error = float(np.sqrt(self.covariance[k, k]))
         return value, error if name in LIMITS else value * error
+
+    @property
+    def criterion(self) -> float:
+        """-2 ln likelihood, to a constant, plus 2 for each parameter (Akaike's criterion)."""
+        left = np.inf if self.chi_square is None else self.chi_square.value
+        return float(left + self.widening + 2 * len(self.free))
 
     def moved(self, replicates: Array) -> Array:
         """Replicates of the difference (G, ...) with the shift of the fitted theory taken off."""
@@ -97,14 +112,14 @@ def fit(
     logarithms of those that are positive.
     """
     groups, (chosen, tested) = expectation.sample.groups, components
+    one_by_one, shape = expectation.sample.tabulated, expectation.replicates.shape
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
-    middle = [0.0 if name in LIMITS else np.log(getattr(told, name)) for name in free]
-    ends = [LIMITS.get(n, (m - WIDEST, m + WIDEST)) for n, m in zip(free, middle, strict=True)]
-    low, high = (np.array([end[k] for end in ends]) for k in (0, 1))
+    low, high = np.array([_ends(name, told) for name in free]).reshape(-1, 2).T
 
     def point(at: Array) -> Point:
-        changed: Any = dict(zip(free, np.where(logs, np.exp(at), at).tolist(), strict=True))
+        both = zip(free, at.tolist(), strict=True)
+        changed: Any = {n: x if n in LIMITS else float(np.exp(x)) for n, x in both}
         return told._replace(**changed)
 
     def difference(at: Array) -> Array:
@@ -113,54 +128,87 @@ def fit(
             return np.asarray(np.log(values) - np.log(theory))
 
     def weights(at: Array) -> Array | None:
-        moved = np.broadcast_to(expectation.theory(point(at))[1], expectation.replicates.shape)
+        theory, moved = expectation.theory(point(at))
+        known, size = own_covariance(expectation, point(at), theory), theory.ravel()[chosen]
         with np.errstate(divide="ignore", invalid="ignore"):
-            left = np.log(replicates) - np.log(moved.reshape(groups, -1)[:, chosen])
-        return whitening(covariance(left)) if np.all(np.isfinite(left)) else None
+            flat = np.broadcast_to(moved, shape).reshape(groups, -1)[:, chosen]
+            left = np.log(replicates) - np.log(flat)
+        if not np.all(np.isfinite(left)):
+            return None
+        extra = 0.0 if known is None else known[np.ix_(chosen, chosen)] / np.outer(size, size)
+        return whitening(covariance(left) + extra)
 
-    best = np.empty(0)
+    best, white = np.empty(0), None
     if free:
         tried = []
         for start in starts:
             at = np.clip(np.asarray(start, float), low, high)
-            if np.all(np.isfinite(left := difference(at))) and (white := weights(at)) is not None:
-                tried.append((float(np.sum((white @ left) ** 2)), at, white))
+            if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
+                tried.append((float(np.sum((found @ left) ** 2)), at, found))
         tried = sorted(tried, key=lambda one: one[0])[:_TRIED]
-        found = [_descended(difference, white, at, low, high) for _, at, white in tried]
-        known = [one for one in found if one is not None]
-        if not known:
+        ended = [_descended(difference, found, at, low, high) for _, at, found in tried]
+        if not (reached := [one for one in ended if one is not None]):
             return None
-        best = min(known, key=lambda one: one[0])[1]
+        best = min(reached, key=lambda one: one[0])[1]
         margin = 0.01 * (high - low)
         if np.any(logs & ((best <= low + margin) | (best >= high - margin))):
             return None
-
-    theory, moved = expectation.theory(point(best))
-    slope, influence, error = np.zeros((theory.size, 0)), np.zeros((0, chosen.size)), np.empty(0)
-    one_by_one = expectation.sample.tabulated
-    if free:
         if (white := weights(best)) is None:
             return None
+    at = point(best)
+    theory, moved = expectation.theory(at)
+    names = expectation.names
+    known = own_covariance(expectation, at, theory)
+    slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
+    spread: Array = np.zeros((0, 0))
+    if white is not None:
         slope = _slopes(lambda p: expectation.theory(point(p))[0].ravel(), best, low, high)
         size = theory.ravel()[chosen]
-        steep = white @ (slope[chosen] / size[:, None])
+        steep: Any = white @ (slope[chosen] / size[:, None])
         influence = np.linalg.pinv(steep) @ white / size
         spread = np.linalg.pinv(steep.T @ steep) * _inflation(groups, len(white) - best.size)
-        error = np.sqrt(np.diagonal(spread))
         if one_by_one:  # errors for the worst correlation
-            error = np.abs(influence) @ errors(replicates)
-    at = point(best)
-    fitted = Fit(expectation, at, tuple(free), error, theory, influence, slope, chosen)
-    known_error = own_covariance(expectation, at, theory)
-    rest = expectation.replicates - moved
-    rest = (rest if one_by_one else fitted.moved(rest)).reshape(groups, -1)[:, tested]
-    widening = 0.0
-    if known_error is not None:
-        known_error = known_error[np.ix_(tested, tested)]
-        widening = statistics.log_widening(rest, known_error)
-    left = (expectation.values - theory).ravel()[tested]
-    after = statistics.hotelling(left, rest, known_error, one_by_one)
-    return replace(fitted, chi_square=after, widening=widening)
+            spread = np.diag(np.abs(influence) @ errors(replicates)) ** 2
+    parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
+    differences, widening = expectation.replicates - moved, 0.0
+    if not one_by_one:
+        differences = Fit(*parts).moved(differences)
+    rest = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
+    if known is not None:
+        passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
+        passed[:, chosen] -= slope[tested] @ influence
+        usable = np.any(passed != 0, axis=0)
+        known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
+        widening = statistics.log_widening(rest, known)
+    left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
+    after = statistics.hotelling(left, rest, known, one_by_one)
+    return Fit(*parts, after, widening)
+
+
+def media_of(sample: Sample, asked: str, point: Point | None = None) -> list[str]:
+    """The media that the scatterers may be; of dense ones there is a theory for smooth disks.
+
+    point: what was told of restitution and density. asked: "every" has overlapping disks too, which
+    differ from hard ones by a twentieth of the density: they must be told, or explain.
+    """
+    if asked not in ("auto", "every"):
+        return [asked]
+    dense = sample.law.smooth_disks and not sample.free
+    if point is not None:
+        dense &= sample.law.free_path(point.path) <= DENSEST
+        dense &= point.restitution >= LEAST_RESTITUTION
+    return ["dilute", "hard disks", "overlapping"][: 1 + dense + (dense and asked == "every")]
+
+
+def _ends(name: str, told: Point) -> tuple[float, float]:
+    """Between what a parameter, or its logarithm, is looked for."""
+    dense = told.scatterers != "dilute"
+    if name in LIMITS:
+        low, high = LIMITS[name]
+        return (LEAST_RESTITUTION, high) if dense and name == "restitution" else (low, high)
+    middle = float(np.log(getattr(told, name)))
+    low = middle - WIDEST
+    return (max(low, -np.log(2 * DENSEST)) if dense and name == "path" else low), middle + WIDEST
 
 
 def _inflation(groups: int, freedom: int) -> float:

@@ -12,7 +12,13 @@ from kinetics.crosscheck.compare import statistics
 from kinetics.crosscheck.compare.fit import Fit
 from kinetics.crosscheck.compare.result import ComparisonTest, Explanation, Row
 from kinetics.crosscheck.compare.statistics import ChiSquare
-from kinetics.crosscheck.compare.theory import OBSERVABLES, SPEED, Expectation, Point, bin_shares
+from kinetics.crosscheck.compare.theory import (
+    OBSERVABLES,
+    SPEED,
+    Expectation,
+    bin_shares,
+    stabilised,
+)
 from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.words import Verdict, numeral
 from kinetics.errors import InputError
@@ -58,28 +64,33 @@ class Histogram:
 class Both:
     """A sample and its theory side by side: what rows, tests and causes are made of.
 
-    found : the fit to the same averages that the point's numbers come from, if there is one
+    found : the fit to the same averages that the point's numbers come from
     theory, difference, error (n_names, n_times); replicates (G, n_names, n_times) of the difference
+    known (p_all, p_all) : covariance of the theory's own error, None where it has none
     compared : where there is something to compare; usable : and where it has spread
     """
 
     def __init__(
-        self, expectation: Expectation, point: Point, found: Fit | None,
-        densities: "dict[str, Solution]",
-    ) -> None:  # fmt: skip
-        self.expectation, self.point, self.found = expectation, point, found
+        self, expectation: Expectation, found: Fit, densities: "dict[str, Solution]"
+    ) -> None:
+        self.expectation, self.point, self.found = expectation, found.point, found
         self.sample, self.names, self.densities = expectation.sample, expectation.names, densities
         if self.sample.groups < 2:
             raise InputError("data: fewer than two groups; there are no standard errors")
-        self.theory, moved = expectation.theory(point)
+        self.theory, moved = expectation.theory(self.point)
         self.difference = expectation.values - self.theory
         replicates = expectation.replicates - moved
-        self.replicates = found.moved(replicates) if found else replicates
+        self.replicates, self.known = found.moved(replicates), found.known
         self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
+        self.shaped = stabilised(self.names, self.theory, self.difference)
+        self.shaped_replicates = stabilised(self.names, self.theory, self.replicates)
         for k, name in enumerate(self.names):
-            if point.own_start or name not in _AT_ZERO:
+            if self.point.own_start or name not in _AT_ZERO:
                 self.compared[k] &= self.sample.times > 0
         self.usable = self.compared & with_spread(self.error, expectation.values, self.theory)
+        if self.known is not None:
+            own = np.diagonal(self.known).reshape(self.error.shape)
+            self.error = np.sqrt(self.error**2 + own)
         self.histograms = [
             result
             for name, density in densities.items()
@@ -87,10 +98,11 @@ class Both:
             if (result := _histogram(self.sample, density, name, at)) is not None
         ]
 
-    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array]:
-        """Some of the differences (p,), by their flat indices, and replicates of them (G, p)."""
-        replicates = self.replicates.reshape(self.sample.groups, -1)
-        return self.difference.ravel()[chosen], replicates[:, chosen]
+    def flat(self, chosen: NDArray[np.int64]) -> tuple[Array, Array, Array | None, bool]:
+        """Some of the differences (p,), by their flat indices: the arguments of a chi-square."""
+        replicates = self.shaped_replicates.reshape(self.sample.groups, -1)
+        known = None if self.known is None else self.known[np.ix_(chosen, chosen)]
+        return self.shaped.ravel()[chosen], replicates[:, chosen], known, self.sample.tabulated
 
 
 def with_spread(error: Array, *values: Array) -> NDArray[np.bool_]:
@@ -218,20 +230,19 @@ def tests_of(both: Both) -> Iterator[ComparisonTest]:
 
 
 def _over_times(both: Both, i: int) -> ChiSquare | None:
-    """The chi-square of one average."""
+    """The chi-square of one average; neighbouring times together, where the groups are few."""
     times = np.flatnonzero(both.usable[i])
     if not times.size:
         return None
-    difference = both.difference[i, times] / both.error[i, times]
+    difference, replicates, known, _ = both.flat(times + i * both.sample.times.size)
+    error = both.error[i, times]
     if both.sample.tabulated:
-        return statistics.of_the_worst(difference)
-    most = statistics.most_freedom(both.sample.groups)
-    replicates = both.replicates[:, i, times] / both.error[i, times]
-    if times.size > most:
-        starts = np.arange(most) * times.size // most
-        difference = np.add.reduceat(difference, starts)
-        replicates = np.add.reduceat(replicates, starts, axis=1)
-    return statistics.hotelling(difference, replicates)
+        return statistics.of_the_worst(difference / error)
+    count = min(times.size, statistics.most_freedom(both.sample.groups))
+    together = np.zeros((count, times.size))
+    together[np.arange(times.size) * count // times.size, range(times.size)] = 1 / error
+    known = None if known is None else together @ known @ together.T
+    return statistics.hotelling(together @ difference, replicates @ together.T, known)
 
 
 def _of_single_times(both: Both, i: int) -> tuple[Verdict, float]:
@@ -259,9 +270,12 @@ def worst_of(verdicts: Iterable[Verdict]) -> Verdict:
 
 def summary(
     both: Both, tests: Sequence[ComparisonTest], verdict: Verdict, best: Explanation | None,
-    start: str,
+    start: str, fitted: str, medium: str,
 ) -> str:  # fmt: skip
-    """The verdict in a sentence, what was compared, and the clearest difference."""
+    """What was fitted, the verdict in a sentence, what was compared, and the clearest difference.
+
+    fitted: the numbers that were looked for, empty where all was told; medium: which one was taken
+    """
     within = [
         f"{numeral(min(t.within, 10.0), '.2g' if t.within < 0.001 else '.2%')} for "
         f"{OBSERVABLES[t.observable].short}" for t in tests if t.within is not None
@@ -273,7 +287,9 @@ def summary(
         Verdict.DIFFERS: f"They differ{cause}.",
     }.get(verdict, "Nothing could be tested.")
     if best is not None and best.outcome == "found":
-        answer = f"A unit is wrong: {best.headline}. Put that right first."
+        answer = f"They differ. Look at the data first: {best.headline}."
+    elif fitted:
+        answer = f"{fitted}. {answer}"
     sample, law, point = both.sample, both.sample.law, both.point
     numbers = {"e": point.restitution, "ρ₀": law.free_path(point.path)}
     numbers |= {"e_t": law.tangential_restitution, "field": law.field}
@@ -282,7 +298,7 @@ def summary(
     data = "A table of averages" if sample.tabulated else f"{int(sample.samples.max())} tracers"
     first, last = (numeral(sample.times[k], ".4g") for k in (0, -1))
     answer += f" {data} at {sample.times.size} times from {first} to {last} d/U, compared with the "
-    answer += f"kinetic equation with {', '.join(told)}, from {start}."
+    answer += f"kinetic equation with {', '.join(told)}, from {start}. {medium}"
     odd = [test for test in tests if test.verdict is not Verdict.AGREES]
     if odd:
         t = min(odd, key=lambda test: test.p_value)
@@ -290,4 +306,4 @@ def summary(
         answer += f" Of {len(tests)} tests {len(odd)} do not agree; the clearest is {t.observable}"
         answer += f"{at}: chi-square {numeral(t.chi_square, '.4g')} with {t.dof} degrees of freedom"
         answer += f", p = {numeral(t.p_value, '.2g')}."
-    return answer
+    return answer.replace("  ", " ")

@@ -112,6 +112,9 @@ class Comparison(Result):
     warnings : what the reader should know of the data
     tests : ComparisonTest, one chi-square per average, and per density and time
     explanations : Explanation; empty where nothing needs one
+    medium : "dilute", "hard disks" or "overlapping": of the theory that is shown
+    covariance : of the fitted numbers, restitution and ln(mean free path) in this order, those that
+        were fitted
     """
 
     verdict: Verdict
@@ -126,6 +129,8 @@ class Comparison(Result):
     tests: tuple[ComparisonTest, ...]
     explanations: tuple[Explanation, ...]
     numbers: tuple[Row, ...] = field(repr=False)
+    medium: str = "dilute"
+    covariance: tuple[tuple[float, ...], ...] = ()
 
     @property
     def rows(self) -> "pandas.DataFrame":
@@ -166,7 +171,7 @@ class Comparison(Result):
         """The data of every figure, by name, made of the rows."""
         from kinetics.crosscheck.compare.draw import figures_of
 
-        return figures_of(self.rows)
+        return figures_of(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, dictionaries, numbers and texts: the JSON document."""
@@ -228,7 +233,9 @@ class Comparison(Result):
             tests=tuple(judged(ComparisonTest, test) for test in found["tests"]),
             explanations=tuple(Explanation(**item) for item in found["explanations"]),
             parameters={k: Parameter(**p) for k, p in found["parameters"].items()},
-            warnings=tuple(found["warnings"]), **data | {"names": tuple(data["names"])},
+            warnings=tuple(found["warnings"]), medium=found["medium"],
+            covariance=tuple(map(tuple, found["covariance"])),
+            **data | {"names": tuple(data["names"])},
         )  # fmt: skip
 
     def __repr__(self) -> str:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import betainc, gammaincc, gammainccinv
 
 Array = NDArray[np.float64]
 
@@ -20,8 +21,6 @@ GROUPS_PER_FREEDOM = 4
 """Groups that must stand behind each degree of freedom, or the covariance is too uncertain."""
 _SMALLEST_EIGENVALUE = 1e-9
 """Of the correlation matrix, relative to the largest: below, two components are the same."""
-_SMALLEST_LOG = -600.0
-"""Logarithm of a p-value down to which SciPy's functions and their inverses are used."""
 
 
 class ChiSquare(NamedTuple):
@@ -103,11 +102,12 @@ def hotelling(
     if freedom == 0 or groups <= freedom:
         return None
     effective = max(float(effective_groups(replicates @ axes.T).mean()), freedom + 1.0)
-    # The F-distribution's upper tail by the incomplete beta function.
-    x = 1 / (1 + statistic / (effective - 1))
-    log_p = log_betainc((effective - freedom) / 2, freedom / 2, x)
-    value = 2 * inverse_log_gammaincc(freedom / 2, log_p)
-    return ChiSquare(value, freedom, float(np.exp(log_p)), groups, statistic)
+    # the upper tail of the F-distribution; a p-value below doubles is 0
+    p_value = float(
+        betainc((effective - freedom) / 2, freedom / 2, 1 / (1 + statistic / (effective - 1)))
+    )
+    value = 2 * float(gammainccinv(freedom / 2, p_value)) if p_value > 1e-300 else statistic
+    return ChiSquare(value, freedom, p_value, groups, statistic)
 
 
 def log_widening(replicates: Array, known: Array) -> float:
@@ -116,35 +116,8 @@ def log_widening(replicates: Array, known: Array) -> float:
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
 
-def log_betainc(a: float, b: float, x: float) -> float:
-    """Logarithm of the regularised incomplete beta function, also where it is below 1e-308."""
-    from scipy.special import betainc, betaln, hyp2f1
-
-    found = float(betainc(a, b, x))
-    if found > np.exp(_SMALLEST_LOG):
-        return math.log(found)
-    # NIST Handbook 8.17.8, whose terms are all positive
-    series = float(hyp2f1(a + b, 1.0, a + 1.0, x))
-    return float(a * np.log(x) + b * np.log1p(-x) - np.log(a) - betaln(a, b) + np.log(series))
-
-
-def inverse_log_gammaincc(s: float, log_q: float) -> float:
-    """The z at which log Q(s, z) is log_q, Q the regularised upper incomplete gamma function."""
-    from scipy.special import gammainccinv, gammaln
-
-    if log_q > _SMALLEST_LOG:
-        return float(gammainccinv(s, np.exp(log_q)))
-    z = -log_q
-    for _ in range(50):  # NIST Handbook 8.11.2: a fixed point that contracts by (s - 1)/z
-        steps = np.cumprod((s - np.arange(1, 9)) / z)
-        z = -log_q + (s - 1) * math.log(z) - float(gammaln(s)) + math.log1p(float(steps.sum()))
-    return z
-
-
 def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
     """Chi-square of counts against those expected (Rao and Scott, 1981: over a design effect)."""
-    from scipy.special import gammaincc
-
     if counts.size < 2:
         return None
     value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
@@ -154,8 +127,6 @@ def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSq
 
 def of_the_worst(sigmas: Array) -> ChiSquare:
     """Test of differences in standard errors (n,), however correlated: Bonferroni's."""
-    from scipy.special import gammainccinv
-
     largest = float(np.abs(sigmas).max())
     p_value = min(1.0, chance(largest) * sigmas.size)
     value = 2 * float(gammainccinv(0.5, p_value)) if p_value > 1e-300 else largest**2

@@ -62,7 +62,7 @@ def read_sample(
     tracks, warnings = _displacements(parts, names, asked)
     sample, more = _grouped(tracks, names, asked)
     # tracers of one flight share |r|/(|v| t) only at their own times
-    flights = None if asked.bin_times else sample.flights
+    flights = () if asked.bin_times else sample.flights
     sample = replace(sample, law=law, flights=flights, warnings=(*warnings, *more))
     return _scaled(sample, asked, tracks.units)
 
@@ -176,7 +176,12 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
             f"{known} Taken were d = {d}, U = {u} and d/U = {t} in the data's units; other values "
             "are given by --length-unit, --speed-unit and --time-unit.",
         )
-    found = replace(sample.rescaled(unit, asked.diameter, time_unit), warnings=warnings)
+    sizes = {"speed": unit, "length": asked.diameter, "time": time_unit or asked.diameter / unit}
+    own = {k: (size, units.get(k, "")) for k, size in sizes.items()}
+    if not units and all(size == 1.0 for size in sizes.values()):
+        own = {}
+    found = sample.rescaled(unit, asked.diameter, time_unit)
+    found = replace(found, warnings=warnings, units=own)
     speed, length = float(found.speed_scale.max()), float(found.length_scale.max())
     if max(speed, length, 0 if start is None else 1 / float(found.speed_scale[0])) > _LARGEST:
         got = f"speeds of {speed:.3g} U and displacements of {length:.3g} d"

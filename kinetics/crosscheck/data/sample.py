@@ -119,11 +119,13 @@ class Sample:
     speeds, displacements : counts in bins, None where unknown
     start : the speeds at time 0, None without one
     grouping : what a group is made of: "medium", "tracer", "row", or "table"
-    flights : tracers that have flown straight, of the time at which most of them have
+    flights : tracers that have flown straight, of the two times at which most of them have
     free : known to meet no scatterer twice (Boltzmann-Grad particles)
     tabulated : from a table of averages, with groups that are made up
     warnings : what the reader should know, a sentence each
-    told : "restitution", "number_density" (in d^-2) and "initial", as far as the data say
+    told : "restitution", "number_density" (in d^-2), "initial" and "scatterers", as far as the data
+        say
+    units : "speed", "length" and "time": U, d and d/U in the data's unit, and its name
     """
 
     names: tuple[str, ...]
@@ -137,11 +139,12 @@ class Sample:
     at_rest: Counts
     grouping: str
     law: Law = Law()
-    flights: Flights | None = None
+    flights: tuple[Flights, ...] = ()
     free: bool = False
     tabulated: bool = False
     warnings: tuple[str, ...] = ()
     told: dict[str, Any] = field(default_factory=dict)
+    units: dict[str, tuple[float, str]] = field(default_factory=dict)
 
     @property
     def groups(self) -> int:
@@ -156,11 +159,13 @@ class Sample:
     def rescaled(self, speed: float, length: float, time: float | None = None) -> "Sample":
         """The sample with U, d and d/U of these sizes in its units; time None: length/speed."""
         factor = speed / length if time is None else 1 / time
-        start, told, seen = self.start, dict(self.told), self.flights
+        start, told = self.start, dict(self.told)
         if "number_density" in told:
             told["number_density"] *= length**self.law.dimension
-        if seen is not None:
-            seen = Flights(seen.time * factor, seen.ratio * speed / length / factor, seen.share)
+        seen = tuple(
+            Flights(one.time * factor, one.ratio * speed / length / factor, one.share)
+            for one in self.flights
+        )
         speeds, displacements = (
             one and replace(one, edges=one.edges / unit)
             for one, unit in ((self.speeds, speed), (self.displacements, length))
@@ -230,7 +235,7 @@ def reduced(
         return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
 
     start = start and replace(start, by_group=start.by_group[used])
-    seen = max(filter(None, flights), key=lambda one: one.share, default=None)
+    seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
         names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
         binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+EXACT = 1e-6
+"""Relative error of averages of a Solution, which have none beside them."""
 GROUPS = 1000
 """Groups that are made up: so many that errors are as good as exact."""
 
@@ -33,6 +35,8 @@ def of_averages(table: Averages, names: tuple[str, ...], law: Law) -> Sample:
     order = np.argsort(columns["time"])
     columns = {name: np.asarray(values, float)[order] for name, values in columns.items()}
     times = columns.pop("time")
+    bare = [name for name in columns if f"error of {name}" not in columns and "error" not in name]
+    columns |= {f"error of {name}": EXACT * np.abs(columns[name]) for name in bare}
     if times[0] < 0 or np.any(np.diff(times) <= 0) or times.size > MOST_TIMES:
         bad(f"{where}: times", short(times), f"1 to {MOST_TIMES} different times, not negative")
     for name, values in columns.items():
@@ -139,7 +143,7 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     With stored velocities and positions, histograms are by configuration. InputError for a run
     without output times or with fewer than two groups.
     """
-    from particles import BoltzmannGrad
+    from particles import BoltzmannGrad, HardDisks, Poisson
 
     times = np.asarray(ensemble.times)
     if times.size == 0 or ensemble.moments.size == 0:
@@ -166,6 +170,9 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         told["initial"] = "monoenergetic" if plan.monoenergetic else "gaussian"
     if plan.rest:
         told["initial"] = "rest"
+    for kind, scatterers in ((HardDisks, "hard disks"), (Poisson, "overlapping")):
+        if isinstance(ensemble.medium, kind):
+            told["scatterers"] = scatterers
     law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
     return replace(found, free=free, told=told, law=law)
 

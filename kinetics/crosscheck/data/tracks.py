@@ -36,6 +36,8 @@ AVERAGES = {
 """Averages that a table of averages may have, and other names of them."""
 _ERRORS = ("_error", "_err", "_se", "_sem", "_stderr", "_sigma")
 """Endings of the name of an average's standard error."""
+SOLVED = {"thermal_speed": "thermal_speed [u]", "msd": "msd [d^2]"}
+"""Averages without errors that are read: as a Solution writes their heads."""
 MOST_TIMES = 400
 """Different times that data may have: bounds the memory of what is reduced."""
 SAME_TIME = 1e-9
@@ -180,7 +182,7 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     """The place of each known column; InputError where one is missing or stands twice."""
     plain = [str(name).strip(" \t\"'").lower() for name in names]
     bare = [split_unit(name)[0] for name in plain]
-    if averages := _find_averages(bare, asked):
+    if averages := _find_averages(bare, plain, asked):
         return averages
     d = asked.dimension or 2
     needed = ("time", *AXES[:d], *SPEEDS[:d], *(("type",) if asked.type is not None else ()))
@@ -202,7 +204,7 @@ def find_columns(where: str, names: Sequence[Any], asked: Asked) -> dict[str, in
     return found
 
 
-def _find_averages(bare: Sequence[str], asked: Asked) -> dict[str, int]:
+def _find_averages(bare: Sequence[str], plain: Sequence[str], asked: Asked) -> dict[str, int]:
     """The places of the columns of a table of averages; empty where it is none."""
     if any(name in bare or name in asked.columns for name in ("x", "vx", *ALIASES["x"])):
         return {}
@@ -214,6 +216,8 @@ def _find_averages(bare: Sequence[str], asked: Asked) -> dict[str, int]:
             errors = [f"{one}{end}" for end in _ERRORS if f"{one}{end}" in bare]
             if one in bare and errors:
                 found |= {name: bare.index(one), f"error of {name}": bare.index(errors[0])}
+            elif one in SOLVED and SOLVED[one] in plain:  # `lorentz solve` wrote it: no errors
+                found[name] = plain.index(SOLVED[one])
     return found if len(found) > 1 else {}
 
 

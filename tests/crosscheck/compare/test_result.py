@@ -20,7 +20,7 @@ from kinetics.errors import InputError
 EVIL = "<script>alert('x')</script>&\""
 KEYS = {
     "schema", "title", "data", "verdict", "summary", "parameters", "initial", "warnings", "tests",
-    "explanations", "rows", "figures",
+    "explanations", "rows", "figures", "medium", "covariance",
 }  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 from scipy import stats
@@ -12,8 +11,6 @@ from kinetics.crosscheck.compare.statistics import (
     effective_groups,
     errors,
     hotelling,
-    inverse_log_gammaincc,
-    log_betainc,
     log_widening,
     of_the_worst,
     pearson,
@@ -71,23 +68,6 @@ def test_long_tails_count_as_fewer_groups() -> None:
     assert effective_groups(normal[:, None])[0] == pytest.approx(4000, rel=0.1)
     excess = stats.kurtosis(long)
     assert effective_groups(long[:, None])[0] == pytest.approx(1 + 2 * 3999 / (2 + excess))
-
-
-@pytest.mark.parametrize(
-    ("a", "b", "x"), [(120.0, 2.0, 1e-4), (40.0, 6.0, 1e-8), (9000.0, 30.0, 0.02)]
-)
-def test_tiny_p_values_have_logarithms(a: float, b: float, x: float) -> None:
-    wanted = mpmath.log(mpmath.betainc(a, b, 0, x, regularized=True))
-    assert wanted < -600
-    assert log_betainc(a, b, x) == pytest.approx(float(wanted), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("s", "log_q"), [(0.5, -1.0), (0.5, -700.0), (3.0, -2000.0), (30.0, -5000.0)]
-)
-def test_the_inverse_of_the_gamma_function(s: float, log_q: float) -> None:
-    z = inverse_log_gammaincc(s, log_q)
-    assert float(mpmath.log(mpmath.gammainc(s, z, regularized=True))) == pytest.approx(log_q)
 
 
 def test_pearson_is_the_chi_square_of_counts() -> None:
