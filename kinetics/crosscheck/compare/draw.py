@@ -1,5 +1,7 @@
-"""The figures of a comparison: data beside theory, and the deviations of all rows."""
+"""The figures of a comparison, drawn from its rows: data beside theory, and all deviations."""
 
+import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,92 +10,91 @@ from kinetics.crosscheck.compare.theory import OBSERVABLES
 
 _DECADES = 30.0
 """Largest over smallest value from which on an axis is logarithmic."""
+_REGIONS = {"68 %": 1.515, "95 %": 2.448}
+"""Radii that hold so much of a Gaussian of two numbers."""
 
 
-def figures_of(result: Any) -> dict[str, Any]:
-    """The data of every figure of a Comparison, by name: of each observable in its rows, "sigmas"
-    and, where e and l were fitted, "confidence", the region that holds both at 68 and 95 %.
-
-    Of a density the first bin and the last, which has no end, are not shown.
+def figures_of(result: Any) -> list[str]:
+    """The names of the figures: each observable, "sigmas", and, where e and l were fitted,
+    "confidence", the region that holds both.
     """
-    rows = result.rows
+    rows = result.rows[result.rows["time"] > 0]
+    bins = rows[rows["high"].notna() & (rows["low"] > 0) & (rows["value"] > 0)]
+    seen = {*rows[rows["low"].isna()]["observable"], *bins["observable"]}
+    found = [name.replace("_", "-") for name in OBSERVABLES if name in seen]
+    found += ["sigmas"] if len(rows[rows["low"].isna()]) else []
+    both = np.shape(result.covariance) == (2, 2) and result.parameters["restitution"].value
+    return found + (["confidence"] if both else [])
 
-    def axis(label: str, unit: str = "", log: bool = False) -> dict[str, str]:
-        return {"label": label, "unit": unit, "scale": "log" if log else "linear"}
 
-    def series(source: str, x: Any, y: Any, error: Any = None, group: str = "") -> dict[str, Any]:
-        lists = (None if a is None else np.asarray(a, float).tolist() for a in (x, y, error))
-        named = dict(zip(("x", "y", "error"), lists, strict=True))
-        return {"source": source, "group": group} | named
-
-    figures, time = {}, axis("time $t$", "d/U", True)
-    rows, sigmas = rows[rows["time"] > 0], []
-    for name, mine in rows.groupby("observable", sort=False):
-        seen, lines, x, y = OBSERVABLES[name], [], time, axis("")
+def draw(result: Any, figure: str, ax: Any) -> None:
+    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
+    name, rows = figure.replace("-", "_"), result.rows[result.rows["time"] > 0]
+    bars = {"fmt": "o", "ms": 4, "lw": 1}
+    labels, log = ["time $t$ / (d/U)", ""], [True, False]
+    if name == "confidence":
+        title, log = "Restitution and mean free path together", [False, False]
+        labels = ["restitution $e$", "mean free path $l$ / d"]
+        e, path = (result.parameters[k].value for k in ("restitution", "mean_free_path"))
+        angle, root = np.linspace(0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
+        x, y = root @ np.stack([np.cos(angle), np.sin(angle)])
+        for share, radius in _REGIONS.items():
+            ax.plot(e + radius * x, path * np.exp(radius * y), label=share)
+        ax.plot(e, path, "ko", ms=4, label="fitted")
+    elif name == "sigmas":
+        title, labels[1] = "Differences in standard errors", "difference / standard error"
+        ax.axhline(0.0, color="gray", lw=0.8)
+        averages = rows[rows["low"].isna()].dropna(subset="sigmas")
+        for one, mine in averages.groupby("observable", sort=False):
+            ax.errorbar(mine["time"], mine["sigmas"], 1.0, label=OBSERVABLES[one].symbol, **bars)
+    else:
+        seen, mine = OBSERVABLES[name], rows[rows["observable"] == name]
+        title, unit = seen.title, f" / {seen.unit}" if seen.unit else ""
+        labels[1] = seen.symbol + unit
         if seen.measured is None:
-            x, y = axis(seen.symbol, seen.unit, True), axis("density", f"1/{seen.unit}", True)
-            for at, bins in mine.groupby("time"):
-                body = bins[(bins["low"] > 0) & bins["high"].notna() & (bins["value"] > 0)]
-                middle, group = np.sqrt(body["low"] * body["high"]), f"t = {at:.4g}"
-                if len(body):
-                    lines.append(series("kinetic equation", middle, body["theory"], group=group))
-                    lines.append(series("data", middle, body["value"], body["error"], group))
-            if not lines:  # few tracers, in the first and the last bin
-                continue
+            labels, log = [seen.symbol + unit, f"density / (1/{seen.unit})"], [True, True]
+            bins = mine[(mine["low"] > 0) & mine["high"].notna() & (mine["value"] > 0)]
+            for k, (at, body) in enumerate(bins.groupby("time")):
+                middle, colour = np.sqrt(body["low"] * body["high"]), f"C{k}"
+                ax.plot(middle, body["theory"], color=colour)
+                mark = {"color": colour, "label": f"t = {at:.4g}", **bars}
+                ax.errorbar(middle, body["value"], body["error"], **mark)
         else:
             both = mine[["value", "theory"]].to_numpy()
-            wide = both.min() > 0 and both.max() > _DECADES * both.min()
-            y = axis(seen.symbol, seen.unit, bool(wide))
-            lines = [series("kinetic equation", mine["time"], mine["theory"]),
-                     series("data", mine["time"], mine["value"], mine["error"])]  # fmt: skip
-            z = mine.dropna(subset="sigmas")
-            sigmas.append(series("data", z["time"], z["sigmas"], np.ones(len(z)), seen.symbol))
-        figures[name.replace("_", "-")] = {"title": seen.title, "x": x, "y": y, "series": lines}
-    if sigmas:
-        zero = series("zero", rows["time"].agg(["min", "max"]), [0.0, 0.0])
-        figures["sigmas"] = {
-            "title": "Differences in standard errors", "x": time,
-            "y": axis("difference / standard error"), "series": [zero, *sigmas],
-        }  # fmt: skip
-    if np.shape(result.covariance) == (2, 2):
-        e, path = (result.parameters[name].value for name in ("restitution", "mean_free_path"))
-        angle, root = np.linspace(0.0, 2 * np.pi, 121), np.linalg.cholesky(result.covariance)
-        circle = root @ np.stack([np.cos(angle), np.sin(angle)])
-        lines = [series("data", [e], [path])] if e else []
-        for share, radius in ((68, 1.515), (95, 2.448)) if e else ():  # chi-square of two freedoms
-            x, y = e + radius * circle[0], path * np.exp(radius * circle[1])
-            lines.append(series("kinetic equation", x, y, group=f"{share} %"))
-        if lines:
-            figures["confidence"] = {
-                "title": "Restitution and mean free path together", "x": axis("restitution $e$"),
-                "y": axis("mean free path $l$", "d"), "series": lines,
-            }  # fmt: skip
-    return figures
+            log[1] = bool(both.min() > 0 and both.max() > _DECADES * both.min())
+            ax.plot(mine["time"], mine["theory"], label="kinetic equation")
+            shown = {"color": "black", "label": "data", **bars}
+            ax.errorbar(mine["time"], mine["value"], mine["error"], **shown)
+    ax.set(xlabel=labels[0], ylabel=labels[1])
+    for side, is_log in zip("xy", log, strict=True):
+        if is_log:
+            _logarithmic(ax, side)
+    ax.set_title(title, fontsize="medium")
+    ax.legend(fontsize="small", frameon=False)
 
 
-def draw(data: Any, ax: Any) -> None:
-    """Draw one figure on matplotlib's axes: lines for theory, points with bars for data."""
-    groups = [*dict.fromkeys(s["group"] for s in data["series"] if s["source"] != "zero")]
-    for s in data["series"]:
-        if s["source"] == "zero":
-            ax.axhline(0.0, color="gray", lw=0.8)
-            continue
-        colour = f"C{groups.index(s['group'])}"
-        if s["source"] == "data":
-            style = {"color": colour if len(groups) > 1 else "black", "ms": 4, "lw": 1}
-            ax.errorbar(s["x"], s["y"], s["error"], fmt="o", label=s["group"] or "data", **style)
-        else:
-            ax.plot(s["x"], s["y"], color=colour, label=None if s["group"] else s["source"])
+def _logarithmic(ax: Any, name: str) -> None:
+    """An axis with powers of ten, and ticks between them where they are few."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    for name, side in (("x", ax.xaxis), ("y", ax.yaxis)):
-        unit = f" / {data[name]['unit']}" if data[name]["unit"] else ""
-        ax.set(**{f"{name}label": data[name]["label"] + unit, f"{name}scale": data[name]["scale"]})
-        low, high = side.get_view_interval()
-        if data[name]["scale"] == "log":
-            side.set_minor_formatter(NullFormatter())
-            if high < 100 * low:  # few powers of ten
-                side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-                side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.set_title(data["title"], fontsize="medium")
-    ax.legend(fontsize="small", frameon=False)
+    ax.set(**{f"{name}scale": "log"})
+    side = getattr(ax, f"{name}axis")
+    low, high = side.get_view_interval()
+    side.set_minor_formatter(NullFormatter())
+    if high < 100 * low:
+        side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:
+    """Figures in two columns as one picture, in a format of matplotlib's."""
+    from matplotlib.figure import Figure
+
+    wide = min(2, len(names))
+    high = -(-len(names) // wide)
+    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
+    for k, name in enumerate(names, 1):
+        draw(result, name, figure.add_subplot(high, wide, k))
+    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
+    return buffer.getvalue()

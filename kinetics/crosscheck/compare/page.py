@@ -1,12 +1,11 @@
 """A comparison as tables for the terminal, as figures, and as a page with its numbers as JSON."""
 
-import io
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from kinetics.crosscheck.compare.draw import draw
+from kinetics.crosscheck.compare.draw import drawn
 from kinetics.crosscheck.compare.result import OUTCOMES, Comparison
 from kinetics.crosscheck.files import require_file
 from kinetics.crosscheck.words import MEANING, Verdict, number, numeral
@@ -68,20 +67,6 @@ def tables(result: Comparison) -> str:
     return "\n\n".join(parts)
 
 
-def drawn(figures: Sequence[Any], kind: str = "svg") -> bytes:
-    """Figures in two columns as one picture, in a format of matplotlib's."""
-    from matplotlib.figure import Figure
-
-    wide = min(2, len(figures))
-    high = -(-len(figures) // wide)
-    figure, buffer = Figure(figsize=(4.6 * wide, 3.2 * high), layout="constrained"), io.BytesIO()
-    for k, data in enumerate(figures, 1):
-        draw(data, figure.add_subplot(high, wide, k))
-    dated: Any = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
-    figure.savefig(buffer, format=kind, dpi=150, metadata=dated)
-    return buffer.getvalue()
-
-
 def prepare(output: Path, data: Iterable[Path]) -> None:
     """InputError, before anything is read, for an output that cannot be or that is of the data."""
     for path, endings in ((output, (".html", ".htm")), (output.with_suffix(".json"), (".json",))):
@@ -94,8 +79,8 @@ def files_of(result: Comparison, output: Path, kinds: Sequence[str] = ()) -> dic
     """File names and contents: the page, the JSON beside it, and figures in these formats."""
     numbers = output.with_suffix(".json").name
     figures = {
-        f"{output.stem}-{name}.{kind}": drawn([data], kind)
-        for kind in kinds for name, data in result.figures.items()
+        f"{output.stem}-{name}.{kind}": drawn(result, [name], kind)
+        for kind in kinds for name in result.figures
     }  # fmt: skip
     return {numbers: result.to_json(), output.name: render(result, numbers), **figures}
 
@@ -109,8 +94,7 @@ def render(result: Comparison, json_name: str) -> str:
         loader=PackageLoader("kinetics.crosscheck"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    figures = [*result.figures.values()]
-    svg = drawn(figures).decode() if figures else ""
+    svg = drawn(result, result.figures).decode() if result.figures else ""
     return made.get_template("comparison.html.j2").render(
         result=result, outcomes=OUTCOMES, scene=scene_of(result), tests=test_cells(result),
         meanings={v: MEANING[v] for v in (Verdict.AGREES, Verdict.UNCLEAR, Verdict.DIFFERS)},

@@ -167,8 +167,8 @@ class Comparison(Result):
         return f"{', '.join(self.names)}: compared with the kinetic equation"
 
     @property
-    def figures(self) -> dict[str, Any]:
-        """The data of every figure, by name, made of the rows."""
+    def figures(self) -> list[str]:
+        """The names of the figures, which `plot` draws from the rows."""
         from kinetics.crosscheck.compare.draw import figures_of
 
         return figures_of(self)
@@ -178,8 +178,7 @@ class Comparison(Result):
         parts = {one.name: plain(getattr(self, one.name)) for one in fields(self)}
         data = {name: parts.pop(name) for name in ("names", "samples", "groups", "grouping")}
         rows = [dict(zip(Row._fields, row, strict=True)) for row in parts.pop("numbers")]
-        made = {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
-        return made | {"figures": self.figures}
+        return {"schema": SCHEMA, "title": self.title, "data": data, **parts, "rows": rows}
 
     def to_json(self) -> str:
         """The document as strict JSON."""
@@ -205,16 +204,15 @@ class Comparison(Result):
         """
         from kinetics.crosscheck.compare.draw import draw
 
-        figures = self.figures
-        key = name.replace("_", "-") if isinstance(name, str) else name
-        if key not in figures:
-            known = ", ".join(figure.replace("-", "_") for figure in figures) or "no figures"
+        figures = [figure.replace("-", "_") for figure in self.figures]
+        if str(name).replace("-", "_") not in figures:
+            known = ", ".join(figures) or "no figures"
             raise InputError(f"name: got {short(name)}; this comparison has {known}")
         if ax is None:
             from matplotlib import pyplot
 
             _, ax = pyplot.subplots(layout="constrained")
-        draw(figures[key], ax)
+        draw(self, name, ax)
         return ax
 
     def _to_storage(self) -> dict[str, Any]:
