@@ -5,8 +5,10 @@ import math
 import signal
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -28,7 +30,6 @@ from kinetics.crosscheck.stress import (
     invariants,
     judge,
     run_stress,
-    scaling,
 )
 
 
@@ -80,6 +81,36 @@ def test_the_worst_invariant_is_shown() -> None:
     broken = {"a": (math.nan, 0.0), "b": (9.0, 1.0)}
     case = attempt(Case("g", "n", lambda: Outcome(invariants=broken)))
     assert (case.verdict, case.invariant) == (BROKEN, "a")
+
+
+def scaling(law: CollisionLaw) -> tuple[float, float, float, float]:
+    """h, 1 + a2, kappa and d<r^2>/d ln t in l^2 of the scaling state; not elastic.
+
+    In 30 digits, so that no e is near a limit of doubles: integrals over the impact parameter y
+    from 0 to 1, s^2 = e^2 + (et^2 - e^2) y^2 and s cos(chi) = -e + (e + et) y^2, y uniform among
+    disks, y^2 among spheres; sums for samples. 1 + a2 = 6 d/(d+2) kappa lambda(1)/(lambda(2)
+    lambda(3)) in any dimension.
+    """
+    d, q = law.dimension, law.quadrature
+    with mp.workdps(30):
+        e, et = mp.mpf(law.restitution or 0.0), mp.mpf(float(law.tangential_restitution or 0.0))
+        edges = [0, *(mp.mpf(10) ** -k for k in range(12, 0, -1)), mp.mpf(1) / 2, 1]
+        terms = [] if law.restitution is not None else [
+            tuple(mp.mpf(float(x)) for x in row)
+            for row in zip(q.weight / q.weight.sum(), q.ratio, q.cosine, strict=True)
+        ]  # fmt: skip
+
+        def mean(f: Callable[[Any, Any], Any]) -> Any:
+            def at(y: Any) -> Any:
+                s = mp.sqrt(e**2 * (1 - y**2) + et**2 * y**2)
+                return f(s, (-e * (1 - y**2) + et * y**2) / s) * (1 if d == 2 else 2 * y)
+
+            return mp.fsum(w * f(s, c) for w, s, c in terms) if terms else mp.quad(at, edges)
+
+        one, two, three = (mean(partial(lambda p, s, _: 1 - s**p, p)) for p in (1, 2, 3))
+        kappa, turn = mean(lambda s, _: -mp.log(s)), mean(lambda _, c: 1 - c)
+        a2 = mp.mpf(6 * d) / (d + 2) * kappa * one / (two * three)
+        return tuple(map(float, (2 * mp.sqrt(kappa * one), a2, kappa, 2 / (kappa * turn))))  # type: ignore[return-value]
 
 
 @pytest.mark.parametrize(
@@ -147,7 +178,6 @@ def wrong(factor: float, only: int) -> Callable[..., Any]:
         ("starts", "e = 0.2, two delta"),
         ("starts", "disks, e = 0.7, et = 0.8, two delta"),
         ("spectral density", "e = 0.7, gaussian, its own"),
-        ("late density", "e = 0.7, gaussian"),
         ("conservative density", "e = 0.7, gaussian, 512"),
         ("moments of position", "e = 0.7, gaussian"),
         ("moments of position", "spheres, e = 0.7, gaussian"),
@@ -174,8 +204,6 @@ def test_a_wrong_answer_is_found(monkeypatch: pytest.MonkeyPatch, group: str, na
         ("steady state", "e = 0"),
         ("grazing", "e = 0.5, passing the circle at -1e-08"),
         ("corners", "e = 0.5"),
-        ("thin media", "HardDisks, 1e-06"),
-        ("no tracer inside a disk", "e = 0.5"),
         ("density", "e = 0.5, et = 0.8, HardSpheres"),
         ("many collisions", "disks, e = 0.9, et = 0.8"),
     ],
