@@ -340,7 +340,7 @@ def _traps(both: Both) -> Explanation | None:
         edges, density = binned.edges[h.index], both.densities[SPEED]
         cut = int(np.searchsorted(edges, h.edges[1] / _FAR_SLOWER))
         at = int(np.argmin(np.abs(density.times - h.time)))
-        count = int(binned.totals[h.index, : cut + 1].sum())
+        count = int(binned.by_group[:, h.index, : cut + 1].sum())
         expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
         excess = count - expected
         if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * math.sqrt(max(expected, count)):

@@ -112,7 +112,7 @@ def fit(
     logarithms of those that are positive.
     """
     groups, (chosen, tested) = expectation.sample.groups, components
-    one_by_one, shape = expectation.sample.tabulated, expectation.replicates.shape
+    one_by_one = expectation.sample.tabulated
     replicates = expectation.replicates.reshape(groups, -1)[:, chosen]
     values, logs = expectation.values.ravel()[chosen], np.array([n not in LIMITS for n in free])
     low, high = np.array([_ends(name, told) for name in free]).reshape(-1, 2).T
@@ -124,15 +124,14 @@ def fit(
 
     def difference(at: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            theory = expectation.theory(point(at))[0].ravel()[chosen]
+            theory = expectation.theory(point(at)).ravel()[chosen]
             return np.asarray(np.log(values) - np.log(theory))
 
     def weights(at: Array) -> Array | None:
-        theory, moved = expectation.theory(point(at))
+        theory = expectation.theory(point(at))
         known, size = own_covariance(expectation, point(at), theory), theory.ravel()[chosen]
         with np.errstate(divide="ignore", invalid="ignore"):
-            flat = np.broadcast_to(moved, shape).reshape(groups, -1)[:, chosen]
-            left = np.log(replicates) - np.log(flat)
+            left = np.log(replicates) - np.log(size)
         if not np.all(np.isfinite(left)):
             return None
         extra = 0.0 if known is None else known[np.ix_(chosen, chosen)] / np.outer(size, size)
@@ -156,13 +155,13 @@ def fit(
         if (white := weights(best)) is None:
             return None
     at = point(best)
-    theory, moved = expectation.theory(at)
+    theory = expectation.theory(at)
     names = expectation.names
     known = own_covariance(expectation, at, theory)
     slope, influence = np.zeros((theory.size, 0)), np.zeros((0, chosen.size))
     spread: Array = np.zeros((0, 0))
     if white is not None:
-        slope = _slopes(lambda p: expectation.theory(point(p))[0].ravel(), best, low, high)
+        slope = _slopes(lambda p: expectation.theory(point(p)).ravel(), best, low, high)
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
         influence = np.linalg.pinv(steep) @ white / size
@@ -170,7 +169,7 @@ def fit(
         if one_by_one:  # errors for the worst correlation
             spread = np.diag(np.abs(influence) @ errors(replicates)) ** 2
     parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
-    differences, widening = expectation.replicates - moved, 0.0
+    differences, widening = expectation.replicates - theory, 0.0
     if not one_by_one:
         differences = Fit(*parts).moved(differences)
     rest = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]

@@ -77,10 +77,10 @@ class Both:
         self.sample, self.names, self.densities = expectation.sample, expectation.names, densities
         if self.sample.groups < 2:
             raise InputError("data: fewer than two groups; there are no standard errors")
-        self.theory, moved = expectation.theory(self.point)
+        self.theory = expectation.theory(self.point)
         self.difference = expectation.values - self.theory
-        replicates = expectation.replicates - moved
-        self.replicates, self.known = found.moved(replicates), found.known
+        self.replicates = found.moved(expectation.replicates - self.theory)
+        self.known = found.known
         self.error, self.compared = statistics.errors(self.replicates), np.isfinite(self.difference)
         self.shaped = stabilised(self.names, self.theory, self.difference)
         self.shaped_replicates = stabilised(self.names, self.theory, self.replicates)
@@ -122,34 +122,28 @@ def _histogram(sample: Sample, solution: "Solution", name: str, at: int) -> Hist
         return None
     time = float(solution.times[at])
     index = int(np.argmin(np.abs(sample.times - time)))
-    fine, totals = binned.edges[index], binned.totals[index]
-    samples, shares = int(totals.sum()), bin_shares(solution, name, at, fine)
-    shares = shares / shares.sum()
+    fine, by_group = binned.edges[index], binned.by_group[:, index].astype(float)
+    samples, shares = int(by_group.sum()), bin_shares(solution, name, at, fine)
+    shares, behind = shares / shares.sum(), len(by_group)
     independent = sample.grouping != "medium" or sample.free
-    most = _MOST_BINS
-    if not independent and binned.by_group is not None:
-        most = min(most, statistics.most_freedom(len(binned.by_group)) + 1)
+    most = _MOST_BINS if independent else min(_MOST_BINS, statistics.most_freedom(behind) + 1)
     peak = None
     if solution.scene.initial == "monoenergetic":
         peak = 1.0 if name == SPEED else time
     starts = _merged(shares * samples, samples, most, fine, peak)
     if starts.size < 2:
         return None
-    theory = np.add.reduceat(shares, starts)
-    counts = np.add.reduceat(totals, starts).astype(float)
+    theory, groups = np.add.reduceat(shares, starts), np.add.reduceat(by_group, starts, axis=1)
+    counts = groups.sum(axis=0)
     share = counts / samples
-    effect = 1.0 if binned.design_effect is None else float(binned.design_effect[index])
-    error, behind, rest = np.sqrt(share * (1 - share) / samples * effect), sample.groups, None
-    if binned.by_group is not None:
-        groups = np.add.reduceat(binned.by_group[:, index].astype(float), starts, axis=1)
-        spread, behind = groups - share * groups.sum(axis=1, keepdims=True), len(groups)
-        error = np.sqrt(behind / (behind - 1) * np.sum(spread**2, axis=0)) / samples
-        rest = counts - groups  # left out in turn: the counts of all but one group
+    spread = groups - share * groups.sum(axis=1, keepdims=True)
+    error = np.sqrt(behind / (behind - 1) * np.sum(spread**2, axis=0)) / samples
     # The spread of a bin that is emptier than expected is too small: at least binomial.
     error = np.maximum(error, np.sqrt(theory * (1 - theory) / samples))
-    if independent or rest is None:
-        chi_square = statistics.pearson(counts, theory * samples, effect)
+    if independent:
+        chi_square = statistics.pearson(counts, theory * samples)
     else:
+        rest = counts - groups  # left out in turn: the counts of all but one group
         replicates = rest / rest.sum(axis=1, keepdims=True) - theory
         chi_square = statistics.hotelling((share - theory)[:-1], replicates[:, :-1])
     edges = np.concatenate([[0.0], fine[starts[1:] - 1], [np.inf]])

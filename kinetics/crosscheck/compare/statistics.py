@@ -116,12 +116,11 @@ def log_widening(replicates: Array, known: Array) -> float:
     return float(np.linalg.slogdet(np.eye(len(axes)) + axes @ known @ axes.T)[1])
 
 
-def pearson(counts: Array, expected: Array, design_effect: float = 1.0) -> ChiSquare | None:
-    """Chi-square of counts against those expected (Rao and Scott, 1981: over a design effect)."""
+def pearson(counts: Array, expected: Array) -> ChiSquare | None:
+    """Chi-square of counts against those expected."""
     if counts.size < 2:
         return None
-    value = float(np.sum((counts - expected) ** 2 / expected)) / design_effect
-    freedom = counts.size - 1
+    value, freedom = float(np.sum((counts - expected) ** 2 / expected)), counts.size - 1
     return ChiSquare(value, freedom, float(gammaincc(freedom / 2, value / 2)), None, value)
 
 

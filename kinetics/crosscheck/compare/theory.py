@@ -19,8 +19,6 @@ Array = NDArray[np.float64]
 
 RTOL, FIELD_RTOL = 1e-7, 1e-5
 """Asked of the solver for averages: far below any standard error; in a field it takes longer."""
-_KEPT = 50
-"""Solutions that are kept; from the data's own start each is of G groups."""
 SPEED, DISPLACEMENT = "speed_density", "position_density"
 
 
@@ -155,8 +153,7 @@ def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: La
 class Expectation:
     """What is measured and expected of a sample: of all of it, and with each group left out.
 
-    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's. The theory is
-    the same for every group, unless it starts from the sample's own speeds.
+    values (n_names, n_times) and replicates (G, n_names, n_times) are the sample's.
     """
 
     def __init__(self, sample: Sample, names: Sequence[str]) -> None:
@@ -164,26 +161,20 @@ class Expectation:
         total, scales = sample.sums.sum(axis=0), (sample.speed_scale, sample.length_scale)
         self.values = observed(total, *scales, names, sample.law)
         self.replicates = observed(total - sample.sums, *scales, names, sample.law)
-        self._solved: dict[Any, tuple[Array, Array]] = {}
+        self._solved: dict[Any, Array] = {}
 
-    def theory(self, point: Point) -> tuple[Array, Array]:
-        """Theory (n_names, n_times), and with groups left out: that shape or (G, ...)."""
+    def theory(self, point: Point) -> Array:
+        """Theory (n_names, n_times)."""
         # units of length, noise and tracers at rest change no motion: these are solved once
         clock = point.speed_unit / point.time_unit
         key = (*point[:2], id(point.start), point.scatterers, clock, point.time_offset)
         if key not in self._solved:
             late = np.where(self.sample.times > 0, point.time_offset, 0.0)
             times = np.maximum(self.sample.times * clock + late, 0.0)
-            if point.own_start:
-                found = self._from_start(point._replace(start="monoenergetic"), times)
-            else:
-                solution = solved(point, self.sample.law, times, self.names)
-                found = (np.stack([average_of(solution, name) for name in self.names]),) * 2
-            while len(self._solved) >= _KEPT:
-                self._solved.pop(next(iter(self._solved)))
+            solution = solved(point, self.sample.law, times, self.names)
+            found = np.stack([average_of(solution, name) for name in self.names])
             self._solved[key] = found
-        whole, left_out = self._solved[key]
-        return self._measured(whole, point), self._measured(left_out, point)
+        return self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:
         """Averages (..., n_names, n_times) as data in other units, with noise or with tracers at
@@ -211,30 +202,6 @@ class Expectation:
                 ratios = quartic / (ratio * still**2) - one
                 changed[..., at, :] = np.where(moved > 0, ratios, values[..., at, :])
         return changed
-
-    def _from_start(self, point: Point, times: Array) -> tuple[Array, Array]:
-        """A tracer of speed v does at time t what one of speed 1 does at v t, times v."""
-        start, law = self.sample.start, self.sample.law
-        assert start is not None
-        flat, back = np.unique(np.sqrt(start.squares)[:, None] * times, return_inverse=True)
-        fourth = "kurtosis" in self.names
-        found = solved(point, law, flat, AVERAGES if fourth else AVERAGES[:3])
-        v2, r2 = found.thermal_speed**2, found.msd
-        r4 = np.where(r2 > 0, found.kurtosis, 0.0) * r2**2 if fourth else np.zeros(flat.size)
-        moments = np.stack([v2, law.gaussian * (1 + found.a2) * v2**2, r2, r4], axis=-1)
-        # Within a bin <v^4> is not <v^2>^2: what is exact at time 0 stays so before collisions.
-        square, flat_ = start.squares[:, None], start.flatness[:, None]
-        powers = np.stack([square, flat_ * square**2, square**0, flat_ * square**0], axis=-1)
-        kernel = moments[back].reshape(-1, times.size, 4) * powers
-
-        def averaged(weights: Array) -> Array:
-            sums = np.empty((*weights.shape[:-1], times.size, 5))
-            sums[..., 1:] = np.tensordot(weights, kernel, axes=(-1, 0))
-            sums[..., N] = weights.sum(axis=-1)[..., None]
-            return observed(sums, 1.0, 1.0, self.names, law)
-
-        total = start.counts
-        return averaged(total.astype(float)), averaged((total - start.by_group).astype(float))
 
 
 def stabilised(names: Sequence[str], theory: Array, difference: Array) -> Array:

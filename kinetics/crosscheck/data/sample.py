@@ -49,40 +49,27 @@ class Flights(NamedTuple):
 class Binned:
     """Counts in bins of speed or displacement, in U or d.
 
-    edges (n_times, n_bins + 1); totals (n_times, n_bins + 2), the first and last of what lies
-    outside; by_group (n, n_times, n_bins + 2) of independent groups, not those of the sums, None
-    where only totals are known. Then design_effect (n_times,) is the variance of a count over that
-    of independent samples.
+    edges (n_times, n_bins + 1); by_group (n, n_times, n_bins + 2), the first and last of what lies
+    outside, of independent groups, not those of the sums.
     """
 
     edges: Array
-    totals: Counts
-    by_group: Any = None
-    design_effect: Array | None = None
+    by_group: Counts
 
     def at(self, keep: Any) -> "Binned":
         """The counts at the times with these indices."""
-        groups = None if self.by_group is None else self.by_group[:, keep]
-        effect = None if self.design_effect is None else self.design_effect[keep]
-        return Binned(self.edges[keep], self.totals[keep], groups, effect)
+        return Binned(self.edges[keep], self.by_group[:, keep])
 
 
 @dataclass(frozen=True, eq=False)
 class StartBins:
     """Speeds at time 0 in fine bins, of the tracers that move.
 
-    squares (n_bins,): mean v^2 in U^2; flatness (n_bins,): <v^4>/<v^2>^2, a little above 1;
-    by_group (n_groups, n_bins): counts.
+    squares (n_bins,): mean v^2 in U^2; counts (n_bins,): tracers.
     """
 
     squares: Array
-    flatness: Array
-    by_group: Counts
-
-    @property
-    def counts(self) -> Counts:
-        """Tracers in each bin, (n_bins,)."""
-        return np.asarray(self.by_group.sum(axis=0))
+    counts: Counts
 
 
 @dataclass(frozen=True)
@@ -226,15 +213,14 @@ def reduced(
             out[:, k] = _counted(mine % HISTOGRAM_GROUPS, bins, out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
         if time == 0:
-            start = _start_bins(v, mine, scales[0, k])
+            start = _start_bins(v, scales[0, k])
     used = sums[..., N].sum(axis=1) > 0
 
     def binned(found: Any, scale: Any) -> Binned:
         by_group = found[found.any(axis=(1, 2))]
         edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-        return Binned(edges, by_group.sum(axis=0, dtype=np.int64), by_group)
+        return Binned(edges, by_group)
 
-    start = start and replace(start, by_group=start.by_group[used])
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
         names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
@@ -264,15 +250,12 @@ def _counted(group: Any, bins: Any, shape: tuple[int, int]) -> Counts:
     return np.asarray(cells.reshape(shape))
 
 
-def _start_bins(v: Any, group: Any, unit: float) -> StartBins:
+def _start_bins(v: Any, unit: float) -> StartBins:
     place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
-    counts = _counted(group, place, (MOST_GROUPS, _START_BINS + 2))
-    powers = np.stack([np.bincount(place, v**power, _START_BINS + 2) for power in (2, 4)])
-    moving = powers[0] > 0
-    counts = counts[:, moving]
-    squares, quartics = powers[:, moving] / counts.sum(axis=0)
+    counts, sums = np.bincount(place), np.bincount(place, v * v)
+    moving = sums > 0
     with np.errstate(over="ignore", under="ignore"):  # refused later, in `read._scaled`
-        return StartBins(squares * np.square(unit), quartics / squares**2, counts)
+        return StartBins(sums[moving] / counts[moving] * np.square(unit), counts[moving])
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from kinetics.crosscheck.data.sample import R2, R4, V2, V4, Binned, Law, N, Sample, reduced
+from kinetics.crosscheck.data.sample import R2, R4, V2, V4, Law, N, Sample, reduced
 from kinetics.crosscheck.data.tracks import MOST_TIMES, Averages, Tracks, bad, name_of
 from kinetics.errors import InputError, short
 
@@ -140,7 +140,7 @@ def read_ensemble(path: Path) -> Sample:
 def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     """The sums of a particle run, in its own unit of length.
 
-    With stored velocities and positions, histograms are by configuration. InputError for a run
+    With stored velocities and positions densities are compared too. InputError for a run
     without output times or with fewer than two groups.
     """
     from particles import BoltzmannGrad, HardDisks, Poisson
@@ -158,7 +158,7 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
             Tracks(times, place, velocity), label, (name,), grouping, bool(ensemble.field)
         )
     else:
-        found = _from_sums(ensemble, name, times, free)
+        found = _from_sums(ensemble, name, times)
     if found.groups < 2:
         bad(name, "one configuration", "two at least, for standard errors")
     plan = ensemble.plan
@@ -177,8 +177,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
     return replace(found, free=free, told=told, law=law)
 
 
-def _from_sums(ensemble: "Ensemble", name: str, times: Any, free: bool) -> Sample:
-    """From the sums that every run keeps."""
+def _from_sums(ensemble: "Ensemble", name: str, times: Any) -> Sample:
+    """From the sums that every run keeps: the averages alone."""
     sums = np.asarray(ensemble.moments[:, :, : R4 + 1])
     if ensemble.field:  # v_x, x and x^2 of the sums of a field
         found, dimension = ensemble.arrays["field_sums"], ensemble.medium.dimension
@@ -187,27 +187,5 @@ def _from_sums(ensemble: "Ensemble", name: str, times: Any, free: bool) -> Sampl
     return Sample(
         (name,), times, sums, 1.0 / ensemble.plan.scales(),
         np.full(times.size, ensemble.medium.diameter),
-        _histogram(ensemble, "speed_histogram", free),
-        _histogram(ensemble, "displacement_histogram", free),
-        None, np.asarray(ensemble.trapped), "medium",
+        None, None, None, np.asarray(ensemble.trapped), "medium",
     )  # fmt: skip
-
-
-def _histogram(ensemble: "Ensemble", name: str, free: bool) -> Binned | None:
-    key = f"histograms/{name}/sums"
-    if key not in ensemble.arrays:
-        return None
-    found = getattr(ensemble, name)
-    totals = ensemble.arrays[key][0]
-    n = totals.sum(axis=1)
-    effect = np.ones(len(totals))
-    if not free:
-        p, error = found.probability.value, found.probability.error
-        # The variance over the binomial one, of bins with counts enough for both to be known.
-        used = totals[:, 1:-1] >= 20
-        with np.errstate(invalid="ignore", divide="ignore"):
-            binomial = np.where(used, p * (1 - p) / n[:, None], 0.0).sum(axis=1)
-            effect = np.where(used, error**2, 0.0).sum(axis=1) / binomial
-        effect = np.where(np.isfinite(effect), np.maximum(effect, 1.0), 1.0)
-    edges = np.broadcast_to(found.edges, (len(totals), found.edges.size))
-    return Binned(np.asarray(edges), totals, None, effect)

@@ -87,8 +87,8 @@ def test_a_share_of_tracers_at_rest_is_seen_and_counted() -> None:
     # <v^2> and <r^2> times 1 - f, and so are the fourth moments
     expected = Expectation(read_sample([Table(data)]), AVERAGES)
     point = Point(0.75, PATH, "gaussian")
-    v0, a2, msd, kurtosis = expected.theory(point)[0]
-    found = expected.theory(point._replace(at_rest=0.1))[0]
+    v0, a2, msd, kurtosis = expected.theory(point)
+    found = expected.theory(point._replace(at_rest=0.1))
     wanted = [v0 * np.sqrt(0.9), (1 + a2) / 0.9 - 1, 0.9 * msd, kurtosis / 0.9]
     np.testing.assert_allclose(found[:, 1:], np.array(wanted)[:, 1:], atol=1e-12)
 
