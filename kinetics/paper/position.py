@@ -22,7 +22,7 @@ TAIL_ETA = 0.25
 """eta of the paper's fit to the tail of G(R) (eq. gammatailg)."""
 
 TAIL_GAMMA = 7.39
-"""gamma of the same fit; the integral itself gives 2 (see :func:`position_steepest_descent`)."""
+"""gamma of the same fit; the integral itself gives 2  ."""
 
 PEAK_ETA = 0.75
 """eta of the paper's fit to the peak of G(R) (eq. peakg)."""
@@ -44,17 +44,6 @@ def _rayleigh(x: ArrayLike, width: ArrayLike) -> FloatArray:
     z = _scaled(x, width)
     with np.errstate(under="ignore"):
         return z / np.sqrt(numbers(width)) * np.exp(-np.square(z) / 2)
-
-
-def displacement_density(
-    distance: ArrayLike, diffusion_integral: ArrayLike, as_printed: bool = True
-) -> FloatArray:
-    """g(r, t) of one hopping speed (eq. normg), in 1/d; normalised over r.
-
-    ``diffusion_integral`` is the integral of D_e from 0 to t, in d^2. The printed Gaussian has
-    <r^2> = 8 times that; with ``as_printed=False`` it has the 4 times of the diffusion equation.
-    """
-    return _rayleigh(distance, (4 if as_printed else 2) * numbers(diffusion_integral))
 
 
 def position_given_speed(r: ArrayLike, eta: ArrayLike, speed: ArrayLike) -> FloatArray:
@@ -83,17 +72,6 @@ def position_integral(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
         return np.where(inside, 2 / np.sqrt(numbers(eta)) * bessel, 0.0)
 
 
-def position_exponent(r: ArrayLike, speed: ArrayLike, eta: ArrayLike = TAIL_ETA) -> FloatArray:
-    """p(V, R) = ln V/R^2 + V^2/R^2 + 1/(2 eta V^2) (eq. pdefi), for R > 0 and V > 0."""
-    square, v = numbers(r) ** 2, numbers(speed)
-    return np.log(v) / square + v**2 / square + 1 / (2 * numbers(eta) * v**2)
-
-
-def position_saddle(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> FloatArray:
-    """V*(R), the minimum of p(V, R) over V (eq. csolu)."""
-    return np.sqrt(_saddle_squared(numbers(r) / np.sqrt(numbers(eta))))
-
-
 def _saddle_squared(z: FloatArray) -> FloatArray:
     """w = V*^2 = (sqrt(1 + 8 z^2) - 1)/4, z = R/sqrt(eta), without cancellation or overflow."""
     wide = math.sqrt(8) * z
@@ -117,26 +95,12 @@ def position_tail(
         return factor * z * np.sqrt(math.pi / (4 + 16 * w)) * np.exp(-2 * w - 0.5)
 
 
-def position_steepest_descent(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
-    """G(R) by steepest descent with the Gaussian integral corrected: twice what eq. tailg prints.
-
-    That is eq. gammatailg with gamma = 2, for every eta. At large R it tends to
-    :func:`position_integral`, in which <R^2> = 1 for eta = 1/2.
-    """
-    return position_tail(r, eta, 2.0)
-
-
 def position_far_tail(r: ArrayLike, eta: ArrayLike = TAIL_ETA) -> FloatArray:
-    """G(R) in the limit of large R (eq. semig), as printed."""
+    """G(R) in the limit of large R (eq. semig), as printed; half of what the integral tends to."""
     z = _scaled(r, eta)
     with np.errstate(under="ignore"):
         prefactor = np.sqrt(math.pi * z / (2 * math.sqrt(2))) / np.sqrt(numbers(eta))
         return prefactor * np.exp(-math.sqrt(2) * z)
-
-
-def position_far_tail_corrected(r: ArrayLike, eta: ArrayLike = 0.5) -> FloatArray:
-    """G(R) in the limit of large R with the Gaussian integral corrected: twice eq. semig."""
-    return 2 * position_far_tail(r, eta)
 
 
 # -- the eta and gamma that the printed forms need to fit a given curve ----------------------------

@@ -170,23 +170,6 @@ def scaled_state(restitution: float, order: int) -> SonineState:
     return SonineState(e, n, nothing, math.nan, roots, rounding, status)
 
 
-def exact_coefficients(restitution: float, count: int) -> FloatArray:
-    """a_0 ... a_(count-1) of the exact F: a_k = sum_j (-1)^j C(k, j) <c^(2j)>/j!.
-
-    count from 1 to 60, 0 <= e < 1. These are the numbers that a Sonine expansion would have to
-    find. The sum cancels; its error is some 1e-15 of its largest term.
-    """
-    law = CollisionLaw(restitution)
-    # E[Y^(p+1)] = p E[Y^p]/lambda(p), two steps at a time, in units of E[Y^2]
-    rates = law.decay_rate(np.arange(1.0, 2.0 * count + 1.0))
-    scaled = [1.0, 1.0]
-    for j in range(1, count):
-        step = 2 * (2 * j + 1) * law.mean_log_loss * rates[0] * j / (j + 1)
-        scaled.append(scaled[-1] * step / (rates[2 * j - 1] * rates[2 * j]))
-    terms = [[(-1) ** j * math.comb(k, j) * scaled[j] for j in range(k + 1)] for k in range(count)]
-    return np.array([math.fsum(row) for row in terms])
-
-
 @dataclass(frozen=True)
 class SonineCooling:
     """v0(t) and the coefficients at one order.

@@ -130,44 +130,6 @@ def test_orders_that_rounding_spoils_say_so() -> None:
     assert spoilt.rounding > 1e-4
 
 
-def test_the_exact_coefficients_are_projections_of_the_exact_state() -> None:
-    e = 0.7
-    exact = ScalingSolution(e)
-    x, w = np.polynomial.legendre.leggauss(160)
-    c = 10.0 * (x + 1.0)
-    weight = 10.0 * w * 2.0 * math.pi * c * exact.vdf(c)
-    a = sonine.exact_coefficients(e, 13)
-    for k in range(13):
-        unit = np.zeros(k + 1)
-        unit[k] = 1.0
-        polynomial = np.polynomial.laguerre.lagval(c**2, unit)
-        # F is good to 1e-12 relative, and S_k has both signs; the sum for a_k to 1e-15 of a term
-        room = 1e-12 * (weight @ np.abs(polynomial))
-        terms = [math.comb(k, j) * exact.moment(2.0 * j) / math.factorial(j) for j in range(k + 1)]
-        room += 1e-15 * max(terms)
-        assert a[k] == pytest.approx(weight @ polynomial, abs=room, rel=0)
-    assert a[:2] == pytest.approx([1.0, 0.0], abs=1e-15)
-    assert a[2] == pytest.approx(exact.a2, rel=1e-13)
-
-
-@pytest.mark.parametrize(("e", "k"), [(0.0, 50), (0.5, 50), (0.7, 50), (0.8, 56)])
-def test_the_expansion_itself_diverges_as_its_tail_says(e: float, k: int) -> None:
-    # <c^(2k)> ~ Gamma(2k + b) (h/2)^(2k), b = 1/(1 - e^2), over k!: neighbours grow by
-    a = sonine.exact_coefficients(e, k + 2)
-    h, b = ScalingSolution(e).cooling_rate, 1 / (1 - e**2)
-    expected = (2 * k + b) * (2 * k + b + 1) * h**2 / (4 * (k + 1))
-    assert -a[k + 1] / a[k] == pytest.approx(expected, rel=0.01)
-    assert expected > 4
-
-
-@pytest.mark.parametrize(("e", "place"), [(0.4, 2), (0.6, 2), (0.7, 10), (0.8, 29)])
-def test_the_exact_coefficients_are_smallest_where_they_are_said_to(e: float, place: int) -> None:
-    a = np.abs(sonine.exact_coefficients(e, 60))
-    envelope = np.maximum(a[2:-1], a[3:])  # their signs alternate in waves
-    assert 2 + int(np.argmin(envelope)) == place
-    assert envelope[-1] > 1e10
-
-
 # -- diffusion ------------------------------------------------------------------------------------
 
 
