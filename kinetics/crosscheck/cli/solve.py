@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 from functools import partial
 from pathlib import Path
@@ -45,6 +46,8 @@ STEADY = (
     "drift", "mean_square_speed", "mean_square_along", "mean_speed", "diffusion_parallel",
     "diffusion_perpendicular", "error_estimate", "message",
 )  # fmt: skip
+_LARGEST = 10_000_000
+"""Bytes of a table of speeds."""
 ENDINGS = (".csv", ".parquet", ".nc", ".h5")
 
 _points = partial(click.option, type=options.Numbers(), default="")
@@ -278,28 +281,21 @@ def initial_state(text: str, speed: float, direction: float) -> Any:
 
 
 def _two_columns(path: str) -> Any:
-    """Two columns of numbers, below one line of names if there is one."""
-    import csv
+    """Two columns of numbers, below one line of names if there is one: (2, n)."""
+    allowed = "it must be a CSV file of two columns, a speed and its density, of two rows at least"
+    import numpy as np
 
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except (UnicodeDecodeError, csv.Error):
-        raise InputError(f"initial: {path} must be a CSV file, text in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"initial: {path} cannot be read ({error.strerror})") from None
-    found = []
-    for number, row in enumerate(rows, 1):
-        try:
-            speed, density = map(float, row)
-            found.append((speed, density))
-        except ValueError:
-            if number > 1:
-                what = f"row {number} of {path} must be two numbers, a speed and its density"
-                raise InputError(f"initial: {what}") from None
-    if len(found) < 2:
-        raise InputError(f"initial: {path} has {len(found)} rows of two numbers; it must have two")
-    return zip(*found, strict=True)
+        if not os.path.isfile(path) or os.path.getsize(path) > _LARGEST:
+            raise InputError(f"initial: got {path!r}; {allowed}, and of at most {_LARGEST:g} bytes")
+        rows = np.genfromtxt(path, delimiter=",", encoding="utf-8")
+        rows = np.atleast_2d(rows)
+        table = rows[int(np.isnan(rows[0]).any()) :]
+        if table.shape[1] == 2 and len(table) > 1 and np.all(np.isfinite(table)):
+            return table.T
+    except (OSError, ValueError, IndexError):
+        pass  # a line of other columns, or no text
+    raise InputError(f"initial: got {path!r}; {allowed}")
 
 
 def write_result(result: Any, path: Path, points: dict[str, Any]) -> None:
