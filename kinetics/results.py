@@ -137,7 +137,7 @@ class Value:
         record = json.dumps({"format": _FORMAT, "value": _plain(self, True)})
         made = self._dataset(only=())
         made[_RECORD] = "byte", np.frombuffer(record.encode(), np.uint8)
-        write_whole(_path(path), _netcdf(made))
+        write_whole({_path(path): _netcdf(made)})
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> xarray.Dataset:
         return dataset(type(self).__name__, self, {}, {})
@@ -338,33 +338,41 @@ def load(path: str | os.PathLike[str]) -> Any:
         raise InputError(f"path: got {name!r}; {foreign} ({type(error).__name__})") from None
 
 
-def write_whole(path: str, contents: bytes) -> None:
-    """Write a file beside its target, under a random name, rename it, and wait for the disk.
+def write_whole(contents: Mapping[str, bytes]) -> None:
+    """Write files, by their paths, all of them or none.
 
-    A symbolic link is followed: the file that it points to is replaced, and the link stays. Raises
-    InputError where the file cannot be written; what was there before is left as it was.
+    Each is written beside its target under a random name; when all are on the disk they get their
+    own. A symbolic link is followed: the file that it points to is replaced, and the link stays.
+    Raises InputError where one cannot be written; what was there before is left as it was.
     """
-    target = os.path.realpath(path)
-    folder, base = os.path.split(target)
-    beside = os.path.join(folder, f".{base}.{secrets.token_hex(8)}.part")
+    parts: dict[str, str] = {}
+    path = ""
     try:
-        if os.path.exists(target) and not os.path.isfile(target):
-            raise InputError(f"path: got {path!r}; it is a folder, a device or a pipe, not a file")
-        with open(beside, "xb") as file:  # x: never through a symbolic link
-            file.write(contents)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, target)
-        if os.name == "posix":  # the new name is safe against a loss of power with its folder
-            descriptor = os.open(folder, os.O_RDONLY)
+        for path, content in contents.items():
+            target = os.path.realpath(path)
+            if os.path.exists(target) and not os.path.isfile(target):
+                what = "it is a folder, a device or a pipe, not a file"
+                raise InputError(f"path: got {path!r}; {what}")
+            folder, base = os.path.split(target)
+            beside = os.path.join(folder, f".{base}.{secrets.token_hex(8)}.part")
+            parts[beside] = target
+            with open(beside, "xb") as file:  # x: never through a symbolic link
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+        for beside, target in parts.items():
+            os.replace(beside, target)
+        for folder in {os.path.dirname(t) for t in parts.values()} if os.name == "posix" else ():
+            descriptor = os.open(folder, os.O_RDONLY)  # the new names are safe with their folder
             os.fsync(descriptor)
             os.close(descriptor)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"path: got {path!r}; it cannot be written ({reason})") from None
     finally:
-        with contextlib.suppress(OSError):
-            os.unlink(beside)  # it is there only if something went wrong
+        for beside in parts:
+            with contextlib.suppress(OSError):
+                os.unlink(beside)  # it is there only if something went wrong
 
 
 def _path(path: Any) -> str:

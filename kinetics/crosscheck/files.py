@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import secrets
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import is_dataclass
@@ -11,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from kinetics.results import write_whole
 
 
 def require_writable_folder(folder: Path) -> None:
@@ -65,31 +66,18 @@ def write_together(folder: Path, contents: Mapping[str, str | bytes]) -> list[Pa
     is replaced, and the link stays. Missing folders are created, and removed again if nothing comes
     of it. ValueError if the folder cannot be written.
     """
-    targets: dict[Path, Path] = {}
     created = [p for p in (folder, *folder.parents) if not p.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            target = Path(os.path.realpath(folder / name))
-            beside = target.with_name(f".{target.name}.{secrets.token_hex(8)}.part")
-            targets[beside] = target
-            with open(beside, "xb") as file:  # x: never through a symbolic link
-                file.write(content.encode() if isinstance(content, str) else content)
-                file.flush()
-                os.fsync(file.fileno())
-        for beside, target in targets.items():
-            os.replace(beside, target)
-        for place in {target.parent for target in targets.values()} if os.name == "posix" else ():
-            descriptor = os.open(place, os.O_RDONLY)  # the new names are safe with their folder
-            os.fsync(descriptor)
-            os.close(descriptor)
+        write_whole({
+            os.fspath(folder / name): content.encode() if isinstance(content, str) else content
+            for name, content in contents.items()
+        })  # fmt: skip
     except OSError as error:
         raise ValueError(
-            f"output folder {str(folder)!r} cannot be written: {error.strerror or error}"
+            f"output folder {str(folder)!r} cannot be written: {error.strerror}"
         ) from None
     finally:
-        for beside in targets:
-            beside.unlink(missing_ok=True)  # it is there only if something went wrong
         for made in created:
             with contextlib.suppress(OSError):
                 made.rmdir()  # succeeds only where it stayed empty

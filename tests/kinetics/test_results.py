@@ -350,7 +350,7 @@ def test_files_that_were_made_to_do_harm(name: str, tmp_path: Path) -> None:
 def test_a_file_is_whole_or_as_it_was(
     call: str, error: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_whole(str(tmp_path / "a.h5"), b"before")
+    write_whole({str(tmp_path / "a.h5"): b"before"})
 
     def stop(*_: Any, **__: Any) -> None:
         raise error
