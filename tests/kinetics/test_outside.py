@@ -1,0 +1,69 @@
+"""What programs that nobody of this package wrote give, with their standard errors.
+
+DynamO (event-driven molecular dynamics) and LAMMPS (granular, restitution .700 measured head on):
+hard disks in the plane from a Gaussian start. ThunderBoltz (particle Monte Carlo of swarms): a cold
+gas of fixed cross-section in space, where a tracer of mass m among scatterers of mass M at rest
+loses speed as by the restitution (M - m)/(M + m).
+"""
+
+import numpy as np
+import pytest
+
+from kinetics import Scene, solve, solve_field
+
+DYNAMO: dict[tuple[float, float], dict[float, float]] = {
+    (0.02, 0.4): {1: -2.6, 3: -4.6, 10: -7.0, 30: -7.9, 100: -8.6},
+    (0.02, 0.7): {1: -3.0, 3: -6.1, 10: -8.6, 30: -9.8, 100: -10.5},
+    (0.02, 0.9): {1: -3.9, 3: -7.0, 10: -10.2, 30: -11.3, 100: -12.0},
+    (0.02, 1.0): {1: -4.0, 3: -7.8, 10: -10.5, 30: -11.0, 100: -12.0},
+    (0.04, 0.4): {1.19: -4.5, 3.96: -8.8, 9.75: -12.0, 24.0: -13.9},
+    (0.04, 0.7): {1.19: -5.7, 3.96: -11.7, 9.75: -14.8, 24.0: -16.9},
+    (0.04, 1.0): {1.19: -7.4, 3.96: -14.3, 9.75: -17.2, 24.0: -19.2},
+}
+"""(n d^2, e) -> time in l/U (of the dilute limit) -> <r^2> over the dilute equation, in per cent."""
+
+
+def over_dilute(n: float, e: float, times: np.ndarray) -> np.ndarray:
+    """<r^2> among hard disks over that of the dilute equation, in per cent; times in d/U."""
+    dense, dilute = (
+        solve(Scene(e, n, times=times, outputs=("msd",), scatterers=s), 1e-8).msd
+        for s in ("hard disks", "dilute")
+    )
+    return np.asarray(100 * (dense / dilute - 1))
+
+
+@pytest.mark.parametrize(("n", "e"), list(DYNAMO))
+def test_the_displacement_among_the_disks_of_dynamo(n: float, e: float) -> None:
+    times, measured = (np.array(list(x)) for x in (DYNAMO[n, e].keys(), DYNAMO[n, e].values()))
+    found = over_dilute(n, e, times * 0.5 / n)
+    error = 1.0 if e == 1.0 else 0.4  # of the simulation
+    # the theory: 0.2 n of <r^2> from 30 l/U on, and before it too small, by up to 1.5 e^2 n
+    late = times >= 30
+    own = np.where(late, 0.2, 0.35 + 1.5 * e * e) * 100 * n
+    assert np.all(np.abs(found - measured) < 2.5 * error + own)
+    if n == 0.02:
+        assert np.all(np.abs(found - measured)[times >= 10] < 2.0)
+    # the dilute equation is out by many errors
+    assert np.all(np.abs(measured[times > 2]) > 4 * error + own[times > 2] / 2)
+
+
+def test_the_displacement_among_the_disks_of_lammps() -> None:
+    times = np.array([1.0, 4.6, 9.8, 44.8, 95.9, 205.0, 300.0])
+    measured = np.array([-1.1, -1.7, -1.6, -4.5, -6.5, -8.3, -9.3])
+    apart = over_dilute(0.02, 0.7, times) - measured
+    assert np.all(np.abs(apart) < 3 * 2.2)  # errors of 1.4 to 2.2
+    assert abs(apart[-1]) < 2.0
+
+
+@pytest.mark.parametrize(("e", "drift", "error"), [(0.0, 1.14646, 3.4e-4), (0.5, 0.73960, 3.3e-4)])
+def test_the_drift_of_swarms(e: float, drift: float, error: float) -> None:
+    state = solve_field(e, dimension=3, rtol=1e-8)
+    assert abs(state.drift - drift) < 3 * error
+
+
+def test_the_dispersion_of_swarms() -> None:
+    """Fits of the program without an error bar, of three digits."""
+    for e, along, across in ((0.0, 0.222, 0.323), (0.5, 0.207, 0.333)):
+        state = solve_field(e, dimension=3, rtol=1e-8)
+        assert state.diffusion_parallel == pytest.approx(along, rel=0.02)
+        assert state.diffusion_perpendicular == pytest.approx(across, rel=0.02)
