@@ -20,7 +20,7 @@ DYNAMO: dict[tuple[float, float], dict[float, float]] = {
     (0.04, 0.7): {1.19: -5.7, 3.96: -11.7, 9.75: -14.8, 24.0: -16.9},
     (0.04, 1.0): {1.19: -7.4, 3.96: -14.3, 9.75: -17.2, 24.0: -19.2},
 }
-"""(n d^2, e) -> time in l/U (of the dilute limit) -> <r^2> over the dilute equation, in per cent."""
+"""(n d^2, e) -> time in l/U (dilute) -> <r^2> over the dilute equation, in per cent."""
 
 
 def over_dilute(n: float, e: float, times: np.ndarray) -> np.ndarray:
