@@ -15,12 +15,12 @@ KEPT = json.loads(NUMBERS.read_text(encoding="utf-8"))
 NAMES = {
     "kinetics": """AngularHarmonics Beam CollisionLaw FieldState Gaussian InputError Monoenergetic
         PolarGrid ScaledVDF ScalingSolution Scene Solution SolverStatus SpeedDensity SpeedSamples
-        SpeedTable ToleranceWarning VelocitySamples __version__ compare load solve solve_field
+        SpeedTable ToleranceWarning VelocitySamples __version__ compare fit load solve solve_field
         solve_scaled sonine""",
     "particles": """OBSERVABLES BoltzmannGrad Ensemble Estimate HardDisks HardSpheres Histogram
         Medium Poisson PoissonSpheres Positions Statuses load simulate""",
     "derivations": "verify printed_equation",
-    "kinetics.crosscheck": "Comparison compare compare_data",
+    "kinetics.crosscheck": "Comparison compare compare_data fit_data",
     "kinetics.CollisionLaw": """mean_speed_ratio_power decay_rate mean_cosine mean_log_loss
         from_samples""",
     "kinetics.ScalingSolution": "cooling_rate a2 moment vdf diffusion_slope save to_xarray plot",

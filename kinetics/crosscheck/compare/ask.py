@@ -205,11 +205,12 @@ def _undecided(fits: Sequence[Fit], best: Fit) -> Fit:
     likelihoods (Buckland, Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
 
+    if not np.isfinite(best.criterion):
+        return best
+
     def at(one: Fit) -> Any:
-        values = (one.value(name)[0] for name in best.free)
-        return np.array(
-            [v if n in LIMITS else np.log(v) for n, v in zip(best.free, values, strict=True)]
-        )
+        values = ((name, one.value(name)[0]) for name in best.free)
+        return np.array([value if name in LIMITS else np.log(value) for name, value in values])
 
     weight = np.exp([(best.criterion - one.criterion) / 2 for one in fits])
     away = np.array([at(one) - at(best) for one in fits])
@@ -223,12 +224,9 @@ def _medium_in_words(fits: Sequence[Fit], best: Fit) -> str:
         return ""
 
     def of(one: Fit) -> str:
-        found, what = (
-            one.chi_square,
-            one.point.scatterers.replace("overlapping", "overlapping disks"),
-        )
+        found, what = one.chi_square, one.point.scatterers
         left = "" if found is None else f"{numeral(found.value, '.3g')}/{found.freedom}"
-        return f"{what} {left}"
+        return f"{what.replace('overlapping', 'overlapping disks')} {left}"
 
     others = ", ".join(of(one) for one in fits if one.point.scatterers != best.point.scatterers)
     return f"The medium taken: {of(best)} (chi-square/degrees of freedom; {others})."
