@@ -204,7 +204,6 @@ def _undecided(fits: Sequence[Fit], best: Fit) -> Fit:
     """The best fit, in whose covariance is what other media would make of the numbers, by their
     likelihoods (Buckland, Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
-
     if not np.isfinite(best.criterion):
         return best
 

@@ -40,8 +40,8 @@ STYLE = str(files("kinetics.crosscheck") / "templates" / "report.mplstyle")
 _DASHED, _DOTTED, _BOTH = (0, (4, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5))
 _DASHES: dict[str, Any] = {
     **dict.fromkeys((SONINE, "paper, tail"), _DASHED),
-    **dict.fromkeys(("paper's integral", "limiting law", "exact tail", "exact limit"), _DOTTED),
-    **dict.fromkeys((FIT, "paper, peak", "Gaussian", "path alone"), _BOTH),
+    **dict.fromkeys(("paper's integral", "limiting law"), _DOTTED),
+    **dict.fromkeys((FIT, "paper, peak", "Gaussian"), _BOTH),
 }
 _WIDTH, _LEFT, _RIGHT, _BELOW, _GAP = 5.0, 0.78, 0.12, 0.52, 0.2  # inches, as are all lengths
 _LEGEND_LINE, _LEGEND_COLUMNS = 0.2, 3
@@ -315,26 +315,20 @@ def msd(results: Results) -> Made:
     return sheet.done(_TIME, r"$\langle r^2\rangle$  [d²]", "over dilute"), {"said": said}
 
 
-def vdf(results: Results, last: float = 2.5, log: bool = False) -> Made:
+def vdf(results: Results) -> Made:
     """Scaled velocity distribution
 
     F(c), c = v/v₀, at the last time; for e > 0 it vanishes at c = 0.{reason}
     """
     sheet, panels = _panels(results, results.cooling)
     hard, near, reason = f"hard {results.system.scatterers}", [], ""
-    c, at = np.linspace(0.01, last, 120), reduce.middles(reduce.SPEED_EDGES)
+    c, at = np.linspace(0.01, 2.5, 120), reduce.middles(reduce.SPEED_EDGES)
     for case, ax in panels:
-        e, inside = case.restitution, at < last
-        if log:
-            ax.set(yscale="log", ylim=(1e-6, 3.0))
+        e, inside = case.restitution, at < c[-1]
         sheet.line(ax, KINETIC, c, reduce.last_vdf(case.solved.kinetic)(c), e, named=False)
         for source, found in case.measured.items():
             sheet.points(ax, source, at[inside], found["scaled_vdf"][inside], e, False, 0.15)
         sheet.line(ax, "Gaussian", c, reduce.gaussian_vdf(c, case.dimension))
-        exact, far = case.solved.exact, c[c > 3]
-        if log and np.isfinite(exact.tail_power):  # else no power times an exponential
-            tail = np.exp(exact.log_tail_amplitude - exact.tail_rate * far) * far**exact.tail_power
-            sheet.line(ax, "exact tail", far, tail, e, named=False)
         first, equation = case.measured[hard]["scaled_vdf"], case.theory[KINETIC]["scaled_vdf"]
         near.append((float(first.value[0]), float(first.error[0]), float(equation[0]), e))
     most, error, expected, e = max(near)
@@ -372,26 +366,19 @@ def position(results: Results) -> Made:
     return sheet.done("scaled distance $R$", "$G(R)$"), {}
 
 
-def _over_time(results: Results, name: str, until: float, unit: str = "") -> tuple[_Sheet, Any]:
-    """A sheet with the equation to late times and the particles, over their exact limit."""
-    sheet = _Sheet(results.system.restitutions)
-    sheet.axes[0].set_xscale("log")
-    for case in results.cases if name == "kurtosis" else results.cooling:
-        e, t, late, ax = case.restitution, case.times, case.solved.late, sheet.axes[0]
-        shown, scale = late.times <= until, case.theory[EXACT][unit] if unit else 1.0
-        sheet.line(ax, KINETIC, late.times[shown], getattr(late, name)[shown] / scale, e)
-        for source, found in case.measured.items():
-            at = t if np.ndim(found[name].value) else math.sqrt(t[case.solved.early] * t[-1])
-            sheet.points(ax, source, at, found[name] / scale, e)
-    return sheet, sheet.axes[0]
-
-
 def kurtosis(results: Results) -> Made:
     """Kurtosis of the displacement
 
     ⟨r⁴⟩/⟨r²⟩²: were G(R) the same at all times, it would be constant.
     """
-    sheet, ax = _over_time(results, "kurtosis", runs.LATEST)
+    sheet = _Sheet(results.system.restitutions)
+    (ax,) = sheet.axes
+    ax.set_xscale("log")
+    for case in results.cases:
+        late = case.solved.late
+        sheet.line(ax, KINETIC, late.times, late.kurtosis, case.restitution)
+        for source, found in case.measured.items():
+            sheet.points(ax, source, case.times, found["kurtosis"], case.restitution)
     ends = [results.cases[0].times[0], runs.LATEST]
     sheet.line(ax, "Gaussian", ends, 1 + 2 / results.cases[0].dimension)
     if results.system.is_papers_law:
