@@ -156,7 +156,7 @@ def fit_data(data: Any, **told: Any) -> Comparison:
 def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: bool) -> Comparison:
     """The rows, tests, verdict and explanations of data and theory side by side."""
     expectation = Expectation(sample, theory.IN_FIELD if sample.law.field else AVERAGES)
-    best, explanations = _undecided(fits, _likeliest(fits)), list[Explanation]()
+    best, explanations = _likeliest(fits), list[Explanation]()
     for last in (False, True):
         point = best.point
         both = judge.Both(expectation, best, _densities(point, sample))
@@ -195,15 +195,14 @@ def _judged(sample: Sample, fits: Sequence[Fit], media: Sequence[str], explain: 
 
 
 def _likeliest(fits: Sequence[Fit]) -> Fit:
-    """The best of those that agree with the data, or of all: the first of two that are as good."""
-    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE]
-    return min(agree or fits, key=lambda f: f.criterion)
+    """The likeliest of the fits that agree with the data, or of all of them.
 
-
-def _undecided(fits: Sequence[Fit], best: Fit) -> Fit:
-    """The best fit, in whose covariance is what other media would make of the numbers, by their
-    likelihoods (Buckland, Burnham and Augustin, Biometrics 53, 603 (1997)).
+    In its covariance is what the others would make of the numbers, by their likelihoods (Buckland,
+    Burnham and Augustin, Biometrics 53, 603 (1997)).
     """
+    agree = [f for f in fits if f.chi_square and f.chi_square.p_value >= AGREES_ABOVE]
+    fits = agree or fits
+    best = min(fits, key=lambda f: f.criterion)
     if not np.isfinite(best.criterion):
         return best
 
