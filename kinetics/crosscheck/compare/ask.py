@@ -135,7 +135,7 @@ def compare_data(
         refuse("scatterers", scatterers, "of others than smooth disks it must be 'dilute'")
     point = None if restitution is None or path is None else Point(restitution, path, start)
     media = media_of(sample, scatterers, point)
-    if scatterers == "auto" and told.get("scatterers") in media:
+    if scatterers == "auto" and told.get("scatterers") in media_of(sample, "every", point):
         media = [told["scatterers"]]
     if law.field and point is None:
         raise InputError("field: restitution and number_density must be given with it")

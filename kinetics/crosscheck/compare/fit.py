@@ -174,11 +174,14 @@ def fit(
         differences = Fit(*parts).moved(differences)
     rest = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
     if known is not None:
+        # of the data themselves: the same for all that is fitted in a medium
+        spread_of = stabilised(names, theory, expectation.replicates - theory)
+        rows = spread_of.reshape(groups, -1)[:, tested]
+        widening = statistics.log_widening(rows, known[np.ix_(tested, tested)])
         passed = np.eye(theory.size)[tested]  # what an error of the theory leaves of itself
         passed[:, chosen] -= slope[tested] @ influence
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
-        widening = statistics.log_widening(rest, known)
     left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
     after = statistics.hotelling(left, rest, known, one_by_one)
     return Fit(*parts, after, widening)
