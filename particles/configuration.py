@@ -1,6 +1,5 @@
 """One configuration of scatterers and the tracers in it: the unit of work of an ensemble."""
 
-import threading
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from math import ceil, log2
@@ -17,17 +16,11 @@ from particles.kernel.columns import (
     TOTALS,
     TRAPS,
 )
-from particles.media import (
-    BoltzmannGrad,
-    Medium,
-    Positions,
-    dilute_mean_path,
-)
+from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
 from particles.results import Value
 
 if TYPE_CHECKING:
-    from particles.grid.cells import Cells
-    from particles.kernel.lane import Start
+    from particles.cells import Cells
     from particles.kernel.records import Records
 
 SCALARS = (
@@ -49,10 +42,6 @@ BLOCK = 4096
 # A flight of so many mean free paths counts as endless; in a random medium the chance of one is
 # about exp(-1e6).
 ESCAPE_PATHS = 1e6
-
-
-# The scatterers of this thread's last configuration, whose memory the next one may use.
-_last = threading.local()
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,13 +147,9 @@ def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
 
 def run_configuration(plan: Plan, configuration: int) -> Tally:
     """Place the scatterers of one configuration and follow its tracers."""
-    from particles.grid.build import build
+    from particles.placement import build
 
-    old, _last.cells = getattr(_last, "cells", None), None
-    cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
-    tally = follow_tracers(plan, configuration, cells)
-    _last.cells = cells
-    return tally
+    return follow_tracers(plan, configuration, build(plan.medium, np.uint64(plan.seed), configuration))
 
 
 def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Tally:
@@ -213,9 +198,10 @@ def _follow_block(
     Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
     empty.
     """
-    from particles.kernel import follow, free_paths, lane
+    from particles.kernel import follow, follow_falling, lane
 
-    mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
+    medium = plan.medium
+    mean_path, field, dimension = dilute_mean_path(medium), plan.field * medium.diameter, medium.dimension
     n = min(BLOCK, plan.tracers - first)
     given = np.empty((0, dimension))
     if plan.velocities is not None:
@@ -226,23 +212,26 @@ def _follow_block(
     given = given.view()
     given.flags.writeable = False  # as those of a plan are: for numba that is another type
     start = lane.Start(
-        first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
-        plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
+        first, n, dimension, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
+        (plan.restitution, plan.tangential_restitution), plan.max_collisions or 0,
         start_places(plan, tally.configuration, cells, first, n),
     )  # fmt: skip
     record = _make_records(plan, tally, n)
-    raw = {name: getattr(record, name) for name in RAW}
-    caught = np.empty((n, trap_columns(plan.medium)))
+    caught = np.empty((n, trap_columns(medium)))
     n_caught = 0
-    if plan.field:
-        n_caught, raw["passages"] = _follow_in_field(plan, tally, cells, start, record, caught)
-        return {"traps": caught[:n_caught], **raw}
-    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if cells is None:
-        free_paths.follow_free_paths(start, mean_path, lanes, record)
+    lanes = np.empty(lane.LANES, lane.FALLING_LANE if field else lane.LANE)
+    limit = ESCAPE_PATHS * mean_path
+    if cells is None and field:
+        follow_falling.follow_free_falls(start, mean_path, field, lanes, record)
+    elif cells is None:
+        follow.follow_free_paths(start, mean_path, lanes, record)
+    elif field:
+        n_caught = follow_falling.follow_falling(
+            start, cells, (field, limit), caught, lanes, record
+        )
     else:
-        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
-    return {"traps": caught[:n_caught], **raw}
+        n_caught = follow.follow(start, cells, limit, caught, lanes, record)
+    return {"traps": caught[:n_caught]} | {name: getattr(record, name) for name in plan.raw}
 
 
 def start_places(
@@ -251,10 +240,10 @@ def start_places(
     """Return the free places where n tracers from number `first` on start, (n, 4).
 
     (0, 4) where all tracers start at the centre: those that move, those without scatterers, and
-    those among `Positions` for which the user gave another start. Columns: grid.free_places.
+    those among `Positions` for which the user gave another start. Columns: placement.free_places.
     """
-    from particles.grid.free_places import free_places
     from particles.kernel.lane import AT_THE_CENTRE
+    from particles.placement import free_places
 
     medium = plan.medium
     if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
@@ -262,33 +251,6 @@ def start_places(
     if cells is None or not plan.rest:
         return AT_THE_CENTRE
     return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))
-
-
-def _follow_in_field(
-    plan: Plan, tally: Tally, cells: "Cells | None", start: "Start", record: "Records",
-    caught: np.ndarray,
-) -> tuple[int, np.ndarray]:  # fmt: skip
-    """Follow tracers in a field; return how many were trapped, and when each first had x = depth.
-
-    caught (n, trap_columns): receives the trapped tracers. The times (n,) are empty without depth.
-    """
-    from particles.kernel import follow_in_field, free_paths_in_field, lane, records_in_field
-
-    medium = plan.medium
-    mean_path, field = dilute_mean_path(medium), plan.field * medium.diameter
-    passages = np.full(start.n if plan.depth is not None else 0, np.inf)
-    kept = records_in_field.Kept(tally.field_sums, passages, (plan.depth or 0.0) / medium.diameter)
-    n_caught = 0
-    if cells is None:
-        lanes = np.empty(lane.LANES, lane.LANE_IN_FIELD_OF[medium.dimension])
-        free_paths_in_field.follow_free_paths_in_field(start, mean_path, field, lanes, record, kept)
-    else:
-        lanes = np.empty(lane.LANES, lane.LANE_AMONG_DISKS_IN_FIELD)
-        limits = field, ESCAPE_PATHS * mean_path
-        n_caught = follow_in_field.follow_in_field(
-            start, cells, limits, caught, lanes, record, kept
-        )
-    return n_caught, passages
 
 
 def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":
@@ -314,12 +276,15 @@ def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":
         moments=tally.moments,
         totals=tally.totals,
         statuses=tally.statuses,
+        field_sums=tally.field_sums,
         grids=np.ascontiguousarray(plan.grids()[:, :2]),
         speeds=speeds,
         components=components,
         distances=distances,
         paths=paths,
-        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
+        passages=np.full(0 if plan.depth is None else n, np.inf),
+        depth=(plan.depth or 0.0) / plan.medium.diameter,
+        queue=np.empty(records.QUEUE, records.OUTPUT),
         queued=np.zeros(1, np.int64),
         **raw,
     )

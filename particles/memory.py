@@ -7,7 +7,7 @@ from pathlib import Path
 from particles.checks import refuse
 from particles.configuration import Plan
 from particles.kernel.columns import FIELD_SUMS, FINALS, HISTOGRAMS, MOMENTS, TOTALS
-from particles.media import BoltzmannGrad, HardSpheres, PoissonSpheres, Positions
+from particles.media import BoltzmannGrad
 
 _NUMBER = 8  # bytes
 # Copies of the results at the end of a run: their pieces, what these are joined to, and with a file
@@ -54,21 +54,12 @@ def estimate(plan: Plan, workers: int) -> dict[str, int]:
 
 def _scatterers(plan: Plan) -> int:
     """Return the bytes of one configuration's scatterers in a periodic box."""
+    from particles.cells import box_bytes
+
     medium = plan.medium
     if isinstance(medium, BoltzmannGrad):
         return 0
-    if isinstance(medium, (HardSpheres, PoissonSpheres)):
-        from particles.grid import space
-
-        d = medium.diameter
-        density = medium.number_density * d**3
-        return space.box_bytes(medium.box_side / d, density, medium.count) if medium.count else 0
-    if not (isinstance(medium, Positions) or medium.box):
-        return 0
-    from particles.grid.cells import box_bytes
-
-    d = medium.diameter
-    return box_bytes(medium.box_side / d, medium.number_density * d * d, medium.count)
+    return box_bytes(medium.box_side / medium.diameter, medium.count, medium.dimension)
 
 
 def machine_memory() -> int | None:

@@ -12,10 +12,6 @@ import numpy as np
 
 from particles.checks import check_positive, check_whole, refuse
 from particles.configuration import Plan, follow_tracers, start_places
-from particles.grid.blocks import listed, make_cell
-from particles.grid.build import build
-from particles.grid.cells import Cells
-from particles.grid.equilibrate import centres
 from particles.kernel.columns import (
     COLLISION_CAP,
     FINAL_COLLISIONS,
@@ -26,6 +22,7 @@ from particles.kernel.columns import (
     LN_TIME,
 )
 from particles.media import HardDisks, Poisson, Positions
+from particles.placement import build
 from particles.results import Value
 
 MOST_COLLISIONS = 1000  # of one path; the time that it takes grows as the square of this

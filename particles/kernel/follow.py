@@ -1,76 +1,73 @@
-"""The event loop: tracers among the scatterers of one configuration, in units of d.
+"""The event loops without a field: tracers among scatterers, and without any.
 
-Several tracers, one in each lane, advance in turns by one cell each. First the next contact of
+Several tracers, one in each lane, advance in turns. Among scatterers first the next contact of
 every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
-processor can compute the square roots and divisions of several tracers at the same time.
-
-The loop is compiled for the plane and for space, by the type of the lanes; the steps of either are
-in `particles.kernel.in_plane` and `particles.kernel.in_space`.
+processor can compute the square roots and divisions of several tracers at the same time. Without
+scatterers the flights are random: the particle method of the kinetic equation itself.
 """
 
+from math import log
 from typing import Any
 
 import numpy as np
 
-from particles.compiled.decorators import inlined, kernel
-from particles.grid.cells import Cells
+from particles.cells import Cells
+from particles.compiled import inlined, kernel
+from particles.events import scatter, scatter_in_space
 from particles.kernel import columns, steps
-from particles.kernel.in_plane import SHORT
-from particles.kernel.lane import RUNNING, Start, advance, fly, is_due, launch, shift_clock
+from particles.kernel.lane import (
+    RUNNING,
+    Start,
+    advance,
+    fly,
+    is_due,
+    launch,
+    open_flights,
+    shift_clock,
+)
 from particles.kernel.records import (
     QUEUE,
     Records,
     count_path,
     enter_queue,
     finish,
+    note_trap,
     queue_output,
-    queue_rest,
 )
-
-
-@inlined
-def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> None:
-    """Record where and when a tracer was caught; it rests there at all later outputs."""
-    queue_rest(lane, records)
-    trap[columns.TRAP_TRACER] = start.first + lane.tracer
-    trap[columns.TRAP_TIME] = lane.time / lane.unit
-    steps.note_place(lane, trap)
+from particles.streams import bits, in_disk, uniform
 
 
 @kernel
 def follow(
-    start: Start, cells: Cells, limit: float, traps: np.ndarray, lanes: np.ndarray, records: Records
-) -> int:
+    start: Start, cells: Cells, limit: float, traps: np.ndarray, lanes: np.ndarray,
+    records: Records,
+) -> int:  # fmt: skip
     """Follow tracers through the scatterers of one configuration, adding to the records.
 
-    limit: longest flight in d before a tracer counts as escaped. traps (n, TRAPS[dimension]):
-    receives the trapped tracers; their number is returned. lanes: of LANE_OF[dimension], as many as
-    shall be under way at the same time.
+    limit: the longest flight in d before a tracer counts as escaped. traps (n, TRAPS[dimension]):
+    receives the trapped tracers; their number is returned. lanes: of LANE, as many as shall be
+    under way at the same time.
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
-    keys, slots, head, links, nodes = cells.keys, cells.slots, cells.head, cells.links, cells.nodes
+    slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
-    side, n = cells.side, cells.n
-    restitution, tangential = start.restitution, start.tangential
+    side, shape, law = cells.side, cells.shape, start.law
     active = launched = min(lanes.size, start.n)
     caught = 0
     for a in range(active):
-        launch(lanes[a], start, records, a)
+        launch(lanes[a], start, times, a)
         steps.begin(lanes[a], cells)
     while active:
         for a in range(active):
-            lane = lanes[a]
-            if steps.lacks_cell(lane, keys):
-                steps.make_cell(lane, keys, cells)
-            steps.next_contact(lane, slots, head, links, nodes)
+            steps.next_contact(lanes[a], slots, head, links, nodes, shape)
         a = 0
         while a < active:
             lane = lanes[a]
-            wall = steps.next_wall(lane)
+            wall = steps.next_wall(lane, shape)
             if lane.contact > wall and wall <= limit:
-                steps.cross_cell(lane, keys, n)
+                steps.cross_cell(lane, shape)
                 a += 1
                 continue
             escaped = lane.contact > wall
@@ -89,14 +86,14 @@ def follow(
             else:
                 if paths.size:
                     count_path(paths, grids, path)
-                ratio, trapped = steps.collide(lane, path, side, (restitution, tangential))
+                ratio, trapped = steps.collide(lane, path, side, shape, law)
                 lane.slowness /= ratio
-                if path < SHORT and not trapped:
-                    ratio, trapped = steps.end_bounces(lane, path, cells, (restitution, tangential))
+                if path < steps.SHORT and not trapped:
+                    ratio, trapped = steps.end_bounces(lane, path, cells, law)
                     lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED
-                    _note_trap(lane, traps[caught], start, records)
+                    note_trap(lane, traps[caught], start.first, records)
                     caught += 1
                 else:
                     shift_clock(lane, times)
@@ -107,7 +104,7 @@ def follow(
                 continue
             finish(lane, status, records)
             if launched < start.n:
-                launch(lane, start, records, launched)
+                launch(lane, start, times, launched)
                 steps.begin(lane, cells)
                 launched += 1
                 a += 1
@@ -117,3 +114,73 @@ def follow(
                 lanes[a] = lanes[active]
     enter_queue(records)
     return caught
+
+
+@inlined
+def _collide_at_random(lane: Any, draw: int, start: Start) -> float:
+    """Collide with an impact parameter from this draw; return the ratio of the speeds.
+
+    It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
+    """
+    restitution, tangential = start.law
+    if start.dimension == 2:
+        impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
+        lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
+    else:
+        (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
+            (lane.ux, lane.uy, lane.uz), in_disk(bits(lane.stream, lane.gamma, draw)),
+            restitution, tangential,
+        )  # fmt: skip
+    return ratio
+
+
+@kernel
+def follow_free_paths(start: Start, mean_path: float, lanes: np.ndarray, records: Records) -> None:
+    """Follow tracers whose free paths are exponential and whose impact parameters are random.
+
+    mean_path: the mean free path in d. lanes: as of `follow`.
+    """
+    times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
+    queue, queued = records.queue, records.queued
+    last_time = times[times.size - 1] if times.size else np.inf
+    active = launched = min(lanes.size, start.n)
+    for a in range(active):
+        launch(lanes[a], start, times, a)
+        open_flights(lanes[a], start)
+    a = 0
+    while active:
+        if a >= active:
+            a = 0
+        lane = lanes[a]
+        draw = 2 * lane.collisions
+        path = -mean_path * log(uniform(lane.stream, lane.gamma, draw))
+        while is_due(lane, path, times.size):
+            if queued[0] == QUEUE:
+                enter_queue(records)
+            queue_output(lane, queue[queued[0]], times, scales)
+            queued[0] += 1
+        path, finished = fly(lane, path, times.size, last_time)
+        advance(lane, path)
+        status = columns.FINISHED if finished else RUNNING
+        if not finished:
+            if paths.size:
+                count_path(paths, grids, path)
+            ratio = _collide_at_random(lane, draw + 1, start)
+            lane.collisions += 1
+            lane.slowness /= ratio
+            shift_clock(lane, times)
+            if lane.collisions == start.most:
+                status = columns.COLLISION_CAP
+        if status == RUNNING:
+            a += 1
+            continue
+        finish(lane, status, records)
+        if launched < start.n:
+            launch(lane, start, times, launched)
+            open_flights(lane, start)
+            launched += 1
+            a += 1
+        else:
+            active -= 1
+            lanes[a] = lanes[active]
+    enter_queue(records)

@@ -40,9 +40,9 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from particles.compiled.decorators import called
+from particles.cells import Cells
+from particles.compiled import called
 from particles.events import GRAZING
-from particles.grid.cells import Cells
 
 NEAR = 1e-8
 UNRESOLVED = 1e-14  # in d: shorter flights are rounding

@@ -10,16 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from particles.compiled.decorators import called
-from particles.grid.blocks import is_missing, supply
-from particles.grid.cells import Cells
+from particles.cells import Cells
+from particles.compiled import called
 from particles.kernel import columns
-from particles.kernel.contact_in_field import TANGENT
-from particles.kernel.in_field import come_along, note_place
-from particles.kernel.in_plane import enter
+from particles.kernel.falling import TANGENT, come_along, note_place
 from particles.kernel.lane import RUNNING
-from particles.kernel.records import QUEUE, Records
-from particles.kernel.records_in_field import Kept, enter_queue_in_field, queue_output_in_field
+from particles.kernel.records import QUEUE, Records, enter_queue, queue_falling
 from particles.kernel.sliding import (
     FALLS,
     RESTS,
@@ -28,6 +24,7 @@ from particles.kernel.sliding import (
     settle,
     wall_ahead,
 )
+from particles.kernel.steps import enter
 
 # The terms fall as (STEP / 1.5)^k or faster, times in sqrt(d/g): a slide is slower than sqrt(g d).
 ORDER = 18
@@ -108,29 +105,27 @@ def _put(lane: Any, angle: float, along: float) -> None:
 
 @called
 def _note_passage(
-    lane: Any, work: np.ndarray, lasts: float, kept: Kept, field: float, side: float
+    lane: Any, work: np.ndarray, lasts: float, records: Records, field: float, side: float
 ) -> None:
     """Note when x first has the value depth, if it comes to it in this step."""
-    if not kept.passages.size or kept.passages[lane.tracer] < np.inf:
+    if not records.passages.size or records.passages[lane.tracer] < np.inf:
         return
-    height = kept.depth - come_along(lane, lane.struck_x, side)
+    height = records.depth - come_along(lane, lane.struck_x, side)
     towards = copysign(1.0, field)
     if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
         begun = towards * (cos(work[0, 0]) - height) >= 0.0
         after = 0.0 if begun else when(work, lasts, height, 2)
-        kept.passages[lane.tracer] = lane.time + after / sqrt(abs(field))
+        records.passages[lane.tracer] = lane.time + after / sqrt(abs(field))
 
 
 @called
-def roll(lane: Any, left: float, field: float, side: float, records: Records, kept: Kept) -> int:
+def roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
     """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
     times, queue, queued = records.times, records.queue, records.queued
     work = np.empty((3, ORDER + 1))
     angle = atan2(lane.normal_y, lane.normal_x)
-    pace, towards = (
-        sqrt(abs(field)),
-        copysign(1.0, field),
-    )  # from here on in sqrt(g d) and sqrt(d/g)
+    # From here on in sqrt(g d) and sqrt(d/g).
+    pace, towards = sqrt(abs(field)), copysign(1.0, field)
     along = (lane.normal_x * lane.vy - lane.normal_y * lane.vx) / pace
     way = copysign(1.0, along if along != 0.0 else -towards * lane.normal_y)
     last = angle + way * left
@@ -149,7 +144,7 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
         if due:
             lasts, outcome = max(lane.next_output - lane.time, 0.0) * pace, -1
             after = at(work, lasts)
-        _note_passage(lane, work, lasts, kept, field, side)
+        _note_passage(lane, work, lasts, records, field, side)
         lane.travelled += abs(after[0] - angle)
         lane.time += lasts / pace
         angle, along = after
@@ -157,8 +152,8 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
         if due:
             note_place(lane, side)
             if queued[0] == QUEUE:
-                enter_queue_in_field(records, kept.sums)
-            queue_output_in_field(lane, queue[queued[0]], times, field)
+                enter_queue(records)
+            queue_falling(lane, queue[queued[0]], times, field)
             queued[0] += 1
         if outcome >= 0:
             return outcome
@@ -166,15 +161,13 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records, ke
 
 @called
 def slide(
-    lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records, kept: Kept
+    lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records
 ) -> int:
     """Let a lane slide from disk `struck` on until it flies again. Return its status then."""
     side = cells.side
     while True:
         if law[1] < 1.0:
             return columns.TRAPPED
-        if is_missing(cells.keys, lane.cell, lane.i, lane.j):
-            supply(cells.keys, cells, lane.cell, lane.i, lane.j)
         now = atan2(lane.normal_y, lane.normal_x)
         along = lane.normal_x * lane.vy - lane.normal_y * lane.vx
         pull = -field * lane.normal_y
@@ -184,7 +177,7 @@ def slide(
         leaves = leaving_ahead(now, along, way, field)
         wall, di, dj = wall_ahead(lane, side, now, way)
         disk, cx, cy = disk_ahead(lane, cells, now, way)
-        outcome = roll(lane, min(leaves, wall, disk), field, side, records, kept)
+        outcome = roll(lane, min(leaves, wall, disk), field, side, records)
         if outcome == ENDED:
             return columns.FINISHED
         if outcome == TURNED:
@@ -200,7 +193,7 @@ def slide(
             lane.y -= dj * side
             lane.struck_x -= di * side
             lane.struck_y -= dj * side
-            enter(lane, cells.keys, cells.n, di, dj)
+            enter(lane, cells.shape, di, dj, 0)
         else:
             lane.before = TANGENT
             return RUNNING

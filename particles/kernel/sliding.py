@@ -19,11 +19,11 @@ v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide 
 from math import acos, asin, atan2, copysign, cos, pi, sqrt
 from typing import Any
 
-from particles.compiled.decorators import called
-from particles.compiled.search import SLOTS
+from particles.cells import Cells
+from particles.compiled import called
 from particles.events import bounce
-from particles.grid.cells import Cells
-from particles.kernel.contact_in_field import STRUCK, TANGENT
+from particles.kernel.falling import STRUCK, TANGENT
+from particles.search import SLOTS
 
 SMALL = 1e-12
 SAME = 1e-9  # in d: centres nearer to each other than this are those of one disk
