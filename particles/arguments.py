@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from particles.checks import check_number, check_whole, real_array, refuse, short
-from particles.configuration import OBSERVABLES, Plan, speeds
+from particles.configuration import Plan, speeds
 from particles.media import (
     MEDIA,
     BoltzmannGrad,
@@ -18,6 +18,7 @@ from particles.media import (
     Positions,
     dilute_mean_path,
 )
+from particles.outputs import OBSERVABLES
 
 LARGEST_TIME = 1e300  # in d/U; the largest double is 1.8e308
 IN_FIELD = (BoltzmannGrad, HardDisks, Poisson, Positions)  # media that a field may be in

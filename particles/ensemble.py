@@ -4,14 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
+from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.configuration import RAW, SCALARS, Plan
+from particles.checks import check_path
+from particles.configuration import Plan
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.field_estimates import IN_FIELD, OF_A_DEPTH, FieldEstimates
+from particles.field import FieldEstimates
 from particles.kernel.columns import (
     ALL_COLLISIONS,
     CAUGHT,
@@ -25,13 +27,13 @@ from particles.kernel.columns import (
     SPEED4,
     TRAVELLED,
 )
-from particles.media import Medium
+from particles.outputs import IN_FIELD, OF_A_DEPTH, RAW, SCALARS
 from particles.results import Result, Value, frozen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from particles.trajectories import Trajectory
+    from particles.paths import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,10 @@ class Statuses(Value):
         return "; ".join(notes)
 
 
+def _of_plan(name: str, words: str) -> Any:
+    return property(lambda ensemble: attrgetter(name)(ensemble.plan), doc=words)
+
+
 @dataclass(frozen=True, eq=False)
 class Ensemble(FieldEstimates, Result):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
@@ -88,7 +94,7 @@ class Ensemble(FieldEstimates, Result):
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
     entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
     caught (`trapped` says how many, at each time). What there is in a field only, such as `drift`,
-    is in `particles.field_estimates`.
+    is in `particles.field`.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that particles.files gives them in a file.
@@ -97,96 +103,52 @@ class Ensemble(FieldEstimates, Result):
     plan: Plan
     arrays: Mapping[str, np.ndarray]
 
+    medium = _of_plan("medium", "The medium asked for.")
+    restitution = _of_plan("restitution", "The coefficient of restitution.")
+    tangential_restitution = _of_plan(
+        "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
+    )
+    field = _of_plan("field", "The acceleration along +x in U^2/d.")
+    number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
+    times = _of_plan("times", "Output times in d/U, (n_times,).")
+    media = _of_plan("media", "Number of configurations.")
+    tracers = _of_plan("tracers", "Number of tracers in each configuration.")
+
     def __repr__(self) -> str:
-        return "\n".join(
-            [
-                f"Ensemble: {self.media} configurations of {self.medium!r}",
-                f"  {self._law_in_words()}, {self.tracers} tracers in each configuration",
-                f"  {self._times_in_words()}",
-                f"  {self.statuses!r}{': ' * bool(self.statuses.note)}{self.statuses.note}",
-                f"  outputs: {', '.join(self.outputs)}",
-            ]
+        law, times = f"restitution {self.restitution:g}", "no output times"
+        if self.tangential_restitution != 1.0:
+            law += f", tangential restitution {self.tangential_restitution:g}"
+        if self.field:
+            law += f", field {self.field:g} U^2/d"
+        if n := self.times.size:
+            times = f"{n} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
+        note = self.statuses.note
+        return (
+            f"Ensemble: {self.media} configurations of {self.medium!r}\n"
+            f"  {law}, {self.tracers} tracers in each configuration\n  {times}\n"
+            f"  {self.statuses!r}{': ' * bool(note)}{note}\n  outputs: {', '.join(self.outputs)}"
         )
 
     def _repr_html_(self) -> str:
         lines = "<br>".join(escape(line) for line in repr(self).splitlines())
-        if not self.times.size:
-            return f"<p>{lines}</p>"
         rows = "<tr><th>at the last time<th>value<th>error"
-        for name in (*SCALARS, *(IN_FIELD if self.field else ())):
+        for name in (*SCALARS, *(IN_FIELD if self.field else ())) if self.times.size else ():
             estimate = getattr(self, name)
             if estimate.value.shape == self.times.shape:
                 value, error = estimate.value[-1], estimate.error[-1]
                 rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
         return f"<p>{lines}</p><table>{rows}</table>"
 
-    def _law_in_words(self) -> str:
-        words = f"restitution {self.restitution:g}"
-        if self.tangential_restitution != 1.0:
-            words += f", tangential restitution {self.tangential_restitution:g}"
-        if self.field:
-            words += f", field {self.field:g} U^2/d"
-        return words
-
-    def _times_in_words(self) -> str:
-        if not self.times.size:
-            return f"no output times, {self.plan.max_collisions} collisions at most"
-        return f"{self.times.size} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
-
     def __dir__(self) -> list[str]:
-        absent = {*HISTOGRAMS, *RAW} - self.plan.observables
-        if not self.field:
-            absent |= {*IN_FIELD}
-        if self.plan.depth is None:
-            absent |= {*OF_A_DEPTH}
+        absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
         return sorted(set(super().__dir__()) - absent)
 
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the estimates, histograms and raw data that this ensemble has."""
         others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
-        passages = OF_A_DEPTH if self.plan.depth is not None else ()
+        passages = ("passage_times", *OF_A_DEPTH) if self.plan.depth is not None else ()
         return (*SCALARS, *(IN_FIELD if self.field else ()), *passages, *others)
-
-    @property
-    def medium(self) -> Medium:
-        """The medium asked for."""
-        return self.plan.medium
-
-    @property
-    def restitution(self) -> float:
-        """The coefficient of restitution."""
-        return self.plan.restitution
-
-    @property
-    def tangential_restitution(self) -> float:
-        """What a collision leaves of the tangential velocity, as a fraction."""
-        return self.plan.tangential_restitution
-
-    @property
-    def field(self) -> float:
-        """The acceleration along +x in U^2/d."""
-        return self.plan.field
-
-    @property
-    def number_density(self) -> float:
-        """Scatterers per unit area, or volume in three dimensions."""
-        return self.medium.number_density
-
-    @property
-    def times(self) -> np.ndarray:
-        """Output times in d/U, (n_times,)."""
-        return self.plan.times
-
-    @property
-    def media(self) -> int:
-        """Number of configurations."""
-        return self.plan.media
-
-    @property
-    def tracers(self) -> int:
-        """Number of tracers in each configuration."""
-        return self.plan.tracers
 
     @property
     def moments(self) -> np.ndarray:
@@ -319,9 +281,9 @@ class Ensemble(FieldEstimates, Result):
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
         tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
-        particles.trajectories.trajectories. Raises ValueError for one out of range.
+        particles.paths.trajectories. Raises ValueError for one out of range.
         """
-        from particles.trajectories import trajectories
+        from particles.paths import trajectories
 
         return trajectories(self.plan, tracers, **which)
 
@@ -330,7 +292,7 @@ class Ensemble(FieldEstimates, Result):
 
         which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
         """
-        from particles.pictures import plot_trajectories
+        from particles.paths import plot_trajectories
 
         return plot_trajectories(self.plan, tracers, **which)
 
@@ -350,7 +312,6 @@ class Ensemble(FieldEstimates, Result):
         An existing file is replaced. Raises ValueError for a run without positions or velocities,
         and where the file cannot be written.
         """
-        from particles.checks import check_path
         from particles.files import write_h5md
 
         if missing := {"positions", "velocities"} - {*self.outputs}:

@@ -6,7 +6,7 @@ import numpy as np
 
 from particles.cells import Cells, cell_at, empty_box, insert, insert_all, is_free
 from particles.compiled import inlined, kernel
-from particles.media import BoltzmannGrad, HardDisks, HardSpheres, Medium, Positions, Random
+from particles.media import BoltzmannGrad, Medium, Positions, Random
 from particles.streams import EQUILIBRATION, PLACEMENT, PLACES, open_stream, uniform
 
 # Random sequential addition ends when so many attempts to place one scatterer have failed. If
@@ -22,40 +22,39 @@ def build(medium: Medium, seed: np.uint64, configuration: int) -> Cells | None:
     """
     if isinstance(medium, BoltzmannGrad):
         return None
-    d, dimension = medium.diameter, medium.dimension
-    box = medium.box_side / d
-    if isinstance(medium, Positions):
-        own = positions_of(medium, configuration)
-        cells = empty_box(box, len(own), dimension)
-        insert_all(cells, own / d)
-        return cells
-    cells, positions = _place(medium, box, seed, configuration)
-    if isinstance(medium, HardDisks | HardSpheres) and medium.equilibrate:
-        _equilibrate(positions, box, dimension, medium.equilibrate, (seed, configuration))
-        cells = empty_box(box, medium.count, dimension)
+    cells, positions = _placed(medium, (seed, configuration))
+    if isinstance(medium, Positions) or medium.equilibrate:
+        cells = empty_box(medium.box_side / medium.diameter, medium.count, medium.dimension)
         insert_all(cells, positions)
     return cells
 
 
-def positions_of(medium: Positions, configuration: int) -> np.ndarray:
-    """Return the given scatterers from where tracers start, (count, 3), in the user's unit."""
-    own = medium.positions if medium.positions.ndim == 2 else medium.positions[configuration]
-    return np.insert(own - np.array(medium.start), 2, 0.0, axis=1)
+def scatterers(medium: Medium, seed: np.uint64, configuration: int) -> np.ndarray | None:
+    """Return the places of what `build` returns, (count, 3), in d from where tracers start."""
+    if isinstance(medium, BoltzmannGrad):
+        return None
+    return _placed(medium, (seed, configuration))[1]
 
 
-def _place(
-    medium: Random, box: float, seed: np.uint64, configuration: int
-) -> tuple[Cells, np.ndarray]:
-    cells = empty_box(box, medium.count, medium.dimension)
-    positions = np.empty((medium.count, 3))
-    placed = _place_at_random(cells, positions, box, medium.overlapping, (seed, configuration))
-    if placed < medium.count:
-        what = "disks" if medium.dimension == 2 else "spheres"
+def _placed(
+    medium: Random | Positions, key: tuple[np.uint64, int]
+) -> tuple[Cells | None, np.ndarray]:
+    """Return the places of the scatterers, and the cells that list them unless they have moved."""
+    d, dimension, count = medium.diameter, medium.dimension, medium.count
+    if isinstance(medium, Positions):
+        own = medium.positions if medium.positions.ndim == 2 else medium.positions[key[1]]
+        return None, np.insert((own - np.array(medium.start)) / d, 2, 0.0, axis=1)
+    box = medium.box_side / d
+    cells, positions = empty_box(box, count, dimension), np.empty((count, 3))
+    placed = _place_at_random(cells, positions, box, medium.overlapping, key)
+    if placed < count:
+        what = "disks" if dimension == 2 else "spheres"
         raise ValueError(
-            f"number_density = {medium.number_density}: only {placed} of {medium.count} {what} "
-            f"could be placed; the largest density reached is "
-            f"{medium.number_density * placed / medium.count:.3g}"
+            f"number_density = {medium.number_density}: only {placed} of {count} {what} could be "
+            f"placed; the largest density reached is {medium.number_density * placed / count:.3g}"
         )
+    if medium.equilibrate:
+        _equilibrate(positions, box, dimension, medium.equilibrate, key)
     return cells, positions
 
 

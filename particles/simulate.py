@@ -13,11 +13,16 @@ import numpy as np
 
 from particles.arguments import check_workers, make_plan
 from particles.checks import check_path, refuse
-from particles.configuration import Plan, Tally, run_configuration, run_configurations
+from particles.configuration import (
+    Arrays,
+    Plan,
+    Totals,
+    run_configuration,
+    run_configurations,
+)
 from particles.ensemble import Ensemble
 from particles.media import Medium
 from particles.memory import require_memory
-from particles.totals import Totals
 
 if TYPE_CHECKING:
     from particles.files import Saver
@@ -110,10 +115,8 @@ def simulate(
     totals = saver.begin(resume)
     try:
         _complete(totals, saver, workers, executor, progress)
-    except BaseException:
-        saver.stop()
-        raise
-    saver.finish(totals)
+    finally:
+        saver.write(totals)
     return Ensemble(plan, totals.arrays())
 
 
@@ -125,24 +128,24 @@ def _complete(
     plan = totals.plan
     if progress is not None:
         progress(totals.configurations, plan.media)
-    for tally in run(plan, range(totals.configurations, plan.media), workers, executor):
-        totals.add(tally)
+    for arrays in run(plan, range(totals.configurations, plan.media), workers, executor):
+        totals.add(arrays)
         if saver is not None:
-            saver.add(tally, totals)
+            saver.write_if_due(totals)
         if progress is not None:
             progress(totals.configurations, plan.media)
     return totals
 
 
-def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Tally]:
-    """Return the tallies of these configurations in order, whatever order they are done in."""
+def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Arrays]:
+    """Return what these configurations leave, in order, whatever order they are done in."""
     if executor is None:
         return _in_threads(plan, which, min(workers, len(which)))
     # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
     return _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
 
 
-def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
+def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
 
     Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C.
@@ -153,7 +156,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
     with the threads nothing but queues that are written in C.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
-    done: SimpleQueue[tuple[int, Tally | BaseException | None]] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()
     ended: list[bool] = []
 
     def work() -> None:
@@ -164,7 +167,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
                 done.put((c, error))
         done.put((-1, None))
 
-    results: dict[int, Tally | BaseException | None] = {}
+    results: dict[int, Arrays | BaseException | None] = {}
     coming = iter(which)
     try:
         for _ in range(workers):
@@ -193,9 +196,9 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
 
 def _in_executor(
     pool: Executor, plan: Plan, which: range, size: int, ahead: int
-) -> Iterator[Tally]:
+) -> Iterator[Arrays]:
     """Submit blocks of `size` configurations, at most `ahead` at a time; yield them in order."""
-    pending: deque[Future[list[Tally]]] = deque()
+    pending: deque[Future[list[Arrays]]] = deque()
     starts = iter(range(which.start, which.stop, size))
     try:
         while True:

@@ -14,19 +14,6 @@ from particles.estimators import Estimate, jackknife
 from particles.kernel.columns import CAUGHT, SAMPLES
 from particles.results import frozen
 
-IN_FIELD = (
-    "drift",
-    "drift_of_moving",
-    "trapped_fraction",
-    "mean_velocity",
-    "velocity_tensor",
-    "mean_displacement",
-    "dispersion",
-    "dispersion_parallel",
-    "dispersion_perpendicular",
-)
-OF_A_DEPTH = ("passage_times", "passed", "mean_passage_time")
-
 
 class FieldEstimates:
     """The estimates of a run in a field; without one, AttributeError. Time is the first axis."""
