@@ -27,22 +27,6 @@ if TYPE_CHECKING:
     from particles.outputs import OBSERVABLES
     from particles.simulate import simulate
 
-_NAMES = {
-    "outputs": ("OBSERVABLES",),
-    "ensemble": ("Ensemble", "Statuses", "load"),
-    "estimators": ("Estimate", "Histogram"),
-    "media": (
-        "BoltzmannGrad",
-        "HardDisks",
-        "HardSpheres",
-        "Medium",
-        "Poisson",
-        "PoissonSpheres",
-        "Positions",
-    ),
-    "simulate": ("simulate",),
-}
-
 __all__ = [
     "OBSERVABLES",
     "BoltzmannGrad",
@@ -70,11 +54,13 @@ def __getattr__(name: str) -> Any:
             return version("inelastic-lorentz")
         except PackageNotFoundError:
             return "unknown: the package is not installed"
-    for module, names in _NAMES.items():
-        if name in names:
-            # Also replaces the module `simulate`, whose import has set this name.
-            globals()[name] = value = getattr(import_module(f"particles.{module}"), name)
-            return value
+    if name in __all__:
+        for file in ("outputs", "media", "estimators", "ensemble", "simulate"):
+            module = import_module(f"particles.{file}")
+            if hasattr(module, name):
+                # Also replaces the module `simulate`, whose import has set this name.
+                globals()[name] = value = getattr(module, name)
+                return value
     raise AttributeError(f"module 'particles' has no attribute {name!r}")
 
 

@@ -254,12 +254,10 @@ def _follow_block(
     traps, caught = kept["traps"][:, 1:].copy(), 0
     if cells is None and field:
         follow_falling.follow_free_falls(start, mean_path, field, lanes, record)
-    elif cells is None:
-        follow.follow_free_paths(start, mean_path, lanes, record)
     elif field:
         caught = follow_falling.follow_falling(start, cells, (field, limit), traps, lanes, record)
     else:
-        caught = follow.follow(start, cells, limit, traps, lanes, record)
+        caught = follow.follow(start, cells, mean_path, limit, traps, lanes, record)
     kept["traps"] = np.insert(traps[:caught], 0, configuration, axis=1)
     return {name: kept[name] for name in kept if name == "traps" or name.startswith("raw/")}
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from html import escape
 from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -41,20 +40,15 @@ class Statuses(Value):
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between two scatterers, where infinitely many collisions follow
-    within 1e-9 d or so. Declared after a flight shorter than 1e-9 d if, between two straight walls,
-    the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
-    e = 0. Between spheres (kernel.pockets) a tracer leaves a groove along it where the tangential
-    restitution is 1, and is trapped in pockets between three spheres, or below 1 in grooves.
-    In a field (kernel.sliding) it is trapped at rest in a corner of two disks that opens against
-    the field, declared after infinitely many bounces there or where v^2/2 < 1e-12 |g| d; with a
-    tangential restitution below 1, where it would slide along a disk (v_n^2/(2 a_n) < 1e-12 d, v_n
-    the velocity away from the disk and a_n the acceleration towards it); and at rest on the very
-    top of a disk.
-    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
-    it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
-    at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
-    to the tracer's start, in d; trap_tracers (trapped, 2): configuration and tracer.
+    trapped: caught in a corner between scatterers, where infinitely many collisions follow within
+    1e-9 d or so (events.is_collapsing; kernel.pockets between spheres), or at rest after a head-on
+    collision at e = 0. In a field (kernel.sliding) at rest in a corner of two disks that opens
+    against the field; with a tangential restitution below 1, where it would slide along a disk; and
+    at rest on the very top of a disk. escaped: flew 1e6 mean free paths without a collision.
+    trap_times (trapped,) in d/U: when it was declared. With tangential restitution 1 the collisions
+    end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
+    trap_places (trapped, dimension) relative to the tracer's start, in d; trap_tracers
+    (trapped, 2): configuration and tracer.
     """
 
     finished: int
@@ -128,16 +122,6 @@ class Ensemble(FieldEstimates, Result):
             f"  {law}, {self.tracers} tracers in each configuration\n  {times}\n"
             f"  {self.statuses!r}{': ' * bool(note)}{note}\n  outputs: {', '.join(self.outputs)}"
         )
-
-    def _repr_html_(self) -> str:
-        lines = "<br>".join(escape(line) for line in repr(self).splitlines())
-        rows = "<tr><th>at the last time<th>value<th>error"
-        for name in (*SCALARS, *(IN_FIELD if self.field else ())) if self.times.size else ():
-            estimate = getattr(self, name)
-            if estimate.value.shape == self.times.shape:
-                value, error = estimate.value[-1], estimate.error[-1]
-                rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
-        return f"<p>{lines}</p><table>{rows}</table>"
 
     def __dir__(self) -> list[str]:
         absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
@@ -280,7 +264,7 @@ class Ensemble(FieldEstimates, Result):
     def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
+        which: configuration (0), until (the last time), collisions (300), as of
         particles.paths.trajectories. Raises ValueError for one out of range.
         """
         from particles.paths import trajectories

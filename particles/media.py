@@ -1,14 +1,13 @@
 """Where the scatterers stand. A medium is frozen data that validates itself when it is made."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
-from typing import ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from particles.checks import check_path, check_positive, check_whole, real_array, refuse, short
+from particles.checks import check_path, check_positive, check_whole, real_array, refuse
 from particles.results import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
@@ -33,6 +32,11 @@ def _require_density(name: str, value: float, in_diameters: float, dimension: in
         )
 
 
+def _fraction(of_one: float, words: str) -> Any:
+    """Return the property: the share of space that the scatterers take; of_one: d^dimension is 1."""
+    return property(lambda m: of_one * m.number_density * m.diameter**m.dimension, doc=words)
+
+
 class Random:
     """What scatterers at random places in a periodic box share."""
 
@@ -53,8 +57,8 @@ class Random:
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
             raise ValueError(
-                f"number_density = {self.number_density}: at most "
-                f"{self.largest / d**self.dimension:g} for {type(self).__name__} of diameter = {d:g}"
+                f"number_density = {self.number_density}: at most {self.largest / d**self.dimension:g} "
+                f"for {type(self).__name__} of diameter = {d:g}"
             )
         if self.box_side < SMALLEST_BOX * d:
             raise ValueError(
@@ -67,9 +71,6 @@ class Random:
         """Side of the periodic box, (count / number_density)^(1/dimension)."""
         volume = self.count / self.number_density
         return sqrt(volume) if self.dimension == 2 else cbrt(volume)
-
-    def _fraction(self, of_one: float) -> float:
-        return of_one * self.number_density * self.diameter**self.dimension
 
 
 @dataclass(frozen=True)
@@ -101,10 +102,7 @@ class HardDisks(Random):
     dimension = 2
     overlapping = False
 
-    @property
-    def area_fraction(self) -> float:
-        """Area of the disks per unit area."""
-        return self._fraction(pi / 4)
+    area_fraction = _fraction(pi / 4, "Area of the disks per unit area.")
 
 
 @dataclass(frozen=True)
@@ -123,10 +121,7 @@ class Poisson(Random):
     overlapping = True
     largest = float("inf")
 
-    @property
-    def area_fraction(self) -> float:
-        """Area of the scatterers per unit area, overlaps counted as often as they occur."""
-        return self._fraction(pi / 4)
+    area_fraction = _fraction(pi / 4, "Their area per unit area, overlaps counted twice.")
 
 
 @dataclass(frozen=True)
@@ -151,10 +146,7 @@ class HardSpheres(Random):
     dimension = 3
     overlapping = False
 
-    @property
-    def volume_fraction(self) -> float:
-        """Volume of the spheres per unit volume."""
-        return self._fraction(pi / 6)
+    volume_fraction = _fraction(pi / 6, "Volume of the spheres per unit volume.")
 
 
 @dataclass(frozen=True)
@@ -172,10 +164,7 @@ class PoissonSpheres(Random):
     overlapping = True
     largest = LARGEST_POISSON_SPHERES
 
-    @property
-    def volume_fraction(self) -> float:
-        """Volume of the spheres per unit volume, overlaps counted as often as they occur."""
-        return self._fraction(pi / 6)
+    volume_fraction = _fraction(pi / 6, "Their volume per unit volume, overlaps counted twice.")
 
 
 @dataclass(frozen=True)
@@ -249,7 +238,7 @@ class Positions(Value):
             allowed = f"must be two finite numbers, at most {FARTHEST:g} boxes away"
             refuse("start", self.start, allowed)
 
-        def require(good: np.ndarray, allowed: str) -> None:
+        def require(good: Any, allowed: str) -> None:
             if len(bad := np.argwhere(~good)):
                 raise ValueError(f"positions[{bad[0][-1]}] = {array[tuple(bad[0])]}: {allowed}")
 
@@ -286,20 +275,22 @@ class Positions(Value):
     ) -> "Positions":  # fmt: skip
         """Read positions from a CSV file of two columns, x and y; one header line may precede.
 
-        Raises ValueError, naming the line, for one that does not hold two numbers, and for a file
+        Raises ValueError, naming the row, for one that does not hold two numbers, and for a file
         that cannot be read, is not text or holds no positions.
         """
         name = check_path("path", path)
         try:
             with open(name, encoding="utf-8-sig") as file:
-                rows = list(_pairs(name, file))
-        except UnicodeDecodeError:
-            raise ValueError(f"{name}: must be a CSV file, text in UTF-8") from None
+                lines = [line for line in file.read().splitlines() if line.strip()]
+            has_header = bool(lines) and not any(c in "0123456789" for c in lines[0].split(",")[0])
+            if not lines[has_header:]:
+                raise ValueError("holds no positions")
+            rows = np.loadtxt(lines[has_header:], delimiter=",", quotechar='"', ndmin=2)
         except OSError as error:
             raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
-        if not rows:
-            raise ValueError(f"{name}: holds no positions")
-        return cls(np.array(rows), box_side, diameter, start)
+        except ValueError as error:  # of loadtxt, with the row, and of what is no text in UTF-8
+            raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
+        return cls(rows, box_side, diameter, start)
 
     @property
     def count(self) -> int:
@@ -310,19 +301,6 @@ class Positions(Value):
     def sets(self) -> int | None:
         """Number of sets of positions, None if all configurations share one."""
         return len(self.positions) if self.positions.ndim == 3 else None
-
-
-def _pairs(path: str, lines: Iterator[str]) -> Iterator[tuple[float, float]]:
-    """Yield the two numbers of each line; the first may be a header, and lines may be empty."""
-    for number, line in enumerate(lines, 1):
-        try:
-            x, y = (float(cell.strip('" \t\n')) for cell in line.split(","))
-        except ValueError:
-            if line.strip() and number > 1:
-                words = f"{short(line.strip())} must be two numbers"
-                raise ValueError(f"{path}, line {number}: {words}") from None
-            continue
-        yield x, y
 
 
 Medium = HardDisks | Poisson | HardSpheres | PoissonSpheres | BoltzmannGrad | Positions

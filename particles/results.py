@@ -86,23 +86,21 @@ class Result(Value):
     def to_dataframe(self, name: str | None = None) -> "pandas.DataFrame":
         """Return a pandas DataFrame with a row for each time: each estimate and its error.
 
-        Of vectors and tensors each component is a column. With the `name` of a histogram a row for
-        each time and bin. Units are in `frame.attrs`. Raises ValueError for another name.
+        Of vectors and tensors each component is a column. With a `name`, that of a histogram for
+        example, a row for each place of its array. Units are in `frame.attrs`. ValueError for a
+        name that is not there.
         """
         import pandas
 
         if name is not None:
-            if self._known(name) not in VARIABLES:
-                refuse("name", name, "is no histogram; estimates are in to_dataframe()")
-            made = self._dataset([name])
-            frame = made.to_dataframe(dim_order=[str(d) for d in made[name].dims]).reset_index()
-            frame.attrs = {"units": {k: v.attrs.get("units") for k, v in made.variables.items()}}
-            return frame
+            return self._dataset([self._known(name)]).to_dataframe().reset_index()
         made = self._dataset(n for n in self.outputs if n in ESTIMATES)
-        parts = {k: (v, one) for one in made.values() for k, v in _components(one).items()}
-        frame = pandas.DataFrame({"time": self.plan.times} | {k: v for k, (v, _) in parts.items()})
-        units = {k: one.attrs["units"] for k, (_, one) in parts.items()}
-        frame.attrs = {**made.attrs, "units": {"time": "d/U"} | units}
+        columns, units = {"time": self.plan.times}, {"time": "d/U"}
+        for one in made.values():
+            columns |= _components(one)
+            units |= dict.fromkeys(_components(one), one.attrs["units"])
+        frame = pandas.DataFrame(columns)
+        frame.attrs = {**made.attrs, "units": units}
         return frame
 
     def plot(self, name: str, ax: "Axes | None" = None) -> "Axes":

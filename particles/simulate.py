@@ -58,9 +58,8 @@ def simulate(
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
         U; the dimension is that of the medium. In a field also "rest": among disks the first
         tracer of a configuration then starts at the centre, where all tracers that move do, and
-        every other one at a random free place of the box (in the plane, of a square of 128 cells).
-        If `Positions` give another start than the centre, all of them start there, and from rest
-        they have one path: take tracers=1.
+        every other one at a random free place of the box. If `Positions` give another start than
+        the centre, all of them start there, and from rest they have one path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -70,26 +69,21 @@ def simulate(
         instead (a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
-    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad in the plane and in space, and
-        for HardDisks, Poisson and Positions. U is any unit of speed where tracers start at rest.
-        BoltzmannGrad: a free path is an exponential length along the parabola. Among disks the
-        tracers fly on parabolas; where the field holds them on a disk in ever smaller bounces they
-        slide along it without friction until it curves away from under them, or until the next
-        disk, and they may come to rest in a corner of two disks: they are then trapped. With a
-        tangential restitution below 1 they are trapped where they would begin to slide. When
-        exactly that is declared: Statuses, and `particles.kernel.sliding`.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and for HardDisks, Poisson and
+        Positions. U is any unit of speed where tracers start at rest. BoltzmannGrad: a free path is
+        an exponential length along the parabola. Among disks, where the field holds tracers on a
+        disk in ever smaller bounces they slide along it without friction until it curves away, or
+        until the next disk, and they may come to rest in a corner of two disks: they are then
+        trapped. With a tangential restitution below 1 they are trapped where they would begin to
+        slide. When exactly that is declared: Statuses, and `particles.kernel.sliding`.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
-
-    output: file that the run is saved to (layout: particles.files). Each configuration is saved
-        when it is done, whole or not at all, as a file in the folder `<output>.parts` until the
-        run's file is written again, beside it and renamed; the run may be killed at any moment.
-        The file must not exist unless resume is True; then the run goes on from it, to the same
-        bits as one that was never stopped. A symbolic link is followed.
+    output: file that the run is saved to (layout: particles.files), whole or not at all, again and
+        again; the run may be killed at any moment. The file must not exist unless resume is True;
+        then the run goes on from it, to the same bits as one that was never stopped.
 
     Raises ValueError for bad input, for a run that needs more memory than the machine has, where
-    the scatterers cannot be placed, and for an output that exists (without resume), is damaged, in
-    use by another process, cannot be written, or holds another run. What was there is left as it
-    was. Where the disk fills up during the run, what is done stays, and resume goes on from it.
+    the scatterers cannot be placed, and for an output that exists (without resume), is damaged,
+    cannot be written, or holds another run. What was there is left as it was.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
@@ -126,9 +120,14 @@ def _complete(
 ) -> Totals:  # fmt: skip
     """Run the configurations that the totals lack; add, save and report each one."""
     plan = totals.plan
+    which = range(totals.configurations, plan.media)
     if progress is not None:
         progress(totals.configurations, plan.media)
-    for arrays in run(plan, range(totals.configurations, plan.media), workers, executor):
+    if executor is None:
+        found = _in_threads(plan, which, min(workers, len(which)))
+    else:  # few and large tasks: each costs a message, and 64 is many for a pool of a few dozen
+        found = _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
+    for arrays in found:
         totals.add(arrays)
         if saver is not None:
             saver.write_if_due(totals)
@@ -137,23 +136,13 @@ def _complete(
     return totals
 
 
-def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Arrays]:
-    """Return what these configurations leave, in order, whatever order they are done in."""
-    if executor is None:
-        return _in_threads(plan, which, min(workers, len(which)))
-    # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
-    return _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
-
-
 def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
 
-    Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C.
-    Nobody waits for the threads after an exception; each ends after its configuration, or with
-    the process. An exception that a signal raises inside a lock of `threading` may leave it locked
-    for ever, or unlock it twice. concurrent.futures has such locks, and so has the start of a
-    Thread: there the main thread once waited for ever for a thread that waited for it. So it shares
-    with the threads nothing but queues that are written in C.
+    Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C. After
+    an exception nobody waits for the threads, as a pool of concurrent.futures would; each ends
+    after its configuration, or with the process. Queues written in C are all that is shared: an
+    exception that a signal raises inside a lock of `threading` may leave it locked for ever.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
     done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()

@@ -1,4 +1,4 @@
-"""The event loops without a field: tracers among scatterers, and without any.
+"""The event loop without a field: tracers among scatterers, and without any.
 
 Several tracers, one in each lane, advance in turns. Among scatterers first the next contact of
 every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
@@ -37,85 +37,6 @@ from particles.kernel.records import (
 from particles.streams import bits, in_disk, uniform
 
 
-@kernel
-def follow(
-    start: Start, cells: Cells, limit: float, traps: np.ndarray, lanes: np.ndarray,
-    records: Records,
-) -> int:  # fmt: skip
-    """Follow tracers through the scatterers of one configuration, adding to the records.
-
-    limit: the longest flight in d before a tracer counts as escaped. traps (n, TRAPS[dimension]):
-    receives the trapped tracers; their number is returned. lanes: of LANE, as many as shall be
-    under way at the same time.
-    """
-    # Taken out of their tuples once: in the loop, numba would count references to them each time.
-    slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
-    times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
-    queue, queued = records.queue, records.queued
-    last_time = times[times.size - 1] if times.size else np.inf
-    side, shape, law = cells.side, cells.shape, start.law
-    active = launched = min(lanes.size, start.n)
-    caught = 0
-    for a in range(active):
-        launch(lanes[a], start, times, a)
-        steps.begin(lanes[a], cells)
-    while active:
-        for a in range(active):
-            steps.next_contact(lanes[a], slots, head, links, nodes, shape)
-        a = 0
-        while a < active:
-            lane = lanes[a]
-            wall = steps.next_wall(lane, shape)
-            if lane.contact > wall and wall <= limit:
-                steps.cross_cell(lane, shape)
-                a += 1
-                continue
-            escaped = lane.contact > wall
-            # By rounding, a tracer in a corner may touch the next scatterer already.
-            path = limit if escaped else max(lane.contact, 0.0)
-            while is_due(lane, path, times.size):
-                if queued[0] == QUEUE:
-                    enter_queue(records)
-                queue_output(lane, queue[queued[0]], times, scales)
-                queued[0] += 1
-            path, finished = fly(lane, path, times.size, last_time)
-            status = RUNNING
-            if finished or escaped:
-                status = columns.FINISHED if finished else columns.ESCAPED
-                advance(lane, path)
-            else:
-                if paths.size:
-                    count_path(paths, grids, path)
-                ratio, trapped = steps.collide(lane, path, side, shape, law)
-                lane.slowness /= ratio
-                if path < steps.SHORT and not trapped:
-                    ratio, trapped = steps.end_bounces(lane, path, cells, law)
-                    lane.slowness /= ratio
-                if trapped:
-                    status = columns.TRAPPED
-                    note_trap(lane, traps[caught], start.first, records)
-                    caught += 1
-                else:
-                    shift_clock(lane, times)
-                    if lane.collisions == start.most:
-                        status = columns.COLLISION_CAP
-            if status == RUNNING:
-                a += 1
-                continue
-            finish(lane, status, records)
-            if launched < start.n:
-                launch(lane, start, times, launched)
-                steps.begin(lane, cells)
-                launched += 1
-                a += 1
-            else:
-                # The last lane, which has not had its turn, takes this one's place.
-                active -= 1
-                lanes[a] = lanes[active]
-    enter_queue(records)
-    return caught
-
-
 @inlined
 def _collide_at_random(lane: Any, draw: int, start: Start) -> float:
     """Collide with an impact parameter from this draw; return the ratio of the speeds.
@@ -135,52 +56,103 @@ def _collide_at_random(lane: Any, draw: int, start: Start) -> float:
 
 
 @kernel
-def follow_free_paths(start: Start, mean_path: float, lanes: np.ndarray, records: Records) -> None:
-    """Follow tracers whose free paths are exponential and whose impact parameters are random.
+def follow(
+    start: Start, cells: Cells | None, mean_path: float, limit: float, traps: np.ndarray,
+    lanes: np.ndarray, records: Records,
+) -> int:  # fmt: skip
+    """Follow tracers through the scatterers of one configuration, adding to the records.
 
-    mean_path: the mean free path in d. lanes: as of `follow`.
+    cells: None for free paths that are exponential, of this mean in d, and impact parameters that
+    are random; the compiler knows that, and leaves out what is said of the other kind. limit: the
+    longest flight in d among scatterers before a tracer counts as escaped. traps
+    (n, TRAPS[dimension]): receives the trapped tracers; their number is returned. lanes: of LANE,
+    as many as shall be under way at the same time.
     """
+    # Taken out of their tuples once: in the loop, numba would count references to them each time.
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
-    active = launched = min(lanes.size, start.n)
+    law = start.law
+    if cells is not None:
+        slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
+        side, shape = cells.side, cells.shape
+    active = min(lanes.size, start.n)
+    launched = caught = 0
     for a in range(active):
-        launch(lanes[a], start, times, a)
-        open_flights(lanes[a], start)
-    a = 0
-    while active:
-        if a >= active:
-            a = 0
-        lane = lanes[a]
-        draw = 2 * lane.collisions
-        path = -mean_path * log(uniform(lane.stream, lane.gamma, draw))
-        while is_due(lane, path, times.size):
-            if queued[0] == QUEUE:
-                enter_queue(records)
-            queue_output(lane, queue[queued[0]], times, scales)
-            queued[0] += 1
-        path, finished = fly(lane, path, times.size, last_time)
-        advance(lane, path)
-        status = columns.FINISHED if finished else RUNNING
-        if not finished:
-            if paths.size:
-                count_path(paths, grids, path)
-            ratio = _collide_at_random(lane, draw + 1, start)
-            lane.collisions += 1
-            lane.slowness /= ratio
-            shift_clock(lane, times)
-            if lane.collisions == start.most:
-                status = columns.COLLISION_CAP
-        if status == RUNNING:
-            a += 1
-            continue
-        finish(lane, status, records)
-        if launched < start.n:
-            launch(lane, start, times, launched)
-            open_flights(lane, start)
-            launched += 1
-            a += 1
+        launch(lanes[a], start, times, launched)
+        launched += 1
+        if cells is None:
+            open_flights(lanes[a], start)
         else:
-            active -= 1
-            lanes[a] = lanes[active]
+            steps.begin(lanes[a], cells)
+    while active:
+        for a in range(active):
+            if cells is None:
+                lane = lanes[a]
+                u = uniform(lane.stream, lane.gamma, 2 * lane.collisions)
+                lane.contact = -mean_path * log(u)
+            else:
+                steps.next_contact(lanes[a], slots, head, links, nodes, shape)
+        a = 0
+        while a < active:
+            lane = lanes[a]
+            path, escaped = lane.contact, False
+            if cells is not None:
+                wall = steps.next_wall(lane, shape)
+                escaped = path > wall
+                if escaped and wall <= limit:
+                    steps.cross_cell(lane, shape)
+                    a += 1
+                    continue
+                # By rounding, a tracer in a corner may touch the next scatterer already.
+                path = limit if escaped else max(path, 0.0)
+            while is_due(lane, path, times.size):
+                if queued[0] == QUEUE:
+                    enter_queue(records)
+                queue_output(lane, queue[queued[0]], times, scales)
+                queued[0] += 1
+            path, finished = fly(lane, path, times.size, last_time)
+            status = RUNNING
+            if finished or escaped:
+                status = columns.FINISHED if finished else columns.ESCAPED
+                advance(lane, path)
+            else:
+                if paths.size:
+                    count_path(paths, grids, path)
+                trapped = False
+                if cells is None:
+                    advance(lane, path)
+                    lane.slowness /= _collide_at_random(lane, 2 * lane.collisions + 1, start)
+                    lane.collisions += 1
+                else:
+                    ratio, trapped = steps.collide(lane, path, side, shape, law)
+                    lane.slowness /= ratio
+                    if path < steps.SHORT and not trapped:
+                        ratio, trapped = steps.end_bounces(lane, path, cells, law)
+                        lane.slowness /= ratio
+                if trapped:
+                    status = columns.TRAPPED
+                    note_trap(lane, traps[caught], start.first, records)
+                    caught += 1
+                else:
+                    shift_clock(lane, times)
+                    if lane.collisions == start.most:
+                        status = columns.COLLISION_CAP
+            if status == RUNNING:
+                a += 1
+                continue
+            finish(lane, status, records)
+            if launched < start.n:
+                launch(lane, start, times, launched)
+                if cells is None:
+                    open_flights(lane, start)
+                else:
+                    steps.begin(lane, cells)
+                launched += 1
+                a += 1
+            else:
+                # The last lane, which has not had its turn, takes this one's place.
+                active -= 1
+                lanes[a] = lanes[active]
     enter_queue(records)
+    return caught

@@ -57,7 +57,7 @@ _INTS = (
     "cell",                             # where its scatterers are stored
     "step_i", "step_j", "step_k",       # +1 or -1: from this cell to the next
 )  # fmt: skip
-_STREAM = ("stream", "gamma")           # what random flights without scatterers are drawn from
+_STREAM = ("stream", "gamma")  # what random flights without scatterers are drawn from
 LANE = record_type({np.float64: _FLOATS, np.int64: _INTS, np.uint64: _STREAM})
 # In a field the path depends on the speed, and times are never shifted. Among disks the place and
 # the velocity are those at the last node of the parabola, walls and contact are times until then.

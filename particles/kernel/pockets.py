@@ -2,33 +2,23 @@
 
 Two spheres leave a groove along the circle in which their spheres of contact (radius 1) meet, three
 leave a pocket where such circles meet. Close to them the spheres are planes, and the flights of a
-tracer may shrink geometrically, to infinitely many in a finite length.
+tracer may shrink geometrically, to infinitely many in a finite length. So after a flight shorter
+than SHORT, the bounces between all spheres within NEAR of contact are followed to their end,
+between the planes that touch them there. Where they end after a finite number, that is left to the
+event loop, as long as it can resolve them.
 
-What is declared. After a flight shorter than SHORT, the bounces between all spheres within NEAR of
-contact are followed to their end (`last_bounces`), between the planes that touch them there. Where
-they end after a finite number, that is left to the event loop, as long as it can resolve them.
+Two planes with unit normals n1 and n2, C = -n1.n2. With rho the normal speed with which the tracer
+leaves the one plane over that with which it approaches the other one, and r = e/et, a bounce makes
 
-Two planes, smooth spheres (et = 1). Across the edge the motion is that in a corner of the plane.
-With the unit normals n1 and n2 of the spheres, C = -n1.n2, and rho the normal speed with which the
-tracer leaves the one plane over that with which it approaches the other one, a bounce makes of rho
+    rho' = r / ((1 + r) C - rho),     fixed points rho^2 - (1 + r) C rho + r = 0.
 
-    rho' = e / ((1 + e) C - rho),     fixed points rho^2 - (1 + e) C rho + e = 0.
-
-They are real if C >= 2 sqrt(e)/(1 + e), the rule of the plane; the upper one repels and the lower
-one attracts. So the tracer bounces for ever if rho is below the upper one: distance and speed
-across the edge shrink geometrically to nothing, and all this takes a finite time. The speed along
-the edge stays as it is, the edge is a circle and the spheres curve away from its tangent: the
-tracer leaves along the tangent. A groove is no trap. Where the spheres are so blunt that their
-curvature ends the bounces before (rho^3 > e^2 at the lower fixed point), the direction differs by
-less than SHORT.
-
-Two planes, et < 1. The same with r = e/et in the place of e, for r < 1 (for r >= 1 both fixed
-points are above 1, and the tracer runs out of the groove). The speed along the edge is multiplied
-by et at each bounce too, so infinitely many of them leave the tracer at rest: it is trapped. Per
-bounce, the path along the edge is multiplied by rho^2/r, the speed across the edge relative to
-that along it by r/rho. The spheres recede by path^2/2, which matters when path (along)/(across) is
-about 1; this number is multiplied by rho^3/r^2. So the bounces never end if rho^3 <= r^2, and are
-followed until the spheres recede if not.
+They are real if C >= 2 sqrt(r)/(1 + r), the rule of the plane; the upper one repels and the lower
+one attracts, so the tracer bounces for ever if rho is below the upper one. For et = 1 the speed
+along the edge stays, and the tracer leaves along its tangent: a groove is no trap. For et < 1 that
+speed is multiplied by et at each bounce too, so the tracer is left at rest: it is trapped. But the
+spheres recede by path^2/2, which matters when path (along)/(across) is about 1; this number is
+multiplied by rho^3/r^2 at each bounce. So the bounces never end if rho^3 <= r^2, and are followed
+until the spheres recede if not.
 
 More planes: no such formula is known. The bounces are followed, each groove being left along its
 edge, until the tracer leaves, or until its speed has fallen to SLOW of what tangential friction

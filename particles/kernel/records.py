@@ -161,9 +161,7 @@ def enter_queue(records: Records) -> None:
         moments[k, columns.R2] += r2
         moments[k, columns.R4] += r2 * r2
         moments[k, columns.COLLISIONS] += row.collisions
-        moments[k, columns.CORRELATION] += (
-            vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
-        )
+        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
         moments[k, columns.CAUGHT] += row.caught
         if sums.size:
             d = 2 if sums.shape[1] == columns.FIELD_SUMS_IN_PLANE else 3
@@ -189,9 +187,7 @@ def enter_queue(records: Records) -> None:
 
 
 @inlined
-def _add_products(
-    sums: np.ndarray, first: int, vector: tuple[float, float, float], d: int
-) -> None:
+def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, float], d: int) -> None:
     """Add the first d components of a vector, then the products of each two, from `first` on."""
     for a in range(d):
         sums[first + a] += vector[a]

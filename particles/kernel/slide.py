@@ -160,9 +160,7 @@ def roll(lane: Any, left: float, field: float, side: float, records: Records) ->
 
 
 @called
-def slide(
-    lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records
-) -> int:
+def slide(lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records) -> int:
     """Let a lane slide from disk `struck` on until it flies again. Return its status then."""
     side = cells.side
     while True:
