@@ -252,10 +252,9 @@ def _follow_block(
     field, limit = plan.field * unit, ESCAPE_PATHS * mean_path
     lanes = np.empty(lane.LANES, lane.FALLING_LANE if field else lane.LANE)
     traps, caught = kept["traps"][:, 1:].copy(), 0
-    if cells is None and field:
-        follow_falling.follow_free_falls(start, mean_path, field, lanes, record)
-    elif field:
-        caught = follow_falling.follow_falling(start, cells, (field, limit), traps, lanes, record)
+    if field:
+        limits = field, mean_path, limit
+        caught = follow_falling.follow_falling(start, cells, limits, traps, lanes, record)
     else:
         caught = follow.follow(start, cells, mean_path, limit, traps, lanes, record)
     kept["traps"] = np.insert(traps[:caught], 0, configuration, axis=1)

@@ -33,7 +33,7 @@ def _require_density(name: str, value: float, in_diameters: float, dimension: in
 
 
 def _fraction(of_one: float, words: str) -> Any:
-    """Return the property: the share of space that the scatterers take; of_one: d^dimension is 1."""
+    """Return the property: their share of space. of_one: that of one scatterer in d^dimension."""
     return property(lambda m: of_one * m.number_density * m.diameter**m.dimension, doc=words)
 
 
@@ -56,9 +56,9 @@ class Random:
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
+            most = f"{self.largest / d**self.dimension:g} for {type(self).__name__}"
             raise ValueError(
-                f"number_density = {self.number_density}: at most {self.largest / d**self.dimension:g} "
-                f"for {type(self).__name__} of diameter = {d:g}"
+                f"number_density = {self.number_density}: at most {most} of diameter = {d:g}"
             )
         if self.box_side < SMALLEST_BOX * d:
             raise ValueError(

@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from particles.cells import cell_at
+from particles.cells import Cells, cell_at
 from particles.compiled import called, inlined
 from particles.events import NEVER, bounce
-from particles.kernel.lane import AT_REST
+from particles.kernel.lane import AT_REST, Start, open_flights
 from particles.kernel.parabola import length_of, time_to_reach
 from particles.kernel.steps import enter
 from particles.search import SLOTS, near_chord
@@ -99,20 +99,25 @@ def contact_in_field(
 
 
 @inlined
-def begin(lane: Any, shape: tuple[int, ...], places: np.ndarray) -> None:
-    """Put a tracer where it starts, with its initial velocity; places: of `Start`."""
-    middle = shape[0] // 2
-    lane.from_i = lane.from_j = 0
-    lane.from_x = lane.from_y = 0.0
-    if places.shape[0]:
-        lane.from_i, lane.from_j = int(places[lane.tracer, 0]), int(places[lane.tracer, 1])
-        lane.from_x, lane.from_y = places[lane.tracer, 2], places[lane.tracer, 3]
-    lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
-    lane.stored_i, lane.stored_j = middle + lane.i, middle + lane.j
-    lane.cell = cell_at(shape, lane.stored_i, lane.stored_j, 0)
-    lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, 0.0
-    lane.before = APART
-    begin_flight(lane)
+def begin(lane: Any, cells: Cells | None, start: Start) -> None:
+    """Put a tracer that has been launched where it starts, with its initial velocity."""
+    lane.vx, lane.vy, lane.vz = lane.start_vx, lane.start_vy, lane.start_vz
+    if cells is None:
+        open_flights(lane, start)
+    else:
+        lane.from_i = lane.from_j = 0
+        lane.from_x = lane.from_y = 0.0
+        if start.places.shape[0]:
+            place = start.places[lane.tracer]
+            lane.from_i, lane.from_j = int(place[0]), int(place[1])
+            lane.from_x, lane.from_y = place[2], place[3]
+        lane.i, lane.j, lane.x, lane.y = lane.from_i, lane.from_j, lane.from_x, lane.from_y
+        lane.stored_i = lane.stored_j = cells.shape[0] // 2
+        lane.stored_i += lane.i
+        lane.stored_j += lane.j
+        lane.cell = cell_at(cells.shape, lane.stored_i, lane.stored_j, 0)
+        lane.before = APART
+        begin_flight(lane)
 
 
 @inlined
