@@ -16,7 +16,7 @@ def run(executor: Executor | None = None, workers: int = 1) -> list[Ensemble]:
             medium, 0.4, times=[1.0, 40.0], media=9, tracers=25, seed=8, workers=workers,
             executor=executor, observables=["positions", "speed_histogram"],
         )
-        for medium in (HardDisks(0.05, 800), Poisson(0.1, box=None))
+        for medium in (HardDisks(0.05, 800), Poisson(0.1, 400))
     ]  # fmt: skip
 
 

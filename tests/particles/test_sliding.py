@@ -1,19 +1,11 @@
 """Sliding along a disk, leaving it, corners, traps: closed forms and an independent reference."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+import reference_in_field as reference
 from scipy.integrate import quad
 
 from particles import Ensemble, Positions, simulate
-
-_SPEC = importlib.util.spec_from_file_location(
-    "reference_in_field", Path(__file__).with_name("reference_in_field.py")
-)
-reference = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(reference)
 
 
 def fall_on(

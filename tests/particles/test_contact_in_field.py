@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from particles.events import NEVER
-from particles.kernel.contact_in_field import APART, STRUCK, TANGENT, contact_in_field
+from particles.kernel.falling import APART, STRUCK, TANGENT, contact_in_field
 
 ENDLESS = 1e9
 

@@ -1,21 +1,11 @@
 """The trap rule: who is caught, where, when, and who is not."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+import reference_simulator as reference
+from scattered import Around
 
-from particles import HardDisks, Poisson, Positions, simulate
-from particles.grid.build import build
-from particles.grid.equilibrate import centres
-
-_SPEC = importlib.util.spec_from_file_location(
-    "reference_simulator", Path(__file__).with_name("reference_simulator.py")
-)
-reference = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(reference)
+from particles import Poisson, Positions, simulate
 
 
 def corner(angle: float) -> np.ndarray:
@@ -89,15 +79,11 @@ def test_only_corners_that_can_catch_have_caught() -> None:
     ensemble = simulate(medium, restitution, media=1, tracers=20_000, max_collisions=200, seed=seed)
     statuses = ensemble.statuses
     assert statuses.trapped > 500
-    cells = build(medium, np.uint64(seed), 0)
-    positions = np.empty((medium.count, 2))
-    centres(cells, positions)
-    box = medium.box_side
-    tree = cKDTree((positions + box / 2) % box, boxsize=box)
-    distance, touched = tree.query((statuses.trap_places + box / 2) % box, k=2)
+    around = Around(medium, seed)
+    distance, touched = around.nearest(statuses.trap_places, 2)
     assert np.all(distance < 1 + 1e-8)
-    a, b = tree.data[touched[:, 0]], tree.data[touched[:, 1]]
-    apart = np.hypot(*((a - b + box / 2) % box - box / 2).T)
+    one, other = (around.offset(statuses.trap_places, touched[:, k]) for k in (0, 1))
+    apart = np.hypot(*(one - other).T)
     angle = 2 * np.arccos(apart / 2)
     # The corner is sharp, or blunt from outside: sin decides only below a right angle.
     assert np.all(angle < np.pi / 2)
@@ -114,14 +100,3 @@ def test_how_often_corners_catch() -> None:
         )
         rate = ensemble.statuses.trapped / ensemble.collision_total
         assert low <= rate <= high, restitution
-
-
-@pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])
-def test_tracers_are_never_trapped_where_the_tangential_factor_is_not_the_larger(
-    law: tuple[float, float],
-) -> None:
-    ensemble = simulate(
-        HardDisks(0.5, 1000), law[0], media=4, tracers=10, max_collisions=20_000,
-        tangential_restitution=law[1],
-    )  # fmt: skip
-    assert ensemble.statuses.collision_cap == 40

@@ -1,22 +1,14 @@
 """Grooves and pockets between spheres: who leaves, and how, and who is trapped."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+import reference_simulator as reference
 from marking import slow_but
 
-from particles import Ensemble, HardSpheres, PoissonSpheres, simulate
+from particles import Ensemble, PoissonSpheres, placement, simulate
+from particles.cells import empty_box, insert_all
 from particles.events import is_collapsing
-from particles.grid import build
 from particles.kernel.pockets import FOR_EVER, LEAVES, RESTS, is_endless, last_bounces
-
-_SPEC = importlib.util.spec_from_file_location(
-    "reference_simulator", Path(__file__).with_name("reference_simulator.py")
-)
-reference = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(reference)
 
 BOUNCES = 250
 START = 1e-3  # from the groove or the pocket to the start of a tracer, in d
@@ -39,7 +31,9 @@ def drop(
     rng = np.random.default_rng(4)
     velocities = np.stack([*(0.6 * rng.uniform(-1, 1, (2, n))), -np.ones(n)], axis=1)
     medium = PoissonSpheres(len(spheres) / 30.0**3, count=len(spheres))
-    monkeypatch.setattr(build, "positions_in_space", lambda *_: spheres)
+    cells = empty_box(30.0, len(spheres), 3)
+    insert_all(cells, spheres)
+    monkeypatch.setattr(placement, "build", lambda *_: cells)
     run = simulate(
         medium, law[0], velocities, times=[0.5], media=1, tracers=n, workers=1,
         observables=["velocities", "positions"], tangential_restitution=law[1],
@@ -197,14 +191,3 @@ def test_a_pocket_catches_whom_the_reference_brings_to_rest(
             last = np.array(path[-1][4:7], float)
             # A dozen bounces within 1e-9 d: rounding grows.
             np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-5)
-
-
-@pytest.mark.parametrize("law", [(1.0, 1.0), (0.5, 0.5), (0.9, 0.3), (0.5, 0.0)])
-def test_tracers_are_never_trapped_where_the_tangential_factor_is_not_the_larger(
-    law: tuple[float, float],
-) -> None:
-    run = simulate(
-        HardSpheres(0.4, count=500), law[0], media=4, tracers=10, max_collisions=20_000,
-        tangential_restitution=law[1],
-    )  # fmt: skip
-    assert run.statuses.collision_cap == 40
