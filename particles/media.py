@@ -56,9 +56,10 @@ class Random:
         in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
         _require_density("number_density", self.number_density, in_diameters, self.dimension)
         if in_diameters > self.largest:
-            most = f"{self.largest / d**self.dimension:g} for {type(self).__name__}"
+            most = self.largest / in_diameters * density
             raise ValueError(
-                f"number_density = {self.number_density}: at most {most} of diameter = {d:g}"
+                f"number_density = {self.number_density}: at most {most:g} for "
+                f"{type(self).__name__} of diameter = {d:g}"
             )
         if self.box_side < SMALLEST_BOX * d:
             raise ValueError(

@@ -78,9 +78,7 @@ def three(monkeypatch: pytest.MonkeyPatch, folder: Path) -> int:
     """What a small compiled function returns, compiled and kept as by a new process."""
     file = folder / "small.py"
     if not file.exists():  # some versions of numba compile again what is written again
-        file.write_text(
-            "from particles.compiled import kernel\n@kernel\ndef three(): return 3\n"
-        )
+        file.write_text("from particles.compiled import kernel\n@kernel\ndef three(): return 3\n")
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(folder / "kept"))
     loader = importlib.util.spec_from_file_location("small", file)
     module = importlib.util.module_from_spec(loader)

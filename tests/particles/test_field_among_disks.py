@@ -8,9 +8,7 @@ from scipy.spatial import cKDTree
 from particles import (
     OBSERVABLES,
     HardDisks,
-    HardSpheres,
     Poisson,
-    PoissonSpheres,
     Positions,
     simulate,
 )
@@ -85,9 +83,7 @@ def test_every_event_is_on_a_disk_and_loses_the_energy_that_the_law_says() -> No
         before = energy, ln_t
 
 
-@pytest.mark.parametrize(
-    "medium", [HardDisks(0.1, 400), Poisson(0.2, 400)]
-)
+@pytest.mark.parametrize("medium", [HardDisks(0.1, 400), Poisson(0.2, 400)])
 def test_a_weak_field_gives_the_run_without_field(medium: HardDisks | Poisson) -> None:
     arguments = dict(
         restitution=0.8, times=[1.0, 4.0, 9.0], media=2, tracers=50,
@@ -176,16 +172,6 @@ def test_a_tracer_in_a_free_corridor_escapes() -> None:
     assert run.statuses.escaped == 1
     assert run.mean_displacement.value[0, 0] == pytest.approx(50.0, rel=1e-12)
     assert run.passage_times[0] == pytest.approx(10.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("medium", [HardSpheres(0.1), PoissonSpheres(0.1)])
-def test_other_media_refuse_a_field(medium) -> None:
-    name = type(medium).__name__
-    with pytest.raises(
-        ValueError, match=f"^field = 1.0: is not there for {name}, only for Bol"
-    ) as e:
-        simulate(medium, 0.5, times=[1.0], field=1.0)
-    assert "\n" not in str(e.value)
 
 
 @pytest.mark.parametrize("field", [1e-98, 1e-12, 1e12, 1e98])

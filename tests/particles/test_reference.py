@@ -22,9 +22,7 @@ MEDIA: list[Any] = [
 @pytest.mark.parametrize(
     "law", [*LAWS[:2], *(pytest.param(law, marks=pytest.mark.slow) for law in LAWS[2:])]
 )
-def test_the_first_events_are_those_of_the_reference(
-    medium: Any, law: tuple[float, float]
-) -> None:
+def test_the_first_events_are_those_of_the_reference(medium: Any, law: tuple[float, float]) -> None:
     compared, d = 0, medium.dimension
     for seed in range(4):
         velocity = np.random.default_rng(seed).normal(size=d)
