@@ -48,12 +48,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     # Loaded at first use: `import particles` costs neither numpy nor numba.
     if name == "__version__":
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            return version("inelastic-lorentz")
-        except PackageNotFoundError:
-            return "unknown: the package is not installed"
+        return import_module("particles.results").package_version()
     if name in __all__:
         for file in ("outputs", "media", "estimators", "ensemble", "simulate"):
             module = import_module(f"particles.{file}")

@@ -33,10 +33,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-import particles
 from particles.checks import check_path, short
 from particles.configuration import Arrays, Plan, Totals
 from particles.media import MEDIA
+from particles.results import package_version
 
 FORMAT = "inelastic-lorentz particles 6"
 SHARE = 0.02  # of the time between two writings of the whole file that one of them may take
@@ -190,7 +190,7 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
     with h5py.File(image := BytesIO(), "w") as file:
         file.create_group("h5md").attrs["version"] = np.array([1, 1], np.int32)
         file.create_group("h5md/author").attrs["name"] = "unknown"
-        creator = {"name": "inelastic-lorentz", "version": particles.__version__}
+        creator = {"name": "inelastic-lorentz", "version": package_version()}
         file.create_group("h5md/creator").attrs.update(creator)
         file.create_group("h5md/modules/units").attrs["version"] = np.array([1, 0], np.int32)
         group = file.create_group("particles/tracers")

@@ -6,12 +6,12 @@ pandas, xarray and matplotlib are imported when they are asked for.
 import json
 from collections.abc import Iterable
 from dataclasses import fields
+from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import particles
 from particles.checks import refuse
 from particles.outputs import ESTIMATES, VARIABLES
 
@@ -22,6 +22,14 @@ if TYPE_CHECKING:
 
 _DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
 _MOST_LINES = 8
+
+
+def package_version() -> str:
+    """Return the version that is installed."""
+    try:
+        return version("inelastic-lorentz")
+    except PackageNotFoundError:
+        return "unknown: the package is not installed"
 
 
 def frozen(value: Any) -> Any:
@@ -175,7 +183,7 @@ class Result(Value):
             "title": f"Particles: {plan.media} configurations of {medium}",
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
             "scene": json.dumps({"medium": medium} | {n: getattr(plan, n) for n in arguments}),
-            "version": particles.__version__,
+            "version": package_version(),
         }
         return xarray.Dataset(found, axes, about).copy(deep=True)
 
