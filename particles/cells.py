@@ -181,3 +181,21 @@ def is_free(cells: Cells, cell: int, x: float, y: float, z: float) -> bool:
         near += int(dx * dx + dy * dy + dz * dz < 1.0)
         node = links[node]
     return near == 0
+
+
+@called
+def next_listed(
+    cells: Cells, cell: int, slot: int, node: int
+) -> tuple[float, float, float, int, int]:  # fmt: skip
+    """Return (centre of the next scatterer of a cell, next slot, next node).
+
+    Begin with slot 0 and node `cells.head[cell]`; all are done at slot SLOTS and a negative node.
+    """
+    z = 0.0
+    if slot < SLOTS:
+        if len(cells.shape) == 3:
+            z = cells.slots[cell, 2 * SLOTS + slot]
+        return cells.slots[cell, slot], cells.slots[cell, SLOTS + slot], z, slot + 1, node
+    if len(cells.shape) == 3:
+        z = cells.nodes[node, 2]
+    return cells.nodes[node, 0], cells.nodes[node, 1], z, slot, cells.links[node]

@@ -274,7 +274,7 @@ class Ensemble(FieldEstimates, Result):
     def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
         """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
 
-        which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
+        which: as of `trajectories`, ax (axes to draw on) and colour_bar (True).
         """
         from particles.paths import plot_trajectories
 

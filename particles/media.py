@@ -85,10 +85,9 @@ class HardDisks(Random):
     half the side of the box has the same path as in an unbounded plane.
 
     No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
-    are placed, as if the tracer were the first of them, so that slightly fewer stand beside it than
-    beside a place that is found free afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 %
-    at 0.2 d^-2, and so many fewer first flights end there. After `equilibrate` there is no
-    difference.
+    are placed, so that slightly fewer stand beside it than beside a place that is found free
+    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2. After `equilibrate`
+    there is no difference.
 
     In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
     one that opens against the field is a trap, in which inelastic tracers come to rest.

@@ -25,8 +25,8 @@ def require_memory(plan: Plan, workers: int) -> None:
         name = max(needed, key=lambda name: needed[name])
         value = getattr(plan.medium if name == "count" else plan, name)
         what = f"the run needs about {total / 1e9:.2g} GB of memory, this machine has "
-        shown = sorted(value) if name == "observables" else value
-        refuse(name, shown, f"{what}{available / 1e9:.2g} GB")
+        what += f"{available / 1e9:.2g} GB"
+        refuse(name, sorted(value) if name == "observables" else value, what)
 
 
 def estimate(plan: Plan, workers: int) -> dict[str, int]:

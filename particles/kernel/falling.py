@@ -23,7 +23,7 @@ import numpy as np
 from numba import njit
 
 from particles.cells import Cells, cell_at
-from particles.compiled import called, inlined
+from particles.compiled import inlined
 from particles.events import NEVER, bounce
 from particles.kernel.lane import AT_REST, Start, open_flights
 from particles.kernel.parabola import length_of, time_to_reach
@@ -36,16 +36,6 @@ MOST_STEPS = 10_000  # two in the mean; up to some hundreds for contacts that gr
 # How a tracer and a disk are to each other when its flight begins: not in contact as far as is
 # known, on it and leaving, or on it and leaving without normal velocity.
 APART, STRUCK, TANGENT = range(3)
-
-
-@called
-def _next_of_tangent(opening: float, growth: float, field: float, limit: float) -> float:
-    """Return the first contact after 0 where P = t^2 (opening + growth t + (field t)^2/4)."""
-    inside = growth * growth - field * field * opening
-    if growth >= 0.0 or inside < 0.0:
-        return NEVER
-    t = 2.0 * max(opening, 0.0) / (sqrt(inside) - growth)
-    return t if t <= limit else NEVER
 
 
 @njit(error_model="numpy")
@@ -62,7 +52,13 @@ def contact_in_field(
     x, y = place
     vx, vy = velocity
     if before == TANGENT:
-        return _next_of_tangent(vx * vx + vy * vy + field * x, field * vx, field, limit)
+        # P = t^2 (opening + growth t + (field t)^2/4)
+        opening, growth = vx * vx + vy * vy + field * x, field * vx
+        inside = growth * growth - field * field * opening
+        if growth >= 0.0 or inside < 0.0:
+            return NEVER
+        t = 2.0 * max(opening, 0.0) / (sqrt(inside) - growth)
+        return t if t <= limit else NEVER
     t, p, h = 0.0, x * x + y * y - 1.0, x * vx + y * vy
     on_disk = before == STRUCK or p <= 0.0
     if on_disk:

@@ -30,9 +30,10 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from particles.cells import Cells
+from particles.cells import Cells, next_listed
 from particles.compiled import called
 from particles.events import GRAZING
+from particles.search import SLOTS
 
 NEAR = 1e-8
 UNRESOLVED = 1e-14  # in d: shorter flights are rounding
@@ -53,12 +54,12 @@ def end_of_bounces(
 ) -> tuple[tuple[float, float, float], float]:
     """Return (direction, speed ratio) with which a tracer leaves after a flight of this length.
 
-    place: of the tracer, from the centre of its
-    cell; direction: after the bounce there. law: restitution e and tangential restitution et > e.
-    The ratio is 0 if the tracer is trapped. Both are unchanged where the event loop is to go on.
+    place: of the tracer, from the centre of its cell; direction: after the bounce there. law:
+    restitution e and tangential restitution et > e. The ratio is 0 if the tracer is trapped. Both
+    are unchanged where the event loop is to go on.
     """
     found = np.empty((MOST_WALLS, 4))
-    n = walls_near(cells.slots[cell], cells.head[cell], cells.links, cells.nodes, place, found)
+    n = _walls_near(cells, cell, place, found)
     if n < 2:
         return direction, 1.0
     end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
@@ -68,36 +69,23 @@ def end_of_bounces(
 
 
 @called
-def walls_near(
-    slots: np.ndarray, head: int, links: np.ndarray, nodes: np.ndarray,
-    place: tuple[float, float, float], found: np.ndarray,
+def _walls_near(
+    cells: Cells, cell: int, place: tuple[float, float, float], found: np.ndarray
 ) -> int:  # fmt: skip
     """Find the spheres of a cell within NEAR of contact with a tracer; return their number.
 
-    slots (3 * SLOTS,): of the cell. found (MOST_WALLS, 4): receives their normals, towards the
-    tracer, and the gaps.
+    found (MOST_WALLS, 4): receives their normals, towards the tracer, and the gaps.
     """
-    n = 0
-    for slot in range(slots.size // 3):
-        k = slots.size // 3
-        n = _add(place, (slots[slot], slots[k + slot], slots[2 * k + slot]), found, n)
-    while head >= 0:
-        n = _add(place, (nodes[head, 0], nodes[head, 1], nodes[head, 2]), found, n)
-        head = links[head]
+    n, slot, node = 0, 0, cells.head[cell]
+    while slot < SLOTS or node >= 0:
+        cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
+        dx, dy, dz = place[0] - cx, place[1] - cy, place[2] - cz
+        distance = sqrt(dx * dx + dy * dy + dz * dz)
+        if distance <= 1.0 + NEAR and n < MOST_WALLS:
+            found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
+            found[n, 3] = max(distance - 1.0, 0.0)
+            n += 1
     return n
-
-
-@called
-def _add(
-    place: tuple[float, float, float], centre: tuple[float, float, float], found: np.ndarray, n: int
-) -> int:
-    dx, dy, dz = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
-    distance = sqrt(dx * dx + dy * dy + dz * dz)
-    if distance > 1.0 + NEAR or n == MOST_WALLS:
-        return n
-    found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
-    found[n, 3] = max(distance - 1.0, 0.0)
-    return n + 1
 
 
 @njit(error_model="numpy")

@@ -19,7 +19,7 @@ v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide 
 from math import acos, asin, atan2, copysign, cos, pi, sqrt
 from typing import Any
 
-from particles.cells import Cells
+from particles.cells import Cells, next_listed
 from particles.compiled import called
 from particles.events import bounce
 from particles.kernel.falling import STRUCK, TANGENT
@@ -105,16 +105,6 @@ def end_in_corner(
 
 
 @called
-def _listed(
-    cells: Cells, cell: int, slot: int, node: int
-) -> tuple[float, float, int, int]:  # fmt: skip
-    """Return (centre of the next disk of a cell, next slot, next node): slots first, then nodes."""
-    if slot < SLOTS:
-        return cells.slots[cell, slot], cells.slots[cell, SLOTS + slot], slot + 1, node
-    return cells.nodes[node, 0], cells.nodes[node, 1], slot, cells.links[node]
-
-
-@called
 def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     """Return (whether there is one, centre) of a disk near a lane, besides that struck last."""
     found, at_x, at_y, least = False, 0.0, 0.0, 1.0 + NEAR
@@ -122,7 +112,7 @@ def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        cx, cy, slot, node = _listed(cells, cell, slot, node)
+        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
         dx, dy = lane.x - cx, lane.y - cy
         apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
         if apart > SAME and dx * dx + dy * dy < least * least:
@@ -199,7 +189,7 @@ def disk_ahead(
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        cx, cy, slot, node = _listed(cells, cell, slot, node)
+        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
         dx, dy = cx - lane.struck_x, cy - lane.struck_y
         square = dx * dx + dy * dy
         if SAME * SAME < square < 4.0:
