@@ -139,8 +139,10 @@ class Result(Value):
                 bars = np.where(np.isfinite(error), error, 0.0)
                 ax.errorbar(times, line, bars, marker="o", ms=3.5, lw=0.8, label=label)
             ax.set(xlabel="t [d/U]", ylabel=f"{name} [{ESTIMATES[name][0]}]")
-            ax.set_xscale("log" if _spans_decades(times[times > 0.0]) else "linear")
-            ax.set_yscale("log" if _spans_decades(one.value[times > 0.0]) else "linear")
+            for scale, values in ((ax.set_xscale, times), (ax.set_yscale, one.value)):
+                values = values[(times > 0.0).nonzero()]
+                wide = values.size and 0.0 < _DECADES * np.nanmin(values) < np.nanmax(values)
+                scale("log" if wide else "linear")
         if len(ax.get_legend_handles_labels()[1]) > 1:
             ax.legend()
         return ax
@@ -195,8 +197,3 @@ def _components(one: "xarray.DataArray") -> dict[str, np.ndarray]:
     names = ["_".join([base, "".join("xyz"[i] for i in at)]) if at else base for at in places]
     values = [one.values[(slice(None), *at)] for at in places]
     return {f"{name}{error}": line for name, line in zip(names, values, strict=True)}
-
-
-def _spans_decades(values: np.ndarray) -> bool:
-    values = values[np.isfinite(values)]
-    return bool(values.size > 1 and 0.0 < values.min() * _DECADES < values.max())

@@ -7,11 +7,11 @@ from concurrent.futures import Executor, Future
 from itertools import islice
 from os import PathLike
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from particles.arguments import check_workers, make_plan
+from particles.arguments import check_workers, make_plan, require_memory
 from particles.checks import check_path, refuse
 from particles.configuration import (
     Arrays,
@@ -22,10 +22,6 @@ from particles.configuration import (
 )
 from particles.ensemble import Ensemble
 from particles.media import Medium
-from particles.memory import require_memory
-
-if TYPE_CHECKING:
-    from particles.files import Saver
 
 
 def simulate(
@@ -98,42 +94,32 @@ def simulate(
     if not isinstance(resume, (bool, np.bool_)):
         refuse("resume", resume, "must be True or False")
     require_memory(plan, workers)
-    if output is None:
-        if resume:
-            raise ValueError("resume = True: needs output, the file to go on from")
-        totals = _complete(Totals(plan), None, workers, executor, progress)
-        return Ensemble(plan, totals.arrays())
-    from particles.files import Saver
+    if output is None and resume:
+        raise ValueError("resume = True: needs output, the file to go on from")
+    saver, totals = None, Totals(plan)
+    if output is not None:
+        from particles.files import Saver
 
-    saver = Saver(check_path("output", output), plan)
-    totals = saver.begin(resume)
-    try:
-        _complete(totals, saver, workers, executor, progress)
-    finally:
-        saver.write(totals)
-    return Ensemble(plan, totals.arrays())
-
-
-def _complete(
-    totals: Totals, saver: "Saver | None", workers: int, executor: Executor | None,
-    progress: Callable[[int, int], None] | None,
-) -> Totals:  # fmt: skip
-    """Run the configurations that the totals lack; add, save and report each one."""
-    plan = totals.plan
-    which = range(totals.configurations, plan.media)
-    if progress is not None:
-        progress(totals.configurations, plan.media)
+        saver = Saver(check_path("output", output), plan)
+        totals = saver.begin(bool(resume))
+    which = range(totals.configurations, media)
     if executor is None:
         found = _in_threads(plan, which, min(workers, len(which)))
     else:  # few and large tasks: each costs a message, and 64 is many for a pool of a few dozen
         found = _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
-    for arrays in found:
-        totals.add(arrays)
-        if saver is not None:
-            saver.write_if_due(totals)
+    try:
         if progress is not None:
-            progress(totals.configurations, plan.media)
-    return totals
+            progress(totals.configurations, media)
+        for arrays in found:
+            totals.add(arrays)
+            if saver is not None:
+                saver.write_if_due(totals)
+            if progress is not None:
+                progress(totals.configurations, media)
+    finally:
+        if saver is not None:
+            saver.write(totals)
+    return Ensemble(plan, totals.arrays())
 
 
 def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:

@@ -36,8 +36,7 @@ from particles.kernel.records import (
     note_trap,
     queue_falling,
 )
-from particles.kernel.slide import slide
-from particles.kernel.sliding import FALLS, RESTS, SLIDES, is_sliding, settle, touched
+from particles.kernel.sliding import FALLS, RESTS, SLIDES, is_sliding, settle, slide, touched
 from particles.kernel.steps import SHORT
 from particles.streams import bits, in_disk, uniform
 

@@ -66,7 +66,7 @@ def test_where_compiled_code_cannot_be_kept_it_is_compiled_in_every_process(
     for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         environment.pop(name, None)
     done = subprocess.run(
-        [sys.executable, "-c", "from particles import placement\nfrom particles.kernel import follow"],
+        [sys.executable, "-c", "import particles.placement, particles.kernel.follow"],
         cwd=tmp_path, env=environment, capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -159,9 +159,12 @@ def test_a_cell_lists_what_can_be_touched_in_it(
 
 
 def test_a_scatterer_that_finds_no_room_is_counted() -> None:
-    with pytest.raises(ValueError, match=r"only \d+ of 45 spheres could be placed; the largest"):
+    def place_many() -> None:
         for seed in range(50):
             places(HardSpheres(0.65, count=45), seed)
+
+    with pytest.raises(ValueError, match=r"only \d+ of 45 spheres could be placed; the largest"):
+        place_many()
 
 
 def test_positions_from_csv(tmp_path: Path) -> None:

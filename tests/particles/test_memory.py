@@ -14,7 +14,7 @@ from particles import (
     Poisson,
     PoissonSpheres,
     Positions,
-    memory,
+    arguments,
     simulate,
 )
 from particles.arguments import make_plan
@@ -37,11 +37,11 @@ RAW = ["positions", "velocities", "finals"]
 def test_a_run_that_is_too_large_is_refused_with_the_estimate(
     changes: dict[str, Any], words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(memory, "machine_memory", lambda: 8e9)
+    monkeypatch.setattr(arguments, "machine_memory", lambda: 8e9)
     with pytest.raises(ValueError, match=re.escape(words)) as caught:
         simulate(**dict(medium=BoltzmannGrad(0.04)) | GOOD | changes)
     assert re.search(r"about [\d.e+]+ GB of memory, this machine has 8 GB$", str(caught.value))
-    assert memory.machine_memory() > 1e8
+    assert arguments.machine_memory() > 1e8
 
 
 @pytest.mark.parametrize(
@@ -62,14 +62,14 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
     taken = tracemalloc.get_traced_memory()[0]
     tracemalloc.stop()
     assert cells is not None
-    assert memory.estimate(plan, 1)["count"] == pytest.approx(taken, rel=0.25)
+    assert arguments.estimate(plan, 1)["count"] == pytest.approx(taken, rel=0.25)
     run = simulate(medium, 0.5, times=[1.0, 2.0], media=1, tracers=50, observables=RAW)
     raw = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
-    assert memory.estimate(run.plan, 1)["observables"] == 3 * raw
+    assert arguments.estimate(run.plan, 1)["observables"] == 3 * raw
 
 
 def test_more_scatterers_than_can_be_numbered_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Their lists are counted in 32 bits."""
-    monkeypatch.setattr(memory, "machine_memory", lambda: np.inf)
+    monkeypatch.setattr(arguments, "machine_memory", lambda: np.inf)
     with pytest.raises(ValueError, match="count = 900000000: must be below 536870912, listings"):
         simulate(Poisson(0.04, 900_000_000), **GOOD)
