@@ -107,11 +107,6 @@ def test_no_contact_is_missed_and_none_invented() -> None:
     check(300, 1)
 
 
-@pytest.mark.slow
-def test_no_contact_is_missed_and_none_invented_in_1e5_cases() -> None:
-    check(100_000, 2)
-
-
 def test_the_second_contact_after_a_bounce_of_any_height() -> None:
     rng = np.random.default_rng(3)
     for _ in range(60):

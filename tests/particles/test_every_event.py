@@ -79,7 +79,9 @@ def test_every_event(medium: Any, law: tuple[float, float]) -> None:
             ratio = np.sqrt(et**2 - (et**2 - e**2) * approach**2)
             firm = clear & (length > 1e-3) & (ratio > 1e-3)
             loss = np.exp(finals[:, 0] - old[:, 0])
-            np.testing.assert_allclose(loss[firm], ratio[firm], rtol=1e-8)
+            # At e = 0 a small ratio is the root of a difference, with some 1e-14 over it in error.
+            close = dict(rtol=1e-8, atol=1e-10 if e == 0.0 else 0.0)
+            np.testing.assert_allclose(loss[firm], ratio[firm], **close)
             if direction is not None:
                 # Momentum at the bounce between the two flights: et tangential, -e normal.
                 old_u, old_firm = direction

@@ -31,6 +31,12 @@ def run(executor: Executor | None = None, workers: int = 1, seed: int = 8) -> li
             executor=executor, observables=OBSERVABLES,
         )
         for medium in MEDIA
+    ] + [
+        simulate(
+            medium, 0.4, "rest", [0.0, 2.0, 20.0], media=6, tracers=30, field=0.5, seed=seed,
+            depth=3.0, workers=workers, executor=executor,
+        )
+        for medium in (HardDisks(0.3, 200), *MEDIA[-2:])
     ]  # fmt: skip
 
 

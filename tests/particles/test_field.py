@@ -4,7 +4,6 @@ Units of the exact relations: l = g = 1, so the density is 1/2 in the plane and 
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +12,7 @@ from marking import slow_but
 from particles import (
     OBSERVABLES,
     BoltzmannGrad,
-    Ensemble,
-    HardDisks,
     HardSpheres,
-    Poisson,
     simulate,
 )
 
@@ -229,57 +225,6 @@ def test_free_paths_are_exponential_along_the_parabola() -> None:
     sigma = np.sqrt(p * (1 - p) / n)
     assert busy.sum() > 50
     assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
-
-
-@pytest.mark.parametrize(
-    "medium", [DISKS, SPHERES, HardDisks(0.3, 200), Poisson(0.3, 200)], ids=repr
-)
-def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
-    medium: BoltzmannGrad | HardDisks | Poisson, tmp_path: Path
-) -> None:
-    arguments = dict(
-        restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
-        observables=EVERYTHING, depth=3.0,
-    )  # fmt: skip
-    one = simulate(medium, **arguments, workers=1)
-    assert one == simulate(medium, **arguments, workers=3)
-    assert (one.statuses.trapped > 0) == (not isinstance(medium, BoltzmannGrad))
-    path = tmp_path / "run.h5"
-
-    class Stopped(Exception):
-        pass
-
-    def stop(done: int, total: int) -> None:
-        if done == 2:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        simulate(medium, **arguments, output=path, progress=stop)
-    for name, value in (("field", 0.25), ("initial", "gaussian")):
-        changed = arguments | {name: value}
-        with pytest.raises(ValueError, match=r"holds another run, with (field = 0.5|rest = True)"):
-            simulate(medium, **changed, output=path, resume=True)
-    assert simulate(medium, **arguments, output=path, resume=True) == one == Ensemble.load(path)
-    again = Ensemble.load(path)
-    assert again.field == 0.5
-    assert "restitution 0.4, field 0.5 U^2/d, 30 tracers" in repr(again)
-    np.testing.assert_array_equal(again.drift.error, one.drift.error)
-
-
-@pytest.mark.parametrize("field", [1e-100, 1e-12, 1e12, 1e100])
-@pytest.mark.parametrize("initial", ["gaussian", "rest"])
-def test_any_size_of_the_field_and_of_the_start(field: float, initial: str) -> None:
-    # With sqrt(g l) as the speed and sqrt(l/g) as the time, 1e6 of it at the start and less.
-    scale = np.sqrt(field)
-    starts = [initial] + [s * scale * np.ones((50, 2)) for s in (1e-6, 1e6)]
-    for start in starts:
-        run = simulate(DISKS, 0.6, start, media=2, tracers=50, field=field, max_collisions=200)
-        assert run.collision_total == 20_000
-        assert abs(run.mean_free_path.value - 1.0) < 0.05
-    run = simulate(DISKS, 0.6, starts[1], [30 / scale], media=20, tracers=50, field=field)
-    drift = simulate(DISKS, 0.6, "rest", [30.0], media=20, tracers=50, field=1.0).drift
-    error = np.hypot(drift.error, run.drift.error / scale)
-    assert np.all(abs(run.drift.value / scale - drift.value) < 4 * error)
 
 
 BAD = [

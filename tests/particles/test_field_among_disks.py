@@ -54,14 +54,6 @@ def test_no_tracer_is_inside_a_disk_and_none_gains_energy(
     check_energy_and_gaps(medium, e, g, (100, 200, 60.0))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("medium", "e", "g"), STRESS)
-def test_no_tracer_is_inside_a_disk_in_many_events(
-    medium: HardDisks | Poisson, e: float, g: float
-) -> None:
-    assert check_energy_and_gaps(medium, e, g, (4000, 500, 1000.0)) > 2e5
-
-
 def test_every_event_is_on_a_disk_and_loses_the_energy_that_the_law_says() -> None:
     medium, e, g = HardDisks(0.1, 4000), 0.8, 0.2
     before = None

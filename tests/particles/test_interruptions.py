@@ -3,32 +3,13 @@
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import pytest
 
-from particles import Poisson, simulate
+from particles import Poisson
 
 RUN = dict(medium=Poisson(0.1, 50), restitution=0.9, times=[1.0], tracers=1, seed=4)
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_the_main_thread_takes_no_lock_that_an_exception_could_leave_locked(
-    workers: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Locks of `threading` are written in Python; a signal may come between their lines."""
-    taken = []
-    enter = threading.Condition.__enter__
-
-    def record(condition: threading.Condition) -> bool:
-        if threading.get_ident() == threading.main_thread().ident:  # makes no thread object
-            taken.append(condition)
-        return enter(condition)
-
-    monkeypatch.setattr(threading.Condition, "__enter__", record)
-    simulate(**RUN, media=50, workers=workers)
-    assert taken == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such timer")

@@ -68,16 +68,3 @@ def test_among_given_positions_a_start_that_is_given_is_kept(
         positions = positions[np.hypot(*(positions - place).T) > 1]
     run = released(Positions(positions, 40.0, start=start), 1, 8)
     assert len(np.unique(run.positions[0], axis=0)) == paths
-
-
-def test_paths_begin_where_their_tracers_do_and_enter_no_disk() -> None:
-    run = released(HardDisks(0.16, 400), 1, 6)
-    found = run.trajectories(6)
-    cells = build(run.plan.medium, np.uint64(run.plan.seed), 0)
-    own = start_places(run.plan, 0, cells, 0, 6)
-    places = np.array([path.places[0] for path in found])
-    np.testing.assert_allclose(places, own[:, :2] * cells.side + own[:, 2:], atol=1e-12)
-    every = np.concatenate([path.places for path in found])
-    disks = disks_within(run.plan, 0, every.min(axis=0) - 2, every.max(axis=0) + 2)
-    assert disks is not None
-    assert cKDTree(disks).query(every)[0].min() > 1 - 1e-12

@@ -85,16 +85,6 @@ def test_a_path_in_a_field_is_a_parabola_until_its_first_collision() -> None:
         assert np.median(abs(flown / np.diff(path.times) / path.speeds - 1.0)) < 1e-3
 
 
-def test_a_path_ends_at_the_time_or_the_collision_that_is_asked_for() -> None:
-    ensemble = run(BoltzmannGrad(0.04))
-    early = ensemble.trajectories(4, until=50.0)
-    assert [path.times[-1] for path in early] == pytest.approx([50.0] * 4)
-    for path, whole in zip(ensemble.trajectories(4, collisions=3), early, strict=True):
-        assert len(path.times) == 4
-        n = min(4, len(whole.times) - 1)
-        assert path.places[:n].tolist() == whole.places[:n].tolist()
-
-
 @pytest.mark.parametrize(
     ("argument", "value"),
     [("tracers", 9), ("configuration", 2), ("until", -1.0), ("collisions", 1001)],
