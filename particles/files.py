@@ -204,7 +204,4 @@ def write_h5md(path: str, plan: Plan, positions: np.ndarray, velocities: np.ndar
             group[f"{name}/time"].attrs["unit"] = "d U-1"
         group["id"], group["medium"] = np.arange(count), np.arange(count) // plan.tracers
         file["parameters/restitution"] = plan.restitution
-        file["parameters/tangential_restitution"] = plan.tangential_restitution
-        file["parameters/number_density"] = plan.medium.number_density * unit**dimension
-        file["parameters/field"] = plan.field * unit
     write_whole(path, image.getvalue())

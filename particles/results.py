@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-_DECADES = 30.0  # largest over smallest value from which on an axis is logarithmic
-_MOST_LINES = 8
+_DECADES = 30.0  # last over first time from which on the axis is logarithmic
 
 
 def package_version() -> str:
@@ -114,8 +113,8 @@ class Result(Value):
     def plot(self, name: str, ax: "Axes | None" = None) -> "Axes":
         """Draw an estimate over time with its standard errors, or the density of a histogram.
 
-        On `ax` or on new axes, which are returned, labelled with units. Of a histogram up to eight
-        of the times are drawn. ValueError for a name that is not there or is one number.
+        On `ax` or on new axes, which are returned, labelled with units. ValueError for a name that
+        is not there or is one number.
         """
         one, times = getattr(self, self._known(name)), self.plan.times
         if name in ESTIMATES and not one.value.ndim:
@@ -125,26 +124,22 @@ class Result(Value):
 
             _, ax = pyplot.subplots(layout="constrained")
         if name in VARIABLES:
-            (_, unit, words), value = VARIABLES[name], one.density.value
-            for k in dict.fromkeys(np.linspace(0, len(value) - 1, _MOST_LINES).round().astype(int)):
-                line = np.where(value[k] > 0.0, value[k], np.nan)
-                label = f"t = {times[k]:.4g} d/U" if len(value) == len(times) else words
-                ax.stairs(line, one.edges, baseline=None, label=label, color=f"C{k % 10}")
-            ax.set(xscale="log", yscale="log")
+            _, unit, words = VARIABLES[name]
+            for k, line in enumerate(one.density.value):
+                label = words if name == "free_path_histogram" else f"t = {times[k]:.4g} d/U"
+                ax.stairs(np.where(line > 0.0, line, np.nan), one.edges, baseline=None, label=label)
             ax.set(xlabel=f"{words} [{unit}]", ylabel=f"density [1/{unit}]")
+            ax.set(xscale="log", yscale="log")
         else:
             made = self._dataset([name])
             errors = _components(made[f"{name}_error"]).values()
             for (label, line), error in zip(_components(made[name]).items(), errors, strict=True):
                 bars = np.where(np.isfinite(error), error, 0.0)
                 ax.errorbar(times, line, bars, marker="o", ms=3.5, lw=0.8, label=label)
+            spans = times.size > 1 and 0.0 < times[0] * _DECADES < times[-1]
             ax.set(xlabel="t [d/U]", ylabel=f"{name} [{ESTIMATES[name][0]}]")
-            for scale, values in ((ax.set_xscale, times), (ax.set_yscale, one.value)):
-                values = values[(times > 0.0).nonzero()]
-                wide = values.size and 0.0 < _DECADES * np.nanmin(values) < np.nanmax(values)
-                scale("log" if wide else "linear")
-        if len(ax.get_legend_handles_labels()[1]) > 1:
-            ax.legend()
+            ax.set(xscale="log" if spans else "linear")
+        ax.legend()
         return ax
 
     def _known(self, name: Any) -> str:
@@ -182,7 +177,6 @@ class Result(Value):
         medium = " ".join(repr(plan.medium).split())
         ends = ("finished", "collision_cap", "trapped", "escaped")
         about = {
-            "title": f"Particles: {plan.media} configurations of {medium}",
             "status": ", ".join(f"{getattr(self.statuses, name)} {name}" for name in ends),
             "scene": json.dumps({"medium": medium} | {n: getattr(plan, n) for n in arguments}),
             "version": package_version(),
