@@ -154,19 +154,6 @@ def test_without_collisions_the_path_is_a_parabola(dimension: int, field: float)
     np.testing.assert_allclose(run.finals[:, 1], np.log(2.0), rtol=1e-15)
 
 
-@pytest.mark.parametrize("medium", [BoltzmannGrad(0.1), BoltzmannGrad(0.1, dimension=3)])
-def test_a_weak_field_gives_the_run_without_field(medium: BoltzmannGrad) -> None:
-    arguments = dict(
-        restitution=0.8, times=[1.0, 10.0, 40.0], media=2, tracers=50,
-        observables=["positions", "velocities"],
-    )  # fmt: skip
-    without, weak = (simulate(medium, **arguments, field=g) for g in (0.0, 1e-13))
-    assert without.collisions.value[-1] > 2.0
-    assert np.array_equal(without.moments[:, :, 5], weak.moments[:, :, 5])
-    np.testing.assert_allclose(weak.positions, without.positions, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(weak.velocities, without.velocities, rtol=1e-8, atol=1e-8)
-
-
 def test_a_field_the_other_way_turns_everything_round() -> None:
     given = np.random.default_rng(5).normal(size=(40, 2))
     one, other = (

@@ -54,27 +54,6 @@ def test_no_tracer_is_inside_a_disk_and_none_gains_energy(
     check_energy_and_gaps(medium, e, g, (100, 200, 60.0))
 
 
-def test_every_event_is_on_a_disk_and_loses_the_energy_that_the_law_says() -> None:
-    medium, e, g = HardDisks(0.1, 4000), 0.8, 0.2
-    before = None
-    for k in range(1, 8):
-        run = simulate(
-            medium, e, media=1, tracers=2000, max_collisions=k, seed=5, field=g,
-            observables=["finals"],
-        )  # fmt: skip
-        ln_v, ln_t, x, _, n = run.finals.T
-        assert np.all(n == k)
-        assert abs(gaps(medium, 5, run.finals[:, 2:4])).max() < 1e-12
-        energy = np.exp(2 * ln_v) / 2 - g * x
-        if before is not None:
-            loss = before[0] - energy
-            kinetic = before[0] + g * x
-            assert np.all(loss > -1e-12)
-            assert np.all(loss < (1 - e * e) * kinetic + 1e-12)
-            assert np.all(ln_t > before[1])
-        before = energy, ln_t
-
-
 @pytest.mark.parametrize("medium", [HardDisks(0.1, 400), Poisson(0.2, 400)])
 def test_a_weak_field_gives_the_run_without_field(medium: HardDisks | Poisson) -> None:
     arguments = dict(

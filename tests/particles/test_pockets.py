@@ -7,8 +7,7 @@ from marking import slow_but
 
 from particles import Ensemble, PoissonSpheres, placement, simulate
 from particles.cells import empty_box, insert_all
-from particles.events import is_collapsing
-from particles.kernel.pockets import FOR_EVER, LEAVES, RESTS, is_endless, last_bounces
+from particles.kernel.pockets import FOR_EVER, LEAVES, RESTS, last_bounces
 
 BOUNCES = 250
 START = 1e-3  # from the groove or the pocket to the start of a tracer, in d
@@ -39,27 +38,6 @@ def drop(
         observables=["velocities", "positions"], tangential_restitution=law[1],
     )  # fmt: skip
     return run, velocities
-
-
-def test_the_rule_of_two_planes_is_that_of_a_corner_in_the_plane() -> None:
-    rng = np.random.default_rng(2)
-    endless = 0
-    for _ in range(3000):
-        theta, turn, r = rng.uniform(0.01, np.pi), rng.uniform(0, 2 * np.pi), rng.uniform(0, 0.99)
-        before = np.array([np.cos(turn), np.sin(turn)])
-        left = -np.array([np.cos(turn + theta), np.sin(turn + theta)])
-        angle = rng.uniform(0, 2 * np.pi)
-        u = np.array([np.cos(angle), np.sin(angle)])
-        if u @ left <= 0 or u @ before >= 0:
-            continue
-        rho = -(u @ left) / (u @ before)
-        expected = is_collapsing(tuple(before), tuple(left), tuple(u), r, 1.0)
-        assert is_endless(before @ left, rho, r, 1.0) == expected
-        endless += expected
-        # Rough spheres: the same with e/et, but where the spheres curve away.
-        if is_endless(before @ left, rho, 0.7 * r, 0.7):
-            assert expected
-    assert endless > 50
 
 
 def between_planes(walls: np.ndarray, u: np.ndarray, law: tuple[float, float]) -> np.ndarray | None:

@@ -8,7 +8,7 @@ import pytest
 import reference_simulator as reference
 from scattered import places
 
-from particles import HardDisks, HardSpheres, Poisson, PoissonSpheres, Positions, simulate
+from particles import HardDisks, HardSpheres, Poisson, PoissonSpheres, simulate
 
 EVENTS = {2: 8, 3: 6}  # each multiplies an error by some 2 l/d: about 1e-16 10^8 in all
 LAWS = [(0.8, 1.0), (0.9, 0.4), (0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (0.3, 0.8), (0.7, 0.0)]
@@ -73,31 +73,3 @@ def test_outputs_between_events_are_on_the_reference_path(medium: Any) -> None:
             np.testing.assert_allclose(run.positions[k, 0], expected, rtol=0, atol=1e-9)
             np.testing.assert_allclose(run.velocities[k, 0], moving, rtol=1e-9, atol=1e-9)
             assert run.collisions.value[k] == k // 3
-
-
-def test_elastic_paths_are_reversible() -> None:
-    # Six collisions out and back: an error grows by some 2 l/d at each, 1e-16 to about 1e-6.
-    turned, names = 0, ["positions", "velocities", "finals"]
-    for seed in range(20):
-        medium = MEDIA[0]
-        own, box = places(medium, seed), medium.box_side
-        velocity = np.random.default_rng(seed).normal(size=2)
-        ends = [
-            simulate(
-                Positions(own, box, start=(0.0, 0.0)), 1.0, velocity[None], media=1, tracers=1,
-                max_collisions=n, observables=names,
-            ).finals[0]
-            for n in (6, 7)
-        ]  # fmt: skip
-        middle = [np.mean(np.exp([end[1] for end in ends]))]  # between the two
-        usual: Any = dict(restitution=1.0, times=middle, media=1, tracers=1, observables=names)
-        there = simulate(Positions(own, box, start=(0.0, 0.0)), initial=velocity[None], **usual)
-        place, arrived = there.positions[0, 0], there.velocities[0, 0]
-        assert there.collisions.value[0] == 6
-        if np.hypot(*((own - place + box / 2) % box - box / 2).T).min() < 1.0:
-            continue  # by rounding, when the seventh flight is very short
-        back = simulate(Positions(own, box, start=tuple(place)), initial=-arrived[None], **usual)
-        turned += 1
-        np.testing.assert_allclose(back.positions[0, 0], -place, rtol=0, atol=1e-5)
-        np.testing.assert_allclose(back.velocities[0, 0], -velocity, rtol=0, atol=1e-5)
-    assert turned >= 18
