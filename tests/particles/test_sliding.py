@@ -36,6 +36,9 @@ def test_a_slide_takes_its_time_and_ends_at_two_thirds_of_its_height() -> None:
     for angle, elapsed in zip(theta[:3], times[:3] - lands, strict=True):
         passed = quad(lambda a: 1 / np.sqrt(2 * (k - np.cos(a))), start, angle, epsabs=1e-13)[0]
         assert passed == pytest.approx(elapsed, abs=1e-11)
+    for angle, time in zip(theta[:3], times[:3], strict=True):  # the slide is part of the path
+        travelled = fall_on(centre, 0.0, np.array([time])).arrays["path_sums"][0, 0]
+        assert travelled == pytest.approx(fall + angle - start, abs=1e-11)
     # Without friction the energy stays, also after leaving.
     np.testing.assert_allclose((velocity**2).sum(axis=1) / 2 - place[:, 0], k, rtol=1e-12)
     assert run.statuses.finished == 1
