@@ -7,18 +7,17 @@ scatterers the flights are random: the particle method of the kinetic equation i
 """
 
 from math import log
-from typing import Any
 
 import numpy as np
 
 from particles.cells import Cells
-from particles.compiled import inlined, kernel
-from particles.events import scatter, scatter_in_space
+from particles.compiled import kernel
 from particles.kernel import columns, steps
 from particles.kernel.lane import (
     RUNNING,
     Start,
     advance,
+    collide_at_random,
     fly,
     is_due,
     launch,
@@ -34,25 +33,7 @@ from particles.kernel.records import (
     note_trap,
     queue_output,
 )
-from particles.streams import bits, in_disk, uniform
-
-
-@inlined
-def _collide_at_random(lane: Any, draw: int, start: Start) -> float:
-    """Collide with an impact parameter from this draw; return the ratio of the speeds.
-
-    It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
-    """
-    restitution, tangential = start.law
-    if start.dimension == 2:
-        impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
-        lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
-    else:
-        (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
-            (lane.ux, lane.uy, lane.uz), in_disk(bits(lane.stream, lane.gamma, draw)),
-            restitution, tangential,
-        )  # fmt: skip
-    return ratio
+from particles.streams import uniform
 
 
 @kernel
@@ -122,7 +103,7 @@ def follow(
                 trapped = False
                 if cells is None:
                     advance(lane, path)
-                    lane.slowness /= _collide_at_random(lane, 2 * lane.collisions + 1, start)
+                    lane.slowness /= collide_at_random(lane, 2 * lane.collisions + 1, start)
                     lane.collisions += 1
                 else:
                     ratio, trapped = steps.collide(lane, path, side, shape, law)

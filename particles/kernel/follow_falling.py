@@ -11,9 +11,9 @@ import numpy as np
 
 from particles.cells import Cells
 from particles.compiled import called, inlined, kernel
-from particles.events import is_collapsing, scatter, scatter_in_space
+from particles.events import is_collapsing
 from particles.kernel import columns, falling
-from particles.kernel.lane import AT_REST, RUNNING, Start, launch
+from particles.kernel.lane import AT_REST, RUNNING, Start, collide_at_random, launch
 from particles.kernel.parabola import (
     ACROSS2,
     ALONG,
@@ -38,7 +38,7 @@ from particles.kernel.records import (
 )
 from particles.kernel.sliding import FALLS, RESTS, SLIDES, is_sliding, settle, slide, touched
 from particles.kernel.steps import SHORT
-from particles.streams import bits, in_disk, uniform
+from particles.streams import uniform
 
 
 @inlined
@@ -89,19 +89,13 @@ def _move_freely(lane: Any, lasts: float, field: float) -> None:
 
 
 @inlined
-def _collide_at_random(lane: Any, draw: int, start: Start) -> None:
-    """Collide with an impact parameter from this draw, as in `particles.kernel.follow`."""
-    restitution, tangential = start.law
+def _collide_freely(lane: Any, start: Start) -> None:
+    """Collide without scatterers, with an impact parameter at random."""
     speed = sqrt(lane.vx * lane.vx + lane.vy * lane.vy + lane.vz * lane.vz)
-    ux, uy, uz = lane.vx / speed, lane.vy / speed, lane.vz / speed
-    if start.dimension == 2:
-        impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
-        ux, uy, ratio = scatter(ux, uy, impact, restitution, tangential)
-    else:
-        place = in_disk(bits(lane.stream, lane.gamma, draw))
-        (ux, uy, uz), ratio = scatter_in_space((ux, uy, uz), place, restitution, tangential)
-    speed *= ratio
-    lane.vx, lane.vy, lane.vz = speed * ux, speed * uy, speed * uz
+    lane.ux, lane.uy, lane.uz = lane.vx / speed, lane.vy / speed, lane.vz / speed
+    speed *= collide_at_random(lane, 2 * lane.collisions + 1, start)
+    lane.vx, lane.vy, lane.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
+    lane.collisions += 1
 
 
 @kernel
@@ -185,8 +179,7 @@ def follow_falling(
                 if status == RUNNING:
                     if paths.size:
                         count_path(paths, grids, path)
-                    _collide_at_random(lane, 2 * lane.collisions + 1, start)
-                    lane.collisions += 1
+                    _collide_freely(lane, start)
             elif status == RUNNING and not meets:
                 falling.cross_cell(lane, shape, side, field)
                 if lane.crossed * side < limit:

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from particles.compiled import inlined
-from particles.streams import FLIGHTS, START, open_stream, uniform
+from particles.events import scatter, scatter_in_space
+from particles.streams import FLIGHTS, START, bits, in_disk, open_stream, uniform
 
 # Tracers that one thread follows in turns. Speed depends on it, results do not;
 # tests/particles/measurements/kernel_speed.py measures the speed with several numbers.
@@ -125,6 +126,24 @@ def open_flights(lane: Any, start: Start) -> None:
     lane.stream, lane.gamma = open_stream(
         start.seed, FLIGHTS, start.configuration, start.first + lane.tracer
     )
+
+
+@inlined
+def collide_at_random(lane: Any, draw: int, start: Start) -> float:
+    """Collide with an impact parameter from this draw; return the ratio of the speeds.
+
+    It is uniform on the line, or in the disk, across the direction; never 0, so the ratio is not 0.
+    """
+    restitution, tangential = start.law
+    if start.dimension == 2:
+        impact = 2.0 * uniform(lane.stream, lane.gamma, draw) - 1.0
+        lane.ux, lane.uy, ratio = scatter(lane.ux, lane.uy, impact, restitution, tangential)
+    else:
+        (lane.ux, lane.uy, lane.uz), ratio = scatter_in_space(
+            (lane.ux, lane.uy, lane.uz), in_disk(bits(lane.stream, lane.gamma, draw)),
+            restitution, tangential,
+        )  # fmt: skip
+    return ratio
 
 
 @inlined
