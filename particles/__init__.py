@@ -1,18 +1,18 @@
 """Event-driven simulation: tracers among fixed scatterers, followed from collision to collision.
 
-Imports nothing else of the project. Begin reading with `simulate`. Folders and files, each of which
-imports only those before it: `events` (one collision; the collision law stands there alone),
-`streams` (random numbers), `checks`, `results` (values, datasets, plots), `media` (what may be
-asked for), `compiled`, `grid` (where the scatterers stand), `kernel` (the event loops),
-`configuration` (one configuration and its tracers), `arguments` and `memory` (what is refused),
-`estimators`, `field_estimates`, `ensemble` (the result), `totals`, `files`, `simulate`.
+Imports nothing else of the project. Begin reading with `simulate`. Files, each of which imports
+only those before it: `events` (one collision; the collision law stands there alone), `streams`
+(random numbers), `checks`, `outputs`, `results` (values, datasets, plots), `media` (what may be
+asked for), `compiled` and `search`, `cells` and `placement` (where the scatterers stand), `kernel`
+(the event loops), `configuration` (one configuration and its tracers), `arguments` (what is
+refused), `estimators`, `field`, `ensemble` (the result), `files`, `paths` (of a few tracers, and
+their picture), `simulate`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from particles.configuration import OBSERVABLES
     from particles.ensemble import Ensemble, Statuses, load
     from particles.estimators import Estimate, Histogram
     from particles.media import (
@@ -24,23 +24,8 @@ if TYPE_CHECKING:
         PoissonSpheres,
         Positions,
     )
+    from particles.outputs import OBSERVABLES
     from particles.simulate import simulate
-
-_NAMES = {
-    "configuration": ("OBSERVABLES",),
-    "ensemble": ("Ensemble", "Statuses", "load"),
-    "estimators": ("Estimate", "Histogram"),
-    "media": (
-        "BoltzmannGrad",
-        "HardDisks",
-        "HardSpheres",
-        "Medium",
-        "Poisson",
-        "PoissonSpheres",
-        "Positions",
-    ),
-    "simulate": ("simulate",),
-}
 
 __all__ = [
     "OBSERVABLES",
@@ -63,17 +48,14 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     # Loaded at first use: `import particles` costs neither numpy nor numba.
     if name == "__version__":
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            return version("inelastic-lorentz")
-        except PackageNotFoundError:
-            return "unknown: the package is not installed"
-    for module, names in _NAMES.items():
-        if name in names:
-            # Also replaces the module `simulate`, whose import has set this name.
-            globals()[name] = value = getattr(import_module(f"particles.{module}"), name)
-            return value
+        return import_module("particles.results").package_version()
+    if name in __all__:
+        for file in ("outputs", "media", "estimators", "ensemble", "simulate"):
+            module = import_module(f"particles.{file}")
+            if hasattr(module, name):
+                # Also replaces the module `simulate`, whose import has set this name.
+                globals()[name] = value = getattr(module, name)
+                return value
     raise AttributeError(f"module 'particles' has no attribute {name!r}")
 
 

@@ -1,7 +1,11 @@
-"""One configuration of scatterers and the tracers in it: the unit of work of an ensemble."""
+"""One configuration of scatterers and the tracers in it: the unit of work of an ensemble.
 
-import threading
-from dataclasses import dataclass, field, replace
+What a configuration leaves is a dictionary of arrays, by the names that they have in a file
+(`particles.files`); `Totals` joins those of a run.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import reduce
 from math import ceil, log2
 from typing import TYPE_CHECKING
@@ -17,30 +21,11 @@ from particles.kernel.columns import (
     TOTALS,
     TRAPS,
 )
-from particles.media import (
-    BoltzmannGrad,
-    Medium,
-    Positions,
-    dilute_mean_path,
-)
+from particles.media import BoltzmannGrad, Medium, Positions, dilute_mean_path
 from particles.results import Value
 
 if TYPE_CHECKING:
-    from particles.grid.cells import Cells
-    from particles.kernel.lane import Start
-    from particles.kernel.records import Records
-
-SCALARS = (
-    "thermal_speed",
-    "a2",
-    "msd",
-    "kurtosis",
-    "collisions",
-    "velocity_autocorrelation",
-    "mean_free_path",
-)
-RAW = ("positions", "velocities", "finals")
-OBSERVABLES = SCALARS + HISTOGRAMS + RAW
+    from particles.cells import Cells
 
 # Bins per octave of a histogram: each bin is 2**(1/16) - 1 = 4.4 % wide.
 PER_OCTAVE = 16
@@ -50,9 +35,7 @@ BLOCK = 4096
 # about exp(-1e6).
 ESCAPE_PATHS = 1e6
 
-
-# The scatterers of this thread's last configuration, whose memory the next one may use.
-_last = threading.local()
+Arrays = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,19 +62,16 @@ class Plan(Value):
     rest: bool = False
     depth: float | None = None
 
-    @property
-    def raw(self) -> tuple[str, ...]:
-        """Names of what is kept of each tracer."""
-        names = tuple(name for name in RAW if name in self.observables)
-        return names if self.depth is None else (*names, "passages")
-
     def scales(self) -> np.ndarray:
-        """Return the numbers that velocities are multiplied by in sums, (n_times,).
+        """Return the powers of 2 that velocities are multiplied by in sums, (n_times,).
 
+        The product v t stays near the mean free path at all times, while v^4 alone would underflow.
         In a field a tracer does not slow down for ever, so there they are 1.
         """
         times = self.times / self.medium.diameter
-        return np.ones(times.size) if self.field else time_scales(times)
+        if self.field:
+            return np.ones(times.size)
+        return np.asarray(2.0 ** np.round(np.log2(np.maximum(times, 1.0))))
 
     def grids(self) -> np.ndarray:
         """Return log2 of the first edge, bins per octave and bins of each histogram, (4, 3).
@@ -113,136 +93,172 @@ class Plan(Value):
         return np.array([(low, PER_OCTAVE, (high - low) * PER_OCTAVE) for low, high in rows], float)
 
 
-@dataclass(frozen=True, eq=False)
-class Tally:
-    """Sums over the tracers of one configuration (columns: particles.kernel.columns).
-
-    moments (n_times, 8), totals (2,) path in d and collisions, statuses (4,), traps
-    (n, trap_columns) tracer, time, place; histograms name -> (n_times, bins + 2); raw name ->
-    arrays, time first. field_sums (n_times, FIELD_SUMS[dimension]) in a field, else empty.
-    """
-
-    configuration: int
-    moments: np.ndarray
-    totals: np.ndarray
-    statuses: np.ndarray
-    traps: np.ndarray
-    histograms: dict[str, np.ndarray] = field(default_factory=dict)
-    raw: dict[str, np.ndarray] = field(default_factory=dict)
-    field_sums: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
-
-
 def speeds(velocities: np.ndarray) -> np.ndarray:
     """Return the sizes of velocities (..., dimension), without overflow on the way."""
     return reduce(np.hypot, np.moveaxis(velocities, -1, 0))
 
 
-def trap_columns(medium: Medium) -> int:
-    """Return the number of columns of the trapped tracers (columns: kernel.columns)."""
-    return TRAPS[2 if isinstance(medium, BoltzmannGrad) else medium.dimension]
+def nothing(plan: Plan, media: int = 0, n: int = 0) -> dict[str, np.ndarray]:
+    """Return the arrays of so many configurations in which nothing has happened.
 
-
-def time_scales(times: np.ndarray) -> np.ndarray:
-    """Return the power of 2 by which velocities are multiplied in sums at each time.
-
-    times (n_times,) in d/U. The product v t stays near the mean free path at all times, while v^4
-    alone would underflow.
+    n: tracers for whose raw data there is room. Of `histograms/<name>/sums` only the counts are
+    there yet, (n_times, bins + 2).
     """
-    return 2.0 ** np.round(np.log2(np.maximum(times, 1.0)))
+    n_times, dimension = plan.times.size, plan.medium.dimension
+    bins = plan.grids()[:, 2].astype(int)
+    traps = TRAPS[2 if isinstance(plan.medium, BoltzmannGrad) else dimension]
+    arrays = {
+        "moments": np.zeros((media, n_times, MOMENTS)),
+        "path_sums": np.zeros((media, TOTALS)),
+        "statuses": np.zeros(STATUSES, np.int64),
+        "traps": np.empty((n, 1 + traps)),
+        "raw/positions": np.full((n_times, n, dimension), np.nan),
+        "raw/velocities": np.full((n_times, n, dimension), np.nan),
+        "raw/finals": np.full((n, FINALS[dimension]), np.nan),
+    }
+    arrays = {k: v for k, v in arrays.items() if k[:4] != "raw/" or k[4:] in plan.observables}
+    if plan.field:
+        arrays["field_sums"] = np.zeros((media, n_times, FIELD_SUMS[dimension]))
+    if plan.depth is not None:
+        arrays["raw/passages"] = np.full(n, np.inf)
+    for k, name in enumerate(HISTOGRAMS):
+        if name in plan.observables:
+            rows = 1 if name == "free_path_histogram" else n_times
+            arrays[f"histograms/{name}/sums"] = np.zeros((rows, bins[k] + 2), np.int64)
+    return arrays
 
 
-def run_configurations(plan: Plan, start: int, stop: int) -> list[Tally]:
+class Totals:
+    """What configurations 0, 1, ... have left, joined in this order.
+
+    arrays: those of the first `done`, to go on from. A signal may interrupt `add` anywhere:
+    `_state` alone says what has been added.
+    """
+
+    def __init__(self, plan: Plan, arrays: Arrays | None = None, done: int = 0) -> None:
+        self.plan, self._before = plan, done
+        first = dict(arrays or _with_squares(nothing(plan)))
+        sums = {k: first.pop(k) for k in list(first) if k == "statuses" or k[:4] == "hist"}
+        self._state = sums, done
+        self._pieces = {name: [array] for name, array in first.items()}
+
+    @property
+    def configurations(self) -> int:
+        """How many have been added."""
+        return self._state[1]
+
+    def add(self, arrays: Arrays) -> None:
+        """Add what the next configuration has left."""
+        sums, done = self._state
+        for name, pieces in self._pieces.items():
+            pieces.append(arrays[name])
+        self._state = {name: array + arrays[name] for name, array in sums.items()}, done + 1
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return everything added so far, by its name in a file."""
+        sums, done = self._state
+        n = 1 + done - self._before
+        return {name: _join(name, pieces[:n]) for name, pieces in self._pieces.items()} | sums
+
+
+def _join(name: str, pieces: list[np.ndarray]) -> np.ndarray:
+    """Join arrays of configurations, or of tracers of one."""
+    return np.concatenate(pieces, axis=1 if name in ("raw/positions", "raw/velocities") else 0)
+
+
+def run_configurations(plan: Plan, start: int, stop: int) -> list[Arrays]:
     """Run configurations start to stop - 1, one after another."""
     return [run_configuration(plan, c) for c in range(start, stop)]
 
 
-def run_configuration(plan: Plan, configuration: int) -> Tally:
+def run_configuration(plan: Plan, configuration: int) -> Arrays:
     """Place the scatterers of one configuration and follow its tracers."""
-    from particles.grid.build import build
+    from particles.placement import build
 
-    old, _last.cells = getattr(_last, "cells", None), None
-    cells = build(plan.medium, np.uint64(plan.seed), configuration, old)
-    tally = follow_tracers(plan, configuration, cells)
-    _last.cells = cells
-    return tally
+    cells = build(plan.medium, np.uint64(plan.seed), configuration)
+    return follow_tracers(plan, configuration, cells)
 
 
-def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Tally:
+def follow_tracers(plan: Plan, configuration: int, cells: "Cells | None") -> Arrays:
     """Follow the tracers of one configuration among its scatterers."""
-    tally = _empty_tally(plan, configuration)
-    traps: list[np.ndarray] = [tally.traps]
-    raw: dict[str, list[np.ndarray]] = {name: [] for name in plan.raw}
-    for first in range(0, plan.tracers, BLOCK):
-        block = _follow_block(plan, tally, cells, first)
-        traps.append(block.pop("traps"))
-        for name, pieces in raw.items():
-            pieces.append(block[name])
-    return replace(
-        tally,
-        traps=np.concatenate(traps),
-        raw={
-            name: np.concatenate(pieces, axis=0 if name in ("finals", "passages") else 1)
-            for name, pieces in raw.items()
-        },
-    )
+    sums = nothing(plan, 1)
+    blocks = [
+        _follow_block(plan, configuration, cells, first, sums)
+        for first in range(0, plan.tracers, BLOCK)
+    ]
+    kept = {name: _join(name, [block[name] for block in blocks]) for name in blocks[0]}
+    return _with_squares(sums) | kept
 
 
-def _empty_tally(plan: Plan, configuration: int) -> Tally:
-    n_times, bins = plan.times.size, plan.grids()[:, 2].astype(int)
-    rows = {name: 1 if name == "free_path_histogram" else n_times for name in HISTOGRAMS}
-    return Tally(
-        configuration,
-        moments=np.zeros((n_times, MOMENTS)),
-        totals=np.zeros(TOTALS),
-        statuses=np.zeros(STATUSES, np.int64),
-        traps=np.empty((0, trap_columns(plan.medium))),
-        histograms={
-            name: np.zeros((rows[name], bins[k] + 2), np.int64)
-            for k, name in enumerate(HISTOGRAMS)
-            if name in plan.observables
-        },
-        field_sums=np.zeros((n_times if plan.field else 0, FIELD_SUMS[plan.medium.dimension])),
-    )
+def _with_squares(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Add to the counts c of each histogram, of the sum m at one time, c^2, c m, and m and m^2."""
+    for name, c in list(arrays.items()):
+        if name.startswith("histograms/"):
+            m = c.sum(axis=1)
+            arrays[name] = np.stack((c, c * c, c * m[:, None]))
+            arrays[name.replace("/sums", "/samples")] = np.stack((m, m * m))
+    return arrays
 
 
 def _follow_block(
-    plan: Plan, tally: Tally, cells: "Cells | None", first: int
-) -> dict[str, np.ndarray]:
-    """Follow at most BLOCK tracers from number `first` on, adding to the sums of the tally.
+    plan: Plan, configuration: int, cells: "Cells | None", first: int, sums: Arrays
+) -> Arrays:
+    """Follow at most BLOCK tracers from number `first` on, adding to the sums of `nothing`.
 
-    Return what is kept of each tracer: "traps" and the raw observables; those not asked for are
-    empty.
+    Return what is kept of each tracer: `traps` and raw data.
     """
-    from particles.kernel import follow, free_paths, lane
+    from particles.kernel import follow, follow_falling, lane, records
 
-    mean_path, dimension = dilute_mean_path(plan.medium), plan.medium.dimension
-    n = min(BLOCK, plan.tracers - first)
-    given = np.empty((0, dimension))
+    medium, n = plan.medium, min(BLOCK, plan.tracers - first)
+    unit, mean_path = medium.diameter, dilute_mean_path(medium)
+    given = np.empty((0, medium.dimension))
     if plan.velocities is not None:
         every = plan.velocities.ndim == 2
-        given = (plan.velocities if every else plan.velocities[tally.configuration])[first:][:n]
+        given = (plan.velocities if every else plan.velocities[configuration])[first:][:n]
     if plan.rest:
-        given = np.zeros((n, dimension))
+        given = np.zeros((n, medium.dimension))
     given = given.view()
     given.flags.writeable = False  # as those of a plan are: for numba that is another type
     start = lane.Start(
-        first, n, given, plan.monoenergetic, np.uint64(plan.seed), tally.configuration,
-        plan.restitution, plan.tangential_restitution, plan.max_collisions or 0,
-        start_places(plan, tally.configuration, cells, first, n),
+        first, n, medium.dimension, given, plan.monoenergetic, np.uint64(plan.seed), configuration,
+        (plan.restitution, plan.tangential_restitution), plan.max_collisions or 0,
+        start_places(plan, configuration, cells, first, n),
     )  # fmt: skip
-    record = _make_records(plan, tally, n)
-    raw = {name: getattr(record, name) for name in RAW}
-    caught = np.empty((n, trap_columns(plan.medium)))
-    n_caught = 0
-    if plan.field:
-        n_caught, raw["passages"] = _follow_in_field(plan, tally, cells, start, record, caught)
-        return {"traps": caught[:n_caught], **raw}
-    lanes = np.empty(lane.LANES, lane.LANE_OF[dimension])
-    if cells is None:
-        free_paths.follow_free_paths(start, mean_path, lanes, record)
+    kept = nothing(plan, 0, n)
+    none, no_counts = np.empty((0, 0)), np.zeros((0, 0), np.int64)
+    speeds, components, distances, paths = (
+        sums.get(f"histograms/{name}/sums", no_counts) for name in HISTOGRAMS
+    )
+    record = records.Records(
+        times=plan.times / unit,
+        scales=plan.scales(),
+        moments=sums["moments"][0],
+        totals=sums["path_sums"][0],
+        statuses=sums["statuses"],
+        field_sums=sums["field_sums"][0] if plan.field else none,
+        grids=np.ascontiguousarray(plan.grids()[:, :2]),
+        speeds=speeds,
+        components=components,
+        distances=distances,
+        paths=paths,
+        positions=kept.get("raw/positions", np.empty((0, 0, 0))),
+        velocities=kept.get("raw/velocities", np.empty((0, 0, 0))),
+        finals=kept.get("raw/finals", none),
+        passages=kept.get("raw/passages", np.empty(0)),
+        depth=(plan.depth or 0.0) / unit,
+        queue=np.empty(records.QUEUE, records.OUTPUT),
+        queued=np.zeros(1, np.int64),
+    )
+    field, limit = plan.field * unit, ESCAPE_PATHS * mean_path
+    lanes = np.empty(lane.LANES, lane.FALLING_LANE if field else lane.LANE)
+    traps, caught = kept["traps"][:, 1:].copy(), 0
+    if field:
+        limits = field, mean_path, limit
+        caught = follow_falling.follow_falling(start, cells, limits, traps, lanes, record)
     else:
-        n_caught = follow.follow(start, cells, ESCAPE_PATHS * mean_path, caught, lanes, record)
-    return {"traps": caught[:n_caught], **raw}
+        caught = follow.follow(start, cells, mean_path, limit, traps, lanes, record)
+    kept["traps"] = np.insert(traps[:caught], 0, configuration, axis=1)
+    return {name: kept[name] for name in kept if name == "traps" or name.startswith("raw/")}
 
 
 def start_places(
@@ -251,10 +267,10 @@ def start_places(
     """Return the free places where n tracers from number `first` on start, (n, 4).
 
     (0, 4) where all tracers start at the centre: those that move, those without scatterers, and
-    those among `Positions` for which the user gave another start. Columns: grid.free_places.
+    those among `Positions` for which the user gave another start. Columns: placement.free_places.
     """
-    from particles.grid.free_places import free_places
     from particles.kernel.lane import AT_THE_CENTRE
+    from particles.placement import free_places
 
     medium = plan.medium
     if isinstance(medium, Positions) and medium.start != (medium.box_side / 2,) * 2:
@@ -262,64 +278,3 @@ def start_places(
     if cells is None or not plan.rest:
         return AT_THE_CENTRE
     return np.asarray(free_places(cells, np.uint64(plan.seed), configuration, first, n))
-
-
-def _follow_in_field(
-    plan: Plan, tally: Tally, cells: "Cells | None", start: "Start", record: "Records",
-    caught: np.ndarray,
-) -> tuple[int, np.ndarray]:  # fmt: skip
-    """Follow tracers in a field; return how many were trapped, and when each first had x = depth.
-
-    caught (n, trap_columns): receives the trapped tracers. The times (n,) are empty without depth.
-    """
-    from particles.kernel import follow_in_field, free_paths_in_field, lane, records_in_field
-
-    medium = plan.medium
-    mean_path, field = dilute_mean_path(medium), plan.field * medium.diameter
-    passages = np.full(start.n if plan.depth is not None else 0, np.inf)
-    kept = records_in_field.Kept(tally.field_sums, passages, (plan.depth or 0.0) / medium.diameter)
-    n_caught = 0
-    if cells is None:
-        lanes = np.empty(lane.LANES, lane.LANE_IN_FIELD_OF[medium.dimension])
-        free_paths_in_field.follow_free_paths_in_field(start, mean_path, field, lanes, record, kept)
-    else:
-        lanes = np.empty(lane.LANES, lane.LANE_AMONG_DISKS_IN_FIELD)
-        limits = field, ESCAPE_PATHS * mean_path
-        n_caught = follow_in_field.follow_in_field(
-            start, cells, limits, caught, lanes, record, kept
-        )
-    return n_caught, passages
-
-
-def _make_records(plan: Plan, tally: Tally, n: int) -> "Records":
-    """Return the arrays of the tally, and new ones for what is kept of each of n tracers."""
-    from particles.kernel import records
-
-    dimension, times = plan.medium.dimension, plan.times / plan.medium.diameter
-    raw = {
-        name: np.full(shape if name in plan.observables else (0,) * len(shape), np.nan)
-        for name, shape in {
-            "positions": (times.size, n, dimension),
-            "velocities": (times.size, n, dimension),
-            "finals": (n, FINALS[dimension]),
-        }.items()
-    }
-    nothing = np.zeros((0, 0), np.int64)
-    speeds, components, distances, paths = (
-        tally.histograms.get(name, nothing) for name in HISTOGRAMS
-    )
-    return records.Records(
-        times=times,
-        scales=plan.scales(),
-        moments=tally.moments,
-        totals=tally.totals,
-        statuses=tally.statuses,
-        grids=np.ascontiguousarray(plan.grids()[:, :2]),
-        speeds=speeds,
-        components=components,
-        distances=distances,
-        paths=paths,
-        queue=np.empty(records.QUEUE, records.OUTPUT_OF[dimension]),
-        queued=np.zeros(1, np.int64),
-        **raw,
-    )

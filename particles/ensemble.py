@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from html import escape
+from operator import attrgetter
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from particles.configuration import RAW, SCALARS, Plan
+from particles.checks import check_path
+from particles.configuration import Plan
 from particles.estimators import Estimate, Histogram, jackknife, share
-from particles.field_estimates import IN_FIELD, OF_A_DEPTH, FieldEstimates
+from particles.field import FieldEstimates
 from particles.kernel.columns import (
     ALL_COLLISIONS,
     CAUGHT,
@@ -25,13 +26,13 @@ from particles.kernel.columns import (
     SPEED4,
     TRAVELLED,
 )
-from particles.media import Medium
+from particles.outputs import IN_FIELD, OF_A_DEPTH, RAW, SCALARS
 from particles.results import Result, Value, frozen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from particles.trajectories import Trajectory
+    from particles.paths import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,20 +40,15 @@ class Statuses(Value):
     """How many tracers ended in each way, and where and when the trapped ones did.
 
     finished: reached the last output time. collision_cap: made max_collisions collisions first.
-    trapped: caught in a corner between two scatterers, where infinitely many collisions follow
-    within 1e-9 d or so. Declared after a flight shorter than 1e-9 d if, between two straight walls,
-    the tracer would never leave (events.is_collapsing); or at rest after a head-on collision at
-    e = 0. Between spheres (kernel.pockets) a tracer leaves a groove along it where the tangential
-    restitution is 1, and is trapped in pockets between three spheres, or below 1 in grooves.
-    In a field (kernel.sliding) it is trapped at rest in a corner of two disks that opens against
-    the field, declared after infinitely many bounces there or where v^2/2 < 1e-12 |g| d; with a
-    tangential restitution below 1, where it would slide along a disk (v_n^2/(2 a_n) < 1e-12 d, v_n
-    the velocity away from the disk and a_n the acceleration towards it); and at rest on the very
-    top of a disk.
-    escaped: flew 1e6 mean free paths without a collision. trap_times (trapped,) in d/U: when
-    it was declared. With tangential restitution 1 the collisions end later by what some 1e-9 d take
-    at the last speed, below 1 they may take for ever. trap_places (trapped, dimension) relative
-    to the tracer's start, in d; trap_tracers (trapped, 2): configuration and tracer.
+    trapped: caught in a corner between scatterers, where infinitely many collisions follow within
+    1e-9 d or so (events.is_collapsing; kernel.pockets between spheres), or at rest after a head-on
+    collision at e = 0. In a field (kernel.sliding) at rest in a corner of two disks that opens
+    against the field; with a tangential restitution below 1, where it would slide along a disk; and
+    at rest on the very top of a disk. escaped: flew 1e6 mean free paths without a collision.
+    trap_times (trapped,) in d/U: when it was declared. With tangential restitution 1 the collisions
+    end later by what some 1e-9 d take at the last speed, below 1 they may take for ever.
+    trap_places (trapped, dimension) relative to the tracer's start, in d; trap_tracers
+    (trapped, 2): configuration and tracer.
     """
 
     finished: int
@@ -80,6 +76,10 @@ class Statuses(Value):
         return "; ".join(notes)
 
 
+def _of_plan(name: str, words: str) -> Any:
+    return property(lambda ensemble: attrgetter(name)(ensemble.plan), doc=words)
+
+
 @dataclass(frozen=True, eq=False)
 class Ensemble(FieldEstimates, Result):
     """Result of `simulate`. Units: d, U and d/U; time is the first axis of every array.
@@ -88,7 +88,7 @@ class Ensemble(FieldEstimates, Result):
     estimate at that time: what is left is biased towards slow tracers. `samples` says how many
     entered, `missing` how many did not. Trapped tracers stay in: they are at rest where they were
     caught (`trapped` says how many, at each time). What there is in a field only, such as `drift`,
-    is in `particles.field_estimates`.
+    is in `particles.field`.
 
     plan: what was run. arrays: the sums and raw data that every estimate is made from, by the
     names that particles.files gives them in a file.
@@ -97,96 +97,42 @@ class Ensemble(FieldEstimates, Result):
     plan: Plan
     arrays: Mapping[str, np.ndarray]
 
+    medium = _of_plan("medium", "The medium asked for.")
+    restitution = _of_plan("restitution", "The coefficient of restitution.")
+    tangential_restitution = _of_plan(
+        "tangential_restitution", "What a collision leaves of the tangential velocity, a fraction."
+    )
+    field = _of_plan("field", "The acceleration along +x in U^2/d.")
+    number_density = _of_plan("medium.number_density", "Scatterers per unit area, or volume.")
+    times = _of_plan("times", "Output times in d/U, (n_times,).")
+    media = _of_plan("media", "Number of configurations.")
+    tracers = _of_plan("tracers", "Number of tracers in each configuration.")
+
     def __repr__(self) -> str:
-        return "\n".join(
-            [
-                f"Ensemble: {self.media} configurations of {self.medium!r}",
-                f"  {self._law_in_words()}, {self.tracers} tracers in each configuration",
-                f"  {self._times_in_words()}",
-                f"  {self.statuses!r}{': ' * bool(self.statuses.note)}{self.statuses.note}",
-                f"  outputs: {', '.join(self.outputs)}",
-            ]
+        law, times = f"restitution {self.restitution:g}", "no output times"
+        if self.tangential_restitution != 1.0:
+            law += f", tangential restitution {self.tangential_restitution:g}"
+        if self.field:
+            law += f", field {self.field:g} U^2/d"
+        if n := self.times.size:
+            times = f"{n} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
+        note = self.statuses.note
+        return (
+            f"Ensemble: {self.media} configurations of {self.medium!r}\n"
+            f"  {law}, {self.tracers} tracers in each configuration\n  {times}\n"
+            f"  {self.statuses!r}{': ' * bool(note)}{note}\n  outputs: {', '.join(self.outputs)}"
         )
 
-    def _repr_html_(self) -> str:
-        lines = "<br>".join(escape(line) for line in repr(self).splitlines())
-        if not self.times.size:
-            return f"<p>{lines}</p>"
-        rows = "<tr><th>at the last time<th>value<th>error"
-        for name in (*SCALARS, *(IN_FIELD if self.field else ())):
-            estimate = getattr(self, name)
-            if estimate.value.shape == self.times.shape:
-                value, error = estimate.value[-1], estimate.error[-1]
-                rows += f"<tr><td>{name}<td>{value:.6g}<td>{error:.2g}"
-        return f"<p>{lines}</p><table>{rows}</table>"
-
-    def _law_in_words(self) -> str:
-        words = f"restitution {self.restitution:g}"
-        if self.tangential_restitution != 1.0:
-            words += f", tangential restitution {self.tangential_restitution:g}"
-        if self.field:
-            words += f", field {self.field:g} U^2/d"
-        return words
-
-    def _times_in_words(self) -> str:
-        if not self.times.size:
-            return f"no output times, {self.plan.max_collisions} collisions at most"
-        return f"{self.times.size} output times from {self.times[0]:g} to {self.times[-1]:g} d/U"
-
     def __dir__(self) -> list[str]:
-        absent = {*HISTOGRAMS, *RAW} - self.plan.observables
-        if not self.field:
-            absent |= {*IN_FIELD}
-        if self.plan.depth is None:
-            absent |= {*OF_A_DEPTH}
+        absent = {*HISTOGRAMS, *RAW, *IN_FIELD, *OF_A_DEPTH, "passage_times"} - {*self.outputs}
         return sorted(set(super().__dir__()) - absent)
 
     @property
     def outputs(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the estimates, histograms and raw data that this ensemble has."""
         others = (n for n in (*HISTOGRAMS, *RAW) if n in self.plan.observables)
-        passages = OF_A_DEPTH if self.plan.depth is not None else ()
+        passages = ("passage_times", *OF_A_DEPTH) if self.plan.depth is not None else ()
         return (*SCALARS, *(IN_FIELD if self.field else ()), *passages, *others)
-
-    @property
-    def medium(self) -> Medium:
-        """The medium asked for."""
-        return self.plan.medium
-
-    @property
-    def restitution(self) -> float:
-        """The coefficient of restitution."""
-        return self.plan.restitution
-
-    @property
-    def tangential_restitution(self) -> float:
-        """What a collision leaves of the tangential velocity, as a fraction."""
-        return self.plan.tangential_restitution
-
-    @property
-    def field(self) -> float:
-        """The acceleration along +x in U^2/d."""
-        return self.plan.field
-
-    @property
-    def number_density(self) -> float:
-        """Scatterers per unit area, or volume in three dimensions."""
-        return self.medium.number_density
-
-    @property
-    def times(self) -> np.ndarray:
-        """Output times in d/U, (n_times,)."""
-        return self.plan.times
-
-    @property
-    def media(self) -> int:
-        """Number of configurations."""
-        return self.plan.media
-
-    @property
-    def tracers(self) -> int:
-        """Number of tracers in each configuration."""
-        return self.plan.tracers
 
     @property
     def moments(self) -> np.ndarray:
@@ -318,19 +264,19 @@ class Ensemble(FieldEstimates, Result):
     def trajectories(self, tracers: int = 8, **which: Any) -> list["Trajectory"]:
         """Return the paths of the first tracers of a configuration, made again to the same bits.
 
-        tracers: how many. which: configuration (0), until (the last time), collisions (300), as of
-        particles.trajectories.trajectories. Raises ValueError for one out of range.
+        which: configuration (0), until (the last time), collisions (300), as of
+        particles.paths.trajectories. Raises ValueError for one out of range.
         """
-        from particles.trajectories import trajectories
+        from particles.paths import trajectories
 
         return trajectories(self.plan, tracers, **which)
 
     def plot_trajectories(self, tracers: int = 8, **which: Any) -> "Axes":
         """Draw paths of the first tracers among the scatterers, coloured by speed; return the axes.
 
-        which: as of `trajectories`, and ax (matplotlib axes to draw on), colour_bar (True).
+        which: as of `trajectories`, ax (axes to draw on) and colour_bar (True).
         """
-        from particles.pictures import plot_trajectories
+        from particles.paths import plot_trajectories
 
         return plot_trajectories(self.plan, tracers, **which)
 
@@ -350,7 +296,6 @@ class Ensemble(FieldEstimates, Result):
         An existing file is replaced. Raises ValueError for a run without positions or velocities,
         and where the file cannot be written.
         """
-        from particles.checks import check_path
         from particles.files import write_h5md
 
         if missing := {"positions", "velocities"} - {*self.outputs}:

@@ -204,11 +204,7 @@ def is_collapsing(
     by sin(alpha)/sin(alpha + theta). For r < 1 there are fixed points if
     sin(theta) <= (1 - r)/(1 + r), where sin(2 alpha + theta) = sin(theta) (1 + r)/(1 - r); below
     the upper one, which repels, alpha goes to the lower one, and path and speed shrink
-    geometrically for ever. For r >= 1, alpha grows by theta at least at each collision until it is
-    beyond pi/2; it stays there, and there the distance grows.
-
-    At et = 1 the time to all these collisions is finite. At et < 1 it may be infinite: the speed
-    may shrink faster than the distance that is left.
+    geometrically for ever. For r >= 1 the distance grows in the end.
     """
     (ax, ay), (bx, by), (ux, uy) = before, left, direction
     if restitution >= tangential:

@@ -3,26 +3,19 @@
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
-from typing import ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from particles.checks import check_positive, check_whole, real_array, refuse
-from particles.position_file import read_positions
+from particles.checks import check_path, check_positive, check_whole, real_array, refuse
 from particles.results import Value
 
 # Random sequential addition jams at an area fraction of 0.547, and close to it the number of
 # attempts per disk diverges. In d^-2; an area fraction of 0.51. Spheres jam at a volume fraction of
 # 0.384; for them the same number is in d^-3, a volume fraction of 0.34.
 LARGEST_RSA_DENSITY = 0.65
-# Overlapping spheres, in d^-3: cells of unbounded space list 100 of them. The places that a tracer
-# can be at are no longer connected above 0.84.
-LARGEST_POISSON_DENSITY = 1.0
-# In the unbounded plane the series for the density kept is good to 0.2 % up to here (tests).
-LARGEST_PLANE_DENSITY = {"HardDisks": 0.3, "Poisson": 1.0}
-# Scatterers that a cell lists on average. Speed depends on it, results do not;
-# tests/particles/measurements/kernel_speed.py measures the speed at several values.
-LISTED = 5.0
+# Overlapping spheres, in d^-3. The places that a tracer can be at are not connected above 0.84.
+LARGEST_POISSON_SPHERES = 1.0
 # At lower densities flights are so long that too few digits of the impact parameter are exact.
 LEAST_DENSITY = 1e-10  # in d^-2, or d^-3
 FARTHEST = 1e12  # boxes; a coordinate so far away, modulo the box, has four digits left
@@ -31,7 +24,7 @@ SMALLEST_BOX = 4.0
 LARGEST_COUNT = 10**15  # what a run has memory for is far less; it says so
 
 
-def _not_too_thin(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
+def _require_density(name: str, value: float, in_diameters: float, dimension: int = 2) -> None:
     if not in_diameters >= LEAST_DENSITY:
         raise ValueError(
             f"{name} = {value!r}: {in_diameters:.3g} scatterers per d^{dimension}; at least "
@@ -39,122 +32,35 @@ def _not_too_thin(name: str, value: float, in_diameters: float, dimension: int =
         )
 
 
-@dataclass(frozen=True)
-class _Random:
-    dimension: ClassVar[int] = 2
+def _fraction(of_one: float, words: str) -> Any:
+    """Return the property: their share of space. of_one: that of one scatterer in d^dimension."""
+    return property(lambda m: of_one * m.number_density * m.diameter**m.dimension, doc=words)
+
+
+class Random:
+    """What scatterers at random places in a periodic box share."""
+
     number_density: float
-    count: int = 40_000
-    diameter: float = 1.0
-    box: Literal["periodic"] | None = "periodic"
+    diameter: float
+    count: int
+    dimension: ClassVar[int]
     overlapping: ClassVar[bool]
-    listed: ClassVar[float] = LISTED  # of a periodic box; kernel_speed.py varies it
-
-    def __post_init__(self) -> None:
-        density = check_positive("number_density", self.number_density)
-        d = check_positive("diameter", self.diameter)
-        check_whole("count", self.count, 1, LARGEST_COUNT)
-        _not_too_thin("number_density", self.number_density, density * d * d)
-        if self.box is not None and not (isinstance(self.box, str) and self.box == "periodic"):
-            refuse("box", self.box, "must be 'periodic', or None for the plane")
-        name = type(self).__name__
-        if self.box is None:
-            largest = LARGEST_PLANE_DENSITY[name] / (d * d)
-            if self.number_density > largest:
-                raise ValueError(
-                    f"number_density = {self.number_density}: at most {largest:g} in the unbounded "
-                    f"plane for {name} of diameter = {self.diameter}"
-                )
-        elif self.box_side < SMALLEST_BOX * self.diameter:
-            raise ValueError(
-                f"count = {self.count}: the box would be {self.box_side / self.diameter:.3g} d "
-                f"wide at number_density = {self.number_density}; it must be at least "
-                f"{SMALLEST_BOX:g} d"
-            )
-
-    @property
-    def box_side(self) -> float:
-        """Side of the periodic box, sqrt(count / number_density); infinite without one."""
-        return sqrt(self.count / self.number_density) if self.box else float("inf")
-
-    @property
-    def area_fraction(self) -> float:
-        """Area of the scatterers per unit area, overlaps counted as often as they occur."""
-        return pi / 4 * self.number_density * self.diameter**2
-
-
-@dataclass(frozen=True)
-class HardDisks(_Random):
-    """Disks that do not overlap, placed by random sequential addition (paper, section 2).
-
-    number_density: disks per unit area. count: their number in the periodic square box, of side
-    sqrt(count / number_density). diameter d of a disk and of the tracer, in the unit of length
-    that density, times and results share. box=None: an unbounded plane instead, made where a
-    tracer goes (count is not used). equilibrate: sweeps of Monte Carlo moves (Metropolis, one
-    attempt per disk each) after the placement, periodic box only.
-
-    No disk lies within d of the box's centre, or the plane's origin, where tracers start. It is
-    kept free while the disks are placed, as if the tracer were the first of them, so that slightly
-    fewer stand beside it than beside a place that is found free afterwards: within 1.25 d of it
-    1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2, and so many fewer first flights end there.
-    After `equilibrate` there is no difference.
-
-    In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
-    one that opens against the field is a trap, in which inelastic tracers come to rest.
-    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
-    lower than 1e-10 d^-2 or higher than 0.65 d^-2 (0.3 d^-2 in the plane).
-    """
-
+    largest: ClassVar[float] = LARGEST_RSA_DENSITY  # density in d^-2, or d^-3
     equilibrate: int = 0
-    overlapping = False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_whole("equilibrate", self.equilibrate, 0, 2**31)
-        if self.equilibrate and self.box is None:
-            raise ValueError(f"equilibrate = {self.equilibrate}: needs box = 'periodic'")
-        d = float(self.diameter)
-        largest = LARGEST_RSA_DENSITY / (d * d)
-        if self.number_density > largest:
-            raise ValueError(
-                f"number_density = {self.number_density}: disks cannot be placed at random so "
-                f"densely; at most {largest:g} for diameter = {self.diameter}"
-            )
-
-
-@dataclass(frozen=True)
-class Poisson(_Random):
-    """Scatterers placed without regard to one another; they may overlap.
-
-    Arguments as of HardDisks. Their number in a periodic box is `count` exactly; in the plane
-    (box=None, density at most 1 d^-2) it is Poisson in any area. None lies within d of the start.
-    In a field, corners that open against it are traps, pi rho0^2 d^2 exp(-pi rho0 d^2) of them per
-    unit area, each of which may hold many tracers.
-    """
-
-    overlapping = True
-
-
-@dataclass(frozen=True)
-class _Spheres:
-    dimension: ClassVar[int] = 3
-    number_density: float
-    diameter: float = 1.0
-    count: int | None = 40_000
-    largest_density: ClassVar[float]  # in d^-3
 
     def __post_init__(self) -> None:
         density = check_positive("number_density", self.number_density)
         d = check_positive("diameter", self.diameter)
-        in_diameters = density * d * d * d
-        _not_too_thin("number_density", self.number_density, in_diameters, dimension=3)
-        if in_diameters > self.largest_density:
-            raise ValueError(
-                f"number_density = {self.number_density}: at most "
-                f"{self.largest_density / d**3:g} for {type(self).__name__} of diameter = {d:g}"
-            )
-        if self.count is None:
-            return
         check_whole("count", self.count, 1, LARGEST_COUNT)
+        check_whole("equilibrate", self.equilibrate, 0, 2**31)
+        in_diameters = density * d * d if self.dimension == 2 else density * d * d * d
+        _require_density("number_density", self.number_density, in_diameters, self.dimension)
+        if in_diameters > self.largest:
+            most = self.largest / in_diameters * density
+            raise ValueError(
+                f"number_density = {self.number_density}: at most {most:g} for "
+                f"{type(self).__name__} of diameter = {d:g}"
+            )
         if self.box_side < SMALLEST_BOX * d:
             raise ValueError(
                 f"count = {self.count}: the box would be {self.box_side / d:.3g} d wide at "
@@ -163,17 +69,63 @@ class _Spheres:
 
     @property
     def box_side(self) -> float:
-        """Side of the periodic box, (count / number_density)^(1/3); infinite without one."""
-        return cbrt(self.count / self.number_density) if self.count else float("inf")
-
-    @property
-    def volume_fraction(self) -> float:
-        """Volume of the spheres per unit volume, overlaps counted as often as they occur."""
-        return pi / 6 * self.number_density * self.diameter**3
+        """Side of the periodic box, (count / number_density)^(1/dimension)."""
+        volume = self.count / self.number_density
+        return sqrt(volume) if self.dimension == 2 else cbrt(volume)
 
 
 @dataclass(frozen=True)
-class HardSpheres(_Spheres):
+class HardDisks(Random):
+    """Disks that do not overlap, placed by random sequential addition (paper, section 2).
+
+    number_density: disks per unit area. count: their number in the periodic square box, of side
+    sqrt(count / number_density). diameter d of a disk and of the tracer, in the unit of length
+    that density, times and results share. equilibrate: sweeps of Monte Carlo moves (Metropolis, one
+    attempt per disk each) after the placement. A tracer that is never farther from its start than
+    half the side of the box has the same path as in an unbounded plane.
+
+    No disk lies within d of the box's centre, where tracers start. It is kept free while the disks
+    are placed, so that slightly fewer stand beside it than beside a place that is found free
+    afterwards: within 1.25 d of it 1.6 % fewer at 0.04 d^-2, 15 % at 0.2 d^-2. After `equilibrate`
+    there is no difference.
+
+    In a field along x the disks nearer than 2 d to each other leave corners for a tracer's centre;
+    one that opens against the field is a trap, in which inelastic tracers come to rest.
+    ValueError where an argument is not positive, the box is smaller than 4 d, or the density is
+    lower than 1e-10 d^-2 or higher than 0.65 d^-2.
+    """
+
+    number_density: float
+    count: int = 40_000
+    diameter: float = 1.0
+    equilibrate: int = 0
+    dimension = 2
+    overlapping = False
+
+    area_fraction = _fraction(pi / 4, "Area of the disks per unit area.")
+
+
+@dataclass(frozen=True)
+class Poisson(Random):
+    """Scatterers placed without regard to one another; they may overlap.
+
+    Arguments as of HardDisks. Their number in the periodic box is `count` exactly. None lies within
+    d of the start. In a field, corners that open against it are traps,
+    pi rho0^2 d^2 exp(-pi rho0 d^2) of them per unit area, each of which may hold many tracers.
+    """
+
+    number_density: float
+    count: int = 40_000
+    diameter: float = 1.0
+    dimension = 2
+    overlapping = True
+    largest = float("inf")
+
+    area_fraction = _fraction(pi / 4, "Their area per unit area, overlaps counted twice.")
+
+
+@dataclass(frozen=True)
+class HardSpheres(Random):
     """Spheres in three dimensions that do not overlap, placed by random sequential addition.
 
     number_density: spheres per unit volume. diameter d of a sphere and of the tracer, in the unit
@@ -187,26 +139,32 @@ class HardSpheres(_Spheres):
     lower than 1e-10 d^-3 or higher than 0.65 d^-3.
     """
 
+    number_density: float
+    diameter: float = 1.0
     count: int = 40_000
     equilibrate: int = 0
-    largest_density = LARGEST_RSA_DENSITY
+    dimension = 3
+    overlapping = False
 
-    def __post_init__(self) -> None:
-        check_whole("count", self.count, 1, LARGEST_COUNT)
-        super().__post_init__()
-        check_whole("equilibrate", self.equilibrate, 0, 2**31)
+    volume_fraction = _fraction(pi / 6, "Volume of the spheres per unit volume.")
 
 
 @dataclass(frozen=True)
-class PoissonSpheres(_Spheres):
+class PoissonSpheres(Random):
     """Spheres in three dimensions, placed without regard to one another; they may overlap.
 
-    Arguments as of HardSpheres; the density is 1 d^-3 at most. count=None: unbounded space instead
-    of a periodic box, made where a tracer goes; it takes several times as long, because tracers
-    leave most of what is made for them behind. None of the spheres lies within d of the start.
+    Arguments as of HardSpheres; the density is 1 d^-3 at most. None of the spheres lies within d of
+    the start.
     """
 
-    largest_density = LARGEST_POISSON_DENSITY
+    number_density: float
+    diameter: float = 1.0
+    count: int = 40_000
+    dimension = 3
+    overlapping = True
+    largest = LARGEST_POISSON_SPHERES
+
+    volume_fraction = _fraction(pi / 6, "Their volume per unit volume, overlaps counted twice.")
 
 
 @dataclass(frozen=True)
@@ -274,29 +232,30 @@ class Positions(Value):
             raise ValueError(
                 f"positions of shape {array.shape}: must be (count, 2) or (media, count, 2)"
             )
-        bad = np.argwhere(~np.isfinite(array).all(axis=-1))
-        if len(bad):
-            raise ValueError(f"positions[{bad[0][-1]}] = {array[tuple(bad[0])]}: must be finite")
         start = (box / 2,) * 2 if self.start is None else self.start
         origin = real_array("start", start, "must be two finite numbers")
-        if origin.shape != (2,) or not np.isfinite(origin).all():
-            refuse("start", self.start, "must be two finite numbers")
-        far = np.argwhere((abs(array) > FARTHEST * box).any(axis=-1))
-        if len(far) or abs(origin).max() > FARTHEST * box:
-            where = f"positions[{far[0][-1]}] = {array[tuple(far[0])]}" if len(far) else "start"
-            raise ValueError(f"{where}: more than {FARTHEST:g} boxes away, beyond their digits")
+        if origin.shape != (2,) or not abs(origin).max() <= FARTHEST * box:
+            allowed = f"must be two finite numbers, at most {FARTHEST:g} boxes away"
+            refuse("start", self.start, allowed)
+
+        def require(good: Any, allowed: str) -> None:
+            if len(bad := np.argwhere(~good)):
+                raise ValueError(f"positions[{bad[0][-1]}] = {array[tuple(bad[0])]}: {allowed}")
+
+        require(
+            (abs(array) <= FARTHEST * box).all(axis=-1),
+            f"must be finite, and at most {FARTHEST:g} boxes away, where a place has digits left",
+        )
         # Relative to the start, in (-box/2, box/2): the nearest image.
         offset = array - origin
         offset -= box * np.round(offset / box)
-        distance = np.hypot(offset[..., 0], offset[..., 1])
-        covering = np.argwhere(distance < d)
-        if len(covering):
-            raise ValueError(
-                f"positions[{covering[0][-1]}] = {array[tuple(covering[0])]}: covers the start "
-                f"({origin[0]:g}, {origin[1]:g}), which must be at least {self.diameter:g} away"
-            )
+        require(
+            np.hypot(offset[..., 0], offset[..., 1]) >= d,
+            f"covers the start ({origin[0]:g}, {origin[1]:g}), which must be at least "
+            f"{self.diameter:g} away",
+        )
         density = array.shape[-2] / (box * box)
-        _not_too_thin("box_side", self.box_side, density * d * d)
+        _require_density("box_side", self.box_side, density * d * d)
         object.__setattr__(self, "positions", array)
         object.__setattr__(self, "start", (float(origin[0]), float(origin[1])))
         object.__setattr__(self, "number_density", density)
@@ -316,10 +275,22 @@ class Positions(Value):
     ) -> "Positions":  # fmt: skip
         """Read positions from a CSV file of two columns, x and y; one header line may precede.
 
-        Raises ValueError, naming the line, for one that does not hold two numbers, and for a file
-        that cannot be read or is not text.
+        Raises ValueError, naming the row, for one that does not hold two numbers, and for a file
+        that cannot be read, is not text or holds no positions.
         """
-        return cls(read_positions(path), box_side, diameter, start)
+        name = check_path("path", path)
+        try:
+            with open(name, encoding="utf-8-sig") as file:
+                lines = [line for line in file.read().splitlines() if line.strip()]
+            has_header = bool(lines) and not any(c in "0123456789" for c in lines[0].split(",")[0])
+            if not lines[has_header:]:
+                raise ValueError("holds no positions")
+            rows = np.loadtxt(lines[has_header:], delimiter=",", quotechar='"', ndmin=2)
+        except OSError as error:
+            raise ValueError(f"{name}: cannot be read ({error.strerror})") from None
+        except ValueError as error:  # of loadtxt, with the row, and of what is no text in UTF-8
+            raise ValueError(f"{name}: must be two columns of numbers ({error})") from None
+        return cls(rows, box_side, diameter, start)
 
     @property
     def count(self) -> int:

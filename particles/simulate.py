@@ -7,20 +7,21 @@ from concurrent.futures import Executor, Future
 from itertools import islice
 from os import PathLike
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from particles.arguments import check_workers, make_plan
+from particles.arguments import check_workers, make_plan, require_memory
 from particles.checks import check_path, refuse
-from particles.configuration import Plan, Tally, run_configuration, run_configurations
+from particles.configuration import (
+    Arrays,
+    Plan,
+    Totals,
+    run_configuration,
+    run_configurations,
+)
 from particles.ensemble import Ensemble
 from particles.media import Medium
-from particles.memory import require_memory
-from particles.totals import Totals
-
-if TYPE_CHECKING:
-    from particles.files import Saver
 
 
 def simulate(
@@ -53,9 +54,8 @@ def simulate(
         direction) or an array (tracers, dimension) or (media, tracers, dimension) of velocities in
         U; the dimension is that of the medium. In a field also "rest": among disks the first
         tracer of a configuration then starts at the centre, where all tracers that move do, and
-        every other one at a random free place of the box (in the plane, of a square of 128 cells).
-        If `Positions` give another start than the centre, all of them start there, and from rest
-        they have one path: take tracers=1.
+        every other one at a random free place of the box. If `Positions` give another start than
+        the centre, all of them start there, and from rest they have one path: take tracers=1.
     times (n_times,): output times in d/U, not negative, increasing, at most 1e300. A tracer ends at
         the last one, or after max_collisions collisions if that comes first. Without times,
         max_collisions is needed.
@@ -65,26 +65,21 @@ def simulate(
         instead (a process pool, a Dask client's get_executor()).
     observables: names out of `particles.OBSERVABLES`; the scalar ones if None.
     progress: called as progress(done, total), in configurations, from the calling thread.
-    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad in the plane and in space, and
-        for HardDisks, Poisson and Positions. U is any unit of speed where tracers start at rest.
-        BoltzmannGrad: a free path is an exponential length along the parabola. Among disks the
-        tracers fly on parabolas; where the field holds them on a disk in ever smaller bounces they
-        slide along it without friction until it curves away from under them, or until the next
-        disk, and they may come to rest in a corner of two disks: they are then trapped. With a
-        tangential restitution below 1 they are trapped where they would begin to slide. When
-        exactly that is declared: Statuses, and `particles.kernel.sliding`.
+    field: uniform acceleration along +x in U^2/d, for BoltzmannGrad and for HardDisks, Poisson and
+        Positions. U is any unit of speed where tracers start at rest. BoltzmannGrad: a free path is
+        an exponential length along the parabola. Among disks, where the field holds tracers on a
+        disk in ever smaller bounces they slide along it without friction until it curves away, or
+        until the next disk, and they may come to rest in a corner of two disks: they are then
+        trapped. With a tangential restitution below 1 they are trapped where they would begin to
+        slide. When exactly that is declared: Statuses, and `particles.kernel.sliding`.
     depth: in a field, record when each tracer first has x = depth, in d (Ensemble.passage_times).
-
-    output: file that the run is saved to (layout: particles.files). Each configuration is saved
-        when it is done, whole or not at all, as a file in the folder `<output>.parts` until the
-        run's file is written again, beside it and renamed; the run may be killed at any moment.
-        The file must not exist unless resume is True; then the run goes on from it, to the same
-        bits as one that was never stopped. A symbolic link is followed.
+    output: file that the run is saved to (layout: particles.files), whole or not at all, again and
+        again; the run may be killed at any moment. The file must not exist unless resume is True;
+        then the run goes on from it, to the same bits as one that was never stopped.
 
     Raises ValueError for bad input, for a run that needs more memory than the machine has, where
-    the scatterers cannot be placed, and for an output that exists (without resume), is damaged, in
-    use by another process, cannot be written, or holds another run. What was there is left as it
-    was. Where the disk fills up during the run, what is done stays, and resume goes on from it.
+    the scatterers cannot be placed, and for an output that exists (without resume), is damaged,
+    cannot be written, or holds another run. What was there is left as it was.
     """
     whole = dict(media=media, tracers=tracers, max_collisions=max_collisions, seed=seed)
     plan = make_plan(
@@ -99,61 +94,44 @@ def simulate(
     if not isinstance(resume, (bool, np.bool_)):
         refuse("resume", resume, "must be True or False")
     require_memory(plan, workers)
-    if output is None:
-        if resume:
-            raise ValueError("resume = True: needs output, the file to go on from")
-        totals = _complete(Totals(plan), None, workers, executor, progress)
-        return Ensemble(plan, totals.arrays())
-    from particles.files import Saver
+    if output is None and resume:
+        raise ValueError("resume = True: needs output, the file to go on from")
+    saver, totals = None, Totals(plan)
+    if output is not None:
+        from particles.files import Saver
 
-    saver = Saver(check_path("output", output), plan)
-    totals = saver.begin(resume)
+        saver = Saver(check_path("output", output), plan)
+        totals = saver.begin(bool(resume))
+    which = range(totals.configurations, media)
+    if executor is None:
+        found = _in_threads(plan, which, min(workers, len(which)))
+    else:  # few and large tasks: each costs a message, and 64 is many for a pool of a few dozen
+        found = _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
     try:
-        _complete(totals, saver, workers, executor, progress)
-    except BaseException:
-        saver.stop()
-        raise
-    saver.finish(totals)
+        if progress is not None:
+            progress(totals.configurations, media)
+        for arrays in found:
+            totals.add(arrays)
+            if saver is not None:
+                saver.write_if_due(totals)
+            if progress is not None:
+                progress(totals.configurations, media)
+    finally:
+        if saver is not None:
+            saver.write(totals)
     return Ensemble(plan, totals.arrays())
 
 
-def _complete(
-    totals: Totals, saver: "Saver | None", workers: int, executor: Executor | None,
-    progress: Callable[[int, int], None] | None,
-) -> Totals:  # fmt: skip
-    """Run the configurations that the totals lack; add, save and report each one."""
-    plan = totals.plan
-    if progress is not None:
-        progress(totals.configurations, plan.media)
-    for tally in run(plan, range(totals.configurations, plan.media), workers, executor):
-        totals.add(tally)
-        if saver is not None:
-            saver.add(tally, totals)
-        if progress is not None:
-            progress(totals.configurations, plan.media)
-    return totals
-
-
-def run(plan: Plan, which: range, workers: int, executor: Executor | None) -> Iterator[Tally]:
-    """Return the tallies of these configurations in order, whatever order they are done in."""
-    if executor is None:
-        return _in_threads(plan, which, min(workers, len(which)))
-    # Few and large tasks: each costs a message. 64 is many for any pool of a few dozen.
-    return _in_executor(executor, plan, which, max(1, len(which) // 64), 256)
-
-
-def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
+def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Arrays]:
     """Run the configurations in so many threads, at most 4 for each thread ahead of their turn.
 
-    Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C.
-    Nobody waits for the threads after an exception; each ends after its configuration, or with
-    the process. An exception that a signal raises inside a lock of `threading` may leave it locked
-    for ever, or unlock it twice. concurrent.futures has such locks, and so has the start of a
-    Thread: there the main thread once waited for ever for a thread that waited for it. So it shares
-    with the threads nothing but queues that are written in C.
+    Also with one thread: while compiled code runs in the main thread, Python sees no Ctrl-C. After
+    an exception nobody waits for the threads, as a pool of concurrent.futures would; each ends
+    after its configuration, or with the process. Queues written in C are all that is shared: an
+    exception that a signal raises inside a lock of `threading` may leave it locked for ever.
     """
     asked: SimpleQueue[int | None] = SimpleQueue()
-    done: SimpleQueue[tuple[int, Tally | BaseException | None]] = SimpleQueue()
+    done: SimpleQueue[tuple[int, Arrays | BaseException | None]] = SimpleQueue()
     ended: list[bool] = []
 
     def work() -> None:
@@ -164,7 +142,7 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
                 done.put((c, error))
         done.put((-1, None))
 
-    results: dict[int, Tally | BaseException | None] = {}
+    results: dict[int, Arrays | BaseException | None] = {}
     coming = iter(which)
     try:
         for _ in range(workers):
@@ -193,9 +171,9 @@ def _in_threads(plan: Plan, which: range, workers: int) -> Iterator[Tally]:
 
 def _in_executor(
     pool: Executor, plan: Plan, which: range, size: int, ahead: int
-) -> Iterator[Tally]:
+) -> Iterator[Arrays]:
     """Submit blocks of `size` configurations, at most `ahead` at a time; yield them in order."""
-    pending: deque[Future[list[Tally]]] = deque()
+    pending: deque[Future[list[Arrays]]] = deque()
     starts = iter(range(which.start, which.stop, size))
     try:
         while True:

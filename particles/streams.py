@@ -15,7 +15,6 @@ from numba import njit, uint64
 START = 1
 PLACEMENT = 2
 FLIGHTS = 3
-CELLS = 4
 EQUILIBRATION = 5
 PLACES = 6
 

@@ -15,7 +15,7 @@ from kinetics import cli
 # the matrices are small: threads of the linear algebra only get into each other's way
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # the formulas behind the reference values: collision.py, cooling.py, displacement.py, densities.py
-for _folder in ("references", "golden", "derivations"):
+for _folder in ("references", "golden", "derivations", "particles"):
     sys.path.insert(0, str(Path(__file__).parent / _folder))
 
 
@@ -56,7 +56,7 @@ def lorentz(capsys: pytest.CaptureFixture[str]) -> Iterator[Lorentz]:
 # The first test compiles nearly all kernels while another process derives and solves: two processes
 # that came to the same kernel at the same time would both compile it. Short tests come last.
 ORDER = [
-    "tests/particles/kernel/test_interpreted.py", "tests/derivations", "tests/kinetics",
+    "tests/particles/test_every_event.py", "tests/derivations", "tests/kinetics",
     "tests/fuzz", "tests/particles", "tests/crosscheck", "tests",
 ]  # fmt: skip
 

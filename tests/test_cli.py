@@ -84,7 +84,6 @@ BAD_INPUT = [
     ("simulate --picture a.gif", "picture .png"),
     ("simulate --dimension 3", "dimension 3"),
     ("simulate --medium hard-spheres --dimension 2", "dimension 2"),
-    ("simulate --medium hard-spheres --box none", "box none"),
     ("simulate --medium hard-spheres --field 1", "field 1"),
     ("simulate --initial rest", "initial rest"),
     ("simulate --count 1000000000000", "memory"),

@@ -15,7 +15,8 @@ MOMENTS = 8
 
 # Sums in a field, (n_times, FIELD_SUMS[dimension]): the velocity, its products v_i v_j (i <= j: xx,
 # xy, yy in the plane, xx, xy, xz, yy, yz, zz in space), and the same of the place.
-FIELD_SUMS = {2: 10, 3: 18}
+FIELD_SUMS_IN_PLANE = 10
+FIELD_SUMS = {2: FIELD_SUMS_IN_PLANE, 3: 18}
 
 # Totals, (TOTALS,): sums over tracers of the path travelled and of the collisions, to their ends.
 TRAVELLED, ALL_COLLISIONS = range(2)

@@ -1,81 +1,92 @@
-"""The event loop: tracers among the scatterers of one configuration, in units of d.
+"""The event loop without a field: tracers among scatterers, and without any.
 
-Several tracers, one in each lane, advance in turns by one cell each. First the next contact of
+Several tracers, one in each lane, advance in turns. Among scatterers first the next contact of
 every lane in its cell is found; then every lane either collides or goes on to the next cell. So the
-processor can compute the square roots and divisions of several tracers at the same time.
-
-The loop is compiled for the plane and for space, by the type of the lanes; the steps of either are
-in `particles.kernel.in_plane` and `particles.kernel.in_space`.
+processor can compute the square roots and divisions of several tracers at the same time. Without
+scatterers the flights are random: the particle method of the kinetic equation itself.
 """
 
-from typing import Any
+from math import log
 
 import numpy as np
 
-from particles.compiled.decorators import inlined, kernel
-from particles.grid.cells import Cells
+from particles.cells import Cells
+from particles.compiled import kernel
 from particles.kernel import columns, steps
-from particles.kernel.in_plane import SHORT
-from particles.kernel.lane import RUNNING, Start, advance, fly, is_due, launch, shift_clock
+from particles.kernel.lane import (
+    RUNNING,
+    Start,
+    advance,
+    collide_at_random,
+    fly,
+    is_due,
+    launch,
+    open_flights,
+    shift_clock,
+)
 from particles.kernel.records import (
     QUEUE,
     Records,
     count_path,
     enter_queue,
     finish,
+    note_trap,
     queue_output,
-    queue_rest,
 )
-
-
-@inlined
-def _note_trap(lane: Any, trap: np.ndarray, start: Start, records: Records) -> None:
-    """Record where and when a tracer was caught; it rests there at all later outputs."""
-    queue_rest(lane, records)
-    trap[columns.TRAP_TRACER] = start.first + lane.tracer
-    trap[columns.TRAP_TIME] = lane.time / lane.unit
-    steps.note_place(lane, trap)
+from particles.streams import uniform
 
 
 @kernel
 def follow(
-    start: Start, cells: Cells, limit: float, traps: np.ndarray, lanes: np.ndarray, records: Records
-) -> int:
+    start: Start, cells: Cells | None, mean_path: float, limit: float, traps: np.ndarray,
+    lanes: np.ndarray, records: Records,
+) -> int:  # fmt: skip
     """Follow tracers through the scatterers of one configuration, adding to the records.
 
-    limit: longest flight in d before a tracer counts as escaped. traps (n, TRAPS[dimension]):
-    receives the trapped tracers; their number is returned. lanes: of LANE_OF[dimension], as many as
-    shall be under way at the same time.
+    cells: None for free paths that are exponential, of this mean in d, and impact parameters that
+    are random; the compiler knows that, and leaves out what is said of the other kind. limit: the
+    longest flight in d among scatterers before a tracer counts as escaped. traps
+    (n, TRAPS[dimension]): receives the trapped tracers; their number is returned. lanes: of LANE,
+    as many as shall be under way at the same time.
     """
     # Taken out of their tuples once: in the loop, numba would count references to them each time.
-    keys, slots, head, links, nodes = cells.keys, cells.slots, cells.head, cells.links, cells.nodes
     times, scales, paths, grids = records.times, records.scales, records.paths, records.grids
     queue, queued = records.queue, records.queued
     last_time = times[times.size - 1] if times.size else np.inf
-    side, n = cells.side, cells.n
-    restitution, tangential = start.restitution, start.tangential
-    active = launched = min(lanes.size, start.n)
-    caught = 0
+    law = start.law
+    if cells is not None:
+        slots, head, links, nodes = cells.slots, cells.head, cells.links, cells.nodes
+        side, shape = cells.side, cells.shape
+    active = min(lanes.size, start.n)
+    launched = caught = 0
     for a in range(active):
-        launch(lanes[a], start, records, a)
-        steps.begin(lanes[a], cells)
+        launch(lanes[a], start, times, launched)
+        launched += 1
+        if cells is None:
+            open_flights(lanes[a], start)
+        else:
+            steps.begin(lanes[a], cells)
     while active:
         for a in range(active):
-            lane = lanes[a]
-            if steps.lacks_cell(lane, keys):
-                steps.make_cell(lane, keys, cells)
-            steps.next_contact(lane, slots, head, links, nodes)
+            if cells is None:
+                lane = lanes[a]
+                u = uniform(lane.stream, lane.gamma, 2 * lane.collisions)
+                lane.contact = -mean_path * log(u)
+            else:
+                steps.next_contact(lanes[a], slots, head, links, nodes, shape)
         a = 0
         while a < active:
             lane = lanes[a]
-            wall = steps.next_wall(lane)
-            if lane.contact > wall and wall <= limit:
-                steps.cross_cell(lane, keys, n)
-                a += 1
-                continue
-            escaped = lane.contact > wall
-            # By rounding, a tracer in a corner may touch the next scatterer already.
-            path = limit if escaped else max(lane.contact, 0.0)
+            path, escaped = lane.contact, False
+            if cells is not None:
+                wall = steps.next_wall(lane, shape)
+                escaped = path > wall
+                if escaped and wall <= limit:
+                    steps.cross_cell(lane, shape)
+                    a += 1
+                    continue
+                # By rounding, a tracer in a corner may touch the next scatterer already.
+                path = limit if escaped else max(path, 0.0)
             while is_due(lane, path, times.size):
                 if queued[0] == QUEUE:
                     enter_queue(records)
@@ -89,14 +100,20 @@ def follow(
             else:
                 if paths.size:
                     count_path(paths, grids, path)
-                ratio, trapped = steps.collide(lane, path, side, (restitution, tangential))
-                lane.slowness /= ratio
-                if path < SHORT and not trapped:
-                    ratio, trapped = steps.end_bounces(lane, path, cells, (restitution, tangential))
+                trapped = False
+                if cells is None:
+                    advance(lane, path)
+                    lane.slowness /= collide_at_random(lane, 2 * lane.collisions + 1, start)
+                    lane.collisions += 1
+                else:
+                    ratio, trapped = steps.collide(lane, path, side, shape, law)
                     lane.slowness /= ratio
+                    if path < steps.SHORT and not trapped:
+                        ratio, trapped = steps.end_bounces(lane, path, cells, law)
+                        lane.slowness /= ratio
                 if trapped:
                     status = columns.TRAPPED
-                    _note_trap(lane, traps[caught], start, records)
+                    note_trap(lane, traps[caught], start.first, records)
                     caught += 1
                 else:
                     shift_clock(lane, times)
@@ -107,8 +124,11 @@ def follow(
                 continue
             finish(lane, status, records)
             if launched < start.n:
-                launch(lane, start, records, launched)
-                steps.begin(lane, cells)
+                launch(lane, start, times, launched)
+                if cells is None:
+                    open_flights(lane, start)
+                else:
+                    steps.begin(lane, cells)
                 launched += 1
                 a += 1
             else:

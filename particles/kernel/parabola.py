@@ -17,7 +17,7 @@ from math import log, sqrt
 import numpy as np
 from numba import njit
 
-from particles.compiled.decorators import inlined
+from particles.compiled import inlined
 
 SERIES = 0.03  # artanh(r)/r by nine terms of its series where r^2 is smaller: to 1e-16
 NEAREST = 1e-17  # of r to 1; artanh(r) is then multiplied by w^2 of this order

@@ -2,33 +2,23 @@
 
 Two spheres leave a groove along the circle in which their spheres of contact (radius 1) meet, three
 leave a pocket where such circles meet. Close to them the spheres are planes, and the flights of a
-tracer may shrink geometrically, to infinitely many in a finite length.
+tracer may shrink geometrically, to infinitely many in a finite length. So after a flight shorter
+than SHORT, the bounces between all spheres within NEAR of contact are followed to their end,
+between the planes that touch them there. Where they end after a finite number, that is left to the
+event loop, as long as it can resolve them.
 
-What is declared. After a flight shorter than SHORT, the bounces between all spheres within NEAR of
-contact are followed to their end (`last_bounces`), between the planes that touch them there. Where
-they end after a finite number, that is left to the event loop, as long as it can resolve them.
+Two planes with unit normals n1 and n2, C = -n1.n2. With rho the normal speed with which the tracer
+leaves the one plane over that with which it approaches the other one, and r = e/et, a bounce makes
 
-Two planes, smooth spheres (et = 1). Across the edge the motion is that in a corner of the plane.
-With the unit normals n1 and n2 of the spheres, C = -n1.n2, and rho the normal speed with which the
-tracer leaves the one plane over that with which it approaches the other one, a bounce makes of rho
+    rho' = r / ((1 + r) C - rho),     fixed points rho^2 - (1 + r) C rho + r = 0.
 
-    rho' = e / ((1 + e) C - rho),     fixed points rho^2 - (1 + e) C rho + e = 0.
-
-They are real if C >= 2 sqrt(e)/(1 + e), the rule of the plane; the upper one repels and the lower
-one attracts. So the tracer bounces for ever if rho is below the upper one: distance and speed
-across the edge shrink geometrically to nothing, and all this takes a finite time. The speed along
-the edge stays as it is, the edge is a circle and the spheres curve away from its tangent: the
-tracer leaves along the tangent. A groove is no trap. Where the spheres are so blunt that their
-curvature ends the bounces before (rho^3 > e^2 at the lower fixed point), the direction differs by
-less than SHORT.
-
-Two planes, et < 1. The same with r = e/et in the place of e, for r < 1 (for r >= 1 both fixed
-points are above 1, and the tracer runs out of the groove). The speed along the edge is multiplied
-by et at each bounce too, so infinitely many of them leave the tracer at rest: it is trapped. Per
-bounce, the path along the edge is multiplied by rho^2/r, the speed across the edge relative to
-that along it by r/rho. The spheres recede by path^2/2, which matters when path (along)/(across) is
-about 1; this number is multiplied by rho^3/r^2. So the bounces never end if rho^3 <= r^2, and are
-followed until the spheres recede if not.
+They are real if C >= 2 sqrt(r)/(1 + r), the rule of the plane; the upper one repels and the lower
+one attracts, so the tracer bounces for ever if rho is below the upper one. For et = 1 the speed
+along the edge stays, and the tracer leaves along its tangent: a groove is no trap. For et < 1 that
+speed is multiplied by et at each bounce too, so the tracer is left at rest: it is trapped. But the
+spheres recede by path^2/2, which matters when path (along)/(across) is about 1; this number is
+multiplied by rho^3/r^2 at each bounce. So the bounces never end if rho^3 <= r^2, and are followed
+until the spheres recede if not.
 
 More planes: no such formula is known. The bounces are followed, each groove being left along its
 edge, until the tracer leaves, or until its speed has fallen to SLOW of what tangential friction
@@ -40,9 +30,10 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
-from particles.compiled.decorators import called
+from particles.cells import Cells, next_listed
+from particles.compiled import called
 from particles.events import GRAZING
-from particles.grid.cells import Cells
+from particles.search import SLOTS
 
 NEAR = 1e-8
 UNRESOLVED = 1e-14  # in d: shorter flights are rounding
@@ -63,12 +54,12 @@ def end_of_bounces(
 ) -> tuple[tuple[float, float, float], float]:
     """Return (direction, speed ratio) with which a tracer leaves after a flight of this length.
 
-    place: of the tracer, from the centre of its
-    cell; direction: after the bounce there. law: restitution e and tangential restitution et > e.
-    The ratio is 0 if the tracer is trapped. Both are unchanged where the event loop is to go on.
+    place: of the tracer, from the centre of its cell; direction: after the bounce there. law:
+    restitution e and tangential restitution et > e. The ratio is 0 if the tracer is trapped. Both
+    are unchanged where the event loop is to go on.
     """
     found = np.empty((MOST_WALLS, 4))
-    n = walls_near(cells.slots[cell], cells.head[cell], cells.links, cells.nodes, place, found)
+    n = _walls_near(cells, cell, place, found)
     if n < 2:
         return direction, 1.0
     end, last, ratio = last_bounces(found[:n], direction, law[0], law[1])
@@ -78,36 +69,23 @@ def end_of_bounces(
 
 
 @called
-def walls_near(
-    slots: np.ndarray, head: int, links: np.ndarray, nodes: np.ndarray,
-    place: tuple[float, float, float], found: np.ndarray,
+def _walls_near(
+    cells: Cells, cell: int, place: tuple[float, float, float], found: np.ndarray
 ) -> int:  # fmt: skip
     """Find the spheres of a cell within NEAR of contact with a tracer; return their number.
 
-    slots (3 * SLOTS,): of the cell. found (MOST_WALLS, 4): receives their normals, towards the
-    tracer, and the gaps.
+    found (MOST_WALLS, 4): receives their normals, towards the tracer, and the gaps.
     """
-    n = 0
-    for slot in range(slots.size // 3):
-        k = slots.size // 3
-        n = _add(place, (slots[slot], slots[k + slot], slots[2 * k + slot]), found, n)
-    while head >= 0:
-        n = _add(place, (nodes[head, 0], nodes[head, 1], nodes[head, 2]), found, n)
-        head = links[head]
+    n, slot, node = 0, 0, cells.head[cell]
+    while slot < SLOTS or node >= 0:
+        cx, cy, cz, slot, node = next_listed(cells, cell, slot, node)
+        dx, dy, dz = place[0] - cx, place[1] - cy, place[2] - cz
+        distance = sqrt(dx * dx + dy * dy + dz * dz)
+        if distance <= 1.0 + NEAR and n < MOST_WALLS:
+            found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
+            found[n, 3] = max(distance - 1.0, 0.0)
+            n += 1
     return n
-
-
-@called
-def _add(
-    place: tuple[float, float, float], centre: tuple[float, float, float], found: np.ndarray, n: int
-) -> int:
-    dx, dy, dz = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
-    distance = sqrt(dx * dx + dy * dy + dz * dz)
-    if distance > 1.0 + NEAR or n == MOST_WALLS:
-        return n
-    found[n, 0], found[n, 1], found[n, 2] = dx / distance, dy / distance, dz / distance
-    found[n, 3] = max(distance - 1.0, 0.0)
-    return n + 1
 
 
 @njit(error_model="numpy")

@@ -1,39 +1,26 @@
 """What a kernel records: sums, histograms and raw states at the output times."""
 
-from collections.abc import Mapping
 from math import floor, log, log2
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from particles.compiled.decorators import by_dimension, called, inlined
+from particles.compiled import called, inlined
 from particles.events import NEVER
 from particles.kernel import columns
+from particles.kernel.lane import record_type
 
 _LN_SHIFT = 64.0 * log(2.0)  # of the slowness and the time of a lane (particles.kernel.lane)
-
-
-def record_type(*groups: Mapping[Any, tuple[str, ...]]) -> np.dtype:
-    """Return the type of a record with these fields, kind of number -> names.
-
-    Of type np.record, so that `lane.x` is read in the same way compiled and interpreted. A record
-    for space must not begin with the fields of the one for the plane: numba would take the one for
-    a kind of the other.
-    """
-    fields = [(n, kind) for group in groups for kind, names in group.items() for n in names]
-    return np.dtype((np.record, np.dtype(fields, align=True)))
-
-
 # States at output times wait in a queue and are entered in the sums when it is full: the kernels'
 # loop then writes to one array instead of to all of them. Velocities are times Records.scales.
-_FIELDS = {
-    np.float64: ("x", "y", "vx", "vy", "start_vx", "start_vy", "caught"),
-    np.int64: ("output", "tracer", "collisions"),
-}
-OUTPUT_OF = {
-    2: record_type(_FIELDS),
-    3: record_type({np.float64: ("z", "vz", "start_vz")}, _FIELDS),
-}
+OUTPUT = record_type(
+    {
+        np.float64: (
+            "x", "y", "z", "vx", "vy", "vz", "start_vx", "start_vy", "start_vz", "caught",
+        ),
+        np.int64: ("output", "tracer", "collisions"),
+    }
+)  # fmt: skip
 QUEUE = 1024
 
 
@@ -42,11 +29,12 @@ class Records(NamedTuple):
 
     times, scales (n_times,): output times in d/U, and the power of 2 that velocities are multiplied
     by in the sums there. moments (n_times, MOMENTS), totals (TOTALS,), statuses (STATUSES,).
-    grids (4, 2): log2 of the lowest edge and bins per octave of each histogram. speeds, components,
-    distances (n_times, bins + 2) and paths (1, bins + 2): counts, the first and the last of what
-    lies outside. positions, velocities (n_times, n, dimension) and finals
-    (n, FINALS[dimension]): raw, in d and U. queue (QUEUE,) of OUTPUT_OF[dimension] and queued (1,):
-    states that wait, and their number.
+    field_sums (n_times, FIELD_SUMS[dimension]), in a field. grids (4, 2): log2 of the lowest edge
+    and bins per octave of each histogram. speeds, components, distances (n_times, bins + 2) and
+    paths (1, bins + 2): counts, the first and the last of what lies outside. positions, velocities
+    (n_times, n, dimension) and finals (n, FINALS[dimension]): raw, in d and U. passages (n,), inf,
+    receives the times at which x first has the value depth, in d. queue (QUEUE,) of OUTPUT and
+    queued (1,): states that wait, and their number.
     """
 
     times: np.ndarray
@@ -54,6 +42,7 @@ class Records(NamedTuple):
     moments: np.ndarray
     totals: np.ndarray
     statuses: np.ndarray
+    field_sums: np.ndarray
     grids: np.ndarray
     speeds: np.ndarray
     components: np.ndarray
@@ -62,6 +51,8 @@ class Records(NamedTuple):
     positions: np.ndarray
     velocities: np.ndarray
     finals: np.ndarray
+    passages: np.ndarray
+    depth: float
     queue: np.ndarray
     queued: np.ndarray
 
@@ -91,56 +82,39 @@ def count_path(paths: np.ndarray, grids: np.ndarray, path: float) -> None:
 
 
 @inlined
-def _fill_constants(lane: Any, row: Any) -> None:
+def _begin_row(lane: Any, row: Any, caught: float) -> None:
     """Fill in what of a lane's state does not change in a flight."""
     row.output, row.tracer, row.collisions = lane.output, lane.tracer, lane.collisions
-    row.start_vx, row.start_vy = lane.start_vx, lane.start_vy
+    row.start_vx, row.start_vy, row.start_vz = lane.start_vx, lane.start_vy, lane.start_vz
+    row.caught = caught
 
 
 @inlined
-def _queue_output(
-    lane: Any, row: Any, times: np.ndarray, scales: np.ndarray
-) -> tuple[float, float]:
-    """Return the path since the flight began, and the speed times the scale of this time."""
+def queue_output(lane: Any, row: Any, times: np.ndarray, scales: np.ndarray) -> None:
+    """Fill a row of the queue with the state of a lane at its next output time, in its flight."""
     k = lane.output
-    _fill_constants(lane, row)
+    _begin_row(lane, row, 0.0)
     # Negative only for output times that `unit` has rounded to 0; they pass within 1e-8 d.
     done = max((lane.next_output - lane.time) / lane.slowness, 0.0)
     speed = scales[k] * lane.unit / lane.slowness
     row.x, row.y = lane.flight_x + done * lane.ux, lane.flight_y + done * lane.uy
-    row.vx, row.vy = speed * lane.ux, speed * lane.uy
-    row.caught = 0.0
+    row.z = lane.flight_z + done * lane.uz
+    row.vx, row.vy, row.vz = speed * lane.ux, speed * lane.uy, speed * lane.uz
     lane.output = k + 1
     lane.next_output = times[k + 1] * lane.unit if k + 1 < times.size else np.inf
-    return done, speed
 
 
 @inlined
-def _queue_output_in_space(
-    lane: Any, row: Any, times: np.ndarray, scales: np.ndarray
-) -> tuple[float, float]:
-    done, speed = _queue_output(lane, row, times, scales)
-    row.z, row.vz, row.start_vz = lane.flight_z + done * lane.uz, speed * lane.uz, lane.start_vz
-    return done, speed
-
-
-# Fill a row of the queue with the state of a lane at its next output time, in its flight.
-queue_output = by_dimension(_queue_output, _queue_output_in_space)
-
-
-@inlined
-def _rest(lane: Any, row: Any) -> None:
-    row.x, row.y, row.vx, row.vy = lane.flight_x, lane.flight_y, 0.0, 0.0
-    row.caught = 1.0
-
-
-@inlined
-def _rest_in_space(lane: Any, row: Any) -> None:
-    _rest(lane, row)
-    row.z, row.vz, row.start_vz = lane.flight_z, 0.0, lane.start_vz
-
-
-_fill_rest = by_dimension(_rest, _rest_in_space)
+def queue_falling(lane: Any, row: Any, times: np.ndarray, field: float) -> None:
+    """As `queue_output`, of a lane on its parabola in a field."""
+    k = lane.output
+    _begin_row(lane, row, 0.0)
+    done = max(lane.next_output - lane.time, 0.0)
+    row.x = lane.flight_x + (lane.vx + 0.5 * field * done) * done
+    row.y, row.z = lane.flight_y + lane.vy * done, lane.flight_z + lane.vz * done
+    row.vx, row.vy, row.vz = lane.vx + field * done, lane.vy, lane.vz
+    lane.output = k + 1
+    lane.next_output = times[k + 1] if k + 1 < times.size else np.inf
 
 
 @inlined
@@ -151,23 +125,22 @@ def queue_rest(lane: Any, records: Records) -> None:
             enter_queue(records)
         row = records.queue[records.queued[0]]
         records.queued[0] += 1
-        _fill_constants(lane, row)
-        _fill_rest(lane, row)
+        _begin_row(lane, row, 1.0)
+        row.x, row.y, row.z = lane.flight_x, lane.flight_y, lane.flight_z
+        row.vx = row.vy = row.vz = 0.0
         lane.output += 1
 
 
 @inlined
-def _third(row: Any) -> tuple[float, float, float]:
-    return 0.0, 0.0, 0.0
-
-
-@inlined
-def _third_in_space(row: Any) -> tuple[float, float, float]:
-    return row.z, row.vz, row.start_vz
-
-
-# Return the third coordinates of the place, the velocity and the velocity at time 0.
-_third_coordinates = by_dimension(_third, _third_in_space)
+def note_trap(lane: Any, trap: np.ndarray, first: int, records: Records) -> None:
+    """Record where and when a tracer was caught; it rests there at all later outputs."""
+    queue_rest(lane, records)
+    trap[columns.TRAP_TRACER] = first + lane.tracer
+    trap[columns.TRAP_TIME] = lane.time / lane.unit
+    trap[columns.TRAP_X] = lane.flight_x
+    trap[columns.TRAP_Y] = lane.flight_y
+    if trap.size > columns.TRAP_Z:
+        trap[columns.TRAP_Z] = lane.flight_z
 
 
 @called
@@ -175,22 +148,25 @@ def enter_queue(records: Records) -> None:
     """Enter the states that wait in the sums, histograms and raw arrays; empty the queue."""
     moments, scales, grids, queue = records.moments, records.scales, records.grids, records.queue
     speeds, components, distances = records.speeds, records.components, records.distances
-    positions, velocities = records.positions, records.velocities
+    positions, velocities, sums = records.positions, records.velocities, records.field_sums
     for m in range(records.queued[0]):
         row = queue[m]
-        k, x, y, vx, vy = row.output, row.x, row.y, row.vx, row.vy
-        z, vz, start_vz = _third_coordinates(row)
+        k, x, y, z = row.output, row.x, row.y, row.z
+        vx, vy, vz = row.vx, row.vy, row.vz
         r2 = x * x + y * y + z * z
         v2 = vx * vx + vy * vy + vz * vz
-        correlation = vx * row.start_vx + vy * row.start_vy + vz * start_vz
         moments[k, columns.SAMPLES] += 1.0
         moments[k, columns.SPEED2] += v2
         moments[k, columns.SPEED4] += v2 * v2
         moments[k, columns.R2] += r2
         moments[k, columns.R4] += r2 * r2
         moments[k, columns.COLLISIONS] += row.collisions
-        moments[k, columns.CORRELATION] += correlation
+        moments[k, columns.CORRELATION] += vx * row.start_vx + vy * row.start_vy + vz * row.start_vz
         moments[k, columns.CAUGHT] += row.caught
+        if sums.size:
+            d = 2 if sums.shape[1] == columns.FIELD_SUMS_IN_PLANE else 3
+            _add_products(sums[k], 0, (vx, vy, vz), d)
+            _add_products(sums[k], sums.shape[1] // 2, (x, y, z), d)
         if speeds.size:
             _count(speeds, k, 0.5 * _log2(v2) - log2(scales[k]), grids[columns.SPEED])
         if components.size:
@@ -211,7 +187,20 @@ def enter_queue(records: Records) -> None:
 
 
 @inlined
-def _finish(lane: Any, status: int, records: Records) -> None:
+def _add_products(sums: np.ndarray, first: int, vector: tuple[float, float, float], d: int) -> None:
+    """Add the first d components of a vector, then the products of each two, from `first` on."""
+    for a in range(d):
+        sums[first + a] += vector[a]
+    place = first + d
+    for a in range(d):
+        for b in range(a, d):
+            sums[place] += vector[a] * vector[b]
+            place += 1
+
+
+@inlined
+def finish(lane: Any, status: int, records: Records) -> None:
+    """Enter the end of a tracer, at the place where its flight began."""
     records.totals[columns.TRAVELLED] += lane.travelled
     records.totals[columns.ALL_COLLISIONS] += lane.collisions
     records.statuses[status] += 1
@@ -222,14 +211,5 @@ def _finish(lane: Any, status: int, records: Records) -> None:
         end[columns.FINAL_X] = lane.flight_x
         end[columns.FINAL_Y] = lane.flight_y
         end[columns.FINAL_COLLISIONS] = lane.collisions
-
-
-@inlined
-def _finish_in_space(lane: Any, status: int, records: Records) -> None:
-    _finish(lane, status, records)
-    if records.finals.size:
-        records.finals[lane.tracer, columns.FINAL_Z] = lane.flight_z
-
-
-# Enter the end of a tracer, at the place where its flight began.
-finish = by_dimension(_finish, _finish_in_space)
+        if end.size > columns.FINAL_Z:
+            end[columns.FINAL_Z] = lane.flight_z

@@ -16,14 +16,20 @@ follow, the tracer comes to rest. If -g is between the two normals, it is trappe
 v^2/2 < SMALL |g| d; else it slides along the disk that the field lets it slide along, or falls.
 """
 
-from math import acos, asin, atan2, copysign, cos, pi, sqrt
+from math import acos, asin, atan2, copysign, cos, pi, sin, sqrt
 from typing import Any
 
-from particles.compiled.decorators import called
-from particles.compiled.search import SLOTS
+import numpy as np
+
+from particles.cells import Cells, next_listed
+from particles.compiled import called
 from particles.events import bounce
-from particles.grid.cells import Cells
-from particles.kernel.contact_in_field import STRUCK, TANGENT
+from particles.kernel import columns
+from particles.kernel.falling import STRUCK, TANGENT, come_along, note_place
+from particles.kernel.lane import RUNNING
+from particles.kernel.records import QUEUE, Records, enter_queue, queue_falling
+from particles.kernel.steps import enter
+from particles.search import SLOTS
 
 SMALL = 1e-12
 SAME = 1e-9  # in d: centres nearer to each other than this are those of one disk
@@ -31,8 +37,12 @@ NEAR = 1e-8
 BACK = 1e-9  # an angle that has been passed by less than this, by rounding, is reached at once
 MOST_BOUNCES = 10_000
 FALLS, SLIDES, RESTS = range(3)
-# What ends a piece of a slide: the disk curves away, a cell wall, another disk.
-LEAVES, WALL, CORNER = range(3)
+# The motion along a disk is a Taylor series, exact to rounding in steps that are short enough: the
+# terms fall as (STEP / 1.5)^k or faster, times in sqrt(d/g): a slide is slower than sqrt(g d).
+ORDER = 18
+STEP = 0.25
+BISECTIONS = 200
+REACHED, TURNED, ENDED = range(3)
 
 
 @called
@@ -105,16 +115,6 @@ def end_in_corner(
 
 
 @called
-def _listed(
-    cells: Cells, cell: int, slot: int, node: int
-) -> tuple[float, float, int, int]:  # fmt: skip
-    """Return (centre of the next disk of a cell, next slot, next node): slots first, then nodes."""
-    if slot < SLOTS:
-        return cells.slots[cell, slot], cells.slots[cell, SLOTS + slot], slot + 1, node
-    return cells.nodes[node, 0], cells.nodes[node, 1], slot, cells.links[node]
-
-
-@called
 def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     """Return (whether there is one, centre) of a disk near a lane, besides that struck last."""
     found, at_x, at_y, least = False, 0.0, 0.0, 1.0 + NEAR
@@ -122,7 +122,7 @@ def touched(lane: Any, cells: Cells) -> tuple[bool, float, float]:
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        cx, cy, slot, node = _listed(cells, cell, slot, node)
+        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
         dx, dy = lane.x - cx, lane.y - cy
         apart = max(abs(cx - lane.struck_x), abs(cy - lane.struck_y))
         if apart > SAME and dx * dx + dy * dy < least * least:
@@ -199,7 +199,7 @@ def disk_ahead(
     node = cells.head[cell]
     slot = 0
     while slot < SLOTS or node >= 0:
-        cx, cy, slot, node = _listed(cells, cell, slot, node)
+        cx, cy, _, slot, node = next_listed(cells, cell, slot, node)
         dx, dy = cx - lane.struck_x, cy - lane.struck_y
         square = dx * dx + dy * dy
         if SAME * SAME < square < 4.0:
@@ -218,3 +218,167 @@ def leaving_ahead(now: float, along: float, way: float, field: float) -> float:
     height = (2.0 * field * cos(now) - along * along) / (3.0 * field)
     there = acos(min(max(height, -1.0), 1.0))
     return _ahead(-way * copysign(1.0, field) * there, now, way)
+
+
+@called
+def expand(angle: float, along: float, field: float, work: np.ndarray) -> None:
+    """Expand the angle in powers of the time. work (3, ORDER + 1): row 0 receives the terms.
+
+    field: 1 or -1. Times are in sqrt(d/g), in which no power of a strong field overflows.
+    """
+    phi, sine, cosine = work[0], work[1], work[2]
+    phi[0], phi[1] = angle, along
+    sine[0], cosine[0] = sin(angle), cos(angle)
+    for k in range(ORDER - 1):
+        phi[k + 2] = -field * sine[k] / ((k + 1) * (k + 2))
+        s = c = 0.0
+        for j in range(k + 1):
+            s += cosine[k - j] * (j + 1) * phi[j + 1]
+            c -= sine[k - j] * (j + 1) * phi[j + 1]
+        sine[k + 1], cosine[k + 1] = s / (k + 1), c / (k + 1)
+
+
+@called
+def at(work: np.ndarray, t: float) -> tuple[float, float]:
+    """Return the angle and its derivative after a time t."""
+    angle, along = work[0, ORDER], 0.0
+    for k in range(ORDER - 1, -1, -1):
+        along = along * t + angle
+        angle = angle * t + work[0, k]
+    return angle, along
+
+
+@called
+def when(work: np.ndarray, longest: float, value: float, kind: int) -> float:
+    """Return when the angle (kind 0), its derivative (1) or its cosine (2) has a value.
+
+    It passes the value once before `longest`. Regula falsi between bounds, or bisection.
+    """
+    low, high = 0.0, longest
+    below = _excess(work, low, value, kind)
+    above = _excess(work, high, value, kind)
+    for k in range(BISECTIONS):
+        t = low - below * (high - low) / (above - below)
+        if k % 3 == 2 or not low < t < high:
+            t = 0.5 * (low + high)
+        if t in (low, high):
+            break
+        middle = _excess(work, t, value, kind)
+        if middle == 0.0:
+            return t
+        if (middle < 0.0) == (below < 0.0):
+            low, below = t, middle
+        else:
+            high, above = t, middle
+    return high
+
+
+@called
+def _excess(work: np.ndarray, t: float, value: float, kind: int) -> float:
+    angle, along = at(work, t)
+    if kind == 2:
+        angle = cos(angle)
+    return (along if kind == 1 else angle) - value
+
+
+@called
+def _put(lane: Any, angle: float, along: float) -> None:
+    """Give a lane its place and velocity on disk `struck`."""
+    nx, ny = cos(angle), sin(angle)
+    lane.normal_x, lane.normal_y = nx, ny
+    lane.x, lane.y = lane.struck_x + nx, lane.struck_y + ny
+    lane.vx, lane.vy = -along * ny, along * nx
+
+
+@called
+def _note_passage(
+    lane: Any, work: np.ndarray, lasts: float, records: Records, field: float, side: float
+) -> None:
+    """Note when x first has the value depth, if it comes to it in this step."""
+    if not records.passages.size or records.passages[lane.tracer] < np.inf:
+        return
+    height = records.depth - come_along(lane, lane.struck_x, side)
+    towards = copysign(1.0, field)
+    if towards * (cos(at(work, lasts)[0]) - height) >= 0.0:
+        begun = towards * (cos(work[0, 0]) - height) >= 0.0
+        after = 0.0 if begun else when(work, lasts, height, 2)
+        records.passages[lane.tracer] = lane.time + after / sqrt(abs(field))
+
+
+@called
+def roll(lane: Any, left: float, field: float, side: float, records: Records) -> int:
+    """Let a lane slide along disk `struck` over an angle, or to where it turns or the run ends."""
+    times, queue, queued = records.times, records.queue, records.queued
+    work = np.empty((3, ORDER + 1))
+    angle = atan2(lane.normal_y, lane.normal_x)
+    # From here on in sqrt(g d) and sqrt(d/g).
+    pace, towards = sqrt(abs(field)), copysign(1.0, field)
+    along = (lane.normal_x * lane.vy - lane.normal_y * lane.vx) / pace
+    way = copysign(1.0, along if along != 0.0 else -towards * lane.normal_y)
+    last = angle + way * left
+    while True:
+        if lane.output == times.size and times.size > 0:
+            return ENDED
+        expand(angle, along, towards, work)
+        lasts, outcome, after = STEP, -1, at(work, STEP)
+        if way * after[1] < 0.0:
+            lasts, outcome = when(work, lasts, 0.0, 1), TURNED
+            after = at(work, lasts)[0], 0.0
+        if way * (after[0] - last) >= 0.0:
+            lasts, outcome = when(work, lasts, last, 0) if left > 0.0 else 0.0, REACHED
+            after = last, at(work, lasts)[1]
+        due = lane.output < times.size and lane.time + lasts / pace >= lane.next_output
+        if due:
+            lasts, outcome = max(lane.next_output - lane.time, 0.0) * pace, -1
+            after = at(work, lasts)
+        _note_passage(lane, work, lasts, records, field, side)
+        lane.travelled += abs(after[0] - angle)
+        lane.time += lasts / pace
+        angle, along = after
+        _put(lane, angle, along * pace)
+        if due:
+            note_place(lane, side)
+            if queued[0] == QUEUE:
+                enter_queue(records)
+            queue_falling(lane, queue[queued[0]], times, field)
+            queued[0] += 1
+        if outcome >= 0:
+            return outcome
+
+
+@called
+def slide(lane: Any, cells: Cells, law: tuple[float, float], field: float, records: Records) -> int:
+    """Let a lane slide from disk `struck` on until it flies again. Return its status then."""
+    side = cells.side
+    while True:
+        if law[1] < 1.0:
+            return columns.TRAPPED
+        now = atan2(lane.normal_y, lane.normal_x)
+        along = lane.normal_x * lane.vy - lane.normal_y * lane.vx
+        pull = -field * lane.normal_y
+        if along == 0.0 and pull == 0.0:
+            return columns.TRAPPED  # balanced on the top
+        way = copysign(1.0, along if along != 0.0 else pull)
+        leaves = leaving_ahead(now, along, way, field)
+        wall, di, dj = wall_ahead(lane, side, now, way)
+        disk, cx, cy = disk_ahead(lane, cells, now, way)
+        outcome = roll(lane, min(leaves, wall, disk), field, side, records)
+        if outcome == ENDED:
+            return columns.FINISHED
+        if outcome == TURNED:
+            continue
+        if disk <= min(leaves, wall):
+            outcome = settle(lane, cx, cy, law, field)
+            if outcome == RESTS:
+                return columns.TRAPPED
+            if outcome == FALLS:
+                return RUNNING
+        elif wall <= leaves:
+            lane.x -= di * side
+            lane.y -= dj * side
+            lane.struck_x -= di * side
+            lane.struck_y -= dj * side
+            enter(lane, cells.shape, di, dj, 0)
+        else:
+            lane.before = TANGENT
+            return RUNNING

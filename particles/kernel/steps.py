@@ -1,17 +1,181 @@
-"""The steps of a tracer among scatterers, those of the plane or of space by the type of its lane.
+"""The steps of a tracer among scatterers, which `particles.kernel.follow` puts together.
 
-Event loops are written once; which steps they take is chosen when they are compiled.
+The number of axes of `shape`, the cells along each of them, is the dimension. The compiler knows
+it, so what is said of the third coordinate leaves no trace in a kernel for the plane.
 """
 
-from particles.compiled.decorators import by_dimension
-from particles.kernel import in_plane, in_space
+from math import copysign
+from typing import Any
 
-begin = by_dimension(in_plane.begin, in_space.begin)
-lacks_cell = by_dimension(in_plane.lacks_cell, in_space.lacks_cell)
-make_cell = by_dimension(in_plane.make_cell, in_space.make_cell)
-next_contact = by_dimension(in_plane.next_contact, in_space.next_contact)
-next_wall = by_dimension(in_plane.next_wall, in_space.next_wall)
-cross_cell = by_dimension(in_plane.cross_cell, in_space.cross_cell)
-collide = by_dimension(in_plane.collide, in_space.collide)
-end_bounces = by_dimension(in_plane.end_bounces, in_space.end_bounces)
-note_place = by_dimension(in_plane.note_place, in_space.note_place)
+import numpy as np
+
+from particles.cells import Cells, cell_at
+from particles.compiled import inlined
+from particles.events import (
+    bounce_in_space,
+    contact,
+    contact_in_space,
+    is_collapsing,
+    scatter,
+    touch,
+)
+from particles.kernel.pockets import end_of_bounces
+from particles.search import SLOTS, strike
+
+# Flights shorter than this, in d, occur in corners between scatterers only, whose walls are
+# straight on this scale; whether a tracer ever leaves is then decided by `is_collapsing`, or in
+# space by `pockets`.
+SHORT = 1e-9
+
+
+@inlined
+def begin(lane: Any, cells: Cells) -> None:
+    """Put a tracer at the centre of the middle cell, where its path starts."""
+    middle = cells.shape[0] // 2
+    lane.stored_i = lane.stored_j = lane.stored_k = middle
+    lane.cell = cell_at(cells.shape, middle, middle, middle)
+    aim(lane, cells.side, cells.shape)
+
+
+@inlined
+def aim(lane: Any, side: float, shape: tuple[int, ...]) -> None:
+    """Find the cell walls ahead of a lane that begins a flight."""
+    half = 0.5 * side
+    sign_x, sign_y = copysign(1.0, lane.ux), copysign(1.0, lane.uy)
+    pace_x, pace_y = 1.0 / max(abs(lane.ux), 1e-300), 1.0 / max(abs(lane.uy), 1e-300)
+    lane.wall_x = max((half - sign_x * lane.x) * pace_x, 0.0)
+    lane.wall_y = max((half - sign_y * lane.y) * pace_y, 0.0)
+    lane.between_x, lane.between_y = side * pace_x, side * pace_y
+    lane.move_x, lane.move_y = sign_x * side, sign_y * side
+    lane.step_i, lane.step_j = int(sign_x), int(sign_y)
+    if len(shape) == 3:
+        sign_z, pace_z = copysign(1.0, lane.uz), 1.0 / max(abs(lane.uz), 1e-300)
+        lane.wall_z = max((half - sign_z * lane.z) * pace_z, 0.0)
+        lane.between_z, lane.move_z = side * pace_z, sign_z * side
+        lane.step_k = int(sign_z)
+
+
+@inlined
+def next_wall(lane: Any, shape: tuple[int, ...]) -> float:
+    """Return the path to the wall of its cell that a lane reaches first."""
+    wall = min(lane.wall_x, lane.wall_y)
+    return min(wall, lane.wall_z) if len(shape) == 3 else wall
+
+
+@inlined
+def next_contact(
+    lane: Any, slots: np.ndarray, head: np.ndarray, links: np.ndarray, nodes: np.ndarray,
+    shape: tuple[int, ...],
+) -> None:  # fmt: skip
+    """Find the first scatterer that a lane meets in its cell, if there is one."""
+    x, y, z, ux, uy, uz = lane.x, lane.y, lane.z, lane.ux, lane.uy, lane.uz
+    cell = lane.cell
+    node, cz = head[cell], 0.0
+    if len(shape) == 2:
+        path, slot = strike(slots, cell, (x, y), (ux, uy))
+    else:
+        path, slot = strike(slots, cell, (x, y, z), (ux, uy, uz))
+        cz = slots[cell, 2 * SLOTS + slot]
+    cx, cy = slots[cell, slot], slots[cell, SLOTS + slot]
+    while node >= 0:
+        if len(shape) == 2:
+            s, _ = contact(nodes[node, 0] - x, nodes[node, 1] - y, ux, uy)
+        else:
+            dx, dy, dz = nodes[node, 0] - x, nodes[node, 1] - y, nodes[node, 2] - z
+            s = contact_in_space(dx, dy, dz, ux, uy, uz)
+        if s < path:
+            path, cx, cy = s, nodes[node, 0], nodes[node, 1]
+            if len(shape) == 3:
+                cz = nodes[node, 2]
+        node = links[node]
+    lane.contact, lane.struck_x, lane.struck_y, lane.struck_z = path, cx, cy, cz
+
+
+@inlined
+def cross_cell(lane: Any, shape: tuple[int, ...]) -> None:
+    """Move a lane into the next cell, through the wall that it reaches first."""
+    # Factors 0 and 1 instead of branches: the processor cannot predict which wall comes first.
+    first, third = int(lane.wall_x <= lane.wall_y), 0
+    if len(shape) == 3:
+        third = int(lane.wall_z < min(lane.wall_x, lane.wall_y))
+        lane.z -= third * lane.move_z
+        lane.wall_z += third * lane.between_z
+    across, along = first * (1 - third), (1 - first) * (1 - third)
+    lane.x -= across * lane.move_x
+    lane.y -= along * lane.move_y
+    lane.wall_x += across * lane.between_x
+    lane.wall_y += along * lane.between_y
+    enter(lane, shape, across * lane.step_i, along * lane.step_j, third * lane.step_k)
+
+
+@inlined
+def enter(lane: Any, shape: tuple[int, ...], di: int, dj: int, dk: int) -> None:
+    """Note that a lane is in the next cell: di, dj and dk are -1, 0 or 1."""
+    n = shape[0]
+    lane.i += di
+    lane.j += dj
+    i, j = lane.stored_i + di, lane.stored_j + dj
+    i = n - 1 if i < 0 else 0 if i == n else i
+    j = n - 1 if j < 0 else 0 if j == n else j
+    lane.stored_i, lane.stored_j = i, j
+    cell = i * n + j
+    if len(shape) == 3:
+        lane.k += dk
+        k = lane.stored_k + dk
+        k = n - 1 if k < 0 else 0 if k == n else k
+        lane.stored_k = k
+        cell = cell * n + k
+    lane.cell = cell
+
+
+@inlined
+def collide(
+    lane: Any, path: float, side: float, shape: tuple[int, ...], law: tuple[float, float]
+) -> tuple[float, bool]:
+    """Bounce off the scatterer met after this path; the next flight begins there.
+
+    law: restitution and tangential restitution. Return the ratio of the speeds after and before,
+    and whether the tracer is trapped from now on. In space `end_bounces` sees to the bounces that
+    never end.
+    """
+    cx, cy, cz = lane.struck_x, lane.struck_y, lane.struck_z
+    ux, uy = lane.ux, lane.uy
+    if len(shape) == 2:
+        impact = (cx - lane.x) * uy - (cy - lane.y) * ux
+        x, y = touch(cx, cy, ux, uy, impact)
+        ux, uy, ratio = scatter(ux, uy, impact, law[0], law[1])
+        nx, ny = x - cx, y - cy
+        trapped = ratio == 0.0
+        if path < SHORT and not trapped:
+            before = lane.normal_x, lane.normal_y
+            trapped = is_collapsing(before, (nx, ny), (ux, uy), law[0], law[1])
+        lane.normal_x, lane.normal_y = nx, ny
+        lane.x, lane.y, lane.ux, lane.uy = x, y, ux, uy
+    else:
+        normal, u, ratio = bounce_in_space(
+            (cx - lane.x, cy - lane.y, cz - lane.z), (ux, uy, lane.uz), law[0], law[1]
+        )
+        trapped = ratio == 0.0
+        lane.x, lane.y, lane.z = cx + normal[0], cy + normal[1], cz + normal[2]
+        lane.ux, lane.uy, lane.uz = u
+        lane.flight_z = lane.k * side + lane.z
+    lane.flight_x, lane.flight_y = lane.i * side + lane.x, lane.j * side + lane.y
+    lane.collisions += 1
+    aim(lane, side, shape)
+    return ratio, trapped
+
+
+@inlined
+def end_bounces(
+    lane: Any, path: float, cells: Cells, law: tuple[float, float]
+) -> tuple[float, bool]:
+    """In space, after a bounce and a very short flight before it: let the endless ones follow.
+
+    Return as `collide`.
+    """
+    if law[0] >= law[1] or len(cells.shape) == 2:
+        return 1.0, False
+    place, u = (lane.x, lane.y, lane.z), (lane.ux, lane.uy, lane.uz)
+    (lane.ux, lane.uy, lane.uz), ratio = end_of_bounces(cells, lane.cell, place, u, law, path)
+    aim(lane, cells.side, cells.shape)
+    return ratio, ratio == 0.0

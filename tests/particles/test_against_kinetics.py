@@ -33,12 +33,3 @@ def test_boltzmann_grad_meets_the_kinetic_equation(restitution: float, initial: 
         BoltzmannGrad(0.04), restitution, initial, times=TIMES, media=100, tracers=1000, seed=17
     )
     compare(ensemble, initial, NAMES)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("restitution", [0.4, 0.6, 0.9])
-def test_ten_million_tracers_meet_the_kinetic_equation(restitution: float) -> None:
-    ensemble = simulate(
-        BoltzmannGrad(0.04), restitution, times=TIMES, media=200, tracers=50_000, seed=18
-    )
-    compare(ensemble, "gaussian", NAMES)

@@ -6,26 +6,6 @@ import pytest
 from particles.estimators import jackknife, share
 
 
-@pytest.mark.parametrize("n", [2, 3, 10])
-def test_the_error_of_a_share_is_the_standard_error_of_a_mean(n: int) -> None:
-    # With as many samples in every configuration, a share is the mean of the configurations' own
-    # shares, and its error their standard deviation, with n - 1, over sqrt(n). Exact.
-    rng = np.random.default_rng(n)
-    counts = rng.integers(0, 50, (n, 4, 5)).astype(float)
-    m = np.full((n, 4), 200.0)
-    estimate = share(
-        counts.sum(axis=0),
-        (counts**2).sum(axis=0),
-        (counts * m[:, :, None]).sum(axis=0),
-        np.stack((m.sum(axis=0), (m**2).sum(axis=0))),
-        n,
-    )
-    shares = counts / 200.0
-    np.testing.assert_allclose(estimate.value, shares.mean(axis=0), rtol=1e-14)
-    expected = shares.std(axis=0, ddof=1) / np.sqrt(n)
-    np.testing.assert_allclose(estimate.error, expected, rtol=1e-7, atol=1e-12)
-
-
 def test_the_error_of_a_share_of_unequal_configurations_is_cochrans() -> None:
     # The variance of a ratio estimator, written out: n/(n - 1) sum (c - p m)^2 / (sum m)^2.
     rng = np.random.default_rng(7)

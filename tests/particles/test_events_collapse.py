@@ -76,26 +76,3 @@ def test_the_rule_agrees_with_bounces_in_a_wedge(tangential: float) -> None:
         collapsing += expected
     assert decided > 0.86 * n
     assert 0.13 * n < collapsing < decided - 0.13 * n
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        (0.05, 0.0),
-        (0.5, 0.4),
-        *(
-            pytest.param(law, marks=pytest.mark.slow)
-            for law in ((0.9, 0.0), (1.0, 0.01), (0.5, 0.5))
-        ),
-    ],
-)
-def test_nothing_falls_into_a_corner_where_the_tangential_factor_is_not_the_larger(
-    law: tuple[float, float],
-) -> None:
-    rng = np.random.default_rng(5)
-    for theta, alpha in corners(rng, 300):
-        # A direction along the wall is decided by rounding, and where e = et the direction turns by
-        # theta at each bounce: BOUNCES of them must turn it round.
-        if min(alpha, np.pi - alpha) > MARGIN and theta > 2 * np.pi / BOUNCES:
-            assert not falls_into_the_corner(theta, alpha, *law), (theta, alpha)
-        assert not rule(rng, theta, alpha, *law)

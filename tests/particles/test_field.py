@@ -4,13 +4,17 @@ Units of the exact relations: l = g = 1, so the density is 1/2 in the plane and 
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from marking import slow_but
 
-from particles import OBSERVABLES, BoltzmannGrad, Ensemble, HardDisks, Poisson, simulate
+from particles import (
+    OBSERVABLES,
+    BoltzmannGrad,
+    HardSpheres,
+    simulate,
+)
 
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
 # All but what a field refuses.
@@ -105,41 +109,31 @@ def test_drift_and_displacement_from_rest() -> None:
         assert np.all(abs(value - exact) < 4 * error)
 
 
-def test_dispersion_grows_as_the_diffusion_coefficients_say() -> None:
-    # Between late times, so that the start is forgotten: 2 D (t2 - t1), e = 0.7 in the plane.
-    times = np.array([20.0, 120.0])
-    run = simulate(DISKS, 0.7, "rest", times, media=400, tracers=50, field=1.0)
-    for estimate, exact in (
-        (run.dispersion_parallel, 0.190614669672),
-        (run.dispersion_perpendicular, 0.329659424454),
-    ):
-        error = np.hypot(*estimate.error) / 200
-        assert error < 0.03 * exact
-        assert abs(np.diff(estimate.value)[0] / 200 - exact) < 4 * error
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("medium", "restitution", "parallel", "perpendicular"),
-    [
-        (DISKS, 0.0, 0.168078916, 0.253544834),
-        (DISKS, 0.9, 0.260928234751, 0.502760054023),
-        (SPHERES, 0.5, 0.207270834292, 0.332689794549),
-        (SPHERES, 0.9, 0.305814928981, 0.568114933278),
-    ],
+    slow_but(
+        [(DISKS, 0.7, 0.190614669672, 0.329659424454)],
+        [
+            (DISKS, 0.7, 0.190614669672, 0.329659424454),
+            (DISKS, 0.0, 0.168078916, 0.253544834),
+            (SPHERES, 0.5, 0.207270834292, 0.332689794549),
+            (SPHERES, 0.9, 0.305814928981, 0.568114933278),
+        ],
+    ),
 )
-def test_diffusion_coefficients_to_three_tenths_of_a_percent(
+def test_dispersion_grows_as_the_diffusion_coefficients_say(
     medium: BoltzmannGrad, restitution: float, parallel: float, perpendicular: float
 ) -> None:
+    # Between late times, so that the start is forgotten: 2 D (t2 - t1).
     times = np.array([20.0, 220.0])
-    run = simulate(medium, restitution, "rest", times, media=500, tracers=600, field=1.0)
+    run = simulate(medium, restitution, "rest", times, media=400, tracers=100, field=1.0)
     for estimate, exact in (
         (run.dispersion_parallel, parallel),
         (run.dispersion_perpendicular, perpendicular),
     ):
         found, error = np.diff(estimate.value)[0] / 400, np.hypot(*estimate.error) / 400
-        assert error < 0.0035 * exact
-        assert abs(found - exact) < 3 * error, (found, error)
+        assert error < 0.02 * exact
+        assert abs(found - exact) < 4 * error, (found, error)
 
 
 @pytest.mark.parametrize("field", [1.0, -3.0, 1e-12, 1e12])
@@ -158,39 +152,6 @@ def test_without_collisions_the_path_is_a_parabola(dimension: int, field: float)
     np.testing.assert_allclose(run.velocities, given + along * t, rtol=1e-15)
     np.testing.assert_allclose(run.positions, given * t + along * t**2 / 2, rtol=1e-14)
     np.testing.assert_allclose(run.finals[:, 1], np.log(2.0), rtol=1e-15)
-
-
-@pytest.mark.parametrize("dimension", slow_but([2], [2, 3]))
-def test_elastic_tracers_keep_their_energy(dimension: int) -> None:
-    run = simulate(
-        BoltzmannGrad(0.3, dimension=dimension), 1.0, times=np.geomspace(1, 3e4, 10), media=2,
-        tracers=10, field=0.2, observables=["positions", "velocities"],
-    )  # fmt: skip
-    assert run.collisions.value[-1] > 1e4
-    kinetic = (run.velocities**2).sum(axis=2) / 2
-    energy = kinetic - 0.2 * run.positions[:, :, 0]
-    # Rounding of up to 1e4 collisions; relative to the energy that the field has given.
-    assert np.all(abs(energy - energy[0]) < 1e-9 * (1 + kinetic))
-
-
-@pytest.mark.parametrize("medium", [BoltzmannGrad(0.1), BoltzmannGrad(0.1, dimension=3)])
-def test_a_weak_field_gives_the_run_without_field(medium: BoltzmannGrad) -> None:
-    arguments = dict(
-        restitution=0.8, times=[1.0, 10.0, 40.0], media=2, tracers=50,
-        observables=["positions", "velocities"],
-    )  # fmt: skip
-    without, weak = (simulate(medium, **arguments, field=g) for g in (0.0, 1e-13))
-    assert without.collisions.value[-1] > 2.0
-    assert np.array_equal(without.moments[:, :, 5], weak.moments[:, :, 5])
-    np.testing.assert_allclose(weak.positions, without.positions, rtol=1e-8, atol=1e-8)
-    np.testing.assert_allclose(weak.velocities, without.velocities, rtol=1e-8, atol=1e-8)
-
-
-def test_no_field_is_the_run_that_it_was() -> None:
-    arguments = dict(restitution=0.8, times=[1.0, 40.0], media=2, tracers=50)
-    assert simulate(DISKS, **arguments, field=0.0) == simulate(DISKS, **arguments)
-    with pytest.raises(AttributeError, match=r"drift is there in a field only: simulate\(field="):
-        _ = simulate(DISKS, **arguments).drift
 
 
 def test_a_field_the_other_way_turns_everything_round() -> None:
@@ -238,21 +199,6 @@ def test_estimates_are_those_of_the_raw_data(dimension: int) -> None:
         assert getattr(run, name).error.shape == getattr(run, name).value.shape
 
 
-def test_the_diameter_only_sets_the_unit_of_length() -> None:
-    names = ["positions", "free_path_histogram", "displacement_histogram"]
-    a, b = (
-        simulate(
-            BoltzmannGrad(0.2 / d**2, diameter=d), 0.5, times=[d, 20 * d], media=3, tracers=9,
-            field=0.4 / d, observables=names,
-        )
-        for d in (1.0, 2.0)
-    )  # fmt: skip
-    np.testing.assert_allclose(b.positions, 2 * a.positions, rtol=1e-12)
-    np.testing.assert_allclose(b.drift.value, a.drift.value, rtol=1e-12)
-    np.testing.assert_allclose(b.dispersion.value, 4 * a.dispersion.value, rtol=1e-10)
-    assert b.mean_free_path.value == pytest.approx(2 * a.mean_free_path.value, rel=1e-12)
-
-
 def test_free_paths_are_exponential_along_the_parabola() -> None:
     run = simulate(
         DISKS, 0.3, "rest", media=50, tracers=100, max_collisions=40, field=2.0,
@@ -268,77 +214,16 @@ def test_free_paths_are_exponential_along_the_parabola() -> None:
     assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
 
 
-@pytest.mark.parametrize(
-    "medium", [DISKS, SPHERES, HardDisks(0.3, 200), Poisson(0.3, box=None)], ids=repr
-)
-def test_the_same_bits_on_any_number_of_threads_and_from_a_file(
-    medium: BoltzmannGrad | HardDisks | Poisson, tmp_path: Path
-) -> None:
-    arguments = dict(
-        restitution=0.4, initial="rest", times=[0.0, 2.0, 20.0], media=6, tracers=30, field=0.5,
-        observables=EVERYTHING, depth=3.0,
-    )  # fmt: skip
-    one = simulate(medium, **arguments, workers=1)
-    assert one == simulate(medium, **arguments, workers=3)
-    assert (one.statuses.trapped > 0) == (not isinstance(medium, BoltzmannGrad))
-    path = tmp_path / "run.h5"
-
-    class Stopped(Exception):
-        pass
-
-    def stop(done: int, total: int) -> None:
-        if done == 2:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        simulate(medium, **arguments, output=path, progress=stop)
-    for name, value in (("field", 0.25), ("initial", "gaussian")):
-        changed = arguments | {name: value}
-        with pytest.raises(ValueError, match=r"holds another run, with (field = 0.5|rest = True)"):
-            simulate(medium, **changed, output=path, resume=True)
-    assert simulate(medium, **arguments, output=path, resume=True) == one == Ensemble.load(path)
-    again = Ensemble.load(path)
-    assert again.field == 0.5
-    assert "restitution 0.4, field 0.5 U^2/d, 30 tracers" in repr(again)
-    assert "<td>drift<td>" in again._repr_html_()
-    np.testing.assert_array_equal(again.drift.error, one.drift.error)
-
-
-@pytest.mark.parametrize("field", [1e-100, 1e-12, 1e12, 1e100])
-@pytest.mark.parametrize("initial", ["gaussian", "rest"])
-def test_any_size_of_the_field_and_of_the_start(field: float, initial: str) -> None:
-    # With sqrt(g l) as the speed and sqrt(l/g) as the time, 1e6 of it at the start and less.
-    scale = np.sqrt(field)
-    starts = [initial] + [s * scale * np.ones((50, 2)) for s in (1e-6, 1e6)]
-    for start in starts:
-        run = simulate(DISKS, 0.6, start, media=2, tracers=50, field=field, max_collisions=200)
-        assert run.collision_total == 20_000
-        assert abs(run.mean_free_path.value - 1.0) < 0.05
-    run = simulate(DISKS, 0.6, starts[1], [30 / scale], media=20, tracers=50, field=field)
-    drift = simulate(DISKS, 0.6, "rest", [30.0], media=20, tracers=50, field=1.0).drift
-    error = np.hypot(drift.error, run.drift.error / scale)
-    assert np.all(abs(run.drift.value / scale - drift.value) < 4 * error)
-
-
 BAD = [
     (dict(field=float("nan")), "field = nan: must be a finite number"),
-    (dict(field=float("inf")), "field = inf: must be a finite number"),
     (dict(field="down"), "field = 'down': must be a finite number"),
-    (dict(field=True), "field = True: must be a finite number"),
-    (dict(field=10**400), "must be a finite number"),
     (dict(field=1e200), "field = 1e+200: times the mean free path, and times d, must be 0 or"),
-    (dict(field=1e-200), "field = 1e-200: times the mean free path, and times d, must be 0 or"),
     (dict(depth=-1.0), "depth = -1.0: must be a number with the sign of the field"),
-    (dict(depth=float("nan")), "depth = nan: must be a number with the sign of the field"),
     (dict(field=0.0, depth=1.0), "depth = 1.0: must be a number with the sign of the field"),
-    (dict(depth="deep"), "depth = 'deep': must be a number with the sign of the field"),
     (dict(field=0.0, initial="rest"), "initial = 'rest': needs a field; without one a tracer"),
-    (dict(initial="fall"), "initial = 'fall': must be 'gaussian', 'monoenergetic', 'rest'"),
     (dict(initial=np.zeros((2, 2)), field=0.0), "initial holds the velocity [0. 0.]"),
-    (
-        dict(observables=["velocity_component_histogram"]),
-        "observables = 'velocity_component_histogram': is of |v_x|, which in a field hides its",
-    ),
+    (dict(observables=["velocity_component_histogram"]), "is of |v_x|, which in a field hides"),
+    (dict(medium=HardSpheres(0.1)), "field = 1.0: is not there for HardSpheres, only for Bol"),
 ]
 
 

@@ -1,34 +1,13 @@
 """An exception raised at any moment, as by Ctrl-C, ends a run and leaves nothing waiting."""
 
-import signal
 import subprocess
 import sys
-import threading
-import time
 
 import pytest
 
-from particles import Poisson, simulate
+from particles import Poisson
 
 RUN = dict(medium=Poisson(0.1, 50), restitution=0.9, times=[1.0], tracers=1, seed=4)
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_the_main_thread_takes_no_lock_that_an_exception_could_leave_locked(
-    workers: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Locks of `threading` are written in Python; a signal may come between their lines."""
-    taken = []
-    enter = threading.Condition.__enter__
-
-    def record(condition: threading.Condition) -> bool:
-        if threading.get_ident() == threading.main_thread().ident:  # makes no thread object
-            taken.append(condition)
-        return enter(condition)
-
-    monkeypatch.setattr(threading.Condition, "__enter__", record)
-    simulate(**RUN, media=50, workers=workers)
-    assert taken == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such timer")
@@ -56,28 +35,3 @@ for _ in range({times}):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "interrupted\n" * times
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such timer")
-def test_a_configuration_that_never_ends_is_not_waited_for() -> None:
-    code = """
-from particles import Poisson, simulate
-simulate(Poisson(0.1, 100), 1.0, times=[1.0], media=1, tracers=1, workers=1)
-print("begun", flush=True)
-simulate(Poisson(0.1, 100), 1.0, times=[1e12], media=1, tracers=50, workers=1)
-"""
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
-    assert process.stdout is not None
-    process.stdout.readline()
-    time.sleep(1)  # the kernels are there
-    assert process.poll() is None
-    began = time.monotonic()
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    assert time.monotonic() - began < 2.0
-    assert err.rstrip().endswith("KeyboardInterrupt")
-    assert process.returncode == -signal.SIGINT

@@ -2,7 +2,7 @@
 
 import re
 import tracemalloc
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,67 +11,49 @@ from particles import (
     BoltzmannGrad,
     HardDisks,
     HardSpheres,
-    Medium,
     Poisson,
     PoissonSpheres,
     Positions,
-    memory,
+    arguments,
     simulate,
 )
 from particles.arguments import make_plan
-from particles.grid.build import build
+from particles.placement import build
 
 GOOD: dict[str, Any] = dict(restitution=0.5, times=[1.0, 9.0], media=2, tracers=2)
+RAW = ["positions", "velocities", "finals"]
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (dict(medium=HardDisks(0.04, 10**12)), "count = 1000000000000: the run needs about "),
-        (dict(medium=Poisson(0.04, 10**15)), "count = 1000000000000000: the run needs about "),
-        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000: the run needs "),
-        (dict(media=2 * 10**9), "media = 2000000000: the run needs about "),
-        (
-            dict(media=10**5, tracers=10**7, observables=["positions", "velocities"]),
-            "observables = ['positions', 'velocities']: the run needs about ",
-        ),
-        (
-            dict(times=np.arange(10**6), observables=["speed_histogram"]),
-            "times = array([",
-        ),
+        (dict(medium=HardDisks(0.04, 10**12)), "count = 1000000000000"),
+        (dict(medium=HardSpheres(0.04, count=10**12)), "count = 1000000000000"),
+        (dict(media=2 * 10**9), "media = 2000000000"),
+        (dict(media=10**5, tracers=10**7, observables=RAW), "observables = ['finals', 'positions'"),
+        (dict(times=np.arange(10**6), observables=["speed_histogram"]), "times = array(["),
     ],
-)  # fmt: skip
+)
 def test_a_run_that_is_too_large_is_refused_with_the_estimate(
     changes: dict[str, Any], words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(memory, "machine_memory", lambda: 8 * 10**9)
+    monkeypatch.setattr(arguments, "machine_memory", lambda: 8e9)
     with pytest.raises(ValueError, match=re.escape(words)) as caught:
         simulate(**dict(medium=BoltzmannGrad(0.04)) | GOOD | changes)
     assert re.search(r"about [\d.e+]+ GB of memory, this machine has 8 GB$", str(caught.value))
-    assert "\n" not in str(caught.value)
-
-
-def test_where_the_memory_is_not_known_nothing_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "machine_memory", lambda: None)
-    assert simulate(BoltzmannGrad(0.04), **GOOD).media == 2
-
-
-def test_the_memory_of_this_machine_is_known() -> None:
-    found = memory.machine_memory()
-    assert found is None or 10**8 < found < 10**15
+    assert arguments.machine_memory() > 1e8
 
 
 @pytest.mark.parametrize(
     "medium",
     [
         HardDisks(0.04, 20_000),
-        Poisson(0.5, 20_000),
         HardSpheres(0.03, count=20_000),
         PoissonSpheres(0.9, count=20_000),
         Positions(np.random.default_rng(1).uniform(1.5, 499, (20_000, 2)), 500.0, start=(0, 0)),
     ],
 )
-def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Medium) -> None:
+def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Any) -> None:
     plan = make_plan(medium, 0.5, "gaussian", [1.0], None, media=1, tracers=1, seed=1,
                      max_collisions=None)  # fmt: skip
     build(medium, np.uint64(1), 0)  # compiled
@@ -80,20 +62,14 @@ def test_the_estimate_of_a_configuration_is_what_it_takes(medium: Medium) -> Non
     taken = tracemalloc.get_traced_memory()[0]
     tracemalloc.stop()
     assert cells is not None
-    assert memory.estimate(plan, 1)["count"] == pytest.approx(taken, rel=0.2)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_estimate_of_results_is_what_they_take(dimension: Literal[2, 3]) -> None:
-    names = ["positions", "velocities", "finals"]
-    medium = BoltzmannGrad(0.04, dimension=dimension)
-    run = simulate(medium, 0.5, times=[1.0, 2.0], media=3, tracers=500, observables=names)
-    taken = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
-    assert memory.estimate(run.plan, 1)["observables"] == 3 * taken
+    assert arguments.estimate(plan, 1)["count"] == pytest.approx(taken, rel=0.25)
+    run = simulate(medium, 0.5, times=[1.0, 2.0], media=1, tracers=50, observables=RAW)
+    raw = sum(array.nbytes for name, array in run.arrays.items() if name.startswith("raw"))
+    assert arguments.estimate(run.plan, 1)["observables"] == 3 * raw
 
 
 def test_more_scatterers_than_can_be_numbered_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Their lists are counted in 32 bits."""
-    monkeypatch.setattr(memory, "machine_memory", lambda: None)
-    with pytest.raises(ValueError, match="count = 300000000: must be at most 238609294 in a box"):
-        simulate(Poisson(0.04, 300_000_000), **GOOD)
+    monkeypatch.setattr(arguments, "machine_memory", lambda: np.inf)
+    with pytest.raises(ValueError, match="count = 900000000: must be below 536870912, listings"):
+        simulate(Poisson(0.04, 900_000_000), **GOOD)

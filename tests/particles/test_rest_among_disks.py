@@ -6,9 +6,9 @@ from scipy.spatial import cKDTree
 
 from particles import Ensemble, HardDisks, Poisson, Positions, simulate
 from particles.configuration import start_places
-from particles.grid.build import build
 from particles.media import Medium
-from particles.trajectories import scatterers
+from particles.paths import disks_within
+from particles.placement import build
 
 
 def released(medium: Medium, media: int, tracers: int, last: float = 20.0) -> Ensemble:
@@ -31,11 +31,7 @@ def test_tracers_of_one_configuration_spread_as_those_of_different_ones_do() -> 
 
 @pytest.mark.parametrize(
     "medium",
-    [
-        Poisson(0.2, 400, diameter=2.0),
-        HardDisks(0.3, 400),
-        pytest.param(HardDisks(0.1, box=None), marks=pytest.mark.slow),  # it takes long to compile
-    ],
+    [Poisson(0.2, 400, diameter=2.0), HardDisks(0.3, 400)],
 )
 def test_tracers_begin_at_free_places_all_over_the_box(medium: HardDisks | Poisson) -> None:
     n = 400
@@ -46,13 +42,13 @@ def test_tracers_begin_at_free_places_all_over_the_box(medium: HardDisks | Poiss
     assert not own[0].any()
     places = own[:, :2] * cells.side + own[:, 2:]
     # The means of x/L and of its square, L the side; five standard deviations.
-    share = places[1:] / (cells.side * (cells.n or 128))
+    share = places[1:] / (cells.side * cells.shape[0])
     assert abs(share).max() < 0.505
     np.testing.assert_allclose(share.mean(axis=0), 0.0, atol=5 / np.sqrt(12 * n))
     np.testing.assert_allclose((share**2).mean(axis=0), 1 / 12, atol=5 / np.sqrt(180 * n))
     d = medium.diameter
     near = places[abs(own[:, :2]).max(axis=1) < 12] * d
-    disks = scatterers(plan, 0, near.min(axis=0) - 2 * d, near.max(axis=0) + 2 * d)
+    disks = disks_within(plan, 0, near.min(axis=0) - 2 * d, near.max(axis=0) + 2 * d)
     assert disks is not None
     assert len(near) > 10
     assert cKDTree(disks).query(near)[0].min() > d * (1 - 1e-12)
@@ -72,16 +68,3 @@ def test_among_given_positions_a_start_that_is_given_is_kept(
         positions = positions[np.hypot(*(positions - place).T) > 1]
     run = released(Positions(positions, 40.0, start=start), 1, 8)
     assert len(np.unique(run.positions[0], axis=0)) == paths
-
-
-def test_paths_begin_where_their_tracers_do_and_enter_no_disk() -> None:
-    run = released(HardDisks(0.16, 400), 1, 6)
-    found = run.trajectories(6)
-    cells = build(run.plan.medium, np.uint64(run.plan.seed), 0)
-    own = start_places(run.plan, 0, cells, 0, 6)
-    places = np.array([path.places[0] for path in found])
-    np.testing.assert_allclose(places, own[:, :2] * cells.side + own[:, 2:], atol=1e-12)
-    every = np.concatenate([path.places for path in found])
-    disks = scatterers(run.plan, 0, every.min(axis=0) - 2, every.max(axis=0) + 2)
-    assert disks is not None
-    assert cKDTree(disks).query(every)[0].min() > 1 - 1e-12

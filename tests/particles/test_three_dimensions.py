@@ -73,21 +73,6 @@ def test_records_are_those_of_the_raw_data() -> None:
     np.testing.assert_allclose(np.exp(ln_t), 60.0, rtol=1e-12)
 
 
-def test_free_paths_are_exponential() -> None:
-    medium = BoltzmannGrad(0.005, diameter=2.0, dimension=3)
-    run = simulate(
-        medium, 0.7, media=100, tracers=100, max_collisions=20, observables=["free_path_histogram"]
-    )
-    path = 1 / (np.pi * 2.0**2 * 0.005)
-    assert abs(run.mean_free_path.value - path) < 4 * run.mean_free_path.error
-    histogram = run.free_path_histogram
-    p, n = -np.diff(np.exp(-histogram.edges / path)), 200_000
-    busy = p * n > 100
-    sigma = np.sqrt(p * (1 - p) / n)
-    assert busy.sum() > 50
-    assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
-
-
 @pytest.mark.parametrize(
     ("restitution", "h"), [(0.0, 0.81650), (0.4, 0.57859), (0.7, 0.29805), (0.9, 0.09994)]
 )
@@ -99,11 +84,3 @@ def test_the_late_speed_is_that_of_the_scaling_state(restitution: float, h: floa
     exact = 2 / (np.pi * 0.04 * h * times)
     assert np.all(run.thermal_speed.error < 0.01 * exact)
     assert np.all(abs(run.thermal_speed.value - exact) < 4 * run.thermal_speed.error)
-
-
-def test_elastic_energy_after_many_collisions() -> None:
-    run = simulate(
-        MEDIUM, 1.0, "monoenergetic", media=2, tracers=4, max_collisions=100_000,
-        observables=["finals"],
-    )  # fmt: skip
-    assert np.all(abs(run.finals[:, 0]) < 1e-15)

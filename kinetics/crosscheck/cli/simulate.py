@@ -29,7 +29,7 @@ IN_FIELD = {
 }
 ENDS = ("finished", "collision_cap", "trapped", "escaped")
 ARGUMENTS = ("initial", "media", "tracers", "max_collisions", "seed")
-OF_THE_MEDIUM = ("medium", "count", "box", "positions", "box_side", "dimension")
+OF_THE_MEDIUM = ("medium", "count", "positions", "box_side", "dimension")
 PICTURES = (".png", ".svg", ".pdf")
 _DRAWN, _DOTS_PER_INCH = 8, 160
 
@@ -47,11 +47,6 @@ _DRAWN, _DOTS_PER_INCH = 8, 160
 @options.tangential_option
 @options.density_option
 @click.option("--count", type=int, default=40_000, help="Scatterers in the periodic box.")
-@click.option(
-    "--box", type=click.Choice(["periodic", "none"]), default="periodic",
-    help="A periodic box, or the unbounded plane, made where a tracer goes (or space, of "
-    "poisson-spheres).",
-)  # fmt: skip
 @click.option(
     "--positions", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="CSV",
     help="Scatterers where this file says: columns x and y. Needs --box-side.",
@@ -143,7 +138,7 @@ def simulate(
 
 
 def make_medium(
-    number_density: float, medium: str, count: int, box: str, positions: Path | None,
+    number_density: float, medium: str, count: int, positions: Path | None,
     box_side: float | None, dimension: int | None,
 ) -> Any:  # fmt: skip
     """The medium that the options describe. Raises ValueError where they do not fit."""
@@ -163,13 +158,11 @@ def make_medium(
     if positions is not None and box_side is not None:
         return particles.Positions.from_csv(positions, box_side)
     if medium == "hard-spheres":
-        if box == "none":
-            raise ValueError("box = 'none': hard-spheres need a periodic box")
         return particles.HardSpheres(number_density, count=count)
     if spheres:
-        return particles.PoissonSpheres(number_density, count=None if box == "none" else count)
+        return particles.PoissonSpheres(number_density, count=count)
     disks = particles.HardDisks if medium == "hard-disks" else particles.Poisson
-    return disks(number_density, count, box=None if box == "none" else "periodic")
+    return disks(number_density, count)
 
 
 def write_picture(run: Any, path: Path) -> None:

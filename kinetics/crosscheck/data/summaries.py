@@ -121,7 +121,7 @@ def is_ensemble(path: Any) -> TypeGuard[Path]:
 
     try:
         with h5py.File(path if path.is_file() else "", "r") as file:
-            return "plan" in file.attrs
+            return "plan" in file and "done" in file.attrs
     except (OSError, ValueError):
         return False  # the reader of columns says what is wrong
 

@@ -1,0 +1,140 @@
+"""Mean free paths, first flights, elastic diffusion and the dilute limit of fixed scatterers."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scattered import Around, places
+
+from particles import (
+    BoltzmannGrad,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    Positions,
+    simulate,
+)
+
+
+@pytest.mark.parametrize(
+    ("medium", "rate"),
+    [(Poisson(0.1, 1000), 2.0), (PoissonSpheres(0.2, count=3000), np.pi)],
+)
+def test_first_flights_among_overlapping_scatterers_are_exponential(
+    medium: Any, rate: float
+) -> None:
+    # Only scatterers that do not cover the start are in the way, so the chance of a path x is
+    # exp(-rate rho x), but for the finite number of scatterers; 4.5 sigma in each bin. Tracers of
+    # one medium share the scatterers about the start: the spread over media is the error.
+    run = simulate(
+        medium, 1.0, media=400, tracers=50, max_collisions=1, seed=5,
+        observables=["free_path_histogram"],
+    )  # fmt: skip
+    histogram = run.free_path_histogram
+    p = -np.diff(np.exp(-rate * medium.number_density * histogram.edges))
+    found = histogram.probability
+    busy = p * run.collision_total > 60
+    assert busy.sum() > 30
+    assert np.all(abs(found.value[0] - p)[busy] < 4.5 * found.error[0][busy])
+
+
+@pytest.mark.parametrize("density", [0.01, 0.2])
+def test_mean_free_path_of_overlapping_disks(density: float) -> None:
+    # Santalo: 1/(2 d rho0) at any density. One long path in each of many configurations: those that
+    # share one agree too much to tell more.
+    medium = Poisson(density, 2000)
+    run = simulate(medium, 1.0, "monoenergetic", times=[300 / density], media=400, tracers=1)
+    path = run.mean_free_path
+    assert path.error < 0.01 * path.value
+    assert abs(path.value - 0.5 / density) < 3 * path.error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("density", "expected"), [(0.005, 0.970), (0.01, 0.947), (0.02, 0.908)])
+def test_elastic_diffusion_among_overlapping_disks(density: float, expected: float) -> None:
+    # D over Boltzmann's 3/8 l v, the slope of <r^2> between 60 and 180 free times. Measured before,
+    # by another program, to 0.001 or 0.002.
+    length, media = 0.5 / density, 8000
+    medium = Poisson(density, int(density * (60 * length) ** 2))  # no tracer leaves the box
+    times = np.array([60.0, 180.0]) * length
+    run = simulate(
+        medium, 1.0, "monoenergetic", times=times, media=media, tracers=8, seed=3,
+        observables=["positions"],
+    )  # fmt: skip
+    r2 = np.sum(run.positions**2, axis=-1).reshape(2, media, 8).mean(axis=-1)
+    ratios = (r2[1] - r2[0]) / (times[1] - times[0]) / (1.5 * length)
+    error = ratios.std() / np.sqrt(media)
+    assert error < 0.006
+    assert abs(ratios.mean() - expected) < 0.002 + 3 * error
+
+
+def free_volume_over_surface(medium: Any, seed: int, c: int, points: int) -> tuple[float, float]:
+    """Volume that is left to a tracer and its surface: random places, in the box and on the
+    scatterers, that none covers."""
+    rng, d = np.random.default_rng(1), medium.dimension
+    around = Around(medium, seed, c)
+    free = np.mean(around.nearest(rng.uniform(0, around.box, (points, d)))[0] > 1) * around.box**d
+    normals = rng.normal(size=(points, d))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    own = places(medium, seed, c)[rng.integers(medium.count, size=points)]
+    exposed = np.mean(around.nearest(own + (1 + 1e-9) * normals)[0] > 1)
+    return free, exposed * {2: 2 * np.pi, 3: 4 * np.pi}[d] * medium.count
+
+
+@pytest.mark.parametrize(
+    "medium",
+    [
+        pytest.param(HardDisks(0.1, 4000), marks=pytest.mark.slow),
+        pytest.param(HardSpheres(0.3, count=4000, equilibrate=10), marks=pytest.mark.slow),
+        PoissonSpheres(0.1, count=4000),
+    ],
+)
+def test_the_mean_free_path_is_that_of_santalo(medium: Any) -> None:
+    # pi V/S in the plane, 4 V/S in space, of what a tracer's centre is free to visit.
+    media = 12
+    run = simulate(medium, 1.0, "monoenergetic", times=[1500.0], media=media, tracers=60, seed=6)
+    parts = [free_volume_over_surface(medium, 6, c, 40_000) for c in range(media)]
+    volume, surface = np.sum(parts, axis=0)
+    path, expected = run.mean_free_path, {2: np.pi, 3: 4.0}[medium.dimension] * volume / surface
+    assert path.error < 0.01 * path.value
+    # The integral by random places: 0.3 % or so.
+    assert abs(path.value - expected) < 3.5 * np.hypot(path.error, 0.003 * expected)
+    rho = medium.number_density
+    if isinstance(medium, HardSpheres):
+        # One more sphere of the same fluid is what a tracer is: 1/(pi rho g) (Carnahan & Starling).
+        phi = np.pi / 6 * rho
+        assert abs(path.value * np.pi * rho / (1 - phi) ** 3 * (1 - phi / 2) - 1) < 0.03
+    elif isinstance(medium, PoissonSpheres):  # any density (Santalo)
+        assert abs(path.value * np.pi * rho - 1) < 0.015
+
+
+def test_the_dilute_limit_is_that_of_random_free_paths() -> None:
+    density = 1e-3
+    times = np.array([1.0, 5.0, 30.0]) / (np.pi * density)
+    runs = [
+        simulate(medium, 0.4, times=times, media=40, tracers=500, seed=4)
+        for medium in (PoissonSpheres(density), BoltzmannGrad(density, dimension=3))
+    ]
+    for name in ("thermal_speed", "a2", "msd", "collisions", "velocity_autocorrelation"):
+        a, b = (getattr(run, name) for run in runs)
+        assert np.all(abs(a.value - b.value) < 4 * np.hypot(a.error, b.error)), name
+
+
+def test_a_box_that_a_tracer_does_not_cross_is_as_good_as_the_plane() -> None:
+    """The same disks in a box, and in one three times as wide with others around them."""
+    rng = np.random.default_rng(8)
+    box, own = 60.0, rng.uniform(-30.0, 30.0, (200, 2))
+    own = own[np.hypot(*own.T) > 1.0]
+    outside = rng.uniform(-90.0, 90.0, (1800, 2))
+    outside = outside[abs(outside).max(axis=1) > 31.0]
+    usual: Any = dict(restitution=0.7, times=[1.0, 20.0, 60.0], media=1, tracers=200, seed=2)
+    small, large = (
+        simulate(Positions(disks, side, start=(0.0, 0.0)), **usual, observables=["positions"])
+        for disks, side in ((own, box), (np.concatenate((own, outside)), 3 * box))
+    )
+    kept = np.all(abs(small.positions).max(axis=2) < box / 2 - 2.0, axis=0)
+    assert kept.sum() > 150
+    np.testing.assert_allclose(
+        small.positions[:2, kept], large.positions[:2, kept], rtol=0, atol=1e-6
+    )

@@ -1,0 +1,238 @@
+"""Where scatterers stand: distances, densities, equilibrium, what cells list; bad media."""
+
+import re
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scattered import Around, places
+from scipy.spatial import cKDTree
+
+from particles import (
+    BoltzmannGrad,
+    HardDisks,
+    HardSpheres,
+    Poisson,
+    PoissonSpheres,
+    Positions,
+    simulate,
+)
+from particles.cells import SLOTS, Cells
+from particles.media import Medium
+from particles.placement import build
+
+HARD = {2: HardDisks, 3: HardSpheres}
+OVERLAPPING = {2: Poisson, 3: PoissonSpheres}
+both = pytest.mark.parametrize("dimension", [2, 3])
+
+
+@both
+@pytest.mark.parametrize("equilibrate", [0, 10])
+@pytest.mark.parametrize("density", [0.04, 0.6])
+def test_hard_scatterers_do_not_overlap(dimension: int, density: float, equilibrate: int) -> None:
+    medium = HARD[dimension](density, count=1500, equilibrate=equilibrate)
+    around, own = Around(medium), places(medium)
+    assert around.nearest(own, 2)[0][:, 1].min() >= 1.0 - 1e-12
+    assert np.linalg.norm(own, axis=1).min() >= 1.0
+    assert abs(own).max() <= medium.box_side / 2
+    others = np.concatenate((own, places(medium, 1, 1), places(medium, 2)))
+    assert len(np.unique(others, axis=0)) == 4500
+
+
+@both
+def test_scatterers_are_uniform(dimension: int) -> None:
+    # Counts in 125 (121) parts: chi^2 of 124 +- 16; below 4 sigma = 190. Exclusion makes hard ones
+    # more even, so only the upper side is theirs.
+    per_side = {2: 11, 3: 5}[dimension]
+    parts_in_all, n = per_side**dimension, 200 * per_side**dimension
+    for medium, low in (
+        (OVERLAPPING[dimension](0.1, count=n), 60),
+        (HARD[dimension](0.1, count=n), 0),
+        (HARD[dimension](0.1, count=n, equilibrate=3), 0),
+    ):
+        parts = np.floor((places(medium, 3) / medium.box_side + 0.5) * per_side).astype(int)
+        number = parts @ [per_side**k for k in range(dimension)]
+        counts = np.bincount(number, minlength=parts_in_all)
+        assert low < np.sum((counts - 200) ** 2) / 200 < 190
+
+
+@both
+def test_equilibration_reaches_the_contact_value_of_equilibrium(dimension: int) -> None:
+    # g at contact, from pairs within 4 % of it: (1 - 7 eta/16)/(1 - eta)^2 for disks (Henderson
+    # 1975), (1 - phi/2)/(1 - phi)^3 for spheres (Carnahan & Starling 1969), falling by some 10 %
+    # over the shell. Random addition of disks has fewer.
+    density, edge = (0.5, 1.05) if dimension == 2 else (0.6, 1.03)
+    share = density * (np.pi / 4 if dimension == 2 else np.pi / 6)
+    contact = (1 - share / 2) / (1 - share) ** 3
+    if dimension == 2:
+        contact = (1 - 7 * share / 16) / (1 - share) ** 2
+    shell = (np.pi if dimension == 2 else 4 / 3 * np.pi) * (edge**dimension - 1)
+    found = []
+    for sweeps in (0, 100):
+        medium = HARD[dimension](density, count=4000, equilibrate=sweeps)
+        pairs = [len(Around(medium, 1, c).tree.query_pairs(edge)) for c in range(4)]
+        found.append(2 * np.mean(pairs) / (4000 * density * shell))
+    assert -0.12 < found[1] / contact - 1 < 0
+    assert dimension == 3 or found[0] < 0.93 * found[1]
+
+
+@both
+def test_few_reach_the_equilibrium_that_rejection_draws(dimension: int) -> None:
+    # 5 in a box of some 4 d, 1500 configurations after 50 sweeps and some 5000 from rejection: mean
+    # squares, near pairs and those at the clearing, which is one that stays, agree within 4 sigma.
+    density = 0.3 if dimension == 2 else 5 / 4.0001**3
+    medium = HARD[dimension](density, count=5, equilibrate=50)
+    box, n = medium.box_side, 1500
+    found = np.array([places(medium, 9, c) for c in range(n)])
+    drawn = np.random.default_rng(1).uniform(-box / 2, box / 2, (150_000, 5, dimension))
+
+    def distances(each: np.ndarray) -> np.ndarray:
+        with_start = np.concatenate([np.zeros((len(each), 1, dimension)), each], axis=1)
+        i, j = np.triu_indices(6, 1)
+        apart = with_start[:, i] - with_start[:, j]
+        return np.linalg.norm(apart - box * np.round(apart / box), axis=-1)
+
+    drawn = drawn[np.all(distances(drawn) >= 1, axis=1)]
+    assert len(drawn) > 3000
+    statistics = []
+    for each in (found, drawn):
+        near = (distances(each) < 1.25)[:, :, None]
+        means = (each, each**2, near[:, :5], near[:, 5:])
+        statistics.append(np.concatenate([one.mean(axis=1) for one in means], axis=1))
+    error = np.sqrt(sum(s.var(axis=0) / len(s) for s in statistics))
+    sigmas = (statistics[0].mean(axis=0) - statistics[1].mean(axis=0)) / error
+    assert np.all(abs(sigmas) < 4), sigmas
+
+
+@both
+def test_steps_are_as_likely_forth_as_back(dimension: int) -> None:
+    # The mean displacement in 4 sweeps is 0 within 4 sigma along each axis; sigma, some 0.004 d,
+    # from the spread over configurations. A step drawn from (-0.45, 0.55) of its length instead of
+    # (-0.5, 0.5) would move them by some 0.2 d.
+    before, after = (HARD[dimension](0.3, count=3000, equilibrate=sweeps) for sweeps in (0, 4))
+    means = []
+    for c in range(10):
+        moved = places(after, 4, c) - places(before, 4, c)
+        means.append((moved - after.box_side * np.round(moved / after.box_side)).mean(axis=0))
+    sigma = np.std(means, axis=0, ddof=1) / np.sqrt(10)
+    assert np.all(sigma < 0.01)
+    assert np.all(abs(np.mean(means, axis=0)) < 4 * sigma)
+
+
+def listed(cells: Cells, cell: int) -> np.ndarray:
+    """Return what a cell lists, from its centre."""
+    n, dimension = cells.fill[cell], len(cells.shape)
+    found = cells.slots[cell].reshape(dimension, SLOTS).T[: min(n, SLOTS)].tolist()
+    node = cells.head[cell]
+    while node >= 0:
+        found.append(cells.nodes[node].tolist())
+        node = cells.links[node]
+    assert len(found) == n
+    return np.array(found).reshape(-1, dimension)
+
+
+@both
+@pytest.mark.parametrize(("density", "count"), [(0.03, 300), (0.03, 3000), (0.9, 200)])
+@pytest.mark.parametrize("given", [False, True])
+def test_a_cell_lists_what_can_be_touched_in_it(
+    density: float, count: int, dimension: int, given: bool
+) -> None:
+    medium: Medium = OVERLAPPING[dimension](density, count=count)
+    own, box = places(medium, 5), medium.box_side
+    if given and dimension == 2:
+        medium = Positions(own + 3.0, box, start=(3.0, 3.0))
+    cells = build(medium, np.uint64(5), 0)
+    assert cells is not None
+    n, side = cells.shape[0], cells.side
+    shifts = np.array(list(product((-1, 0, 1), repeat=dimension)))
+    images = (own + box * shifts[:, None]).reshape(-1, dimension)
+    # Every cell of the corner and of the middle, whose neighbours lie across the box's faces.
+    for index in product(sorted({0, 1, n // 2, n - 1}), repeat=dimension):
+        around = images - (np.array(index) - n // 2) * side
+        gaps = np.maximum(abs(around) - side / 2, 0.0)
+        expected = around[np.linalg.norm(gaps, axis=1) <= 1.0]
+        found = listed(cells, int(np.ravel_multi_index(index, cells.shape)))
+        assert cKDTree(found).query(expected)[0].max(initial=0) < 1e-9
+        assert len(found) - len(expected) in (0, 1)  # by the margin of 1e-7
+
+
+def test_a_scatterer_that_finds_no_room_is_counted() -> None:
+    def place_many() -> None:
+        for seed in range(50):
+            places(HardSpheres(0.65, count=45), seed)
+
+    with pytest.raises(ValueError, match=r"only \d+ of 45 spheres could be placed; the largest"):
+        place_many()
+
+
+def test_positions_from_csv(tmp_path: Path) -> None:
+    positions = np.random.default_rng(5).uniform(0, 4, (30, 2))
+    path = tmp_path / "disks.csv"
+    rows = "\n".join(f"{x!r},{y!r}" for x, y in positions.tolist())
+    expected = Positions(positions, 10.0, start=(7.0, 7.0))
+    for text in (rows, "x,y\n" + rows + "\n\n", '"x","y"\n' + rows):
+        path.write_text(text)
+        assert Positions.from_csv(path, 10.0, start=(7.0, 7.0)) == expected
+    for contents, words in (
+        (b"x,y\n1.0,2.0\n1.0,two\n", "two columns of numbers .*two.* at row 1"),
+        (b"x,y\n", "holds no positions"),
+        (b"", "holds no positions"),
+        (bytes(range(256)), "two columns of numbers"),
+        (b"1,2\n" + b"3," * 9000, "two columns of numbers"),
+    ):
+        path.write_bytes(contents)
+        with pytest.raises(ValueError, match=f"disks.csv: .*{words}") as caught:
+            Positions.from_csv(path, 10.0)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
+        Positions.from_csv(tmp_path / "none.csv", 10.0)
+
+
+def test_a_set_of_positions_for_each_configuration() -> None:
+    sets = np.random.default_rng(6).uniform(0, 6, (3, 20, 2))
+    arguments: Any = dict(restitution=0.5, times=[30.0], tracers=5, observables=["positions"])
+    together = simulate(Positions(sets, 10.0, start=(8.0, 8.0)), media=3, **arguments)
+    alone = simulate(Positions(sets[0], 10.0, start=(8.0, 8.0)), media=1, **arguments)
+    assert np.array_equal(together.positions[:, :5], alone.positions)
+    with pytest.raises(ValueError, match=r"media = 2: must be 3, the sets of positions given"):
+        simulate(Positions(sets, 10.0, start=(8.0, 8.0)), media=2, **arguments)
+
+
+BAD: list[tuple[Any, str]] = [
+    (lambda: Poisson(-1, 10), "number_density = -1: must be a positive finite number"),
+    (lambda: Poisson(1.0, 1), "count = 1: the box would be 1 d wide at number_density = 1.0; it"),
+    (lambda: HardDisks(0.9, 1000), "at most 0.65 for HardDisks of diameter = 1"),
+    (lambda: HardDisks(0.1, 0), "count = 0: must be a whole number from 1 to"),
+    (lambda: HardDisks(0.1, 99, equilibrate=-1), "equilibrate = -1: must be a whole number from 0"),
+    (lambda: HardDisks(0.04, diameter=1e308), "number_density = 0.04: at most"),
+    (lambda: HardDisks(0.04, 10**400), f"count = 1{'0' * 56}...: must be a whole number from 1"),
+    (lambda: HardSpheres(0.1, 2.0), "number_density = 0.1: at most 0.08125 for HardSpheres"),
+    (lambda: HardSpheres(0.1, count=None), "count = None: must be a whole number from 1 to"),
+    (lambda: PoissonSpheres(1.1), "number_density = 1.1: at most 1 for PoissonSpheres"),
+    (lambda: PoissonSpheres(0.1, 0.0), "diameter = 0.0: must be a positive finite number"),
+    (lambda: PoissonSpheres(1e-11), "number_density = 1e-11: 1e-11 scatterers per d^3; at least"),
+    (lambda: PoissonSpheres(0.1, count=5), "count = 5: the box would be 3.68 d wide"),
+    (lambda: BoltzmannGrad(0.1, diameter=float("nan")), "diameter = nan: must be a positive"),
+    (lambda: BoltzmannGrad(10**200, 10**200), "inf scatterers per d^2"),
+    (lambda: BoltzmannGrad(0.1, dimension=4), "dimension = 4: must be 2 or 3"),
+    (lambda: Positions([[1, 2]], 3.0), "box_side = 3.0: must be at least 4 d = 4"),
+    (lambda: Positions([[5.5, 5]], 10), "positions[0] = [5.5 5. ]: covers the start (5, 5)"),
+    (lambda: Positions([[1, 1], [0, 9.2]], 10, start=(0, 0)), "positions[1] = [0.  9.2]: covers"),
+    (lambda: Positions([[1, 1], [np.nan, 2]], 10), "positions[1] = [nan  2.]: must be finite"),
+    (lambda: Positions([[1, 1e14]], 10), "[1.e+00 1.e+14]: must be finite, and at most 1e+12 box"),
+    (lambda: Positions([1, 2, 3], 10), "positions of shape (3,): must be (count, 2)"),
+    (lambda: Positions([["a", "b"]], 10), "positions = [['a', 'b']]: must be an array of real"),
+    (lambda: Positions(np.ones((1, 2), complex), 10), "must be an array of real numbers"),
+    (lambda: Positions(np.ma.masked_all((1, 2)), 10), "must be an array of real numbers"),
+    (lambda: Positions([[1, 2]], 10, start=(1,)), "start = (1,): must be two finite numbers"),
+    (lambda: Positions([[1, 2]], 10, start=(0, -1e308)), "start = (0, -1e+308): must be two"),
+]
+
+
+@pytest.mark.parametrize(("make_bad", "message"), BAD, ids=[m[:40] for _, m in BAD])
+def test_bad_media_get_one_clear_line(make_bad: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        make_bad()
+    assert "\n" not in str(caught.value)

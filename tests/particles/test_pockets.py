@@ -1,0 +1,171 @@
+"""Grooves and pockets between spheres: who leaves, and how, and who is trapped."""
+
+import numpy as np
+import pytest
+import reference_simulator as reference
+from marking import slow_but
+
+from particles import Ensemble, PoissonSpheres, placement, simulate
+from particles.cells import empty_box, insert_all
+from particles.kernel.pockets import FOR_EVER, LEAVES, RESTS, last_bounces
+
+BOUNCES = 250
+START = 1e-3  # from the groove or the pocket to the start of a tracer, in d
+
+
+def around(angles: np.ndarray, steepness: float) -> np.ndarray:
+    """Return spheres whose spheres of contact all pass through the point START below the origin.
+
+    angles: of their centres about the vertical. steepness: of the planes that touch them there.
+    """
+    flat, down = np.cos(steepness), np.sin(steepness)
+    centres = [[down * np.cos(a), down * np.sin(a), -flat] for a in angles]
+    return np.array(centres) - [0.0, 0.0, START]
+
+
+def drop(
+    spheres: np.ndarray, law: tuple[float, float], monkeypatch: pytest.MonkeyPatch, n: int = 40
+) -> tuple[Ensemble, np.ndarray]:
+    """Send n tracers from the origin down to them; return the run and the initial velocities."""
+    rng = np.random.default_rng(4)
+    velocities = np.stack([*(0.6 * rng.uniform(-1, 1, (2, n))), -np.ones(n)], axis=1)
+    medium = PoissonSpheres(len(spheres) / 30.0**3, count=len(spheres))
+    cells = empty_box(30.0, len(spheres), 3)
+    insert_all(cells, spheres)
+    monkeypatch.setattr(placement, "build", lambda *_: cells)
+    run = simulate(
+        medium, law[0], velocities, times=[0.5], media=1, tracers=n, workers=1,
+        observables=["velocities", "positions"], tangential_restitution=law[1],
+    )  # fmt: skip
+    return run, velocities
+
+
+def between_planes(walls: np.ndarray, u: np.ndarray, law: tuple[float, float]) -> np.ndarray | None:
+    """Bounce between planes, one after another; the last velocity, None if there is no end to it.
+
+    walls (n, 4): normals and gaps. Gaps shrink relative to the others only, so no digit is lost.
+    """
+    normals, gap, v = walls[:, :3], walls[:, 3].copy(), u.copy()
+    for _ in range(BOUNCES):
+        w = normals @ v
+        path = np.where(w < -1e-9 * np.linalg.norm(v), -gap / np.minimum(w, -1e-300), np.inf)
+        k = int(np.argmin(path))
+        if path[k] == np.inf:
+            return v
+        gap = np.maximum(gap + path[k] * w, 0.0)
+        gap[k] = 0.0
+        v = law[1] * v - (law[0] + law[1]) * w[k] * normals[k]
+    return None
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        (0.1, 0.5),
+        pytest.param((0.3, 1.0), marks=pytest.mark.slow),
+        pytest.param((0.05, 1.0), marks=pytest.mark.slow),
+        pytest.param((0.4, 0.9), marks=pytest.mark.slow),
+    ],
+)
+def test_three_planes_against_one_bounce_after_another(law: tuple[float, float]) -> None:
+    rng = np.random.default_rng(7)
+    ends, wrong = [0, 0, 0], 0
+    for _ in range(1000):
+        angles = np.array([0.0, 2.1, 4.2]) + rng.uniform(-0.5, 0.5, 3)
+        tilt = rng.uniform(0.05, 0.7, 3)  # small: the planes are steep, the pocket is narrow
+        normals = np.stack(
+            [-np.cos(tilt) * np.cos(angles), -np.cos(tilt) * np.sin(angles), np.sin(tilt)], axis=1
+        )
+        gaps = np.array([0.0, *rng.uniform(0.1, 1.0, 2)])
+        walls = np.concatenate([normals, 1e-12 * gaps[:, None]], axis=1)
+        u = rng.normal(size=3)
+        u /= np.linalg.norm(u)
+        if u @ normals[0] < 0:
+            continue
+        end, found, ratio = last_bounces(walls.copy(), tuple(u), *law)
+        ends[end] += 1
+        expected = between_planes(walls, u, law)
+        if expected is None:
+            assert end != LEAVES
+        elif np.max(abs(ratio * np.array(found) - expected)) > 1e-5:
+            assert end == FOR_EVER
+            wrong += 1
+    assert ends[LEAVES] > 100
+    assert ends[RESTS] > 3
+    assert (ends[FOR_EVER] > 3) == (law[1] == 1.0)
+    # Where a groove leads a tracer into the point of the pocket itself, all gaps are 0 and the
+    # order of the next bounces is that of rounding.
+    assert wrong <= 0.02 * ends[FOR_EVER]
+
+
+@pytest.mark.parametrize(
+    "steepness",
+    [
+        0.3,
+        pytest.param(0.9, marks=pytest.mark.slow),
+        1.2,
+        pytest.param(1.4, marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
+def test_a_tracer_leaves_a_groove_of_smooth_spheres_as_the_reference_says(
+    restitution: float, steepness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.0, np.pi]), steepness)
+    run, velocities = drop(spheres, (restitution, 1.0), monkeypatch)
+    assert run.statuses.trapped == 0
+    for k in range(8):
+        path = reference.follow(spheres, None, velocities[k], (restitution, 1.0), BOUNCES, 120)
+        last = np.array(path[-1][4:7], float) if path else velocities[k]
+        np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-6)
+        if len(path) == BOUNCES:  # endless: what is left runs along the groove
+            along = np.array([0.0, np.linalg.norm(last), 0.0])
+            np.testing.assert_allclose(abs(last), along, rtol=0, atol=1e-2)
+
+
+# Between planes of this steepness, the third of these would bounce for ever; spheres curve away.
+@pytest.mark.parametrize(
+    ("law", "steepness", "caught"),
+    [((0.1, 0.5), 1.25, 40), ((0.3, 0.5), 1.25, 0), ((0.1, 0.5), 1.217, 0), ((0.05, 0.9), 1.1, 40)],
+)
+def test_a_groove_of_rough_spheres_catches_whom_the_reference_never_lets_go(
+    law: tuple[float, float], steepness: float, caught: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.0, np.pi]), steepness)
+    run, velocities = drop(spheres, law, monkeypatch)
+    assert run.statuses.trapped == caught
+    for k in range(8):
+        path = reference.follow(spheres, None, velocities[k], law, BOUNCES, 120)
+        assert (len(path) == BOUNCES) == (caught > 0)
+        if not caught:
+            last = np.array(path[-1][4:7], float)
+            np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("restitution", "steepness", "caught"),
+    slow_but(
+        [(0.1, 1.15, 0), (0.1, 1.25, 40), (0.4, 1.35, 0)],
+        [(0.1, 1.15, 0), (0.1, 1.25, 40), (0.2, 1.25, 0), (0.2, 1.35, 40), (0.4, 1.35, 0)],
+    ),
+)
+def test_a_pocket_catches_whom_the_reference_brings_to_rest(
+    restitution: float, steepness: float, caught: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spheres = around(np.array([0.1, 2.2, 4.3]), steepness)
+    law = (restitution, 1.0)
+    run, velocities = drop(spheres, law, monkeypatch)
+    statuses = run.statuses
+    assert statuses.trapped == caught
+    assert np.all(np.linalg.norm(statuses.trap_places + np.array([0, 0, START]), axis=1) < 1e-7)
+    for k in range(8):
+        path = reference.follow(spheres, None, velocities[k], law, BOUNCES, 200)
+        assert (len(path) == BOUNCES) == (caught > 0)
+        if caught:
+            assert float(reference.dot(path[-1][4:7], path[-1][4:7])) < 1e-16
+            assert np.array_equal(run.velocities[0, k], [0.0, 0.0, 0.0])
+            np.testing.assert_allclose(run.positions[0, k], [0.0, 0.0, -START], atol=1e-7)
+        else:
+            last = np.array(path[-1][4:7], float)
+            # A dozen bounces within 1e-9 d: rounding grows.
+            np.testing.assert_allclose(run.velocities[0, k], last, rtol=0, atol=1e-5)
