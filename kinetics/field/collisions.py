@@ -51,7 +51,7 @@ def collision_matrices(
         for p in range(own, len(panels.parts)) if forwards else range(own + 1):
             inside = where == p
             used = np.nonzero(inside.any(axis=0))[0]
-            if used.size == 0:
+            if used.size == 0 and p != own:
                 continue
             # a node and itself shifted are apart by the shift, to all digits
             i, k = np.nonzero(inside[:, used])
