@@ -10,6 +10,7 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
 _RATE = 70.0  # f falls no faster than v^-70 where it counts: for the average over impacts
+_SMALL = 0.1  # -ln s below which changes of polynomials would lose digits
 _STOPPED = 14.0  # -ln s of bounces that end at rest: so slow tracers, 1e-6, are as few as that
 
 
@@ -38,7 +39,7 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
             width = np.minimum(edges[p + 1], edges[t + 1] / ratio) - low
             if t == p - 1:  # to all digits
                 short = np.minimum(edges[p] * np.expm1(lost), width)
-                width = np.where(lost < 0.5, short, width)
+                width = np.where(lost < _SMALL, short, width)
             used = np.nonzero(width > 0.0)[0]
             if used.size == 0:
                 continue
@@ -49,18 +50,27 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
             before = panels.rows(p, v[..., None] - panels.speeds[source])
             weighed = weight[..., None] * before
             loss = np.tensordot(gone[:, used], np.matmul(before.swapaxes(1, 2), weighed), axes=1)
-            if t == p:  # the change of a polynomial is the integral of its slope
-                y, share = gauss_legendre(panels.counts[p] // 2)
-                slopes = np.zeros_like(before)
-                for point, part in zip(y, share, strict=True):
-                    at = (v - point * change)[..., None] - panels.speeds[source]
-                    slopes += part * panels.rows(p, at)
-                changed = change[..., None] * (slopes @ panels.derivative(p))
+            after = panels.rows(t, (v - change)[..., None] - panels.speeds[target])
+            if t == p:
+                changed = before - after
+                small = np.nonzero(lost[used] < _SMALL)[0]
+                if small.size:
+                    changed[small] = _changes(panels, p, v[small], change[small])
             else:
-                after = panels.rows(t, (v - change)[..., None] - panels.speeds[target])
                 gained = np.matmul(after.swapaxes(1, 2), weighed)
                 out[:, target, source] -= np.tensordot(kept[:, used], gained, axes=1)
                 changed = before
             changed = np.matmul(changed.swapaxes(1, 2), weighed)
             out[:, source, source] += loss + np.tensordot(kept[:, used], changed, axes=1)
     return np.asarray(out / (panels.speeds ** (d - 1) * panels.weights)[:, None])
+
+
+def _changes(panels: SpeedPanels, panel: int, v: FloatArray, change: FloatArray) -> FloatArray:
+    """Polynomials at v less those at v - change, (*v.shape, nodes): integrals of their slope."""
+    x, w = gauss_legendre(panels.counts[panel] // 2)
+    nodes = panels.speeds[panels.parts[panel]]
+    slopes = sum(
+        share * panels.rows(panel, (v - point * change)[..., None] - nodes)
+        for point, share in zip(x, w, strict=True)
+    )
+    return np.asarray(change[..., None] * (slopes @ panels.derivative(panel)))
