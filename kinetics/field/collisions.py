@@ -11,7 +11,7 @@ from kinetics.numerics.gauss import gauss_legendre
 
 _RATE = 70.0  # f falls no faster than v^-70 where it counts: for the average over impacts
 _SMALL = 0.1  # -ln s below which changes of polynomials would lose digits
-_STOPPED = 14.0  # -ln s of bounces that end at rest: so slow tracers, 1e-6, are as few as that
+_STOPPED = 9.0  # -ln s of bounces that count as one: so slow tracers, 1e-4, are as few as that
 
 
 def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> FloatArray:
@@ -30,7 +30,8 @@ def loss_matrices(panels: SpeedPanels, law: CollisionLaw, highest: int) -> Float
     stopped = lost > _STOPPED
     if stopped.any():
         kept, gone = (np.c_[x[:, ~stopped], x[:, stopped].sum(axis=1)] for x in (kept, gone))
-        lost = np.append(lost[~stopped], _STOPPED)
+        mean = q.weight[stopped] @ q.ratio[stopped] / q.weight[stopped].sum()
+        lost = np.append(lost[~stopped], -np.log(mean))
     ratio, edges, d = np.exp(-lost), np.array(panels.edges), law.dimension
     out = np.zeros((highest + 1, panels.size, panels.size))
     for p, source in enumerate(panels.parts):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from kinetics.states.directed import Beam
 from kinetics.states.state import State
 
 _Density = Callable[[FloatArray, FloatArray], FloatArray]
-_ANGLES = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
+_ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
+_CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
 _ACROSS = np.concatenate([[0.0], 2.0 ** np.arange(-6.0, 1.0)])  # of the highest speed
 _POINTS = 6  # in an interval of these
 _DIRECTIONS = 64  # of a start of one speed
@@ -57,11 +59,14 @@ class VelocityDensity:
 
     def by_speed(self, i: int, v: FloatArray) -> FloatArray:
         """The density of the speed at the i-th time and speeds (n,)."""
-        angle, w = panels_between(_ANGLES, _POINTS)
-        d = self._dimension
-        share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
-        found = self._both(i, np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle)))
-        return np.asarray(found @ share * v ** (d - 1))
+        d, time = self._dimension, float(self._evolution.times[i])
+        out = np.zeros(v.shape)
+        for edges, one in ((_ANGLES, self._flights.density), (_CLOSE, self._smooth)):
+            angle, w = panels_between(edges, _POINTS)
+            share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
+            velocity = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
+            out += self._both(partial(one, time), *velocity) @ share
+        return np.asarray(out * v ** (d - 1))
 
     def by_component(self, i: int, along: FloatArray) -> FloatArray:
         """The density of the velocity along the field at the i-th time.
@@ -75,12 +80,13 @@ class VelocityDensity:
             )
         across, w = panels_between(self._evolution.panels.highest * _ACROSS, _POINTS)
         share = 2.0 * w if self._dimension == 2 else 2.0 * math.pi * across * w
-        return np.asarray(self._both(i, *np.meshgrid(along, across, indexing="ij")) @ share)
+        velocity = np.meshgrid(along, across, indexing="ij")
+        return np.asarray(self._both(partial(self.at, i), *velocity) @ share)
 
-    def _both(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
-        """f as the mean of both sides of the field, of the shape of the components."""
+    def _both(self, density: _Density, along: FloatArray, across: FloatArray) -> FloatArray:
+        """The mean of both sides of the field, of the shape of the components."""
         sides = (1.0, -1.0)[: self._families]
-        found = [self.at(i, along.ravel(), side * across.ravel()) for side in sides]
+        found = [density(along.ravel(), side * across.ravel()) for side in sides]
         return np.reshape(np.mean(found, axis=0), along.shape)
 
     @property
@@ -97,7 +103,7 @@ class VelocityDensity:
         elif velocities is None:  # samples
             velocity = self._speed * np.asarray(self._state.velocity)  # type: ignore[attr-defined]
             share = np.full(len(velocity), 1.0 / len(velocity))
-            velocities = Velocities(velocity[:, 0], velocity[:, 1], share, False)
+            velocities = Velocities(velocity[:, 0], velocity[:, 1], share, False, self._dimension)
         return np.array([velocities.uncollided(float(t)).sum() for t in times])
 
     def _smooth(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Averages over time in a field, for one initial state; steps grow as the averages become smooth."""
+"""Averages over time in a field, for one initial state; steps grow as they become smooth."""
 
 from __future__ import annotations
 
@@ -76,14 +76,12 @@ class Evolution:
             f[:families] = equation.density(sums)
         return f
 
-    def _uncollided(self, time: float) -> FloatArray:
+    def _uncollided(self, times: FloatArray) -> FloatArray:
         """Densities of those that have not collided, on the polynomials of the panels."""
         equation, velocities = self.equation, self.start.velocities
         assert velocities is not None
-        count, d = equation.highest + 1, equation.dimension
-        return equation.density(
-            velocities.projected(time, self.panels, count, d, equation.fields)
-        )
+        count = equation.highest + 1
+        return equation.density(velocities.projected(times, self.panels, count, equation.fields))
 
     def _run(self, last: float) -> None:
         """Step after step, up to the last time or beyond it."""
@@ -99,12 +97,12 @@ class Evolution:
             tried += 1
             at, source, early = now + h * radau.POINTS, None, None
             if velocities is not None:
-                early = radau.projected([self._uncollided(t) for t in now + h * radau.FINE])
+                early = radau.projected(self._uncollided(now + h * radau.FINE))
                 source = equation.gained(early[1:])
             stages = equation.step(f, h, source)
             averages = total = equation.averages(stages)
             if velocities is not None:
-                total = averages + [velocities.averages(t, equation.dimension) for t in at]
+                total = averages + [velocities.averages(t) for t in at]
             grown = totals + h * (radau.integral_rows(radau.POINTS) @ total[:, grows]) * factor
             left = radau.roughness(averages)
             left = np.append(left, h * left[grows] * factor)
@@ -116,7 +114,7 @@ class Evolution:
             local = (self.times[inside] - now) / h
             found = radau.rows(local) @ averages
             if velocities is not None and local.size:
-                left = [velocities.averages(t, equation.dimension) for t in self.times[inside]]
+                left = [velocities.averages(t) for t in self.times[inside]]
                 found = found + left
             made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
             self.values[inside] = np.hstack([found, made])

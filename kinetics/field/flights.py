@@ -20,7 +20,6 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import gauss_legendre
 
 _LONGEST = 28.0  # mean free paths of a last flight: the chance of a longer one is 1e-12
-_SLOWEST = 1e-2  # G varies on the scale of the speed; what varies below this one counts little
 _INTERVALS, _POINTS = 5, 10  # before and after the turning point: 1e-7 of the peak is missed
 _NEGLIGIBLE = 1e-12  # share of those that arrive
 _TOGETHER = 4000  # points of flights, so few that their harmonics stay in the cache
@@ -34,12 +33,17 @@ class LastFlights:
     panels, dimension : on which the density is solved
     steps : beginning, length, and v times what collisions make at the points of each step of time,
         (n_points, families, M + 1, size); of a steady state one step with one point
+    slowest : G varies on the scale of the speed; what varies below this one counts little
     """
 
     def __init__(
-        self, panels: SpeedPanels, dimension: int, steps: list[tuple[float, float, FloatArray]]
+        self,
+        panels: SpeedPanels,
+        dimension: int,
+        steps: list[tuple[float, float, FloatArray]],
+        slowest: float = 1e-2,
     ) -> None:
-        self._panels, self._dimension = panels, dimension
+        self._panels, self._dimension, self._slowest = panels, dimension, slowest
         self._starts = np.array([now for now, _, _ in steps])
         self._lengths = np.array([h for _, h, _ in steps])
         self._points, self._families, self._count = steps[0][2].shape[:3]
@@ -62,7 +66,7 @@ class LastFlights:
         straight = 2.0 * _LONGEST / np.sqrt(np.maximum(square, 4.0 * _LONGEST))
         turned = np.maximum(along, 0.0) + np.sqrt(2.0 * _LONGEST)
         last = np.minimum(time, np.where(square > 4.0 * _LONGEST, straight, turned))
-        unit = np.maximum(np.abs(across), _SLOWEST)
+        unit = np.maximum(np.abs(across), self._slowest)
         low, high = np.arcsinh((along - last) / unit), np.arcsinh(along / unit)
         turn = np.clip(0.0, low, high)
         share = np.arange(_INTERVALS + 1.0) / _INTERVALS

@@ -88,8 +88,8 @@ class ForwardEquation:
         return np.stack([np.tensordot(f, weight, axes=3) for weight in self._weights], axis=1)
 
     def density(self, sums: FloatArray) -> FloatArray:
-        """Densities of which these are the sums `Start.projected`, (n_fields, M + 1, size)."""
-        family = [family for _, family in self.fields[: len(sums)]]
+        """Densities of which these are the sums `Start.projected`, (..., n_fields, M + 1, size)."""
+        family = [family for _, family in self.fields[: sums.shape[-3]]]
         return np.asarray(sums / self._volume[family])
 
     def gained(self, f: FloatArray) -> FloatArray:

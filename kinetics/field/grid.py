@@ -110,10 +110,11 @@ class SpeedPanels:
     counts: tuple[int, ...]
 
     @classmethod
-    def rising(cls, highest: float, lowest: float, nodes: int) -> SpeedPanels:
-        """Panels for densities over time: up to a speed, the first one to about ``lowest``.
+    def rising(cls, highest: float, lowest: float, nodes: int, tail: bool = False) -> SpeedPanels:
+        """Panels up to a speed, the first one to about ``lowest``.
 
         Above the speed 1 each has ``nodes`` nodes, and fewer below, where averages vary less.
+        tail : whether the last one is cut in two, so that the density is resolved that falls there
         """
         count = max(1, math.ceil(math.log(highest / lowest) / math.log(_RATIO)))
         edges = [highest * _RATIO ** (j - count) for j in range(count + 1)]
@@ -121,6 +122,9 @@ class SpeedPanels:
         rising = max(1, math.ceil(-math.log(lowest) / math.log(_RATIO)))
         share = np.minimum(1.0, np.arange(1, count + 1) / rising)
         counts = np.ceil(fewest + (nodes - fewest) * share).astype(int)
+        if tail:
+            edges.insert(-1, 0.5 * (edges[-2] + highest))
+            counts = np.append(counts, nodes)
         return cls((0.0, *edges), (fewest, *counts.tolist()))
 
     @cached_property
@@ -195,7 +199,10 @@ class SpeedPanels:
         for p, part in enumerate(self.parts):
             nodes = self.speeds[part]
             out[part, part] = self.derivative(p)
-            for neighbour, end, sign in ((p + 1, self.edges[p + 1], 1.0), (p - 1, self.edges[p], -1.0)):
+            for neighbour, end, sign in (
+                (p + 1, self.edges[p + 1], 1.0),
+                (p - 1, self.edges[p], -1.0),
+            ):
                 if end == 0.0 or not (even == (sign > 0.0) or (p == last and neighbour > last)):
                     continue
                 own = self.rows(p, (end - nodes)[None])[0]
@@ -206,4 +213,3 @@ class SpeedPanels:
                     row = self.rows(neighbour, (end - self.speeds[other])[None])
                     out[part, other] += np.outer(jump, row)
         return np.asarray(self.speeds[:, None] * out)
-

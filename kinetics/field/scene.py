@@ -62,7 +62,10 @@ class FieldScene:
     rtol: float
 
     def __post_init__(self) -> None:
-        self._speed, self._time = math.sqrt(self.field * self.path), math.sqrt(self.path / self.field)
+        self._speed, self._time = (
+            math.sqrt(self.field * self.path),
+            math.sqrt(self.path / self.field),
+        )
         with np.errstate(over="ignore"):
             self._scaled = self.times / self._time
         if not (1e-100 < self._speed < 1e100 and self._scaled[-1] < 1e15):
@@ -107,7 +110,7 @@ class FieldScene:
         isotropic = self.state.highest_harmonic == 0
         small = math.sqrt(self.rtol) if isotropic else self.rtol
         if start.highest < _AT_REST * small * min(1.0, float(self._scaled[0])):
-            start = Start.rest()
+            start = Start.rest(self.law.dimension)
         asked = frozenset({"v^2"}.union(*(_MADE_OF.get(name, set()) for name in self.outputs)))
         state = self.state if DENSITIES in self.allowed else None
         return Evolution(self.law, start, self._scaled, resolution, asked, state)

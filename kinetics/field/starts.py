@@ -20,7 +20,7 @@ from kinetics.states.isotropic import Rest
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-_PIECE = 5000  # points that are interpolated at once
+_PIECE = 1000  # points that are interpolated at once
 _SLOW = 1.0  # sqrt(g l): isotropic starts with a highest speed below this become velocities
 _FEW = 64  # so many samples are followed each
 _STRAIGHT = 1e-15  # components across a velocity that are rounding
@@ -74,12 +74,14 @@ class Velocities:
     along, across : components of the velocity in sqrt(g l), shape (n,)
     weight : shape (n,), with the sum 1
     symmetric : whether each stands for all that differ by a turn, or a reflection, about the field
+    dimension : 2 or 3
     """
 
     along: FloatArray
     across: FloatArray
     weight: FloatArray
     symmetric: bool
+    dimension: int
 
     @classmethod
     def isotropic(
@@ -94,45 +96,48 @@ class Velocities:
             x, share = gauss_legendre(directions)
             cosine = 2.0 * x - 1.0
         along, across = np.outer(v, cosine), np.outer(v, np.sqrt(1.0 - cosine**2))
-        return cls(along.ravel(), across.ravel(), np.outer(w, share).ravel(), True)
+        return cls(along.ravel(), across.ravel(), np.outer(w, share).ravel(), True, dimension)
 
     def uncollided(self, time: float) -> FloatArray:
         """The share of the tracers that each has, of those that have not collided, (n,)."""
         way = free_way(self.along, self.across, np.full(self.along.size, time))
         return np.asarray(self.weight * np.exp(-way))
 
-    def averages(self, time: float, dimension: int) -> FloatArray:
+    def averages(self, time: float) -> FloatArray:
         """What tracers without a collision add to the averages `forward.AVERAGES`."""
         u, q = self.along + time, self.across
         x, y = (self.along + 0.5 * time) * time, q * time
-        half, odd = 1.0 / (dimension - 1.0), 0.0 if self.symmetric else 1.0
+        half, odd = 1.0 / (self.dimension - 1.0), 0.0 if self.symmetric else 1.0
         square, zero = u * u + q * q, np.zeros(u.size)
         every = [u, odd * q, square, u * u - half * q * q, odd * u * q, square**2, np.sqrt(square)]
         every += [u * x, half * q * y, odd * (u * y + q * x)]
         return np.asarray((np.array(every) + zero) @ self.uncollided(time))
 
     def projected(
-        self, time: float, panels: SpeedPanels, count: int, dimension: int, fields: list[tuple[str, int]]
+        self, times: FloatArray, panels: SpeedPanels, count: int, fields: list[tuple[str, int]]
     ) -> FloatArray:
         """Sums over tracers without a collision of harmonics and polynomials on the panels.
 
-        fields : name and family of what is summed, as in `forward`: 1, x or y. Shape (n_fields,
-        count, size).
+        fields : name and family of what is summed, as in `forward`: 1, x or y.
+            Shape (n_times, n_fields, count, size)
         """
-        out = np.zeros((len(fields), count, panels.size))
-        left = self.uncollided(time)
-        seen = np.nonzero(left > 1e-18)[0]
-        for part in np.array_split(seen, max(1, seen.size // _PIECE)):
-            a, q = self.along[part], self.across[part]
-            v = np.hypot(a + time, q)
+        out = np.zeros((times.size, len(fields), count, panels.size))
+        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // _PIECE):
+            a, q = np.broadcast_arrays(
+                self.along[part], self.across[part] * np.ones((times.size, 1))
+            )
+            t = np.broadcast_to(times[:, None], a.shape)
+            v = np.hypot(a + t, q)
             safe = np.where(v > 0.0, v, 1.0)
-            cosine = np.where(v > 0.0, (a + time) / safe, 1.0)
-            tables = angular(cosine, q / safe, count, dimension)
-            rows = panels.interpolation(np.minimum(v, panels.highest))
-            share = {"f": left[part], "x": left[part] * (a + 0.5 * time) * time}
-            share["y"] = left[part] * q * time
+            cosine = np.where(v > 0.0, (a + t) / safe, 1.0)
+            tables = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
+            tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in tables]
+            rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
+            left = self.weight[part] * np.exp(-free_way(a, q, t))
+            share = {"f": left, "x": left * (a + 0.5 * t) * t, "y": left * q * t}
             for k, (name, family) in enumerate(fields):
-                out[k] += (tables[family] * share[name]) @ rows
+                weighed = tables[family] * share[name][:, None]
+                out[:, k] += weighed @ rows.reshape(*a.shape, panels.size)
         return out
 
 
@@ -152,26 +157,26 @@ class Start:
     velocities: Velocities | None = None
 
     @classmethod
-    def rest(cls) -> Start:
+    def rest(cls, dimension: int) -> Start:
         """All tracers are at rest."""
-        return cls((), 1.0, Velocities(np.zeros(1), np.zeros(1), np.ones(1), True))
+        return cls((), 1.0, Velocities(np.zeros(1), np.zeros(1), np.ones(1), True, dimension))
 
     @classmethod
     def of(cls, state: State, rtol: float, speed: float, harmonics: int, dimension: int) -> Start:
         """With harmonics up to the highest that is solved, and averages of v^0 to v^4."""
         if isinstance(state, Rest):
-            return cls.rest()
+            return cls.rest(dimension)
         speeds = state.harmonic(0, rtol, 0.0, 4.0)
         assert speeds is not None  # every state has its speeds
         v, w = speed * np.exp(speeds.x), speeds.weight.real
         if isinstance(state, Beam):
             along, across = v * math.cos(state.direction), v * math.sin(state.direction)
             straight = math.sin(state.direction) == 0.0
-            return cls((speeds,), speed, Velocities(along, across, w, straight))
+            return cls((speeds,), speed, Velocities(along, across, w, straight, dimension))
         if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
             velocity = speed * np.asarray(state.velocity)
             weight = np.full(velocity.shape[0], 1.0 / velocity.shape[0])
-            found = Velocities(velocity[:, 0], velocity[:, 1], weight, False)
+            found = Velocities(velocity[:, 0], velocity[:, 1], weight, False, dimension)
             return cls((speeds,), speed, found)
         there = state.highest_harmonic
         if there == 0 and v.max() < _SLOW:
@@ -207,9 +212,7 @@ class Start:
         for m, measure in enumerate(self.measures[:count]):
             if measure is None:
                 continue
-            for part in np.array_split(
-                np.arange(measure.x.size), max(1, measure.x.size // _PIECE)
-            ):
+            for part in np.array_split(np.arange(measure.x.size), max(1, measure.x.size // _PIECE)):
                 rows = panels.interpolation(self.speed * np.exp(measure.x[part]))
                 found = measure.weight[part] @ rows
                 # the weights have the factor exp(-i m phi)
@@ -219,7 +222,7 @@ class Start:
     def smooth(
         self, state: State, panels: SpeedPanels, sums: FloatArray, rtol: float
     ) -> FloatArray:
-        """The same for a density, point by point as well; ``sums`` where averages then miss rtol."""
+        """The same, right point by point as well; ``sums`` where averages then miss rtol."""
         out = np.zeros(sums.shape)
         edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
         v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
