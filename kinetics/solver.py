@@ -6,17 +6,20 @@ Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, th
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, solved_averages
 from kinetics.densities.harmonic import Profile
 from kinetics.distributions import BEST_DENSITY, displacement_of, profiles_of
+from kinetics.errors import ToleranceWarning
 from kinetics.outputs import DENSITIES, POSITION
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.scene import Scene
 from kinetics.solution import Solution, field_scene
-from kinetics.status import explain, status_of
+from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
 
 _DEFAULT, _DEFAULT_IN_FIELD = 1e-10, 1e-6  # rtol
@@ -46,6 +49,10 @@ def solve(
     Returns
     -------
     Solution : frozen; arrays with time as the first axis, under the names of the outputs
+
+    Warns
+    -----
+    ToleranceWarning : the status of a scene with a field is not CONVERGED
 
     Raises
     ------
@@ -105,6 +112,8 @@ def _in_field(scene: Scene, rtol: float) -> Solution:
         _typical_speed=found.typical_speed,
     )
     solution.keep(_in_field=found)
+    if solution.status is not SolverStatus.CONVERGED:
+        warnings.warn(solution.message, ToleranceWarning, stacklevel=3)
     return solution
 
 

@@ -85,10 +85,10 @@ class Resolution:
     @classmethod
     def over_time(cls, rtol: float) -> Resolution:
         """A first one for averages and densities over time."""
-        digits = -math.log10(max(rtol, 1e-12))
+        digits = -math.log10(max(rtol, 1e-7))  # more takes a minute
         harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
         nodes = math.ceil(1.3 * digits + 1.5)
-        return cls(max(nodes, 6), harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * rtol)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
 
     def finer(self) -> Resolution:
         """With half as many harmonics again, some more nodes and shorter steps."""

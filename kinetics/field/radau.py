@@ -20,6 +20,13 @@ POINTS = np.concatenate([[0.0], POINTS])
 """The points in units of the step: its beginning, then the stages up to its end."""
 _VALUES = np.linalg.inv(np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES))
 
+FINE, _WEIGHTS = gauss_legendre(16)
+_ORDER = np.arange(STAGES)
+_INSIDE = np.polynomial.legendre.legvander(2.0 * FINE - 1.0, STAGES - 1) * _WEIGHTS[:, None]
+_TAKEN = np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES - 1) @ (
+    (2.0 * _ORDER + 1.0)[:, None] * _INSIDE.T
+)
+
 
 def modes() -> list[tuple[complex, complex, ComplexArray, ComplexArray]]:
     """(lambda, what a constant has of this mode, what a source at the stages has, its stages).
@@ -38,8 +45,10 @@ def modes() -> list[tuple[complex, complex, ComplexArray, ComplexArray]]:
 
 
 def rows(local: FloatArray) -> FloatArray:
-    """Interpolation from the points to local times (n,) in units of the step."""
-    return np.asarray(np.polynomial.legendre.legvander(2.0 * local - 1.0, STAGES) @ _VALUES)
+    """Interpolation from the points to local times (n,) in units of the step; exact at 0."""
+    out = np.polynomial.legendre.legvander(2.0 * local - 1.0, STAGES) @ _VALUES
+    out[local == 0.0] = np.eye(STAGES + 1)[0]
+    return np.asarray(out)
 
 
 def integral_rows(local: FloatArray) -> FloatArray:
@@ -56,14 +65,9 @@ def roughness(values: NDArray[np.floating]) -> FloatArray:
     return np.asarray(np.abs(_VALUES[-1] @ values))
 
 
-FINE, _WEIGHTS = gauss_legendre(16)
-_ORDER = np.arange(STAGES)
-_TAKEN = np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES - 1) @ (
-    (2.0 * _ORDER + 1.0)[:, None]
-    * (np.polynomial.legendre.legvander(2.0 * FINE - 1.0, STAGES - 1) * _WEIGHTS[:, None]).T
-)
+def projected(values: FloatArray) -> FloatArray:
+    """From values at FINE to those at the points of the polynomial with the same integrals.
 
-
-def projected(values):
-    """At the points, the polynomial of which integrals with those of the rule are right."""
-    return np.tensordot(_TAKEN, np.asarray(values), axes=1)
+    With every polynomial that the stages take: the values need not be smooth in time.
+    """
+    return np.tensordot(_TAKEN, values, axes=1)

@@ -22,7 +22,7 @@ from kinetics.status import PlanStep
 
 DENSITIES = "densities"
 _BEST_DENSITY = 1e-4
-_MOST_HARMONICS = 80
+_MOST_HARMONICS = 40  # seconds, and 200 MB of memory
 _AT_REST = 0.1  # starts slower than this, times rtol and the first time, are at rest
 _MADE_OF = {
     "a2": {"v^4"},
@@ -163,14 +163,14 @@ class FieldScene:
     @property
     def typical_speed(self) -> FloatArray:
         """The root mean square speed in U, (n_times,)."""
-        return np.asarray(self._speed * np.sqrt(self._of["v^2"]))
+        return np.asarray(self._speed * np.sqrt(np.maximum(self._of["v^2"], 0.0)))
 
     @property
     def values(self) -> dict[str, Any]:
         """The arrays of the outputs, in U and d."""
         of, d, speed, path = self._of, self.law.dimension, self._speed, self.path
         velocity, displacement = self._vector(of["v_x"], of["v_y"]), self._vector(of["x"], of["y"])
-        second = of["v^2"]
+        second = np.maximum(of["v^2"], 0.0)  # where nothing is resolved it may be below
         along = (second + (d - 1.0) * of["v^2 cos 2"]) / d
         squares = self._tensor(of["x^2"], of["x y"], of["y^2"])
         with np.errstate(divide="ignore", invalid="ignore"):
