@@ -46,7 +46,7 @@ class VelocityDensity:
     def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
         self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
         self._dimension, self._families = evolution.law.dimension, evolution.equation.families
-        self._flights = LastFlights(evolution.panels, self._dimension, evolution.steps)
+        self._flights = LastFlights(evolution.panels, self._dimension, evolution.made)
         profile = None if isinstance(state, Beam) else state.profile(0)
         self.is_sharp = state.peaks is not None or profile is None
 

@@ -156,7 +156,7 @@ class Elimination:
             block[n:, :n] = chain.from_below(m + 1)
             if m + 1 == highest and powers is None:
                 block[n:, n:] += chain.beyond(highest)
-            elif m + 1 == highest:
+            elif m + 1 == highest and powers is not None:
                 last, before = continuation(highest, powers)
                 block[n:, n:] += last * chain.from_above(highest)
                 block[n:, :n] += before * chain.from_above(highest)

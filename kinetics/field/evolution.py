@@ -41,7 +41,9 @@ class Evolution:
     Attributes
     ----------
     values : `ALL`, shape (n_times, n_averages)
-    steps : beginning, length, and v times what collisions make at the points, of each step
+    steps : their number
+    made : beginning, length, and v times what collisions make at the points, of each step; if the
+        density is asked for
     """
 
     law: CollisionLaw
@@ -51,7 +53,8 @@ class Evolution:
     asked: frozenset[str]
     state: State | None = None
     values: FloatArray = field(init=False)
-    steps: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
+    steps: int = field(init=False, default=0)
+    made: list[tuple[float, float, FloatArray]] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         one, last = self.resolution, max(float(self.times[-1]), 1e-12)
@@ -114,13 +117,14 @@ class Evolution:
             local = (self.times[inside] - now) / h
             found = radau.rows(local) @ averages
             if velocities is not None and local.size:
-                left = [velocities.averages(t) for t in self.times[inside]]
-                found = found + left
+                found = found + [velocities.averages(t) for t in self.times[inside]]
             made = totals + h * (radau.integral_rows(local) @ total[:, grows]) * factor
             self.values[inside] = np.hstack([found, made])
-            collided = stages if early is None else stages + early
-            made = equation.gained(collided[:, : equation.families]) * self.panels.speeds
-            self.steps.append((now, h, made))
+            if self.state is not None:
+                all_of_them = stages if early is None else stages + early
+                made = equation.gained(all_of_them[:, : equation.families]) * self.panels.speeds
+                self.made.append((now, h, made))
+            self.steps += 1
             now, f, totals = now + h, stages[-1], grown[-1]
             if rough * _SMOOTH < allowed:
                 h *= 2.0

@@ -118,29 +118,23 @@ class FieldScene:
     @property
     def plan(self) -> tuple[PlanStep, PlanStep]:
         """What was solved, and how."""
-        one = self.evolution
-        panels, velocities = one.panels, one.start.velocities
-        start = "the harmonics of the start"
+        one, error = self.evolution, self.errors.get(DENSITIES)
+        velocities, start = one.start.velocities, "its harmonics"
         if velocities is not None:
             start = f"{velocities.along.size} velocities, in closed form until they collide"
-        error = self.errors.get(DENSITIES)
+        how = (
+            f"forward equation for {', '.join(self.outputs)}: harmonics 0 to "
+            f"{one.resolution.harmonics}, {one.panels.size} speeds up to {one.panels.highest:.3g} "
+            f"sqrt(g l), {one.steps} steps of time, the start by {start}; a solution with fewer "
+            f"differs by {self.errors['averages']:.1e}"
+        )
+        density = "not asked for"
+        if error is not None:
+            density = "an integral over the last free flight, and what has not collided in closed "
+            density += f"form; the coarser solution differs by {error:.1e} of the maximum"
         return (
-            PlanStep(
-                "averages in a field",
-                True,
-                f"forward equation for {', '.join(self.outputs)}: harmonics 0 to "
-                f"{one.resolution.harmonics}, {panels.size} speeds up to {panels.highest:.3g} "
-                f"sqrt(g l), {len(one.steps)} steps of time, from {start}; a solution with fewer "
-                f"of each differs by {self.errors['averages']:.1e}",
-            ),
-            PlanStep(
-                DENSITIES,
-                error is not None,
-                "not asked for"
-                if error is None
-                else "an integral over the last free flight, and tracers that have not collided "
-                f"in closed form; the coarser solution differs by {error:.1e} of the maximum",
-            ),
+            PlanStep("averages in a field", True, how),
+            PlanStep(DENSITIES, error is not None, density),
         )
 
     @property
@@ -151,7 +145,7 @@ class FieldScene:
             "harmonics": self.evolution.resolution.harmonics,
             "panels": len(panels.counts),
             "nodes": panels.size,
-            "steps": len(self.evolution.steps),
+            "steps": self.evolution.steps,
         }
 
     # -- averages ---------------------------------------------------------------------------------
@@ -169,7 +163,7 @@ class FieldScene:
     def values(self) -> dict[str, Any]:
         """The arrays of the outputs, in U and d."""
         of, d, speed, path = self._of, self.law.dimension, self._speed, self.path
-        velocity, displacement = self._vector(of["v_x"], of["v_y"]), self._vector(of["x"], of["y"])
+        velocity, displacement = self._vector("v_x", "v_y"), self._vector("x", "y")
         second = np.maximum(of["v^2"], 0.0)  # where nothing is resolved it may be below
         along = (second + (d - 1.0) * of["v^2 cos 2"]) / d
         squares = self._tensor(of["x^2"], of["x y"], of["y^2"])
@@ -190,9 +184,11 @@ class FieldScene:
         }
         return {name: found[name] for name in found if name in self.outputs}
 
-    def _vector(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Shape (n_times, d); in space the state is symmetric about x."""
-        return np.stack([x, y] if self.law.dimension == 2 else [x, 0.0 * x, 0.0 * x], axis=-1)
+    def _vector(self, *names: str) -> FloatArray:
+        """Shape (n_times, d); in space the state is symmetric about x, and the others are 0."""
+        out = np.zeros((self.times.size, self.law.dimension))
+        out[:, :2] = np.stack([self._of[name] for name in names], axis=-1)
+        return out
 
     def _tensor(self, xx: FloatArray, xy: FloatArray, yy: FloatArray) -> FloatArray:
         """Shape (n_times, d, d); in space the state is symmetric about x."""

@@ -120,8 +120,8 @@ class FieldState(Result):
         along the field, and is infinite on it.
         """
         v_, phi = speeds(v, zero_allowed=False), finite_line("angle", angle)
-        along, across = np.outer(v_, np.cos(phi)), np.outer(v_, np.sin(phi))
-        along, across = along.ravel(), across.ravel()
+        along = np.outer(v_, np.cos(phi)).ravel()
+        across = np.outer(v_, np.sin(phi)).ravel()
         found = self._steady.density(along, across)
         order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
         seen = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
@@ -295,18 +295,10 @@ def solve_field(
 def _plan(coarse: SteadyState, fine: SteadyState, error: float) -> tuple[PlanStep, ...]:
     """Which harmonics and panels were used, and why."""
     panels, last = fine.panels, coarse.resolution.harmonics
+    turned = f"0 to {fine.resolution.harmonics}; {last} and fewer speeds differ by {error:.1e}"
+    axis = f"{len(panels.counts)} panels up to {panels.highest:.3g} sqrt(g l), the first to "
     return (
-        PlanStep(
-            "angular harmonics",
-            True,
-            f"0 to {fine.resolution.harmonics}; from a solution with {last} of them, and fewer "
-            f"speeds, the error of the averages is {error:.1e}",
-        ),
-        PlanStep(
-            "speeds",
-            True,
-            f"{len(panels.counts)} panels from rest to {panels.highest:.3g} sqrt(g l), the first "
-            f"to {panels.edges[1]:.2g}, {panels.size} nodes",
-        ),
-        PlanStep("dispersion", True, "the linear response to the velocity, on the same panels"),
+        PlanStep("angular harmonics", True, turned),
+        PlanStep("speeds", True, f"{axis}{panels.edges[1]:.2g}, {panels.size} nodes"),
+        PlanStep("dispersion", True, "the linear response to the velocity"),
     )

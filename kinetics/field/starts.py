@@ -130,8 +130,8 @@ class Velocities:
             v = np.hypot(a + t, q)
             safe = np.where(v > 0.0, v, 1.0)
             cosine = np.where(v > 0.0, (a + t) / safe, 1.0)
-            tables = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
-            tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in tables]
+            flat = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
+            tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in flat]
             rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
             left = self.weight[part] * np.exp(-free_way(a, q, t))
             share = {"f": left, "x": left * (a + 0.5 * t) * t, "y": left * q * t}
