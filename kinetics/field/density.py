@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from kinetics.errors import InputError
-from kinetics.field.evolution import Evolution
+from kinetics.field.evolution import ALL, Evolution
 from kinetics.field.flights import LastFlights
 from kinetics.field.starts import Velocities, angular, free_way
 from kinetics.numerics import FloatArray
@@ -102,8 +102,7 @@ class VelocityDensity:
             velocities = Velocities.isotropic(speeds, self._speed, _DIRECTIONS, self._dimension)
         elif velocities is None:  # samples
             velocity = self._speed * np.asarray(self._state.velocity)  # type: ignore[attr-defined]
-            share = np.full(len(velocity), 1.0 / len(velocity))
-            velocities = Velocities(velocity[:, 0], velocity[:, 1], share, False, self._dimension)
+            velocities = Velocities.samples(velocity)
         return np.array([velocities.uncollided(float(t)).sum() for t in times])
 
     def _smooth(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -128,9 +127,8 @@ class VelocityDensity:
 
     def difference(self, other: VelocityDensity) -> float:
         """The largest difference of two solutions relative to the largest density of each time."""
-        worst = 0.0
-        for i, t in enumerate(self._evolution.times):
-            scale = math.hypot(self._evolution.start.usual, min(float(t), 1.0))
+        worst, usual = 0.0, np.sqrt(np.abs(self._evolution.values[:, ALL.index("v^2")]))
+        for i, scale in enumerate(usual):
             v, angle = np.meshgrid(scale * _TRIED_SPEEDS, _TRIED_ANGLES)
             angle[:, ::2] *= 1.0 if self._families == 1 else -1.0
             where = (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel()

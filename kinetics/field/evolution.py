@@ -108,7 +108,7 @@ class Evolution:
                 total = averages + [velocities.averages(t) for t in at]
             grown = totals + h * (radau.integral_rows(radau.POINTS) @ total[:, grows]) * factor
             left = radau.roughness(averages)
-            left = np.append(left, h * left[grows] * factor)
+            left = np.append(left, h * radau.roughness(total)[grows] * factor)
             rough = self._relative(left[None], np.hstack([total, grown])[-1:])
             if rough > allowed and tried < _MOST_STEPS:
                 h *= 0.5

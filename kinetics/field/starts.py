@@ -98,6 +98,12 @@ class Velocities:
         along, across = np.outer(v, cosine), np.outer(v, np.sqrt(1.0 - cosine**2))
         return cls(along.ravel(), across.ravel(), np.outer(w, share).ravel(), True, dimension)
 
+    @classmethod
+    def samples(cls, velocity: FloatArray) -> Velocities:
+        """Velocities (n, 2) in the plane, each with the same share."""
+        share = np.full(len(velocity), 1.0 / len(velocity))
+        return cls(velocity[:, 0], velocity[:, 1], share, False, 2)
+
     def uncollided(self, time: float) -> FloatArray:
         """The share of the tracers that each has, of those that have not collided, (n,)."""
         way = free_way(self.along, self.across, np.full(self.along.size, time))
@@ -174,10 +180,7 @@ class Start:
             straight = math.sin(state.direction) == 0.0
             return cls((speeds,), speed, Velocities(along, across, w, straight, dimension))
         if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
-            velocity = speed * np.asarray(state.velocity)
-            weight = np.full(velocity.shape[0], 1.0 / velocity.shape[0])
-            found = Velocities(velocity[:, 0], velocity[:, 1], weight, False, dimension)
-            return cls((speeds,), speed, found)
+            return cls((speeds,), speed, Velocities.samples(speed * np.asarray(state.velocity)))
         there = state.highest_harmonic
         if there == 0 and v.max() < _SLOW:
             found = Velocities.isotropic(speeds, speed, (harmonics + 1) // 2, dimension)
@@ -198,13 +201,6 @@ class Start:
         if self.velocities is not None:
             return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
         return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
-
-    @property
-    def usual(self) -> float:
-        """The root mean square speed."""
-        if self.measures and self.measures[0] is not None:
-            return self.speed * math.exp(0.5 * self.measures[0].log_second_moment())
-        return 0.0
 
     def projected(self, panels: SpeedPanels, count: int, families: int) -> FloatArray:
         """Sums over the start of harmonics and polynomials, (families, count, size)."""
