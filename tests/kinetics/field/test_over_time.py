@@ -182,7 +182,7 @@ def test_few_velocities_and_many_are_alike() -> None:
 
 def test_a_miss_is_warned_of() -> None:
     with pytest.warns(ToleranceWarning, match="averages"):
-        found = solve(scene([0.5], outputs=("thermal_speed",)), rtol=1e-12)
+        found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
     assert found.status.name == "TOLERANCE_NOT_REACHED"
     assert found.error_estimate > 1e-12
 
