@@ -271,7 +271,7 @@ def solve_field(
             "reach no steady state"
         )
         refuse("restitution", restitution, allowed)
-    (coarse, fine), error = find(law, Resolution.steady(rtol), rtol)
+    (coarse, fine), error = find(law, Resolution.steady(law, rtol), rtol)
     state = FieldState(
         **law.arguments,
         rtol=rtol,
