@@ -335,12 +335,11 @@ class BackwardEquation:
 
     def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
         """y(X) at X = x, any shape."""
-        places = self.locate(x)
-        small, large = self.reduced(observable, places)
-        out = np.empty(places.low.shape)
-        out[places.low] = small * places.early**observable.degree
-        out[~places.low] = large
-        return out.reshape(places.shape)
+        small, large = self.reduced(observable, self.locate(x))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
+            )
 
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""
@@ -355,18 +354,22 @@ class BackwardEquation:
     def reduced(
         self, observable: Observable, places: Places, leading: int = 0
     ) -> tuple[FloatArray, FloatArray]:
-        """y T^-(p + leading) where X is below the panels, (n_low,), and y elsewhere, (n_others,).
+        """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
 
         Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow.
+        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. Both of
+        the shape of the places.
         """
         panels = self._solve(observable)
-        small = np.polynomial.polynomial.polyval(places.early, panels.series[leading:])
-        large = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
+        small = np.full(places.low.shape, np.nan)
+        large = np.full(places.low.shape, np.nan)
+        series = panels.series[leading:]
+        small[places.low] = np.polynomial.polynomial.polyval(places.early, series)
+        value = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
         beyond = places.level > self.count
-        if beyond.any():
-            large[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
-        return small, large
+        value[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
+        large[~places.low] = value
+        return small.reshape(places.shape), large.reshape(places.shape)
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
         """The polynomial in X through the ends of the last panels, at X in panels."""

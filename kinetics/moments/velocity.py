@@ -114,7 +114,7 @@ class Averages:
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
-            fall = self._fall
+            fall = fall_of(self.law, self.degree)
             share = math.exp(-min(fall, _LEAST_SHARE)) if fall > _NOTICED else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
@@ -145,15 +145,11 @@ class Averages:
         late = -log_stretch - math.log(self.law.mean_log_loss)
         return np.minimum(0.5 * self.speeds.log_second_moment(), late)
 
-    @cached_property
-    def _fall(self) -> float:
-        return fall_of(self.law, self.degree)
-
-    @cached_property
+    @property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
         largest = max(abs(self.degree), abs(self.lowest))
-        return panel_width(largest, self._fall)
+        return panel_width(largest, fall_of(self.law, self.degree))
 
     @cached_property
     def equation(self) -> BackwardEquation:
@@ -254,11 +250,9 @@ class Averages:
             reference = self._reference(stretch)
             places = self._places(x + stretch)
             small, large = self.equation.reduced(y, places, leading)
-            # y = T^p m: m where T is small, y where it is not
-            unit = np.where(places.low.reshape(places.shape), x - reference, -(stretch + reference))
-            with np.errstate(under="ignore", over="ignore"):
-                value = np.exp(p * unit) if p else np.ones(places.shape)
-                value[places.low.reshape(places.shape)] *= small
-                value[~places.low.reshape(places.shape)] *= large
-                out[first : first + piece] = value @ w
+            with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+                # y = T^p m: m where T is small, y where it is not
+                early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
+                late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
+            out[first : first + piece] = (early + late) @ w
         return out
