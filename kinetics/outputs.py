@@ -226,7 +226,7 @@ FIELD_OUTPUTS: dict[str, Output] = {
         "velocity_density",
     )
 }
-"""The same for scenes with a field, which `kinetics.in_field` solves."""
+"""The same for scenes with a field, which `kinetics.field` solves."""
 
 # what a row is made of is the same tuple each time
 OUTPUTS: dict[str, Output] = {row.name: row._replace(made_of=cache(row.made_of)) for row in _ROWS}

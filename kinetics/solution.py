@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -46,7 +45,7 @@ from kinetics.validation import (
 )
 
 if TYPE_CHECKING:
-    from kinetics.field.scene_densities import SceneDensities
+    from kinetics.field.scene import FieldScene
 
 _WITH = {
     "uncollided": "speed_density",
@@ -311,13 +310,8 @@ class Solution(Result):
         return displacement_of(self._averages, self.scene.outputs)
 
     @cached_property
-    def _in_field(self) -> SceneDensities:
-        from kinetics.field.scene_densities import SceneDensities
-
-        self._require("speed_density", "velocity_density")
-        scene, path = self.scene, self.scene.mean_free_path
-        units = (math.sqrt(scene.field * path), math.sqrt(path / scene.field))
-        return SceneDensities(scene.law, scene.state, self.times, units, self.rtol)
+    def _in_field(self) -> FieldScene:
+        return field_scene(self.scene, self.rtol)
 
     # -- velocity -----------------------------------------------------------------------------
 
@@ -333,6 +327,7 @@ class Solution(Result):
         long as they have not collided; what the error is relative to is `error_estimate`.
         """
         if self.scene.field:
+            self._require("speed_density", "velocity_density")
             return self._in_field.speed_density(speeds(v))
         return np.asarray(self._speed_profile().continuous(speeds(v)).real)
 
@@ -345,6 +340,7 @@ class Solution(Result):
         field it is the share of those that fall freely with one of a few velocities.
         """
         if self.scene.field:
+            self._require("speed_density", "velocity_density")
             return frozen(self._in_field.uncollided)
         peak = self._speed_profile().peak_weight
         return np.zeros(self.times.shape) if peak is None else frozen(peak.real)
@@ -359,6 +355,7 @@ class Solution(Result):
         """
         x = finite_line("v_x", v_x)
         if self.scene.field:
+            self._require("speed_density", "velocity_density")
             return self._in_field.component_density(x)
         typical, d = np.asarray(self._typical_speed), self.scene.dimension
         return component_densities(self._speed_profile(), np.abs(x), typical, d)
@@ -485,3 +482,11 @@ class Solution(Result):
     def _speed_profile(self) -> Profile:
         self._require("speed_density", "velocity_density")
         return self._profiles[0]
+
+
+def field_scene(scene: Scene, rtol: float) -> FieldScene:
+    """The answer to a scene with a field."""
+    from kinetics.field.scene import FieldScene
+
+    times, path = np.asarray(scene.times), scene.mean_free_path
+    return FieldScene(scene.law, scene.state, scene.field, path, times, scene.outputs, rtol)

@@ -6,25 +6,29 @@ Begin with :func:`solve`. What an output is made of is in `kinetics.outputs`, th
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from kinetics.averaging import SLACK, arrays_of, asked_for, error_of, solved_averages
 from kinetics.densities.harmonic import Profile
 from kinetics.distributions import BEST_DENSITY, displacement_of, profiles_of
+from kinetics.errors import ToleranceWarning
 from kinetics.outputs import DENSITIES, POSITION
 from kinetics.plan import limits, make_plan, make_stats
 from kinetics.position.density import Displacement
 from kinetics.scene import Scene
-from kinetics.solution import Solution
-from kinetics.status import explain, status_of
+from kinetics.solution import Solution, field_scene
+from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import check_rtol, one_of, refuse, whole_number
 
+_DEFAULT, _DEFAULT_IN_FIELD = 1e-10, 1e-6  # rtol
 METHODS = ("spectral", "conservative")
 _FEWEST_NODES, _MOST_NODES = 8, 8192
 
 
 def solve(
-    scene: Scene, rtol: float = 1e-10, method: str | None = None, nodes: int | None = None
+    scene: Scene, rtol: float | None = None, method: str | None = None, nodes: int | None = None
 ) -> Solution:
     """Solve the inelastic Lorentz equation for what the scene asks.
 
@@ -35,7 +39,8 @@ def solve(
         v_rms(0) v_rms(t), v_rms = sqrt(<v^2>), for velocity_autocorrelation), and of the densities
         relative to their maximum, for speeds above 1e-2 of the thermal one; below it
         is the density of ln v that keeps it. 1e-14 to 0.1. The scaled position density G(R) is
-        solved to max(rtol, 1e-8), absolute
+        solved to max(rtol, 1e-8), absolute. By default 1e-10; with a field 1e-6, and densities are
+        solved to max(rtol, 1e-4)
     method : how densities are made: "spectral" (for smooth states), "conservative" (mass and
         positivity exact, second order, for rough ones), or None for the solver's choice. Averages
         need no density, and are the same for either.
@@ -44,6 +49,10 @@ def solve(
     Returns
     -------
     Solution : frozen; arrays with time as the first axis, under the names of the outputs
+
+    Warns
+    -----
+    ToleranceWarning : the status of a scene with a field is not CONVERGED
 
     Raises
     ------
@@ -55,15 +64,15 @@ def solve(
     >>> bool(abs(solution.thermal_speed[0] - 2**0.5) < 1e-10)
     True
     """
-    rtol = check_rtol(rtol)
     if not isinstance(scene, Scene):
         refuse("scene", scene, "it must be a Scene")
+    if rtol is None:
+        rtol = _DEFAULT_IN_FIELD if scene.field else _DEFAULT
+    rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
     if scene.field:
-        from kinetics.in_field import solve_in_field
-
-        return solve_in_field(scene, rtol)
+        return _in_field(scene, rtol)
     averages = solved_averages(scene, rtol)
     values = arrays_of(averages, scene.outputs)
     profiles = profiles_of(scene, rtol, method, nodes)
@@ -85,6 +94,26 @@ def solve(
         nodes=nodes,
     )
     solution.keep(_averages=averages, _profiles=profiles, _displacement=displacement)
+    return solution
+
+
+def _in_field(scene: Scene, rtol: float) -> Solution:
+    """The same for a scene with a field."""
+    found = field_scene(scene, rtol)
+    solution = Solution(
+        scene=scene,
+        rtol=rtol,
+        values=found.values,
+        status=status_of(found.errors, found.allowed),
+        message=explain(found.errors, found.allowed),
+        error_estimate=max(found.errors.values()),
+        plan=found.plan,
+        stats=found.stats,
+        _typical_speed=found.typical_speed,
+    )
+    solution.keep(_in_field=found)
+    if solution.status is not SolverStatus.CONVERGED:
+        warnings.warn(solution.message, ToleranceWarning, stacklevel=3)
     return solution
 
 

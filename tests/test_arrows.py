@@ -41,8 +41,7 @@ ROOMS: dict[str, set[str]] = {
     "plan": {"moments", "densities", "position", "outputs", "status"},
     "distributions": BASE | VELOCITY | QUESTION | {"position"},
     "solution": BASE | VELOCITY | QUESTION | {"position", "field", "distributions"},
-    "in_field": BASE | {"states", "field", "status", "outputs", "scene", "solution"},
-    "solver": BASE | VELOCITY | QUESTION | {"position", "distributions", "solution", "in_field"},
+    "solver": BASE | VELOCITY | QUESTION | {"position", "distributions", "solution"},
 }
 MODULES = {
     path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")

@@ -7,17 +7,13 @@ no parameter but the collision law,
     d_t f + d_z f = v (gain - f),        d_z the derivative by the velocity along the field.
 
 Angular harmonics about the field turn it into a chain in which each harmonic meets its two
-neighbours only. `panels` discretises the speed, `collisions` the gain on it, `ladder` eliminates
-the chain. Then `steady` solves for the steady state and the dispersion about it, with the panels
-and harmonics of `resolution`, `steady_density` makes the density at one velocity of it, and
-`solution` holds the answer of `solve_field`. Over time,
-`backward` takes averages from step to step by the rule of `radau`, and `evolution` averages them
-over an initial state (`starts`), one of few directions through `first_collision`;
-`kinetics.in_field` makes the outputs of a scene of them. `forward` takes a density from step to
-step, `last_flight` makes the density at one velocity of it, `collided_once` is a closed form for
-starts of sharp velocities, `densities` joins these, and `scene_densities` has those of a scene.
+neighbours only. `grid` discretises the speed, `collisions` the gain and loss on it, `elimination`
+solves the chain. `steady` makes the steady state and the dispersion about it of that, and
+`solution` the answer of `solve_field`. Over time, `forward` takes a density from step to step by
+the rule of `radau`, `evolution` follows one initial state (`starts`), and `scene` makes the outputs
+of a scene. `flights` has the density at one velocity. Every error is the difference of two
+solutions, one coarser.
 
 May import `kinetics.numerics`, `kinetics.collision`, `kinetics.states` and the modules that serve
-all rooms. Begin with `steady.py`,
-over time with `evolution.py` and `densities.py`.
+all rooms. Begin with `steady.py`, over time with `evolution.py`.
 """

@@ -1,145 +1,131 @@
-"""The density over time in a field, by its harmonics on speed panels.
+"""The density over time in a field, with its first moments of the place, and averages over it.
 
-f_m obeys the equation of `ladder` forwards. With (-1)^m f_m in place of f_m the field acts as it
-does backwards, and the same continuation beyond the last harmonic is stable. What is found has the
-right averages over smooth functions even if the start is a few velocities; point by point the
-density is what tracers bring along their last free flight, see `last_flight`.
+The harmonics f_m obey the equation of `elimination`. With x f and y f, integrated over the place,
+
+    d_t (x f) = (field + collisions) (x f) + v_x f
+
+and the same for y, all averages of the velocity and the displacement up to second order follow.
+Of a start that is a few velocities, those that have not collided are in closed form (`starts`), and
+the equation is that of the others: what collides first is their source. So all averages over smooth
+functions are right, however rough the density is.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
-from kinetics.field.collisions import gain_matrices, rate_matrix
-from kinetics.field.first_collision import Rays, angular
-from kinetics.field.ladder import Chain, Elimination
-from kinetics.field.panels import SpeedPanels
-from kinetics.field.radau import RadauRule
+from kinetics.field import radau
+from kinetics.field.collisions import loss_matrices
+from kinetics.field.elimination import Chain, Elimination
+from kinetics.field.grid import SpeedPanels
 from kinetics.numerics import FloatArray
-from kinetics.numerics.gauss import gauss_legendre
 
-_RATE = 70.0  # of the quadrature over the impact parameter
-_SOURCE_POINTS = 16  # times of a step at which tracers of a ray collide
-_GONE = 1e-18  # rate of collisions below which a ray is forgotten
+AVERAGES = (
+    *("v_x", "v_y", "v^2", "v^2 cos 2", "v_x v_y", "v^4", "v"),
+    *("v_x x", "v_y y", "v_x y + v_y x"),
+)
 
 
-@dataclass
-class ForwardField:
-    """Takes a density over one step of time after another.
+class ForwardEquation:
+    """Takes the density, and x f and y f, over one step of time after another.
 
     Parameters
     ----------
     law : the collision law
     panels : the speed axis
     highest : M, odd; harmonics 0 ... M
-    families : 1 for a density that is symmetric about the field, else 2: cos(m phi) and sin(m phi)
+    symmetric : whether f is symmetric about the field; else it has two families
+    moving : whether x f and y f are solved
     """
 
-    law: CollisionLaw
-    panels: SpeedPanels
-    highest: int
-    families: int = 1
-    rule: RadauRule = field(default_factory=RadauRule)
+    def __init__(
+        self, law: CollisionLaw, panels: SpeedPanels, highest: int, symmetric: bool, moving: bool
+    ) -> None:
+        self.panels, self.highest = panels, highest
+        self.dimension = d = law.dimension
+        self.families = 1 if symmetric else 2
+        self.fields = [("f", k) for k in range(self.families)]
+        if moving:
+            self.fields += [("x", k) for k in range(self.families)]
+            self.fields += [("y", 1 - k) for k in range(self.families)]
+        self._loss = loss_matrices(panels, law, highest)
+        self._lost = panels.speeds[:, None] * self._loss
+        self._chains = [Chain(panels, d, family) for family in (0, 1)]
+        self._modes = radau.modes()
+        self._factors: tuple[float, list[dict[int, Elimination]]] = (0.0, [])
+        m = np.arange(highest + 1.0)[:, None]
+        if d == 2:
+            norms = law.unit_surface * np.where(m == 0, [[1.0, 1.0]], 0.5)
+        else:
+            norms = law.unit_surface / (2.0 * m + 1.0) * np.hstack([m * 0.0 + 1.0, m * (m + 1.0)])
+            norms[0, 1] = 1.0  # harmonic 0 of the second family is 0
+        self._volume = norms.T[:, :, None] * panels.speeds ** (d - 1.0) * panels.weights
+        self._weights = [self._average(*one) for one in self._observed(1.0 / (d - 1.0))]
 
-    def __post_init__(self) -> None:
-        v, d = self.panels.speeds, self.law.dimension
-        self.gain = gain_matrices(self.panels, self.law, self.highest, _RATE)
-        self._lost = v[:, None] * (rate_matrix(self.panels, d) - self.gain)
-        self._chains = [Chain(self.panels, d, family, True) for family in range(self.families)]
-        self.signs = ((-1.0) ** np.arange(self.highest + 1))[:, None]
-        self._factors: dict[float, list[list[Elimination]]] = {}
-        surface = np.array([_surface(self.law, m) for m in range(self.highest + 1)])
-        self.volume = surface[:, None] * v ** (d - 1.0) * self.panels.weights
-        """Weights of the integral of harmonic m of a function times that of f, (M + 1, size)."""
+    @staticmethod
+    def _observed(half: float) -> list[tuple[tuple[str, int, int, float, float], ...]]:
+        """Field, family, harmonic, power of v and a factor of each part of AVERAGES."""
+        return [
+            (("f", 0, 1, 1.0, 1.0),), (("f", 1, 1, 1.0, 1.0),), (("f", 0, 0, 2.0, 1.0),),
+            (("f", 0, 2, 2.0, 1.0),), (("f", 1, 2, 2.0, 0.5),), (("f", 0, 0, 4.0, 1.0),),
+            (("f", 0, 0, 1.0, 1.0),), (("x", 0, 1, 1.0, 1.0),), (("y", 1, 1, 1.0, half),),
+            (("y", 0, 1, 1.0, 1.0), ("x", 1, 1, 1.0, 1.0)),
+        ]  # fmt: skip
 
-    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
-        """The density (families, M + 1, size) at all points of a step, (stages + 1, *f.shape).
-
-        source : of the density, at the stages; None for none. All times (-1)^m.
-        """
-        if h not in self._factors:
-            self._factors = {h: self._eliminations(h)}
-        out = np.zeros((self.rule.stages + 1, *f.shape))
-        out[0] = f
-        for mode, (value, share, stages) in enumerate(self.rule.modes):
-            right = share / (h * value) * f
-            if source is not None:
-                right = right + np.tensordot(self.rule.source_rows[mode], source, axes=1)
-            for family, chain in enumerate(self._chains):
-                top = chain.highest(self.highest)
-                part = right[family, family : top + 1] * self.panels.speeds
-                found = self._factors[h][family][mode].solve(part)[0]
-                every = (stages[:, None, None] * found).real
-                out[1:, family, family : top + 1] += every
+    def _average(self, *parts: tuple[str, int, int, float, float]) -> FloatArray:
+        """The weights (n_fields, M + 1, size) of an average."""
+        out = np.zeros((len(self.fields), *self._volume.shape[1:]))
+        for name, family, m, power, factor in parts:
+            if (name, family) in self.fields:
+                weight = factor * self._volume[family, m] * self.panels.speeds**power
+                out[self.fields.index((name, family)), m] = weight
         return out
 
-    def _eliminations(self, h: float) -> list[list[Elimination]]:
-        shifts = [1.0 / (h * value) for value, _, _ in self.rule.modes]
-        return [
-            [
-                Elimination(
-                    chain,
-                    self._lost,
-                    None,
-                    sign=-1.0,
-                    shift=shift.real if shift.imag == 0.0 else shift,
-                )
-                for shift in shifts
-            ]
-            for chain in self._chains
-        ]
+    def averages(self, f: FloatArray) -> FloatArray:
+        """AVERAGES of densities (n, n_fields, M + 1, size), shape (n, n_averages)."""
+        return np.stack([np.tensordot(f, weight, axes=3) for weight in self._weights], axis=1)
 
-    def made(self, stages: FloatArray) -> FloatArray:
-        """v times what collisions make at the points of a step, of the shape of ``stages``."""
-        made = np.einsum("mij,sfmj->sfmi", self.gain, stages * self.signs)
-        return np.asarray(made * self.panels.speeds)
+    def density(self, sums: FloatArray) -> FloatArray:
+        """Densities of which these are the sums `Start.projected`, (..., n_fields, M + 1, size)."""
+        family = [family for _, family in self.fields[: sums.shape[-3]]]
+        return np.asarray(sums / self._volume[family])
 
-    def roughness(self, stages: FloatArray) -> float:
-        """What the polynomial in time of a step leaves out of the mass of a panel."""
-        first = [part.start for part in self.panels.parts]
-        masses = np.add.reduceat(stages * self.volume, first, axis=-1)
-        return float(self.rule.roughness(masses).max())
+    def gained(self, f: FloatArray) -> FloatArray:
+        """What densities (..., M + 1, size) gain by collisions per unit time."""
+        return np.asarray(self.panels.speeds * f - np.einsum("mij,...mj->...mi", self._loss, f))
 
-    def first_collided(self, rays: Rays, now: float, h: float) -> FloatArray | None:
-        """The source that tracers of rays are which collide first, at the stages of a step.
+    def step(self, f: FloatArray, h: float, source: FloatArray | None) -> FloatArray:
+        """The densities (n_fields, M + 1, size) at all points of a step, (STAGES + 1, *f.shape).
 
-        Its integral over the step with every polynomial that the rule takes is right. None where
-        no tracer is left.
+        source : at the stages, (STAGES, *f.shape); None for none
         """
-        if np.all(np.exp(-rays.way(np.full(rays.along.size, now))) < _GONE):
-            return None
-        x, w = gauss_legendre(_SOURCE_POINTS)
-        found = np.array([self._collided_at(rays, now + h * local) for local in x])
-        order = np.arange(self.rule.stages)
-        inside = np.polynomial.legendre.legvander(2.0 * x - 1.0, order[-1])
-        at_stages = np.polynomial.legendre.legvander(2.0 * self.rule.points[1:] - 1.0, order[-1])
-        taken = at_stages @ ((2.0 * order + 1.0)[:, None] * (inside * w[:, None]).T)
-        return np.asarray(np.tensordot(taken, found, axes=1))
+        if h != self._factors[0]:
+            self._factors = h, [self._eliminations(1.0 / (h * value)) for value, *_ in self._modes]
+        out = np.zeros((radau.STAGES + 1, *f.shape))
+        out[0] = f
+        by_mode = zip(self._modes, self._factors[1], strict=True)
+        for (value, share, of_source, stages), eliminations in by_mode:
+            right = share / (h * value) * f
+            if source is not None:
+                right = right + np.tensordot(of_source, source, axes=1)
+            found: NDArray[np.complexfloating] = np.zeros(f.shape, dtype=complex)
+            for k, (name, family) in enumerate(self.fields):
+                if name == "x":
+                    moved = self._chains[family].along(found[family])
+                elif name == "y":
+                    moved = self._chains[1 - family].across(found[1 - family])
+                else:
+                    moved = np.zeros(1)
+                elimination = eliminations[family]
+                part = slice(family, elimination.highest + 1)
+                every = (right[k] + moved)[part] * self.panels.speeds
+                found[k, part] = elimination.solve(every)
+            out[1:] += (stages[:, None, None, None] * found).real
+        return out
 
-    def _collided_at(self, rays: Rays, time: float) -> FloatArray:
-        """The density that rays make per unit time by their first collision, times (-1)^m."""
-        q = self.law.quadrature_for(_RATE, self.highest)
-        kept = q.weight * np.array([q.harmonic(m) for m in range(self.highest + 1)])
-        u, across = rays.along + time, rays.across
-        v = np.hypot(u, across)
-        rate = rays.weight * v * np.exp(-rays.way(np.full(v.size, time)))
-        live = rate > _GONE
-        out = np.zeros((self.families, self.highest + 1, self.panels.size))
-        for i in np.nonzero(live)[0]:
-            reached = np.minimum(v[i], self.panels.highest) * np.exp(-q.log_loss)
-            made = rate[i] * (kept @ self.panels.interpolation(reached))
-            one = np.array([u[i] / v[i]]), np.array([across[i] / v[i]])
-            tables = angular(*one, self.highest + 1, self.law.dimension)
-            for family in range(self.families):
-                out[family] += tables[family] * made
-        return out * self.signs / self.volume
-
-
-def _surface(law: CollisionLaw, m: int) -> float:
-    """Integral of the square of harmonic m over all directions."""
-    if m == 0:
-        return law.unit_surface
-    return law.unit_surface / (2.0 if law.dimension == 2 else 2.0 * m + 1.0)
+    def _eliminations(self, shift: complex) -> dict[int, Elimination]:
+        used = {family for _, family in self.fields}
+        real = shift.real if abs(shift.imag) < 1e-12 * abs(shift) else shift
+        return {k: Elimination(self._chains[k], self._lost, None, real) for k in used}

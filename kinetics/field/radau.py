@@ -7,70 +7,67 @@ Solving Ordinary Differential Equations II, sections IV.5 and IV.8.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.numerics.gauss import gauss_legendre
+
+STAGES = 5  # an odd number; the order is 9
+_SERIES = np.array([*[0.0] * (STAGES - 1), -1.0, 1.0])
+POINTS = 0.5 * (np.append(np.sort(np.polynomial.legendre.legroots(_SERIES))[:-1], 1.0) + 1.0)
+POINTS = np.concatenate([[0.0], POINTS])
+"""The points in units of the step: its beginning, then the stages up to its end."""
+_VALUES = np.linalg.inv(np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES))
+
+FINE, _WEIGHTS = gauss_legendre(16)
+_ORDER = np.arange(STAGES)
+_INSIDE = np.polynomial.legendre.legvander(2.0 * FINE - 1.0, STAGES - 1) * _WEIGHTS[:, None]
+_TAKEN = np.polynomial.legendre.legvander(2.0 * POINTS - 1.0, STAGES - 1) @ (
+    (2.0 * _ORDER + 1.0)[:, None] * _INSIDE.T
+)
 
 
-@dataclass(frozen=True)
-class RadauRule:
-    """Radau IIA with an odd number of stages; it has the order 2 stages - 1."""
+def modes() -> list[tuple[complex, complex, ComplexArray, ComplexArray]]:
+    """(lambda, what a constant has of this mode, what a source at the stages has, its stages).
 
-    stages: int = 5
+    One mode is real, of each complex pair there is one, of which the stages are times 2.
+    """
+    x, k = POINTS[1:], np.arange(STAGES)
+    integrals = x[:, None] ** (k + 1.0) / (k + 1.0)
+    values, vectors = np.linalg.eig(integrals @ np.linalg.inv(x[:, None] ** k))
+    inverse = np.linalg.inv(vectors.astype(complex))
+    return [
+        (complex(value), inverse[i].sum(), inverse[i], (1 + (value.imag > 1e-12)) * vectors[:, i])
+        for i, value in enumerate(values)
+        if value.imag > -1e-12
+    ]
 
-    @cached_property
-    def points(self) -> FloatArray:
-        """The points in units of the step: its beginning, then the stages up to its end."""
-        series = np.zeros(self.stages + 1)
-        series[-1], series[-2] = 1.0, -1.0
-        roots = np.sort(np.polynomial.legendre.legroots(series).real)
-        roots[-1] = 1.0
-        return np.concatenate([[0.0], 0.5 * (roots + 1.0)])
 
-    @cached_property
-    def _spectrum(self) -> tuple[ComplexArray, ComplexArray]:
-        """Eigenvalues and eigenvectors of Butcher's matrix."""
-        x, k = self.points[1:], np.arange(self.stages)
-        integrals = x[:, None] ** (k + 1.0) / (k + 1.0)
-        butcher = integrals @ np.linalg.inv(x[:, None] ** k)
-        values, vectors = np.linalg.eig(butcher)
-        return values.astype(complex), vectors.astype(complex)
+def rows(local: FloatArray) -> FloatArray:
+    """Interpolation from the points to local times (n,) in units of the step; exact at 0."""
+    out = np.polynomial.legendre.legvander(2.0 * local - 1.0, STAGES) @ _VALUES
+    out[local == 0.0] = np.eye(STAGES + 1)[0]
+    return np.asarray(out)
 
-    @cached_property
-    def modes(self) -> list[tuple[complex, complex, ComplexArray]]:
-        """(lambda, what a constant has of this mode, its stages times 2 if it stands for a pair).
 
-        One mode is real, of each complex pair there is one.
-        """
-        values, vectors = self._spectrum
-        share = np.linalg.solve(vectors, np.ones(self.stages))
-        found = []
-        for i, value in enumerate(values):
-            if abs(value.imag) < 1e-12:
-                found.append((complex(value.real), share[i], vectors[:, i]))
-            elif value.imag > 0.0:
-                found.append((complex(value), share[i], 2.0 * vectors[:, i]))
-        return found
+def integral_rows(local: FloatArray) -> FloatArray:
+    """Integrals from the beginning of a step to local times (n,), in units of the step."""
+    x = 2.0 * local - 1.0
+    table = np.polynomial.legendre.legvander(x, STAGES + 1)
+    order = np.arange(1, STAGES + 1)
+    rise = (table[:, 2:] - table[:, :-2]) / (2.0 * order + 1.0)
+    return np.asarray(0.5 * np.column_stack([x + 1.0, rise]) @ _VALUES)
 
-    @cached_property
-    def source_rows(self) -> list[ComplexArray]:
-        """What a source at the stages, (stages,), has of each of the modes."""
-        values, vectors = self._spectrum
-        inverse = np.linalg.inv(vectors)
-        return [inverse[int(np.argmin(np.abs(values - value)))] for value, _, _ in self.modes]
 
-    def rows(self, local: FloatArray) -> FloatArray:
-        """Interpolation from the points to local times (n,) in units of the step."""
-        weights = barycentric_weights(4.0 * self.points)
-        return interpolation_rows(local[:, None] - self.points, weights)
+def roughness(values: NDArray[np.floating]) -> FloatArray:
+    """Size of the highest Legendre coefficient over a step, of values (STAGES + 1, n)."""
+    return np.asarray(np.abs(_VALUES[-1] @ values))
 
-    def roughness(self, values: NDArray[Any]) -> FloatArray:
-        """Size of the highest Legendre coefficient over a step, of values (stages + 1, ...)."""
-        table = np.polynomial.legendre.legvander(2.0 * self.points - 1.0, self.stages)
-        return np.asarray(np.abs(np.tensordot(np.linalg.inv(table)[-1], values, axes=1)))
+
+def projected(values: FloatArray) -> FloatArray:
+    """From values at FINE to those at the points of the polynomial with the same integrals.
+
+    With every polynomial that the stages take: the values need not be smooth in time.
+    """
+    return np.tensordot(_TAKEN, values, axes=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_of
-from kinetics.errors import ToleranceWarning, warn_missed
-from kinetics.field.resolution import Resolution
-from kinetics.field.steady import Dispersion, SteadyState, find_dispersion, find_steady_state
-from kinetics.field.steady_density import SteadyDensity
+from kinetics.errors import ToleranceWarning
+from kinetics.field.grid import Resolution
+from kinetics.field.steady import SteadyState, find
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.results import Result, Value, dataset, variable
@@ -31,21 +30,21 @@ from kinetics.validation import (
     whole_number,
 )
 
-_BEST_DIFFUSION = 1e-8
 _HIGHEST_POWER = 20.0
 _BEST_DENSITY, _WORST_DENSITY = 1e-6, 1e-2
+_DENSITY_RATIO = 300.0  # a resolution that is enough for averages leaves more of the density
+_LOOKED_AT = 60  # velocities of which the error of the density is found, and as many again
 _SPEEDS = np.linspace(0.0, 4.0, 161)[1:]
 _ANGLES = np.array([0.0, 0.5, 1.0]) * np.pi
 _FIGURES = {
-    "drift": ("sqrt(g l)", "<v_x>, the percolation velocity", False),
-    "mean_square_speed": ("g l", "<v^2>", False),
-    "mean_square_along": ("g l", "<v_x^2>", False),
-    "mean_speed": ("sqrt(g l)", "<v>", False),
-    "diffusion_parallel": ("sqrt(g l^3)", "half the growth of the variance along the field", True),
-    "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field", True),
+    "drift": ("sqrt(g l)", "<v_x>, the percolation velocity"),
+    "mean_square_speed": ("g l", "<v^2>"),
+    "mean_square_along": ("g l", "<v_x^2>"),
+    "mean_speed": ("sqrt(g l)", "<v>"),
+    "diffusion_parallel": ("sqrt(g l^3)", "half the growth of the variance along the field"),
+    "diffusion_perpendicular": ("sqrt(g l^3)", "the same in one direction across the field"),
 }
-"""Figures -> unit, words, and whether they are solved when they are asked for."""
-_DENSITY_RATIO = 300.0  # harmonics that are enough for averages leave more
+"""Figures -> unit and words."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,9 @@ class FieldState(Result):
     mean_square_speed : <v^2> in g l
     mean_square_along : <v_x^2> in g l
     mean_speed : <v> in sqrt(g l): the number of collisions in a time sqrt(l/g)
-    error_estimate : relative error of drift, mean_square_speed, mean_square_along and mean_speed
+    diffusion_parallel : half the growth rate of the variance along the field, in sqrt(g l^3)
+    diffusion_perpendicular : the same for one direction across the field
+    error_estimate : relative error of these figures
     status : SolverStatus
     message : the status in words: what misses its tolerance, by how much, and what to change
     plan : harmonics and panels that were used, and why
@@ -78,12 +79,14 @@ class FieldState(Result):
     mean_square_speed: float
     mean_square_along: float
     mean_speed: float
+    diffusion_parallel: float
+    diffusion_perpendicular: float
     error_estimate: float
     status: SolverStatus
     message: str
     plan: tuple[PlanStep, ...]
     stats: Mapping[str, Any]
-    _resolution: tuple[float, int] = field(repr=False)
+    _resolution: tuple[int, int, float, float] = field(repr=False)  # of the coarser solution
 
     @cached_property
     def law(self) -> CollisionLaw:
@@ -98,13 +101,13 @@ class FieldState(Result):
         p is real, above -d and up to 20; above -d - 1 where m > 0 and no bounce stops the tracer.
         The error is about ``error_estimate`` for p from 0 to 4 and m up to 2. Raises InputError.
         """
-        m = whole_number("m", m, 0, self._steady.averages.harmonics.shape[0] - 1)
+        m = whole_number("m", m, 0, self._steady.resolution.harmonics)
         lowest = -float(self.dimension)
         if m > 0 and math.isinf(self.law.lowest_power):
             lowest -= 1.0
         allowed = f"for m = {m} it must be above {lowest:g}, and at most {_HIGHEST_POWER:g}"
         p = real_number("p", p, math.nextafter(lowest, 0.0), _HIGHEST_POWER, allowed)
-        return self._steady.averages.moment(p, m)
+        return self._steady.moment(p, m)
 
     def vdf(self, v: ArrayLike, angle: ArrayLike) -> FloatArray:
         """The density of the velocity, shape (n_v, n_angle), in (g l)^(-d/2); its integral is 1.
@@ -117,48 +120,27 @@ class FieldState(Result):
         along the field, and is infinite on it.
         """
         v_, phi = speeds(v, zero_allowed=False), finite_line("angle", angle)
-        along, across = np.outer(v_, np.cos(phi)), np.outer(v_, np.sin(phi))
-        found, unsure = self._density(along.ravel(), across.ravel())
+        along = np.outer(v_, np.cos(phi)).ravel()
+        across = np.outer(v_, np.sin(phi)).ravel()
+        found = self._steady.density(along, across)
+        order = np.argsort(np.abs(across))  # the closest to the ray, and some of all others
+        seen = np.union1d(order[:_LOOKED_AT], order[:: 1 + order.size // _LOOKED_AT])
+        with np.errstate(invalid="ignore"):
+            unsure = np.abs(found[seen] - self._coarse.density(along[seen], across[seen]))
         allowed = min(max(_DENSITY_RATIO * self.rtol, _BEST_DENSITY), _WORST_DENSITY)
-        missed = unsure / float(self._steady.averages.harmonics[0].max())
+        missed = float(np.nanmax(unsure, initial=0.0) / self._steady.harmonics[0].max())
         if missed > allowed:
             text = f"vdf: the error estimate {missed:.1e} exceeds {allowed:.1e}, at low speeds or"
             warnings.warn(f"{text} close to the ray along the field", ToleranceWarning, 2)
-        return found.reshape(along.shape)
-
-    @cached_property
-    def _density(self) -> SteadyDensity:
-        return SteadyDensity(self._steady, self._steady.averages.harmonics)
-
-    # -- dispersion -------------------------------------------------------------------------------
-
-    @property
-    def diffusion_parallel(self) -> float:
-        """Half the growth rate of the variance along the field, in sqrt(g l^3); solved when asked.
-
-        Its error is at most max(rtol, 1e-8), else a ToleranceWarning says so.
-        """
-        self._warn()
-        return self._dispersion.parallel
-
-    @property
-    def diffusion_perpendicular(self) -> float:
-        """The same for one direction across the field."""
-        self._warn()
-        return self._dispersion.perpendicular
-
-    @cached_property
-    def _dispersion(self) -> Dispersion:
-        return find_dispersion(self._steady, max(self.rtol, _BEST_DIFFUSION))
-
-    def _warn(self) -> None:
-        allowed = max(self.rtol, _BEST_DIFFUSION)
-        if self._dispersion.error > allowed:
-            warn_missed("diffusion coefficients", self._dispersion.error, allowed)
+        return found.reshape(v_.size, phi.size)
 
     @cached_property
     def _steady(self) -> SteadyState:
         """Where it was not kept, as in a loaded or pickled state, it is solved again."""
+        return SteadyState(self.law, Resolution(*self._resolution).finer())
+
+    @cached_property
+    def _coarse(self) -> SteadyState:
         return SteadyState(self.law, Resolution(*self._resolution))
 
     # -- one's own units --------------------------------------------------------------------------
@@ -188,14 +170,13 @@ class FieldState(Result):
 
     # -- how it shows itself ----------------------------------------------------------------------
 
-    _points, _on_demand = ("speeds", "angles"), (*_FIGURES, "vdf")
+    _points, _on_demand = ("speeds", "angles"), ("vdf",)
 
     def _dataset(self, only: Collection[str] | None = None, **points: Any) -> Any:
         """Points: speeds in sqrt(g l), angles to the field in radians."""
-        found: dict[str, Any] = {}
-        for name, (units, words, on_demand) in _FIGURES.items():
-            if only is None or name in only or not on_demand:
-                found[name] = variable((), getattr(self, name), units, words)
+        found: dict[str, Any] = {
+            name: variable((), getattr(self, name), *about) for name, about in _FIGURES.items()
+        }
         v = finite_line("speeds", points.get("speeds", _SPEEDS))
         phi = finite_line("angles", points.get("angles", _ANGLES))
         if only is None or "vdf" in only:
@@ -218,8 +199,7 @@ class FieldState(Result):
         )
 
     def _figures(self) -> dict[str, str]:
-        found = {n: f"{getattr(self, n):.12g} {u}" for n, (u, _, on_demand) in _FIGURES.items()
-                 if not on_demand}  # fmt: skip
+        found = {name: f"{getattr(self, name):.12g} {unit}" for name, (unit, _) in _FIGURES.items()}
         return found | {"status": f"{self.status.name.lower()}: {self.message}"}
 
     def __repr__(self) -> str:
@@ -269,7 +249,7 @@ def solve_field(
     restitution : e, 0 <= e < 1; or a :class:`kinetics.CollisionLaw`
     dimension : 2 (disks) or 3 (spheres)
     tangential_restitution : et in [0, 1]; 1 for smooth scatterers
-    rtol : relative accuracy asked of drift, <v^2>, <v_x^2> and <v>, 1e-14 to 0.1
+    rtol : relative accuracy asked of the figures, 1e-14 to 0.1; 1e-12 is the best that there is
 
     Returns
     -------
@@ -291,53 +271,34 @@ def solve_field(
             "reach no steady state"
         )
         refuse("restitution", restitution, allowed)
-    found = find_steady_state(law, rtol)
-    errors = {"speeds": found.speed_error, "angular harmonics": found.harmonic_error}
-    allowed_errors = dict.fromkeys(errors, rtol)
-    resolution = found.resolution
+    (coarse, fine), error = find(law, Resolution.steady(law, rtol), rtol)
     state = FieldState(
         **law.arguments,
         rtol=rtol,
-        **dict(zip(_FIGURES, found.averages.figures.tolist(), strict=False)),
-        error_estimate=found.error,
-        status=status_of(errors, allowed_errors),
-        message=explain(errors, allowed_errors),
-        plan=_plan(found),
-        stats=_stats(found),
-        _resolution=(resolution.speed, resolution.harmonics),
+        **dict(zip(_FIGURES, fine.figures.tolist(), strict=True)),
+        error_estimate=error,
+        status=status_of({"averages": error}, {"averages": rtol}),
+        message=explain({"averages": error}, {"averages": rtol}),
+        plan=_plan(coarse, fine, error),
+        stats={
+            "harmonics": fine.resolution.harmonics,
+            "panels": len(fine.panels.counts),
+            "nodes": fine.panels.size,
+            "highest_speed": fine.panels.highest,
+        },
+        _resolution=astuple(coarse.resolution),
     )
-    state.__dict__["_steady"] = found  # as if it had been asked for
+    state.__dict__["_steady"], state.__dict__["_coarse"] = fine, coarse  # as if asked for
     return state
 
 
-def _plan(found: SteadyState) -> tuple[PlanStep, ...]:
+def _plan(coarse: SteadyState, fine: SteadyState, error: float) -> tuple[PlanStep, ...]:
     """Which harmonics and panels were used, and why."""
-    panels, powers = found.panels, found.powers
-    why = "a bounce may nearly stop a tracer" if powers[0] == 1.0 else "rays through rest"
+    panels, last = fine.panels, coarse.resolution.harmonics
+    turned = f"0 to {fine.resolution.harmonics}; {last} and fewer speeds differ by {error:.1e}"
+    axis = f"{len(panels.counts)} panels up to {panels.highest:.3g} sqrt(g l), the first to "
     return (
-        PlanStep(
-            "angular harmonics",
-            True,
-            f"0 to {found.highest}, continued by m^-{powers[0]:g} and m^-{powers[1]:g} ({why}); "
-            f"another continuation changes the averages by {found.harmonic_error:.1e}",
-        ),
-        PlanStep(
-            "speeds",
-            True,
-            f"{len(panels.counts)} panels from rest to {panels.highest:.3g} sqrt(g l), the first "
-            f"to {panels.edges[1]:.2g} (what it holds is negligible), {panels.size} nodes; "
-            f"exact relations between averages are missed by {found.speed_error:.1e}",
-        ),
-        PlanStep("dispersion", False, "solved when it is asked for"),
+        PlanStep("angular harmonics", True, turned),
+        PlanStep("speeds", True, f"{axis}{panels.edges[1]:.2g}, {panels.size} nodes"),
+        PlanStep("dispersion", True, "the linear response to the velocity"),
     )
-
-
-def _stats(found: SteadyState) -> dict[str, Any]:
-    return {
-        "harmonics": found.highest,
-        "panels": len(found.panels.counts),
-        "nodes": found.panels.size,
-        "highest_speed": found.panels.highest,
-        "speed_error": found.speed_error,
-        "harmonic_error": found.harmonic_error,
-    }

@@ -1,99 +1,235 @@
-"""How averages over a start are taken from averages as functions of the first velocity."""
+"""Initial states in a field: by their harmonics, or as velocities from which tracers fall freely.
+
+Over harmonics, averages converge fast where the start has few of them and is not slow. Rest, beams,
+a few samples and slow isotropic starts are velocities instead: of each what has not collided is in
+closed form, and collisions spread directions.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinetics.field.backward import ALL, IS_EVEN
-from kinetics.field.first_collision import Rays
-from kinetics.field.panels import SpeedPanels
-from kinetics.field.resolution import TimeResolution
+from kinetics.field.grid import SpeedPanels
 from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import gauss_legendre, panels_between
 from kinetics.states.directed import Beam, VelocitySamples
 from kinetics.states.isotropic import Rest
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-_PIECE = 20_000  # points of a state that are interpolated at once
-_SLOW = 1.0  # isotropic starts with a highest speed below this are followed along rays
-_FEW = 64  # so many velocities are followed each
+_PIECE = 1000  # points that are interpolated at once
+_SLOW = 1.0  # sqrt(g l): isotropic starts with a highest speed below this become velocities
+_FEW = 64  # so many samples are followed each
+_STRAIGHT = 1e-15  # components across a velocity that are rounding
+
+
+def free_way(a: FloatArray, q: FloatArray, time: FloatArray) -> FloatArray:
+    """Integral over the time of the speed |(a + time, q)|, without cancellation."""
+    u = a + time
+    first, last = np.hypot(a, q), np.hypot(u, q)
+    is_straight = np.abs(q) <= _STRAIGHT * np.abs(a)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gained = np.where(first + last > 0.0, time * (u + a) / (first + last), 0.0)
+        nearest = np.where(a > 0.0, first + a, q * q / (first - a))
+        turned = q * q * np.log1p((time + gained) / nearest)
+    turned = np.where(is_straight | (q == 0.0), 0.0, turned)
+    straight = np.where(is_straight & (a < 0.0), 0.5 * (u * np.abs(u) - a * np.abs(a)), 0.0)
+    bent = 0.5 * (time * last + a * gained + turned)
+    return np.where(is_straight & (a < 0.0), straight, bent)
+
+
+def angular(
+    cosine: FloatArray, sine: FloatArray, count: int, dimension: int, families: int = 2
+) -> tuple[FloatArray, ...]:
+    """Harmonics m = 0 ... count - 1 at an angle, even and odd across the field, (count, n) each.
+
+    cos(m phi) and sin(m phi) in the plane, P_m(cos) and P_m^1(cos) in space; one family: the even.
+    """
+    zero, one = np.zeros(cosine.size), np.ones(cosine.size)
+    found = []
+    for odd, (first, second) in enumerate(((one, cosine), (zero, sine))[:families]):
+        table = np.empty((count, cosine.size))
+        table[0], table[1] = first, second
+        for m in range(2, count):
+            np.multiply(cosine, table[m - 1], out=table[m])
+            if dimension == 2:
+                table[m] *= 2.0
+                table[m] -= table[m - 2]
+            else:
+                table[m] *= (2 * m - 1) / (m - odd)
+                table[m] -= (m - 1 + odd) / (m - odd) * table[m - 2]
+        found.append(table)
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class Velocities:
+    """Velocities at the start, each with its share of the tracers.
+
+    Parameters
+    ----------
+    along, across : components of the velocity in sqrt(g l), shape (n,)
+    weight : shape (n,), with the sum 1
+    symmetric : whether each stands for all that differ by a turn, or a reflection, about the field
+    dimension : 2 or 3
+    """
+
+    along: FloatArray
+    across: FloatArray
+    weight: FloatArray
+    symmetric: bool
+    dimension: int
+
+    @classmethod
+    def isotropic(
+        cls, speeds: LogMeasure, unit: float, directions: int, dimension: int
+    ) -> Velocities:
+        """All directions alike; U is the unit of the speed."""
+        v, w = unit * np.exp(speeds.x), speeds.weight.real
+        if dimension == 2:
+            cosine = np.cos((np.arange(directions) + 0.5) * (math.pi / directions))
+            share = np.full(directions, 1.0 / directions)
+        else:
+            x, share = gauss_legendre(directions)
+            cosine = 2.0 * x - 1.0
+        along, across = np.outer(v, cosine), np.outer(v, np.sqrt(1.0 - cosine**2))
+        return cls(along.ravel(), across.ravel(), np.outer(w, share).ravel(), True, dimension)
+
+    @classmethod
+    def samples(cls, velocity: FloatArray) -> Velocities:
+        """Velocities (n, 2) in the plane, each with the same share."""
+        share = np.full(len(velocity), 1.0 / len(velocity))
+        return cls(velocity[:, 0], velocity[:, 1], share, False, 2)
+
+    def uncollided(self, time: float) -> FloatArray:
+        """The share of the tracers that each has, of those that have not collided, (n,)."""
+        way = free_way(self.along, self.across, np.full(self.along.size, time))
+        return np.asarray(self.weight * np.exp(-way))
+
+    def averages(self, time: float) -> FloatArray:
+        """What tracers without a collision add to the averages `forward.AVERAGES`."""
+        u, q = self.along + time, self.across
+        x, y = (self.along + 0.5 * time) * time, q * time
+        half, odd = 1.0 / (self.dimension - 1.0), 0.0 if self.symmetric else 1.0
+        square, zero = u * u + q * q, np.zeros(u.size)
+        every = [u, odd * q, square, u * u - half * q * q, odd * u * q, square**2, np.sqrt(square)]
+        every += [u * x, half * q * y, odd * (u * y + q * x)]
+        return np.asarray((np.array(every) + zero) @ self.uncollided(time))
+
+    def projected(
+        self, times: FloatArray, panels: SpeedPanels, count: int, fields: list[tuple[str, int]]
+    ) -> FloatArray:
+        """Sums over tracers without a collision of harmonics and polynomials on the panels.
+
+        fields : name and family of what is summed, as in `forward`: 1, x or y.
+            Shape (n_times, n_fields, count, size)
+        """
+        out = np.zeros((times.size, len(fields), count, panels.size))
+        for part in np.array_split(np.arange(self.along.size), 1 + self.along.size // _PIECE):
+            a, q = np.broadcast_arrays(
+                self.along[part], self.across[part] * np.ones((times.size, 1))
+            )
+            t = np.broadcast_to(times[:, None], a.shape)
+            v = np.hypot(a + t, q)
+            safe = np.where(v > 0.0, v, 1.0)
+            cosine = np.where(v > 0.0, (a + t) / safe, 1.0)
+            flat = angular(cosine.ravel(), (q / safe).ravel(), count, self.dimension)
+            tables = [table.reshape(count, *a.shape).swapaxes(0, 1) for table in flat]
+            rows = panels.interpolation(np.minimum(v, panels.highest).ravel())
+            left = self.weight[part] * np.exp(-free_way(a, q, t))
+            share = {"f": left, "x": left * (a + 0.5 * t) * t, "y": left * q * t}
+            for k, (name, family) in enumerate(fields):
+                weighed = tables[family] * share[name][:, None]
+                out[:, k] += weighed @ rows.reshape(*a.shape, panels.size)
+        return out
 
 
 @dataclass(frozen=True)
 class Start:
-    """An initial state: its harmonics about the field, or rays, along which tracers fall freely.
-
-    Averages converge fast over harmonics where the start has few of them, and is not slow.
+    """An initial state in units of sqrt(g l).
 
     Parameters
     ----------
     measures : weighted points of ln(v/U) of each harmonic, or None
     speed : U in sqrt(g l)
-    rays : if there are any, they are used, and not the harmonics
+    velocities : if there are any, they are used, and not the harmonics
     """
 
     measures: tuple[LogMeasure | None, ...]
     speed: float
-    rays: Rays | None = None
+    velocities: Velocities | None = None
 
     @classmethod
-    def rest(cls) -> Start:
+    def rest(cls, dimension: int) -> Start:
         """All tracers are at rest."""
-        return cls((), 1.0, Rays(np.zeros(1), np.zeros(1), np.ones(1), True))
+        return cls((), 1.0, Velocities(np.zeros(1), np.zeros(1), np.ones(1), True, dimension))
 
     @classmethod
-    def of(
-        cls, state: State, rtol: float, speed: float, resolution: TimeResolution, dimension: int
-    ) -> Start:
+    def of(cls, state: State, rtol: float, speed: float, harmonics: int, dimension: int) -> Start:
         """With harmonics up to the highest that is solved, and averages of v^0 to v^4."""
         if isinstance(state, Rest):
-            return cls.rest()
-        harmonics = resolution.harmonics
+            return cls.rest(dimension)
         speeds = state.harmonic(0, rtol, 0.0, 4.0)
-        if speeds is None:
-            raise ValueError("an initial state without a density of the speed")
+        assert speeds is not None  # every state has its speeds
+        v, w = speed * np.exp(speeds.x), speeds.weight.real
         if isinstance(state, Beam):
-            rays = Rays.beam(speeds, speed, state.direction, 2 * resolution.nodes)
-            return cls((speeds,), speed, rays)
+            along, across = v * math.cos(state.direction), v * math.sin(state.direction)
+            straight = math.sin(state.direction) == 0.0
+            return cls((speeds,), speed, Velocities(along, across, w, straight, dimension))
         if isinstance(state, VelocitySamples) and np.shape(state.velocity)[0] <= _FEW:
-            velocity = speed * np.asarray(state.velocity)
-            weight = np.full(velocity.shape[0], 1.0 / velocity.shape[0])
-            return cls((speeds,), speed, Rays(velocity[:, 0], velocity[:, 1], weight, False))
+            return cls((speeds,), speed, Velocities.samples(speed * np.asarray(state.velocity)))
         there = state.highest_harmonic
+        if there == 0 and v.max() < _SLOW:
+            found = Velocities.isotropic(speeds, speed, (harmonics + 1) // 2, dimension)
+            return cls((speeds,), speed, found)
         last = harmonics if there is None else min(there, harmonics)
-        if there == 0 and speed * float(np.exp(speeds.x.max())) < _SLOW:
-            points, directions = max(3, resolution.nodes // 2), (harmonics + 1) // 2
-            rays = Rays.isotropic(speeds, speed, points, directions, dimension)
-            return cls((speeds,), speed, rays)
-        found = tuple(state.harmonic(m, rtol, 0.0, 4.0) for m in range(last + 1))
-        return cls(found, speed)
+        return cls(tuple(state.harmonic(m, rtol, 0.0, 4.0) for m in range(last + 1)), speed)
 
     @property
     def is_symmetric(self) -> bool:
         """Whether the state is symmetric about the field."""
-        if self.rays is not None:
-            return self.rays.symmetric
+        if self.velocities is not None:
+            return self.velocities.symmetric
         return not any(np.any(np.imag(m.weight)) for m in self.measures if m)
 
     @property
     def highest(self) -> float:
         """The largest speed at the start."""
-        if self.rays is not None:
-            return float(np.max(np.hypot(self.rays.along, self.rays.across)))
-        return max((self.speed * float(np.exp(m.x.max())) for m in self.measures if m), default=0.0)
+        if self.velocities is not None:
+            return float(np.max(np.hypot(self.velocities.along, self.velocities.across)))
+        return max(self.speed * float(np.exp(m.x.max())) for m in self.measures if m)
 
-    def functional(self, panels: SpeedPanels, harmonics: int) -> FloatArray:
-        """Weights (M + 1, size, n_observables) of the average over harmonics of the averages."""
-        out = np.zeros((harmonics + 1, panels.size, len(ALL)))
-        for m, measure in enumerate(self.measures[: harmonics + 1]):
+    def projected(self, panels: SpeedPanels, count: int, families: int) -> FloatArray:
+        """Sums over the start of harmonics and polynomials, (families, count, size)."""
+        out = np.zeros((families, count, panels.size))
+        for m, measure in enumerate(self.measures[:count]):
             if measure is None:
                 continue
-            for first in range(0, measure.x.size, _PIECE):
-                x = measure.x[first : first + _PIECE]
-                w = measure.weight[first : first + _PIECE]
-                found = w @ panels.interpolation(self.speed * np.exp(x))
+            for part in np.array_split(np.arange(measure.x.size), max(1, measure.x.size // _PIECE)):
+                rows = panels.interpolation(self.speed * np.exp(measure.x[part]))
+                found = measure.weight[part] @ rows
                 # the weights have the factor exp(-i m phi)
-                out[m] += np.where(IS_EVEN, found.real[:, None], -found.imag[:, None])
+                out[:, m] += np.array([found.real, -found.imag])[:families]
         return out
+
+    def smooth(
+        self, state: State, panels: SpeedPanels, sums: FloatArray, rtol: float
+    ) -> FloatArray:
+        """The same, right point by point as well; ``sums`` where averages then miss rtol."""
+        out = np.zeros(sums.shape)
+        edges = np.union1d(panels.edges, self.speed * np.asarray(state.kinks))
+        v, w = panels_between(edges[edges <= panels.highest], max(panels.counts) + 2)
+        rows = panels.interpolation(v)
+        for m, measure in enumerate(self.measures[: sums.shape[1]]):
+            profile = state.profile(m)
+            if measure is not None and profile is None:
+                return sums
+            if measure is not None and profile is not None:
+                found = (w / self.speed * profile(v / self.speed)) @ rows
+                out[:, m] = np.array([found.real, -found.imag])[: len(out)]
+        powers = panels.speeds[:, None] ** np.array([0.0, 2.0, 4.0])
+        agrees = np.allclose(out[0, 0] @ powers, sums[0, 0] @ powers, rtol=rtol)
+        return out if agrees else sums

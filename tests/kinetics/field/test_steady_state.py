@@ -11,8 +11,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from kinetics import CollisionLaw, FieldState, InputError, ToleranceWarning, load, solve_field
-from kinetics.field import steady
-from kinetics.field.averages import SteadyAverages
 from kinetics.numerics.gauss import panels_between
 
 FIGURES = ("drift", "mean_square_speed", "mean_square_along", "mean_speed")
@@ -42,6 +40,9 @@ LAWS: list[dict[str, Any]] = [
     {"restitution": 0.5, "tangential_restitution": 0.8},
     {"restitution": 0.9, "tangential_restitution": 0.2, "dimension": 3},
     {"restitution": 0.7, "tangential_restitution": 0.7},
+    # each bounce leaves the panel of the speed
+    {"restitution": 0.4, "tangential_restitution": 0.4},
+    {"restitution": 0.0, "tangential_restitution": 0.5},
 ]
 SLOW = [LAWS[k] for k in (1, 2, 3, 5, 6, 8)]
 
@@ -81,7 +82,8 @@ def test_exact_relations(arguments: dict[str, Any]) -> None:
     assert 2 * state.drift == pytest.approx(law.decay_rate(2.0) * moment(3), rel=tight)
     assert moment(4) == pytest.approx(3 * moment(2, 1) / law.decay_rate(3.0), rel=tight)
     assert moment(0, 1) == pytest.approx(law.decay_rate(1.0) * moment(2), rel=tight)
-    assert moment(-1, 1) == pytest.approx(law.mean_log_loss * moment(1), rel=tight)
+    if math.isinf(law.lowest_power):
+        assert moment(-1, 1) == pytest.approx(law.mean_log_loss * moment(1), rel=tight)
     if math.isinf(law.lowest_power) and law.largest_loss < 3.0:
         assert moment(-2, 1) == pytest.approx(-law.decay_rate(-1.0), rel=tight)
 
@@ -164,7 +166,6 @@ def test_what_is_not_reached_is_said() -> None:
     state = solve_field(0.95, rtol=1e-14)
     assert state.status.name == "TOLERANCE_NOT_REACHED"
     assert 1e-14 < state.error_estimate < 1e-11
-    assert "speeds" in state.message
     assert "raise rtol" in state.message
 
 
@@ -208,7 +209,7 @@ def test_density_on_the_ray_along_the_field() -> None:
     z, w = panels_between(np.array([-5.0, -2.0, -0.5, 0.0, 0.3, 1.0]), 6)
     before = np.abs(z)[:, None] / ratio
     along, across = before * np.cos(angle) * np.sign(z)[:, None], before * np.sin(angle)
-    f = state._density(along.ravel(), across.ravel())[0].reshape(before.shape)
+    f = state._steady.density(along.ravel(), across.ravel()).reshape(before.shape)
     gain = np.abs(z) * (f @ (q.weight * ratio**-3))
     expected = (w * gain) @ np.exp(-0.5 * (1.0 - z * np.abs(z)))
     assert state.vdf([1.0], [0.0])[0, 0] == pytest.approx(expected, abs=3e-7)
@@ -219,7 +220,7 @@ def test_density_where_bounces_stop_a_tracer() -> None:
     state = solve_field(0.0, rtol=1e-8)
     assert np.all(np.isinf(state.vdf([0.5, 1.0], [0.0])))
     with pytest.warns(ToleranceWarning, match="vdf"):
-        close = state.vdf([1.0], [1e-6, 1e-4, 1e-2])[0]
+        close = state.vdf([1.0], [1e-3, 1e-2, 1e-1])[0]
     assert np.all(np.diff(close) < 0.0)
     with pytest.warns(ToleranceWarning, match="vdf"):
         assert state.plot("vdf", ax=Figure().subplots()).lines
@@ -229,9 +230,9 @@ def test_density_where_bounces_stop_a_tracer() -> None:
 
 def test_tail_is_gaussian() -> None:
     """f_0 ~ v^(L - 1) exp(-v^2/2) with L = .377 at e = .7: from f_0 at high speeds."""
-    averages = solve_field(0.7)._steady.averages
     v = np.array([5.0, 5.5, 6.0])
-    f = averages.panels.interpolation(v) @ averages.harmonics[0]
+    angle, w = panels_between(np.array([0.0, 0.2, 0.6, math.pi]), 12)
+    f = solve_field(0.7).vdf(v, angle) @ w
     power = np.diff(np.log(f * np.exp(v * v / 2))) / np.diff(np.log(v))
     assert power == pytest.approx(np.full(2, 0.377 - 1.0), abs=0.15)
 
@@ -287,27 +288,9 @@ def test_a_state_is_a_value(tmp_path: Path) -> None:
     assert again == state == pickle.loads(pickle.dumps(state))
     assert hash(again) == hash(state)
     assert again.diffusion_parallel == coefficient
-    assert isinstance(again._steady.averages, SteadyAverages)
-    assert not again._steady.averages.harmonics.flags.writeable
+    assert again.moment(0.5, 1) == state.moment(0.5, 1)
     assert len(repr(state).splitlines()) <= 10
     assert "drift" in state._repr_html_()
     parts = [step.part for step in state.plan]
     assert parts == ["angular harmonics", "speeds", "dispersion"]
     assert state.stats["nodes"] > 0
-
-
-@pytest.mark.parametrize("size", [1e-3, 1.0, 30.0, 3e3])
-def test_the_search_for_the_harmonics_skips_those_that_are_too_few(
-    monkeypatch: pytest.MonkeyPatch, size: float
-) -> None:
-    asked = []
-
-    def miss(law: CollisionLaw, highest: int, coarse: float) -> float:
-        asked.append(highest)
-        return size * highest**-7.0
-
-    monkeypatch.setattr(steady, "_harmonics_miss", miss)
-    found = steady._harmonics_for(CollisionLaw(0.0), 1e-10)
-    enough = [m for m in steady._TRIED if m >= 23 and size * m**-7.0 <= 1e-10]
-    assert found == next(iter(enough), steady._TRIED[-1])
-    assert len(asked) <= 2

@@ -1,0 +1,137 @@
+"""Densities of the velocity over time in a field, for one initial state.
+
+f is the sum of the tracers that have not collided, in closed form, and of an integral over the last
+free flight of all others. Starts of sharp velocities leave out the first: their uncollided tracers
+have the velocities v0 + g t, and a share that is given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from kinetics.errors import InputError
+from kinetics.field.evolution import ALL, Evolution
+from kinetics.field.flights import LastFlights
+from kinetics.field.starts import Velocities, angular, free_way
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import panels_between
+from kinetics.states.directed import Beam
+from kinetics.states.state import State
+
+_Density = Callable[[FloatArray, FloatArray], FloatArray]
+_ANGLES = np.array([0.0, 0.05, 0.25, 0.8, 1.8, math.pi])  # intervals for the mean over directions
+_CLOSE = np.concatenate([[0.0], math.pi * 0.5 ** np.arange(8.0, -1.0, -1.0)])
+_ACROSS = np.concatenate([[0.0], 2.0 ** np.arange(-6.0, 1.0)])  # of the highest speed
+_POINTS = 6  # in an interval of these
+_DIRECTIONS = 64  # of a start of one speed
+# velocities at which two solutions are compared, in units of the usual speed
+_TRIED_SPEEDS = np.array([0.1, 0.3, 0.6, 0.9, 1.2, 1.6, 2.0])
+_TRIED_ANGLES = np.array([0.05, 0.5, 1.3, 2.2, 3.0])
+
+
+class VelocityDensity:
+    """The densities of one start at given times, in units of sqrt(g l) and sqrt(l/g).
+
+    Parameters
+    ----------
+    evolution : one start over time
+    state : that start
+    unit : sqrt(g l) in U
+    """
+
+    def __init__(self, evolution: Evolution, state: State, unit: float) -> None:
+        self._evolution, self._state, self._speed = evolution, state, 1.0 / unit
+        self._dimension, self._families = evolution.law.dimension, evolution.equation.families
+        self._flights = LastFlights(evolution.panels, self._dimension, evolution.made)
+        profile = None if isinstance(state, Beam) else state.profile(0)
+        self.is_sharp = state.peaks is not None or profile is None
+
+    def at(self, i: int, along: FloatArray, across: FloatArray) -> FloatArray:
+        """f at the i-th time and velocities (n,), in sqrt(g l); without sharp velocities."""
+        time = float(self._evolution.times[i])
+        if self._families == 1:  # each velocity once
+            across = np.abs(across)
+        return self._flights.density(time, along, across) + self._smooth(time, along, across)
+
+    def by_speed(self, i: int, v: FloatArray) -> FloatArray:
+        """The density of the speed at the i-th time and speeds (n,)."""
+        d, time = self._dimension, float(self._evolution.times[i])
+        out = np.zeros(v.shape)
+        for edges, one in ((_ANGLES, self._flights.density), (_CLOSE, self._smooth)):
+            angle, w = panels_between(edges, _POINTS)
+            share = 2.0 * w if d == 2 else 2.0 * math.pi * w * np.sin(angle)
+            velocity = np.outer(v, np.cos(angle)), np.outer(v, np.sin(angle))
+            out += self._both(partial(one, time), *velocity) @ share
+        return np.asarray(out * v ** (d - 1))
+
+    def by_component(self, i: int, along: FloatArray) -> FloatArray:
+        """The density of the velocity along the field at the i-th time.
+
+        Raises InputError for sharp starts: what has collided once is not smooth.
+        """
+        if self.is_sharp or self._evolution.start.velocities is not None:
+            raise InputError(
+                "velocity_component_density: in a field it is available for smooth starts that "
+                "are not slow against sqrt(field x mean free path)"
+            )
+        across, w = panels_between(self._evolution.panels.highest * _ACROSS, _POINTS)
+        share = 2.0 * w if self._dimension == 2 else 2.0 * math.pi * across * w
+        velocity = np.meshgrid(along, across, indexing="ij")
+        return np.asarray(self._both(partial(self.at, i), *velocity) @ share)
+
+    def _both(self, density: _Density, along: FloatArray, across: FloatArray) -> FloatArray:
+        """The mean of both sides of the field, of the shape of the components."""
+        sides = (1.0, -1.0)[: self._families]
+        found = [density(along.ravel(), side * across.ravel()) for side in sides]
+        return np.reshape(np.mean(found, axis=0), along.shape)
+
+    @property
+    def uncollided(self) -> FloatArray:
+        """Share of the tracers that keep a sharp velocity, (n_times,); 0 for smooth starts."""
+        start, times = self._evolution.start, self._evolution.times
+        velocities = start.velocities
+        if not self.is_sharp:
+            return np.zeros(times.shape)
+        if velocities is None and self._state.highest_harmonic == 0:
+            speeds = start.measures[0]
+            assert speeds is not None
+            velocities = Velocities.isotropic(speeds, self._speed, _DIRECTIONS, self._dimension)
+        elif velocities is None:  # samples
+            velocity = self._speed * np.asarray(self._state.velocity)  # type: ignore[attr-defined]
+            velocities = Velocities.samples(velocity)
+        return np.array([velocities.uncollided(float(t)).sum() for t in times])
+
+    def _smooth(self, time: float, along: FloatArray, across: FloatArray) -> FloatArray:
+        """The density of tracers of smooth starts without a collision, (n,)."""
+        out = np.zeros(along.shape)
+        if self.is_sharp:
+            return out
+        u, d = along - time, self._dimension
+        v = np.maximum(np.hypot(u, across), 1e-12 * self._speed)
+        there, top = self._state.highest_harmonic, self._evolution.resolution.harmonics
+        last = top if there is None else min(there, top)
+        even, odd = angular(u / v, across / v, max(last, 1) + 1, d)
+        for m in range(last + 1):
+            profile = self._state.profile(m)
+            if profile is not None:
+                share = (1.0 if m == 0 else 2.0) if d == 2 else 2.0 * m + 1.0
+                value = share * np.asarray(profile(v / self._speed)) / self._speed
+                # the harmonics have the factor exp(-i m phi)
+                out += np.real(value) * even[m] - np.imag(value) * odd[m]
+        out /= self._evolution.law.unit_surface * v ** (d - 1)
+        return out * np.exp(-free_way(u, across, np.full(u.shape, time)))
+
+    def difference(self, other: VelocityDensity) -> float:
+        """The largest difference of two solutions relative to the largest density of each time."""
+        worst, usual = 0.0, np.sqrt(np.abs(self._evolution.values[:, ALL.index("v^2")]))
+        for i, scale in enumerate(usual):
+            v, angle = np.meshgrid(scale * _TRIED_SPEEDS, _TRIED_ANGLES)
+            angle[:, ::2] *= 1.0 if self._families == 1 else -1.0
+            where = (v * np.cos(angle)).ravel(), (v * np.sin(angle)).ravel()
+            one, two = self.at(i, *where), other.at(i, *where)
+            worst = max(worst, float(np.max(np.abs(one - two)) / max(np.abs(one).max(), 1e-300)))
+        return worst if math.isfinite(worst) else math.inf

@@ -1,0 +1,217 @@
+"""The speed axis: Gauss-Legendre nodes on panels of any length, joined by one-sided values.
+
+Functions are polynomials on each panel, and need not be continuous from one to the next. The field
+makes a derivative of even harmonics act on odd ones, and the reverse. As tracers gain and lose
+speed, each panel needs values from both neighbours: the derivative of an even harmonic takes the
+value at the upper end of a panel from the panel above, that of an odd harmonic the value at the
+lower end from the panel below. Polynomials alone are regular at rest, where nothing is imposed.
+
+Integrals by parts with the volume v^(d-1) dv hold exactly for the sums over the nodes. Without
+collisions the integral of the square of a function is then conserved, as it is for tracers that
+fall freely, and no error grows over time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinetics.collision import CollisionLaw
+from kinetics.numerics import FloatArray
+from kinetics.numerics.chebyshev import barycentric_weights, interpolation_rows
+from kinetics.numerics.gauss import gauss_legendre
+
+_RATIO = 3.0  # of the ends of a panel, over time
+_LOSSY = 0.5  # -ln s of bounces that lose much: directions then need more harmonics
+_FEWEST = 6  # nodes of a panel: v^4 (1 - v t) is a polynomial on it
+
+
+def highest_speed(law: CollisionLaw, accuracy: float) -> float:
+    """The speed above which f is negligible in the steady state, in sqrt(g l).
+
+    Nearly elastic tracers have f = exp(-a v^4) with a = d kappa lambda_1(0)/4, up to the speed
+    where the free fall exp(-v^2/2) is slower.
+    """
+    loss = float(law.harmonic_decay_rate(0.0, 1))
+    a = 0.25 * law.dimension * law.mean_log_loss * loss
+    fall = math.log(1.0 / accuracy) + 11.0
+    if 16.0 * a * fall < 1.0:
+        return (fall / a) ** 0.25
+    return math.sqrt(2.0 * fall + 0.25 / a)
+
+
+def reached_speed(law: CollisionLaw, time: float, accuracy: float) -> float:
+    """A speed that tracers from rest do not reach in this time, in sqrt(g l).
+
+    A free fall may be sqrt(2 x 30) long. Nearly elastic tracers reach more: f falls as
+    exp(-a v^3/t), a = 8/27 for disks (and 1/3 for spheres), up to the speeds of the steady state.
+    """
+    fall = math.log(1.0 / accuracy) + 6.0
+    growing = (27.0 / 8.0 * fall * time) ** (1.0 / 3.0)
+    if not law.is_elastic:
+        growing = min(growing, highest_speed(law, accuracy))
+    return max(math.sqrt(2.0 * fall), growing)
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely the velocity, and the time, are resolved.
+
+    Parameters
+    ----------
+    nodes : of a panel of speeds
+    harmonics : M, odd; harmonics 0 ... M are solved
+    lowest : the first panel is about so long
+    rtol : what speeds above the highest, and a step of time, may miss
+    """
+
+    nodes: int
+    harmonics: int
+    lowest: float
+    rtol: float
+
+    @classmethod
+    def steady(cls, law: CollisionLaw, rtol: float) -> Resolution:
+        """A first one for the steady state, which most laws need not refine."""
+        digits = -math.log10(max(rtol, 1e-12))
+        few = 5.0 if law.largest_loss < _LOSSY else 7.0
+        harmonics = 2 * round(few * 10.0 ** (0.1 * digits - 0.6)) + 1
+        nodes = math.ceil(4.4 + 0.85 * digits)
+        return cls(max(nodes, 6), max(harmonics, 7), 0.6 * 10.0 ** (-digits / 6.0), 10.0**-digits)
+
+    @classmethod
+    def over_time(cls, rtol: float) -> Resolution:
+        """A first one for averages and densities over time."""
+        digits = -math.log10(max(rtol, 1e-7))  # more takes a minute
+        harmonics = 2 * math.ceil(max(digits, 4.0)) - 1
+        nodes = math.ceil(1.3 * digits + 1.5)
+        return cls(max(nodes, 6), harmonics, 0.6 * 10.0 ** (-digits / 6.0), 2.0 * 10.0**-digits)
+
+    def finer(self) -> Resolution:
+        """With half as many harmonics again, some more nodes and shorter steps."""
+        harmonics = self.harmonics + 2 * math.ceil(self.harmonics / 4)
+        return Resolution(self.nodes + 2, harmonics, 0.7 * self.lowest, 0.2 * self.rtol)
+
+
+@dataclass(frozen=True)
+class SpeedPanels:
+    """Panels from rest to the largest speed.
+
+    Parameters
+    ----------
+    edges : ends of the panels, rising from 0, n_panels + 1 of them
+    counts : nodes of each panel, n_panels of them
+    """
+
+    edges: tuple[float, ...]
+    counts: tuple[int, ...]
+
+    @classmethod
+    def rising(cls, highest: float, lowest: float, nodes: int, tail: bool = False) -> SpeedPanels:
+        """Panels up to a speed, the first one to about ``lowest``.
+
+        Above the speed 1 each has ``nodes`` nodes, and fewer below, where averages vary less.
+        tail : whether the last one is cut in two, so that the density is resolved that falls there
+        """
+        count = max(1, math.ceil(math.log(highest / lowest) / math.log(_RATIO)))
+        edges = [highest * _RATIO ** (j - count) for j in range(count + 1)]
+        fewest = max(_FEWEST, nodes // 2)
+        rising = max(1, math.ceil(-math.log(lowest) / math.log(_RATIO)))
+        share = np.minimum(1.0, np.arange(1, count + 1) / rising)
+        counts = np.ceil(fewest + (nodes - fewest) * share).astype(int)
+        if tail:
+            edges.insert(-1, 0.5 * (edges[-2] + highest))
+            counts = np.append(counts, nodes)
+        return cls((0.0, *edges), (fewest, *counts.tolist()))
+
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Where the nodes of each panel are."""
+        ends = np.cumsum([0, *self.counts]).tolist()
+        return [slice(a, b) for a, b in pairwise(ends)]
+
+    @property
+    def size(self) -> int:
+        """The number of nodes."""
+        return sum(self.counts)
+
+    @property
+    def highest(self) -> float:
+        """The largest speed."""
+        return self.edges[-1]
+
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """The nodes, shape (size,)."""
+        panels = zip(self.edges[:-1], self.edges[1:], self.counts, strict=True)
+        return np.concatenate([a + (b - a) * gauss_legendre(n)[0] for a, b, n in panels])
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Of the integral over the speed, shape (size,)."""
+        panels = zip(self.edges[:-1], self.edges[1:], self.counts, strict=True)
+        return np.concatenate([(b - a) * gauss_legendre(n)[1] for a, b, n in panels])
+
+    def panel_of(self, v: FloatArray) -> NDArray[np.intp]:
+        """The panel in which each speed lies; the last one above all, shape of v."""
+        return np.clip(np.searchsorted(self.edges, v, side="left") - 1, 0, len(self.counts) - 1)
+
+    def rows(self, panel: int, difference: FloatArray) -> FloatArray:
+        """Interpolation in a panel: ``difference`` is the speed less each node, (n, nodes)."""
+        return interpolation_rows(difference, self._barycentric[panel])
+
+    @cached_property
+    def _barycentric(self) -> list[FloatArray]:
+        # in a variable that runs over 4 the weights are of the order of 1
+        return [barycentric_weights(4.0 * gauss_legendre(n)[0]) for n in self.counts]
+
+    def derivative(self, panel: int) -> FloatArray:
+        """d/dv of polynomials at the nodes of a panel, shape (nodes, nodes)."""
+        nodes, weights = self.speeds[self.parts[panel]], self._barycentric[panel]
+        difference = nodes[:, None] - nodes
+        np.fill_diagonal(difference, 1.0)
+        matrix = weights / weights[:, None] / difference
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return np.asarray(matrix)
+
+    def interpolation(self, v: FloatArray) -> FloatArray:
+        """Rows that take values at the nodes to those at speeds v (n,): shape (n, size)."""
+        out = np.zeros((v.size, self.size))
+        panel = self.panel_of(v)
+        for p in np.unique(panel):
+            at, part = np.nonzero(panel == p)[0], self.parts[p]
+            out[at, part] = self.rows(p, v[at, None] - self.speeds[part])
+        return out
+
+    def slopes(self, even: bool, dimension: int) -> FloatArray:
+        """v d/dv of an even or an odd harmonic at the nodes, shape (size, size).
+
+        Even harmonics are 0 at the highest speed; on odd ones nothing is imposed there.
+        Source: the strong form of the discontinuous Galerkin method; Hesthaven and Warburton,
+        Nodal Discontinuous Galerkin Methods, section 3.2.
+        """
+        out = np.zeros((self.size, self.size))
+        last = len(self.counts) - 1
+        for p, part in enumerate(self.parts):
+            nodes = self.speeds[part]
+            out[part, part] = self.derivative(p)
+            for neighbour, end, sign in (
+                (p + 1, self.edges[p + 1], 1.0),
+                (p - 1, self.edges[p], -1.0),
+            ):
+                if end == 0.0 or not (even == (sign > 0.0) or (p == last and neighbour > last)):
+                    continue
+                own = self.rows(p, (end - nodes)[None])[0]
+                jump = sign * own * (end / nodes) ** (dimension - 1) / self.weights[part]
+                out[part, part] -= np.outer(jump, own)
+                if neighbour <= last:
+                    other = self.parts[neighbour]
+                    row = self.rows(neighbour, (end - self.speeds[other])[None])
+                    out[part, other] += np.outer(jump, row)
+        return np.asarray(self.speeds[:, None] * out)

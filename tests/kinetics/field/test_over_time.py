@@ -1,0 +1,280 @@
+"""Averages over time in a field: from rest, towards the steady state, and as the field vanishes."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from marking import slow_but
+
+from kinetics import (
+    Beam,
+    CollisionLaw,
+    InputError,
+    Scene,
+    ToleranceWarning,
+    VelocitySamples,
+    load,
+    solve,
+    solve_field,
+)
+from kinetics.field import radau
+from kinetics.field.collisions import loss_matrices
+from kinetics.field.elimination import Chain
+from kinetics.field.grid import SpeedPanels
+from kinetics.field.starts import free_way
+from kinetics.numerics.gauss import gauss_legendre
+
+PATH = 12.5  # l at number_density 0.04
+MANY = VelocitySamples(np.random.default_rng(1).normal(size=(100, 2)) * 0.004 + [0.06, 0.18])
+OUTPUTS = ("mean_velocity", "mean_displacement", "thermal_speed", "displacement_tensor", "msd")
+
+
+def scene(times: Any, field: float = 0.01, **arguments: Any) -> Scene:
+    """Times in sqrt(l/g)."""
+    given = {"restitution": 0.7, "initial": "rest", "outputs": OUTPUTS, **arguments}
+    path = PATH if given.get("dimension", 2) == 2 else 1.0 / (math.pi * 0.04)
+    return Scene(times=np.asarray(times) * math.sqrt(path / field), field=field, **given)
+
+
+def test_from_rest() -> None:
+    """Against a program of its own; t = 0 is rest."""
+    solution = solve(scene([0.0, 0.1, 0.5, 2.0, 5.0]))
+    assert solution.rtol == 1e-6
+    assert solution.status.name == "CONVERGED"
+    speed = math.sqrt(0.01 * PATH)
+    velocity = np.array([0.09962311, 0.45545144, 0.62108221, 0.50135393])
+    way = np.array([0.004990570, 0.119322259, 1.11237376, 2.66810824])
+    assert solution.mean_velocity[1:, 0] == pytest.approx(velocity * speed, rel=1e-6)
+    assert solution.mean_displacement[1:, 0] == pytest.approx(way * PATH, rel=1e-6)
+    assert np.all(solution.mean_velocity[:, 1] == 0.0)
+    for name in OUTPUTS:
+        assert np.all(getattr(solution, name)[0] == 0.0)
+    tensor, mean = solution.displacement_tensor, solution.mean_displacement[:, 0]
+    total = tensor[:, 0, 0] + tensor[:, 1, 1] + mean**2
+    assert solution.msd == pytest.approx(total, rel=1e-12)
+
+
+@pytest.mark.parametrize(("dimension", "et"), slow_but([(3, 1.0)], [(2, 1.0), (3, 1.0), (2, 0.4)]))
+def test_the_energy_of_elastic_tracers_from_rest(dimension: int, et: float) -> None:
+    """<v^2> = 2 g <x> where no energy is lost; less where it is."""
+    asked = scene([0.2, 1.0, 4.0, 20.0], restitution=1.0, dimension=dimension,
+                  tangential_restitution=et)  # fmt: skip
+    found = solve(asked, rtol=1e-6)
+    ratio = found.thermal_speed**2 / (2.0 * 0.01 * found.mean_displacement[:, 0])
+    if et == 1.0:
+        assert ratio == pytest.approx(np.ones(4), rel=2e-6)
+    else:
+        assert np.all(ratio < 1.0)
+
+
+def test_very_lossy_rough_scatterers() -> None:
+    """Every bounce leaves the panel of the speed. Against 1e6 tracers: .5294(13), .6893(15)."""
+    asked = Scene(0.3, 0.5, field=1.0, times=[1.0, 20.0], tangential_restitution=0.3,
+                  outputs=("mean_velocity",))  # fmt: skip
+    found = solve(asked, rtol=1e-5)
+    assert found.status.name == "CONVERGED"
+    assert np.all(np.abs(found.mean_velocity[:, 0] - [0.5294, 0.6893]) < [0.004, 0.0045])
+    state = solve_field(0.3, 2, 0.3, rtol=1e-6)
+    assert found.mean_velocity[1, 0] == pytest.approx(state.drift, rel=1e-4)
+
+
+@pytest.mark.parametrize(("e", "et", "dimension"), [(0.7, 1.0, 2), (0.7, 1.0, 3), (0.4, 0.4, 2)])
+def test_late_times_reach_the_steady_state(e: float, et: float, dimension: int) -> None:
+    state = solve_field(e, dimension, et, rtol=1e-7)
+    path = PATH if dimension == 2 else 1.0 / (math.pi * 0.04)
+    asked = scene([40.0, 50.0], 0.08, restitution=e, tangential_restitution=et,
+                  dimension=dimension, initial="gaussian")  # fmt: skip
+    found, speed = solve(asked, rtol=1e-5), math.sqrt(0.08 * path)
+    assert found.mean_velocity[:, 0] == pytest.approx(np.full(2, state.drift * speed), rel=1e-5)
+    square = math.sqrt(state.mean_square_speed) * speed
+    assert found.thermal_speed[1] == pytest.approx(square, rel=1e-5)
+    growth = np.diff(found.displacement_tensor, axis=0)[0] / np.diff(found.times)[0] / 2.0
+    unit = speed * path
+    assert growth[0, 0] == pytest.approx(state.diffusion_parallel * unit, rel=1e-3)
+    assert growth[1, 1] == pytest.approx(state.diffusion_perpendicular * unit, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("initial", "dimension"),
+    [(Beam(0.8, "monoenergetic"), 2), (Beam(0.0, "monoenergetic"), 3), ("gaussian", 3)],
+)
+def test_a_vanishing_field_is_none(initial: Any, dimension: int) -> None:
+    """Against the equation without a field, in all outputs."""
+    outputs = (
+        *("thermal_speed", "collisions", "msd", "mean_velocity", "velocity_tensor"),
+        *("mean_displacement", "a2"),
+    )
+    arguments: dict[str, Any] = {"initial": initial, "dimension": dimension, "outputs": outputs}
+    arguments |= {"restitution": 0.7, "times": [1.0, 10.0, 100.0]}
+    without = solve(Scene(**arguments), rtol=1e-8)
+    found = solve(Scene(field=1e-13, **arguments), rtol=1e-5)
+    for name in outputs:
+        expected, value = getattr(without, name), getattr(found, name)
+        scale = np.abs(expected).max(axis=tuple(range(1, expected.ndim)), keepdims=True)
+        if name == "mean_velocity":  # its errors are relative to the thermal speed
+            scale = without.thermal_speed[:, None]
+        if name == "mean_displacement":
+            scale = np.sqrt(without.msd)[:, None]
+        assert np.all(np.abs(value - expected) <= 2e-5 * np.maximum(scale, 1.0 * (name == "a2")))
+
+
+@pytest.mark.parametrize(
+    ("initial", "field", "times", "rtol"),
+    [
+        ("rest", 0.01, np.geomspace(0.003, 99.0, 12), 1e-4),
+        ("gaussian", 0.08, [0.3, 1.0, 3.0, 10.0], 1e-4),
+        ("gaussian", 1e12, [0.3, 1.0, 10.0], 1e-4),  # nearly at rest
+        # at 1e6 of the speeds that the field makes
+        pytest.param("gaussian", 1e-12, [1e-6, 1e-3], 1e-4, marks=pytest.mark.slow),
+        (Beam(2.0, "monoenergetic"), 0.08, [0.1, 1.0, 30.0], 1e-3),
+        ("monoenergetic", 3.0, [0.1, 1.0, 30.0], 1e-4),  # slow, of all directions
+        # slow tracers of many directions, whose first steps of time were too long
+        pytest.param(MANY, 0.08, [0.1, 1.0, 5.0], 5e-5, marks=pytest.mark.slow),
+    ],
+)
+def test_rtol_is_met(initial: Any, field: float, times: Any, rtol: float) -> None:
+    """At loose tolerances, from early times on, and for starts far from the steady state."""
+    asked = scene(times, field, initial=initial)
+    fine, coarse = solve(asked, rtol=0.1 * rtol), solve(asked, rtol=rtol)
+    assert coarse.status.name == fine.status.name == "CONVERGED"
+    assert coarse.thermal_speed == pytest.approx(fine.thermal_speed, rel=rtol)
+    moved = np.abs(coarse.mean_velocity - fine.mean_velocity)
+    assert np.all(moved <= rtol * fine.thermal_speed[:, None])
+    way = np.abs(coarse.mean_displacement - fine.mean_displacement)
+    assert np.all(way <= rtol * np.sqrt(fine.msd)[:, None])
+    assert coarse.msd == pytest.approx(fine.msd, rel=rtol)
+
+
+def test_early_times_are_free_fall() -> None:
+    """From rest <r^2> = t^4/4 and <v^4> = <v^2>^2, up to the few that have collided."""
+    found = solve(scene([0.003, 1.0, 90.0], outputs=("msd", "a2")), rtol=1e-4)
+    assert found.status.name == "CONVERGED"
+    assert found.msd[0] == pytest.approx(PATH**2 * 0.003**4 / 4.0, rel=1e-4)
+    assert found.a2[0] == pytest.approx(-0.5, abs=1e-4)
+    found = solve(scene([1e-3], 0.08, initial="gaussian"), rtol=1e-5)
+    t = found.times[0]
+    assert found.mean_velocity[0, 0] == pytest.approx(0.08 * t, rel=2e-3)
+    assert found.displacement_tensor[0, 1, 1] == pytest.approx(t * t, rel=2e-3)
+
+
+def test_a_start_close_to_rest_is_rest() -> None:
+    cold = solve(scene([0.5, 3.0], 1e12, initial="gaussian", outputs=("mean_velocity",)), 1e-4)
+    rest = solve(scene([0.5, 3.0], 1e12, initial="rest", outputs=("mean_velocity",)), 1e-4)
+    assert np.all(cold.mean_velocity == rest.mean_velocity)
+
+
+def test_few_velocities_and_many_are_alike() -> None:
+    """A beam of 65 equal samples is solved by its harmonics, of 1 in closed form until it collides.
+
+    Harmonics of a beam converge slowly.
+    """
+    outputs = ("mean_velocity", "mean_displacement", "velocity_tensor", "msd")
+    ask = {"field": 0.08, "outputs": outputs}
+    one = solve(scene([0.5, 3.0], initial=VelocitySamples([[0.9, 1.2]]), **ask), rtol=1e-4)
+    many = [[0.9, 1.2]] * 65
+    found = solve(scene([0.5, 3.0], initial=VelocitySamples(many), **ask), rtol=1e-4)
+    assert found.mean_velocity == pytest.approx(one.mean_velocity, abs=3e-3)
+    assert found.velocity_tensor == pytest.approx(one.velocity_tensor, abs=3e-3)
+    assert found.msd == pytest.approx(one.msd, rel=3e-3)
+
+
+def test_a_miss_is_warned_of() -> None:
+    with pytest.warns(ToleranceWarning, match="averages"):
+        found = solve(scene([3.0], outputs=("mean_velocity",)), rtol=1e-12)
+    assert found.status.name == "TOLERANCE_NOT_REACHED"
+    assert found.error_estimate > 1e-12
+
+
+@pytest.mark.parametrize("initial", ["rest", Beam(2.0)])
+def test_outputs_do_not_depend_on_what_else_is_asked(initial: Any) -> None:
+    """Averages that nobody asks for are not solved."""
+    times = [0.1, 1.0, 3.0]
+    everything = solve(scene(times, 0.08, initial=initial), rtol=1e-3)
+    for name in OUTPUTS:
+        alone = getattr(solve(scene(times, 0.08, initial=initial, outputs=(name,)), 1e-3), name)
+        expected = getattr(everything, name)
+        scale = everything.thermal_speed if "velocity" in name else expected.max()
+        assert np.all(np.abs(alone - expected) <= 2e-3 * np.max(scale))
+
+
+def test_a_scene_with_a_field_is_a_value(tmp_path: Path) -> None:
+    solution = solve(scene([0.5]), rtol=1e-3)
+    assert solution.status.name == "CONVERGED"
+    solution.save(tmp_path / "field.h5")
+    again = load(tmp_path / "field.h5")
+    assert again == solution
+    assert again.scene.field == 0.01
+    assert "field=0.01" in repr(solution)
+    assert "displacement_tensor" in solution._repr_html_()
+    assert "displacement_tensor" in solution.scene._repr_html_()
+    assert solution.plan[0].part == "averages in a field"
+    for question in (lambda: solution.moment(2.0), lambda: solution.harmonic(1.0, 1)):
+        with pytest.raises(InputError, match="field"):
+            question()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"field": -1.0}, "field"),
+        ({"field": math.nan}, "field"),
+        ({"field": 0.0, "initial": "rest"}, "give a field"),
+        ({"field": 1.0, "outputs": ("kurtosis",)}, "not available with a field"),
+        ({"outputs": ("displacement_tensor",)}, "not available without a field"),
+        ({"field": 1e300, "outputs": ("mean_velocity",)}, "out of range"),
+    ],
+)
+def test_refusals(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        solve(Scene(0.7, times=[1.0], **arguments))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("dimension", "family"), [(2, 0), (2, 1), (3, 0), (3, 1)])
+def test_no_error_grows_over_time(dimension: int, family: int) -> None:
+    """No solution of the equation on panels grows, down to low speeds: it had rates of 300."""
+    panels, top = SpeedPanels.rising(6.0, 0.01, 7), 11 - family
+    chain, n = Chain(panels, dimension, family), panels.size
+    lost = loss_matrices(panels, CollisionLaw(0.7, dimension=dimension), 11)
+    count = top + 1 - family
+    rates = np.zeros((count, n, count, n))
+    for i, m in enumerate(range(family, top + 1)):
+        rates[i, :, i] = -panels.speeds[:, None] * lost[m]
+        if m < top:
+            rates[i, :, i + 1] = -chain.from_above(m)
+        else:
+            rates[i, :, i] -= chain.beyond(m)
+        if i > 0:
+            rates[i, :, i - 1] = -chain.from_below(m)
+    rates /= panels.speeds[:, None, None]
+    fastest = np.linalg.eigvals(rates.reshape(count * n, count * n)).real.max()
+    assert fastest <= 1e-9
+
+
+def test_the_free_way_in_a_field() -> None:
+    """Against quadrature: to and from the turning point, and at 1e6 of the terminal speed."""
+    along = np.array([-0.5, 0.3, -1e6, 1e6, 0.0, -1.0, -1.0])
+    across = np.array([0.2, 0.0, 1e6, 1.0, 0.0, 0.0, 1e-9])
+    time = np.array([1.5, 2.0, 1e-6, 1e-7, 3.0, 2.5, 2.5])
+    node, weight = gauss_legendre(60)
+    edges = np.clip(np.stack([0.0 * time, -along, time], axis=1), 0.0, time[:, None])
+    expected = sum(
+        (b - a) * (weight @ np.hypot(along + a + np.outer(node, b - a), across))
+        for a, b in zip(edges.T[:-1], edges.T[1:], strict=True)
+    )
+    assert free_way(along, across, time) == pytest.approx(expected, rel=1e-12)
+
+
+def test_radau_rule() -> None:
+    """Exact for polynomials; the rational function that it makes of exp(z) has the order 9."""
+    z = -0.7
+    modes = radau.modes()
+    end = sum((stages[-1] * share / (1.0 - value * z)).real for value, share, _, stages in modes)
+    assert end == pytest.approx(math.exp(z), rel=1e-10)
+    local = np.linspace(0.0, 1.0, 7)
+    assert radau.rows(local) @ radau.POINTS**5 == pytest.approx(local**5, abs=1e-13)
+    assert radau.integral_rows(local) @ radau.POINTS**4 == pytest.approx(local**5 / 5, abs=1e-13)
+    assert radau.roughness(radau.POINTS**4) == pytest.approx(0.0, abs=1e-13)
+    assert radau.projected(radau.FINE**4) == pytest.approx(radau.POINTS**4, abs=1e-13)
