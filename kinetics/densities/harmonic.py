@@ -2,14 +2,15 @@
 
 A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
 ``density`` is one of these, each with a method ``at(i, v)`` for the i-th time and speeds v in U:
-`grid_density.GridDensity` (from `spectral.py`), `conservative.NodeMasses`,
-`elastic.ElasticDensity`, and :class:`ThenScaling`, which follows one of the first two with the
-scaling state.
+`spectral.GridDensity`, `conservative.NodeMasses`, :class:`ElasticDensity` (speeds are kept, and
+nothing is left to discretise), and :class:`ThenScaling`, which follows one of the first two with
+the scaling state.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -18,18 +19,13 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import oscillations, time_to_forget
+from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.results import Value
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-# Of the thermal speed: above it a density keeps its accuracy relative to its maximum, and below it
-# the density of ln v does.
-LOWEST_SPEED = 1e-2
-# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of
-# ln v with this maximum; the isotropic one has a larger: tests/kinetics/measurements/densities.py
-LEAST_MAXIMUM = 0.3
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
 _SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
@@ -95,7 +91,8 @@ class Profile(Value):
     count : n_times
     method : "spectral", "conservative" or "exact"
     nodes : of the speed axis
-    error_estimate : relative to the maximum
+    error_estimate : of f relative to its maximum ("spectral"), or of its integral from 0 to v,
+        the largest for any v ("conservative")
     peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
         and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
         delta peaks
@@ -192,8 +189,56 @@ class ThenScaling(Value):
 
 def then_scaling(
     law: CollisionLaw, early: Density, count: int, late_shift: FloatArray, rtol: float
-) -> Density:
-    """The early density, with the scaling state solved if there are later times."""
+) -> tuple[Density, float]:
+    """The early density, with the scaling state if there are later times, and the error of that."""
     if late_shift.size == 0:
-        return early
-    return ThenScaling(early, count, late_shift, solve_scaled(law, max(rtol, _BEST_SCALED)))
+        return early, 0.0
+    scaled = solve_scaled(law, max(rtol, _BEST_SCALED))
+    density = ThenScaling(early, count, late_shift, scaled)
+    density.at(count, np.exp(-late_shift[:1]))  # for the estimate: a speed in the bulk
+    return density, scaled.error_estimate
+
+
+@dataclass(frozen=True)
+class ElasticDensity(Value):
+    """The density of the start times exp(-rate v t).
+
+    Attributes
+    ----------
+    state : the start; its density is zero if all speeds are equal
+    m : the angular harmonic
+    rate : (1 - E[cos(m chi)])/l, in 1/d
+    times : in d/U, shape (n_times,)
+    """
+
+    state: State
+    m: int
+    rate: float
+    times: FloatArray
+
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        start = self.state.profile(self.m)
+        if start is None:
+            return np.zeros(v.shape)
+        with np.errstate(under="ignore"):
+            return np.asarray(start(v) * np.exp(-self.rate * self.times[i] * v))
+
+
+def elastic_profile(asked: HarmonicProblem) -> Profile:
+    """The harmonic at the times, exactly; InputError for samples, which have no density."""
+    state, m, times = asked.state, asked.m, asked.times
+    rate = float(asked.law.harmonic_decay_rate(0.0, m)) / asked.mean_free_path
+    density = ElasticDensity(state, m, rate, times)
+    speed, weight = None, None
+    if state.profile(m) is None:
+        points = state.harmonic(m, 1.0)
+        if points is None or points.x.size != 1:
+            raise InputError(
+                "initial: samples have no density of their own, and elastic tracers keep their "
+                "speeds; ask for averages, or give a SpeedTable"
+            )
+        # all tracers have one speed, and the whole harmonic stays in that peak
+        speed = float(np.exp(points.x[0]))
+        weight = points.weight[0] * np.exp(-rate * speed * times)
+    return Profile(density, times.size, "exact", 0, sys.float_info.epsilon, speed, weight)
