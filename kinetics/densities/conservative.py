@@ -7,9 +7,9 @@ matrix of non-negative off-diagonal entries, whose exponential is summed by unif
 non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
 energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
 
-Near steps and infinities of f (:func:`speed_fronts`) no nodes give f itself. What is kept to rtol
-is the distribution function: the share of the tracers that are slower than v, for every v. Its
-error is the difference of two spacings, times a stated factor.
+Near steps and infinities of f (:func:`kinetics.densities.harmonic.speed_fronts`) no nodes give f
+itself. What is kept to rtol is the distribution function: the share of the tracers that are slower
+than v, for every v. Its error is the difference of two spacings, times a stated factor.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from kinetics.states.quadrature import LogMeasure, interpolate
 from kinetics.states.state import State
 
 # Of the spacing: the first one tried, and the finest; each next one is half of the one before.
-_COARSEST, _FINEST = 0.128, 0.002
+_COARSEST, _FINEST = 0.128, 0.0005
 # The error over the difference of two spacings. The first bounces from sharp speeds make inverse
 # square roots, whose distribution function converges as sqrt(h): 1/(sqrt(2) - 1) = 2.4, and more
 # where the front lies badly between the nodes. Steps and kinks converge as h at least: 1.
 _SHARP, _ROUGH = 4.0, 2.0
-_MOST_WORK = 2e10  # products of masses with shares of bounces: about ten seconds
+_MOST_WORK = 1e10  # products of masses with shares of bounces: a second or two
 _TRANSFORMED = 300  # products that a transform costs for each node
 _DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
@@ -137,21 +137,24 @@ def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray
     return mass
 
 
-def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDArray[Any]:
+def _start_masses(
+    state: State, start: LogMeasure, m: int, nodes: FloatArray, spacing: float
+) -> NDArray[Any]:
     """The state on the nodes: from its density cell by cell, or point by point without one."""
     profile = state.profile(m)
     if profile is None:
-        return deposit(start, nodes.first, nodes.spacing, nodes.count)
-    x, w = panels_between(nodes.x, 4)
+        return deposit(start, nodes[0], spacing, nodes.size)
+    # eight pieces of a cell, for the steps of a density
+    x, w = panels_between(np.linspace(nodes[0], nodes[-1], 8 * nodes.size - 7), 4)
     v = np.exp(x)
     weight = w * v * profile(v)
-    found = deposit(LogMeasure(x, weight), nodes.first, nodes.spacing, nodes.count)
+    found = deposit(LogMeasure(x, weight), nodes[0], spacing, nodes.size)
     if m:
         return found
     total, expected = float(found.sum()), float(start.weight.sum())
     if total < 0.5 * expected:
         # the density lies between the Gauss points
-        return deposit(start, nodes.first, nodes.spacing, nodes.count)
+        return deposit(start, nodes[0], spacing, nodes.size)
     # scaled to the mass of the start: some lies beyond the axis, or between the Gauss points
     return found * (expected / total)
 
@@ -241,33 +244,6 @@ class _Axis:
         return np.clip(found, 0.0 if self.positive else -most, most)
 
 
-@dataclass(frozen=True)
-class _Nodes:
-    """The nodes of an axis: x = ln v = first + spacing * (0 ... count - 1)."""
-
-    first: float
-    spacing: float
-    count: int
-
-    @property
-    def x(self) -> FloatArray:
-        return self.first + self.spacing * np.arange(self.count, dtype=float)
-
-
-def speed_fronts(law: CollisionLaw, start: LogMeasure | None) -> FloatArray:
-    """Speeds in U, rising, at which f may step or be infinite, from a start of sharp speeds.
-
-    Those of the start and, of tracers that have collided once or twice, the ends of the range that
-    they come to. start : the sharp speeds, or None
-    """
-    if start is None or law.is_elastic:
-        return np.zeros(0)
-    ends = [-law.least_loss, -law.largest_loss]
-    moved = [0.0, *ends, *(a + b for a in ends for b in ends)]
-    found = np.exp(np.add.outer(np.unique(start.x), np.unique(moved)).ravel())
-    return np.unique(found[found > 0.0])
-
-
 def solve_conservative(asked: HarmonicProblem) -> Profile:
     """The harmonic at the times, of a start of any kind, e < 1.
 
@@ -281,8 +257,7 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
     log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
-    peaks = state.profile(0) is None
-    if peaks and (law.has_atoms or law.returns(0)[0]):
+    if state.profile(0) is None and (law.has_atoms or law.returns(0)[0]):
         raise InputError(
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
             "et = e, or straight back to the scatterer before, at a finite density) make delta "
@@ -295,8 +270,7 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
         with np.errstate(over="ignore", under="ignore"):
             peak_weight = start.weight[0] * np.exp(-peak_speed * times / mean_free_path)
     density, late_error = then_scaling(law, found, early, shift[early:], rtol)
-    error = max(error, late_error)
-    nodes = found.x.size
+    nodes, error = found.x.size, max(error, late_error)
     return Profile(density, times.size, "conservative", nodes, error, peak_speed, peak_weight)
 
 
@@ -304,73 +278,70 @@ def _refined(
     asked: HarmonicProblem, start: LogMeasure, paths: FloatArray
 ) -> tuple[NodeMasses, float]:
     """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
-    law = asked.law
     top = float(start.x.max())
     path = float(paths[-1]) if paths.size else 0.0
     lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
     span = min(top - lowest, _LOWEST)
-    safe = _SHARP if asked.state.profile(0) is None else _ROUGH
     spacing, finest = _COARSEST, _FINEST
     if asked.nodes:
         spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
-    common = common_loss(law, math.pi / finest)
+    common = common_loss(asked.law, math.pi / finest)
     if common is not None:
         # whole numbers of nodes in every bounce: no share of it is lost to neighbours
         spacing = common / math.ceil(common / spacing)
-    before, work = _solve(asked, start, paths, top, span, spacing)
-    while True:
-        spacing *= 0.5
-        found, work = _solve(asked, start, paths, top, span, spacing)
-        error = safe * _apart(before, found)
-        # halving the spacing takes four times the products, and some more
-        done = not asked.nodes and (error <= asked.rtol or 6.0 * work > _MOST_WORK)
-        if done or 0.5 * spacing < 0.99 * finest:
-            return found, error
-        before = found
+        finest = min(finest, 0.5 * spacing)
+    safe = _SHARP if asked.state.profile(0) is None else _ROUGH
+    found, error = _solve(asked, start, paths, span, spacing), math.inf
+    while found is not None and error > asked.rtol and spacing > 1.01 * finest:
+        before, spacing = found, 0.5 * spacing
+        finer = _solve(asked, start, paths, span, spacing)
+        if finer is None:
+            break
+        found = finer
+        # of the tracers that the nodes hold: at first few have left a single speed
+        held = np.ones(paths.size)
+        if start.x.size == 1:
+            held = np.maximum(-np.expm1(-math.exp(top) * paths), 1e-300)
+        error = safe * float(np.max(_apart(before, found) / held, initial=0.0))
+    if found is None or error == math.inf:
+        raise InputError(
+            f"times: got up to {asked.times[paths.size - 1]:g} at {asked.law.described}; the "
+            f"conservative method would need more than {_MOST_WORK:.0e} products, "
+            "ask for earlier times, fewer nodes, or averages only"
+        )
+    return found, error
 
 
 def _solve(
-    asked: HarmonicProblem,
-    start: LogMeasure,
-    paths: FloatArray,
-    top: float,
-    span: float,
-    spacing: float,
-) -> tuple[NodeMasses, float]:
-    """The masses at times in l/U with this spacing, and the products that it took."""
+    asked: HarmonicProblem, start: LogMeasure, paths: FloatArray, span: float, spacing: float
+) -> NodeMasses | None:
+    """The masses at times in l/U with this spacing; None where it would take too long."""
     count = math.ceil(span / spacing) + 3
     # one empty node above the fastest tracers
-    nodes = _Nodes(top - spacing * (count - 2), spacing, count)
-    mass = _start_masses(asked.state, start, asked.m, nodes)
-    kernel = bounce_kernel(asked.law, spacing, asked.m)
-    speed, moving = np.exp(nodes.x)[::-1], mass[::-1].copy()
-    peak = start.x.size == 1
-    if peak:
+    x = float(start.x.max()) + spacing * np.arange(2 - count, 2, dtype=float)
+    mass = _start_masses(asked.state, start, asked.m, x, spacing)
+    speed, moving = np.exp(x)[::-1], mass[::-1].copy()
+    if start.x.size == 1:
         # the tracers that have not collided stay apart, in one more node of their speed
         moving = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
         speed = np.concatenate([speed[1:2], speed])
-    axis = _Axis(speed, kernel, moving, peak)
+    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, start.x.size == 1)
     out = np.empty((paths.size, count), dtype=mass.dtype)
-    now = 0.0
-    for i, path in enumerate(map(float, paths)):
-        axis.advance(path - now)
+    for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):
+        axis.advance(duration)
         if axis.work > _MOST_WORK:
-            raise InputError(
-                f"times: got up to {asked.times[paths.size - 1]:g} at {asked.law.described}; the "
-                f"conservative method would need more than {_MOST_WORK:.0e} products on {count} "
-                "nodes, ask for earlier times, fewer nodes, or averages only"
-            )
-        now = path
+            return None
         out[i] = axis.mass[-count:][::-1]
     out.flags.writeable = False
-    return NodeMasses(nodes.x, spacing, out), axis.work
+    return NodeMasses(x, spacing, out)
 
 
-def _apart(coarse: NodeMasses, fine: NodeMasses) -> float:
-    """The largest difference of two distribution functions, over all speeds and times."""
-    worst = 0.0
-    for first, second in zip(coarse.mass / coarse.spacing, fine.mass / fine.spacing, strict=True):
-        change = interpolate(fine.x, coarse.x, first) - second
+def _apart(coarse: NodeMasses, fine: NodeMasses) -> FloatArray:
+    """The largest difference of two distribution functions, over all speeds, (n_times,)."""
+    worst = np.zeros(len(fine.mass))
+    for i, mass in enumerate(fine.mass):
+        change = interpolate(fine.x, coarse.x, coarse.mass[i]) / coarse.spacing
+        change = change - mass / fine.spacing
         summed = np.cumsum(0.5 * (change[1:] + change[:-1])) * fine.spacing
-        worst = max(worst, float(np.abs(summed).max()))
+        worst[i] = np.abs(summed).max()
     return worst

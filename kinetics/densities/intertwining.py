@@ -35,9 +35,9 @@ _ANGLES = (*np.arange(0.0, 1.4, 0.05).tolist(), 1.43, 1.46, 1.48, 1.5, 1.52, 1.5
 # For the choice of the angle only: the rounding of f at the lowest speeds, and what is made of
 # modes folded onto those in use, each with a margin; with less than this share of rtol no larger
 # angle is taken.
-_ROUNDING, _FOLDED, _ENOUGH = 1e-13, 1e3, 0.005
-# Width in ln v over which a state on a turned axis is brought to zero at both ends of the window, by
-# an error function that stops at this argument; and its value there, with a margin for g over v.
+_ROUNDING, _FOLDED, _ENOUGH = 2e-14, 1e3, 0.005
+# Width in ln v over which a state on a turned axis is brought to zero at both ends of the window,
+# by an error function that stops at this argument; and its value there, with a margin for g over v.
 TAPER, _STEEPEST, _ENDS = 3.0, 4.0, 1e-4
 _TOGETHER = 20_000  # numbers of a piece of the time axis that stay in the cache
 

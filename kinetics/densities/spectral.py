@@ -188,7 +188,11 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     best: tuple[GridDensity, float] | None = None
     for aim in _AIMS if asked.nodes is None else _AIMS[:1]:
         try:
-            found = _solve(_Problem(replace(asked, rtol=max(aim * rtol, _LEAST_AIM)), start, speeds, tau[:early]))
+            found = _solve(
+                _Problem(
+                    replace(asked, rtol=max(aim * rtol, _LEAST_AIM)), start, speeds, tau[:early]
+                )
+            )
         except InputError:
             if best is None:
                 raise

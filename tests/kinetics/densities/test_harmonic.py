@@ -10,9 +10,9 @@ import pytest
 
 from kinetics import Beam, CollisionLaw, Gaussian, Monoenergetic, SpeedTable
 from kinetics.densities.conservative import NodeMasses, solve_conservative
-from kinetics.densities.elastic import ElasticDensity, elastic_profile
-from kinetics.densities.grid_density import GridDensity
-from kinetics.densities.harmonic import HarmonicProblem, Profile, ThenScaling
+
+from kinetics.densities.spectral import GridDensity
+from kinetics.densities.harmonic import HarmonicProblem, Profile, ThenScaling, ElasticDensity, elastic_profile
 from kinetics.densities.spectral import solve_spectral
 
 LAW, TIMES = CollisionLaw(0.6), np.array([0.0, 1.0, 20.0])
