@@ -18,8 +18,6 @@ from kinetics.scene import Scene
 from kinetics.validation import refuse
 
 BEST_DENSITY = 1e-8  # of G(R): more takes wave numbers that cost minutes
-# Of the spectral method: with more, as at laws of few speed ratios, the conservative one is better.
-_USELESS = 1e-3
 _DISPLACEMENT_SHARE = 0.4  # of the tolerance of G(R) that its transform may use
 
 
@@ -65,9 +63,7 @@ def _profile(
         from kinetics.densities.spectral import solve_spectral
 
         profile = solve_spectral(asked)
-        if profile is not None and (
-            method == "spectral" or nodes or profile.error_estimate <= max(rtol, _USELESS)
-        ):
+        if profile is not None:
             return profile
         if method == "spectral":
             allowed = "this initial state is too rough for it, use method='conservative'"

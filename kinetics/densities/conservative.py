@@ -317,15 +317,19 @@ def _solve(
 ) -> NodeMasses | None:
     """The masses at times in l/U with this spacing; None where it would take too long."""
     count = math.ceil(span / spacing) + 3
-    # one empty node above the fastest tracers
-    x = float(start.x.max()) + spacing * np.arange(2 - count, 2, dtype=float)
+    # one empty node above the fastest tracers; a density may go on beyond its last Gauss point,
+    # by less than that is from the one before
+    top, peak = float(start.x.max()), start.x.size == 1
+    if asked.state.profile(0) is not None:
+        top += spacing + float(np.diff(np.sort(start.x)[-2:]).sum())
+    x = top + spacing * np.arange(2 - count, 2, dtype=float)
     mass = _start_masses(asked.state, start, asked.m, x, spacing)
     speed, moving = np.exp(x)[::-1], mass[::-1].copy()
-    if start.x.size == 1:
+    if peak:
         # the tracers that have not collided stay apart, in one more node of their speed
         moving = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
         speed = np.concatenate([speed[1:2], speed])
-    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, start.x.size == 1)
+    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, peak)
     out = np.empty((paths.size, count), dtype=mass.dtype)
     for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):
         axis.advance(duration)

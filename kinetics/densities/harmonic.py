@@ -1,10 +1,9 @@
 """What a density solver gives: one harmonic of the velocity density at the output times.
 
 A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
-``density`` is one of these, each with a method ``at(i, v)`` for the i-th time and speeds v in U:
-`spectral.GridDensity`, `conservative.NodeMasses`, :class:`ElasticDensity` (speeds are kept, and
-nothing is left to discretise), and :class:`ThenScaling`, which follows one of the first two with
-the scaling state.
+``density`` has a method ``at(i, v)``, in 1/U for the i-th time and speeds v in U, shape (n_v,): a
+`spectral.GridDensity` or `conservative.NodeMasses`, which a :class:`ThenScaling` follows with the
+scaling state, or an :class:`ElasticDensity`.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,26 +35,15 @@ _SMOOTH, _ROUGH = 64.0, 512.0
 
 @dataclass(frozen=True)
 class HarmonicProblem:
-    """One angular harmonic of the velocity density, as every solver here is asked for it.
-
-    Attributes
-    ----------
-    law : the collision law
-    mean_free_path : l in d
-    state : the start
-    m : the angular harmonic
-    times : in d/U, rising, shape (n_times,)
-    rtol : the accuracy asked for, of f relative to its maximum
-    nodes : of the speed axis; None where the solver chooses them
-    """
+    """One angular harmonic of the velocity density, as every solver here is asked for it."""
 
     law: CollisionLaw
-    mean_free_path: float
+    mean_free_path: float  # in d
     state: State
     m: int
-    times: FloatArray
+    times: FloatArray  # in d/U, rising, shape (n_times,)
     rtol: float
-    nodes: int | None = None
+    nodes: int | None = None  # of the speed axis; None where the solver chooses them
 
 
 def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
@@ -69,14 +57,6 @@ def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
     coefficients = np.zeros(m + 1)
     coefficients[m] = 2.0 * m + 1.0
     return np.asarray(np.polynomial.legendre.legval(np.cos(angle), coefficients))
-
-
-class Density(Protocol):
-    """A density at several times."""
-
-    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -94,11 +74,10 @@ class Profile(Value):
     error_estimate : of f relative to its maximum ("spectral"), or of its integral from 0 to v,
         the largest for any v ("conservative")
     peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
-        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
-        delta peaks
+        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None without them
     """
 
-    density: Density
+    density: Any
     count: int
     method: str
     nodes: int
@@ -167,26 +146,17 @@ def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatA
 
 @dataclass(frozen=True)
 class ThenScaling(Value):
-    """A density at the early times, and the scaling state at the later ones.
+    """A density at the first ``count`` times, and the scaling state at the later ones."""
 
-    Attributes
-    ----------
-    early : the density at the first ``count`` times
-    count : how many those are
-    late_shift : ln((t + t0)/l) of the later times, shape (n_late,)
-    scaled : the scaling state; None where there are no later times
-    """
-
-    early: Density
+    early: Any
     count: int
-    late_shift: FloatArray
-    scaled: ScaledVDF | None
+    late_shift: FloatArray  # ln((t + t0)/l) of the later times, shape (n_late,)
+    scaled: ScaledVDF
 
     def at(self, i: int, v: FloatArray) -> NDArray[Any]:
         """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
         if i < self.count:
-            return self.early.at(i, v)
-        assert self.scaled is not None
+            return np.asarray(self.early.at(i, v))
         out = np.zeros(v.shape)
         # v0 (t + t0)/l = 2/h in the scaling state
         late = float(self.late_shift[i - self.count])
@@ -202,8 +172,8 @@ class ThenScaling(Value):
 
 
 def then_scaling(
-    law: CollisionLaw, early: Density, count: int, late_shift: FloatArray, rtol: float
-) -> tuple[Density, float]:
+    law: CollisionLaw, early: Any, count: int, late_shift: FloatArray, rtol: float
+) -> tuple[Any, float]:
     """The early density, with the scaling state if there are later times, and the error of that."""
     if late_shift.size == 0:
         return early, 0.0
@@ -215,17 +185,9 @@ def then_scaling(
 
 @dataclass(frozen=True)
 class ElasticDensity(Value):
-    """The density of the start times exp(-rate v t).
+    """Speeds are kept: the density of the start times exp(-rate v t), rate in 1/d."""
 
-    Attributes
-    ----------
-    state : the start; its density is zero if all speeds are equal
-    m : the angular harmonic
-    rate : (1 - E[cos(m chi)])/l, in 1/d
-    times : in d/U, shape (n_times,)
-    """
-
-    state: State
+    state: State  # its density is zero if all speeds are equal
     m: int
     rate: float
     times: FloatArray

@@ -8,7 +8,8 @@ With the Mellin transform f^(z) of a harmonic the inelastic Lorentz equation (pa
 
 tracers that are lost where they collide. In x = ln v the gain is a multiplication of the Fourier
 modes, z = -i k. For m = 0 it has a pole at z = 0, u tends to a constant at low speeds, and what
-is transformed is w = -du/dx, w(t) = exp(-v t/l) (w(0) + (v t/l) u(0)).
+is transformed is w = -du/dx, w(t) = exp(-v t/l) (w(0) + (v t/l) u(0)). With a tilt, where it is
+v^tilt times the density that is transformed, z = tilt - i k and there is no pole.
 
 Near e = 1 the gain falls steeply with k, and dividing by it raises the rounding. On the axis
 x - i angle the mode k > 0 of everything is larger by e^(k angle), which makes up for that.
@@ -17,6 +18,7 @@ x - i angle the mode k > 0 of everything is larger by e^(k angle), which makes u
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,8 +26,6 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from kinetics.collision import CollisionLaw
-from kinetics.densities.gain import log_gain
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.log_grid import LogGrid
 
@@ -53,12 +53,17 @@ def modes_of(rows: FloatArray) -> ComplexArray:
 
 
 def choose_angle(
-    law: CollisionLaw, m: int, grid: LogGrid, rows: FloatArray, spacing: float, rtol: float
+    gain_at: Callable[[FloatArray], ComplexArray],
+    grid: LogGrid,
+    rows: FloatArray,
+    spacing: float,
+    rtol: float,
 ) -> tuple[float, float, float]:
     """What is lost of a state on a grid, the angle of the axis, and ln of the largest 1/gain.
 
     The angle is the smallest that leaves next to nothing of rtol to rounding, or the best one. The
     first figure is ln of about what rounding and folded modes leave: it chooses, it is no promise.
+    gain_at : ln of the gain at wave numbers
     spacing : of the nodes that are to be used
     """
     nyquist = math.pi / spacing
@@ -67,7 +72,7 @@ def choose_angle(
     size = np.abs(modes_of(rows)).max(axis=0) / grid.nodes
     log_size = np.interp(k, grid.wave_numbers, np.log(np.maximum(size, 1e-300)), right=-690.0)
     angles = np.array(_ANGLES)
-    height = log_gain(law, k, m).real + np.multiply.outer(angles, k)
+    height = gain_at(k).real + np.multiply.outer(angles, k)
     raised = -height.min(axis=1)
     lost = raised + (log_size + height).max(axis=1) + math.log(_ROUNDING)
     # modes beyond the highest one fold onto those that are used
@@ -83,23 +88,15 @@ def choose_angle(
 
 @dataclass(frozen=True)
 class Intertwined:
-    """A harmonic of a state, without collisions.
+    """A harmonic of a state, without collisions."""
 
-    Attributes
-    ----------
-    grid : nodes of x = ln v at t = 0
-    angle : of the turned axis
-    fields : w and u for m = 0, u for others, at x - i angle, shape (fields, rows, nodes); rows
-        are real and imaginary part of the state
-    floor : u below the grid, shape (rows,)
-    back : 1/(G e^(k angle)), shape (nodes/2 + 1,)
-    """
-
-    grid: LogGrid
-    angle: float
+    grid: LogGrid  # nodes of x = ln v at t = 0
+    angle: float  # of the turned axis
+    # w and u where the gain has a pole, else u, at x - i angle, shape (fields, rows, nodes); rows
+    # are real and imaginary part of the state
     fields: NDArray[Any]
-    floor: FloatArray
-    back: ComplexArray
+    floor: FloatArray  # u below the grid, shape (rows,)
+    back: ComplexArray  # 1/(G e^(k angle)), shape (nodes/2 + 1,)
 
     def at(self, stretch: FloatArray, stride: int) -> tuple[FloatArray, FloatArray]:
         """The density g of x where v t/l is expm1(stretch) at x = 0; stretch (n_times,).
@@ -136,9 +133,12 @@ class Intertwined:
 
 
 def intertwine(
-    grid: LogGrid, rows: FloatArray, gain: ComplexArray, angle: float, m: int
+    grid: LogGrid, rows: FloatArray, gain: ComplexArray, angle: float, pole: bool
 ) -> Intertwined:
-    """The state of harmonic m at the nodes, rows (n, nodes), with ln of its gain at the modes."""
+    """The state at the nodes, rows (n, nodes), with ln of its gain at the modes.
+
+    pole : whether that is of z G, at z = -i k
+    """
     half = grid.nodes // 2
     k = grid.wave_numbers
     modes = modes_of(rows)
@@ -159,7 +159,7 @@ def intertwine(
 
     low, high = _taper(grid) if angle else (np.ones(1), np.ones(grid.nodes))
     w = inverse(whole) * (low * high)
-    if m:
+    if not pole:
         return Intertwined(grid, angle, w[None], np.zeros(rows.shape[0]), back)
     # u is the integral of w from x upwards: of its mean, and of its other modes
     mean = whole[:, :1].real / grid.nodes

@@ -38,8 +38,10 @@ _MOST_NODES, _MOST_NODES_OF_START, _MOST_VALUES = 40_000, 8192, 3e7
 _FINE, _COARSE, _HIGHER, _COMPARED = 5, 4, 2.0, 8
 _SHARE, _ALLOWED = 0.005, 0.3  # of rtol, for each of many small parts of the error; for rounding
 _BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
-# Of rtol, one after another until the error is below it; and what rounding allows to aim at.
-_AIMS, _LEAST_AIM = (1.0, 0.03, 1e-3), 1e-14
+# What is aimed at, of rtol, and the tilt, one after another until the error is below rtol. Under
+# laws of few ratios u oscillates at low speeds for long: with a tilt it falls, but rounding grows
+# as t^tilt. And what rounding allows to aim at.
+_AIMS, _LEAST_AIM = ((1.0, 0.0), (0.03, 0.0), (0.03, 0.25)), 1e-14
 # The least error that is claimed: of f relative to its maximum, for the rounding that two solutions
 # may have in common (2e-13 was seen), and of what is aimed at, below which the low end is cut off.
 _FLOOR, _CUT = 5e-13, 0.1
@@ -56,11 +58,9 @@ _SMALL_RATIO = 0.3
 # There harmonics m > 0, without their collisions, fall at low speeds as v^0.6 at the slowest: a
 # zero of 1 - E[s^z cos(m chi)] in z.
 _SLOWEST = 0.6
+# Where bounces lead to any speed: those from which f is continued down, over the lowest of them.
+_SPEEDS = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
 _MOST_TERMS = 1_000_000  # of a Fourier sum at once: 16 megabytes
-_STEEP = 1e4  # slope of ln f below a step of f, where f is zero
-_STEP = 1e3  # the density of ln v falls by more than this at a node: it has a step there
-# At e = 0: speeds, in the least at which f is promised, from which f is continued to lower ones.
-_POLYNOMIAL = 0.1 * np.array([1.0, 2.0, 4.0, 8.0, 16.0])
 
 
 @dataclass(frozen=True)
@@ -72,20 +72,18 @@ class GridDensity(Value):
     grid : the nodes of x
     values : g at the nodes, shape (n_times, n_nodes)
     shift : x - ln v, shape (n_times,)
-    lowest : ln v from which f itself is right, shape (n_times,)
     start, end : lowest and highest x where something is left; the nodes may reach further
     resolved : share of its maximum down to which g is right
-    filled : whether low speeds are filled by bounces to any speed, and f is a polynomial there
+    filled : ln v below which f is a polynomial in v, (n_times,); None where it is not
     """
 
     grid: LogGrid
     values: NDArray[Any]
     shift: FloatArray
-    lowest: FloatArray
     start: float
     end: float
     resolved: float
-    filled: bool
+    filled: FloatArray | None = None
 
     def at(self, i: int, v: FloatArray) -> NDArray[Any]:
         """f in 1/U at the i-th time and speeds v in U, shape (n_v,)."""
@@ -100,15 +98,14 @@ class GridDensity(Value):
             # by the root twice: 1/v alone may be larger than the largest number
             root = np.exp(0.5 * (slope * (x[inside] - at) - (at - shift)))
             out[inside] = self._interpolate(i, at) * root * root
-            if self.filled:
-                # g holds f with its rounding over v: five values higher up hold it better
-                lowest = float(self.lowest[i])
-                low = (x - shift < lowest + math.log(_POLYNOMIAL[0])) & (v > 0.0)
+            if self.filled is not None:
+                # g has f with its rounding over v: five values higher up have more of it
+                first = float(self.filled[i])
+                low = (x < first + shift) & (v > 0.0)
+                known = first + np.log(_SPEEDS)
                 rows = interpolation_rows(
-                    np.exp(x[low] - shift - lowest)[:, None] - _POLYNOMIAL,
-                    barycentric_weights(_POLYNOMIAL),
+                    np.exp(x[low] - shift - first)[:, None] - _SPEEDS, barycentric_weights(_SPEEDS)
                 )
-                known = lowest + np.log(_POLYNOMIAL)
                 out[low] = rows @ (self._interpolate(i, known + shift) * np.exp(-known))
         return out
 
@@ -120,8 +117,6 @@ class GridDensity(Value):
         size, x = np.abs(self.values[i]), self.grid.x
         top = float(size.max())
         first = int(((x >= self.start) & (size >= self.resolved * top)).argmax())
-        if first and size[first] > _STEP * self.resolved * top:
-            return float(x[first]), _STEEP
         # one e-fold further up, for the slope
         second = min(first + max(1, round(1.0 / self.grid.spacing)), size.size - 1)
         if second == first:
@@ -131,44 +126,45 @@ class GridDensity(Value):
 
     def _interpolate(self, i: int, x: FloatArray) -> NDArray[Any]:
         """In pieces of x, so that memory stays flat."""
-        values = self.values[i]
+        both = _rows(self.values[i])
         pieces = np.array_split(x, 1 + x.size * self.grid.nodes // _MOST_TERMS)
-        real = np.concatenate([self.grid.interpolate(values.real, piece) for piece in pieces])
-        if not np.iscomplexobj(values):
-            return real
-        imag = [self.grid.interpolate(values.imag, piece) for piece in pieces]
-        return np.asarray(real + 1j * np.concatenate(imag))
+        return _whole(np.hstack([self.grid.interpolate(both, piece) for piece in pieces]))
+
+
+def _rows(values: NDArray[Any]) -> FloatArray:
+    """Real and imaginary part, or the real one alone, as rows."""
+    return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else values[None]
+
+
+def _whole(rows: FloatArray) -> NDArray[Any]:
+    """The opposite, for rows on the last axis but one."""
+    if rows.shape[-2] == 1:
+        return rows[..., 0, :]
+    return np.asarray(rows[..., 0, :] + 1j * rows[..., 1, :])
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """What is asked, and the start as this method takes it.
-
-    Attributes
-    ----------
-    asked : the question
-    start : f_m as a function of v in U
-    speeds : the initial speeds as weighted points
-    tau : ln(1 + v_rms t/l) of the times before the scaling state, shape (n_times,)
-    """
+    """What is asked, and the start as this method takes it."""
 
     asked: HarmonicProblem
-    start: SpeedFunction
-    speeds: LogMeasure
-    tau: FloatArray
+    start: SpeedFunction  # f_m as a function of v in U
+    speeds: LogMeasure  # the initial ones
+    log_unit: float  # ln of the root mean square of those, here the unit of speed
+    tau: FloatArray  # ln(1 + v_rms t/l) of the times before the scaling state, (n_times,)
+    tilt: float  # v^tilt f is what is solved for
 
-    @property
-    def log_unit(self) -> float:
-        """ln of the unit of speed, the root mean square of the initial speeds."""
-        return 0.5 * self.speeds.log_second_moment()
+    def gain(self, k: FloatArray) -> ComplexArray:
+        """ln of the gain at wave numbers."""
+        return log_gain(self.asked.law, k, self.asked.m, self.tilt)
 
     def on(self, grid: LogGrid) -> FloatArray:
-        """Real and imaginary part of g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
+        """v^tilt g at the nodes of ln v in that unit, shape (1 or 2, nodes)."""
         v = np.exp(grid.x + self.log_unit)
         g = np.asarray(self.start(v) * v)
         if self.asked.m == 0:
             g = g / (float(g.sum()) * grid.spacing)  # some of the mass lies beyond the window
-        return np.stack([g.real, g.imag]) if np.iscomplexobj(g) else g[None]
+        return _rows(g) * np.exp(self.tilt * grid.x)
 
 
 def solve_spectral(asked: HarmonicProblem) -> Profile | None:
@@ -186,13 +182,10 @@ def solve_spectral(asked: HarmonicProblem) -> Profile | None:
     tau = shift + log_unit
     early = tau.size if m else count_before_scaling(asked, speeds, tau)
     best: tuple[GridDensity, float] | None = None
-    for aim in _AIMS if asked.nodes is None else _AIMS[:1]:
+    for aim, tilt in _AIMS if asked.nodes is None else _AIMS[:1]:
+        aimed = replace(asked, rtol=max(aim * rtol, _LEAST_AIM))
         try:
-            found = _solve(
-                _Problem(
-                    replace(asked, rtol=max(aim * rtol, _LEAST_AIM)), start, speeds, tau[:early]
-                )
-            )
+            found = _solve(_Problem(aimed, start, speeds, log_unit, tau[:early], tilt))
         except InputError:
             if best is None:
                 raise
@@ -217,111 +210,96 @@ def _solve(problem: _Problem) -> tuple[GridDensity, float] | None:
     if narrow is None:
         return None
     grid, angle = _choose_grid(problem, narrow)
-    gain = log_gain(law, grid.wave_numbers, m)
-    moved, g = _follow(problem, grid, gain, angle, tau, _FINE)
-    # speeds cool nearly as 1/(1 + h t/2)
-    rate = math.sqrt(law.mean_log_loss * float(law.decay_rate(1.0)))
-    lowest = math.log(LOWEST_SPEED) - np.log1p(rate * np.expm1(tau))
+    gain, pole = problem.gain(grid.wave_numbers), m == 0 and not problem.tilt
+    moved, rows = intertwine(grid, problem.on(grid), gain, angle, pole).at(tau, _FINE)
+    down = moved * grid.spacing
     # the other solution: the same wave numbers, but fewer of them, and a window higher up
     few = np.unique(np.linspace(0, tau.size - 1, min(tau.size, _COMPARED)).astype(int))
-    skipped = math.ceil(_HIGHER / (_FINE * grid.spacing))
-    other = LogGrid(
-        grid.start + _FINE * skipped * grid.spacing,
-        grid.spacing * _FINE / _COARSE,
-        grid.nodes // _FINE * _COARSE,
-    )
-    _, h = _follow(problem, other, gain[: other.nodes // 2 + 1], angle, tau[few], _COARSE)
-    common = _FINE * skipped
-    apart = np.abs(g[few, common::_FINE] - h[:, : other.nodes - _COARSE * skipped : _COARSE])
-    # per speed, but below the lowest one per its logarithm; the least maximum is where most are
-    floor = (lowest + moved)[few, None]
+    unit = _FINE * grid.spacing  # both grids move by multiples of it
+    skipped, nodes = math.ceil(_HIGHER / unit), grid.nodes // _FINE * _COARSE
+    other = LogGrid(grid.start + skipped * unit, unit / _COARSE, nodes)
+    hidden = intertwine(other, problem.on(other), gain[: nodes // 2 + 1], angle, pole)
+    g, h = _whole(rows), _whole(hidden.at(tau[few], _COARSE)[1])
+    bounded = m == 0 or law.least_ratio >= _SMALL_RATIO or problem.tilt > 0.0
+    start = window[0] if bounded else grid.start
+    if problem.tilt:
+        g = g * np.exp(-problem.tilt * (grid.x - down[:, None])) * (grid.x >= start)
+        h = h * np.exp(-problem.tilt * (other.x - down[few, None])) * (other.x >= start)
+    common = slice(_FINE * skipped, None, _FINE)
+    apart = np.abs(g[few, common] - h[:, : nodes - _COARSE * skipped : _COARSE])
+    # per speed, but below the lowest one, ln v = lowest, per its logarithm: speeds cool nearly as
+    # 1/(1 + h t/2); the least maximum is where most are
+    rate = math.sqrt(law.mean_log_loss * float(law.decay_rate(1.0)))
+    lowest = math.log(LOWEST_SPEED) - np.log1p(rate * np.expm1(tau))
+    floor = (lowest + down)[few, None]
     least = 0.0 if m == 0 else _LEAST_MAXIMUM
     size = np.abs(g[few])
     top = np.maximum(
         (size * np.exp(-np.maximum(grid.x, floor))).max(axis=1, initial=0.0),
         least * LOWEST_SPEED * np.exp(-floor[:, 0]),
     )
-    wrong = (apart * np.exp(-np.maximum(grid.x[common::_FINE], floor))).max(axis=1, initial=0.0)
+    wrong = (apart * np.exp(-np.maximum(grid.x[common], floor))).max(axis=1, initial=0.0)
     of_g = apart.max(axis=1, initial=0.0) / np.maximum(size.max(axis=1, initial=0.0), least)
-    shift = moved - problem.log_unit
     density = GridDensity(
         grid=grid,
         values=g,
-        shift=shift,
-        lowest=lowest + problem.log_unit,
-        start=window[0] if m == 0 or law.least_ratio >= _SMALL_RATIO else grid.start,
+        shift=down - problem.log_unit,
+        start=start,
         end=window[1] + grid.spacing,
         resolved=max(_SHARE * rtol, float(of_g.max(initial=0.0))),
-        filled=m == 0 and law.reaches_rest,
+        filled=lowest + problem.log_unit - math.log(10.0) if m == 0 and law.reaches_rest else None,
     )
     return density, max(float((wrong / top).max(initial=0.0)), _FLOOR, _CUT * rtol)
 
 
-def _follow(
-    problem: _Problem,
-    grid: LogGrid,
-    gain: ComplexArray,
-    angle: float,
-    tau: FloatArray,
-    stride: int,
-) -> tuple[FloatArray, NDArray[Any]]:
-    """By how much the grid has moved down at the times, (n_times,), and g, (n_times, nodes).
-
-    It moves by multiples of ``stride`` nodes.
-    """
-    hidden = intertwine(grid, problem.on(grid), gain, angle, problem.asked.m)
-    moved, values = hidden.at(tau, stride)
-    both = values[:, 0] + 1j * values[:, 1] if values.shape[1] == 2 else values[:, 0]
-    return moved * grid.spacing, both
-
-
 def _choose_grid(problem: _Problem, narrow: LogGrid) -> tuple[LogGrid, float]:
-    """The nodes and the angle of the axis, from nodes that resolve the start.
-
-    The window is that of g and more: u reaches further down, as v, and further up, as
-    exp(-v t/l).
-    """
-    law, m, rtol = problem.asked.law, problem.asked.m, problem.asked.rtol
-    given, most = problem.asked.nodes, _MOST_NODES
+    """The nodes and the angle of the axis, from nodes that resolve the start."""
+    rtol, given, most = problem.asked.rtol, problem.asked.nodes, _MOST_NODES
     if problem.tau.size:
         most = min(most, int(_MOST_VALUES / problem.tau.size))
     rows, spacing = problem.on(narrow), narrow.spacing
-    best, tried = (*choose_angle(law, m, narrow, rows, spacing, rtol), spacing), spacing
+    best, tried = (*choose_angle(problem.gain, narrow, rows, spacing, rtol), spacing), spacing
     # more modes allow a larger angle, but cost in proportion
     while best[0] > math.log(_ALLOWED * rtol) and given is None:
         tried *= _FINER
         if (narrow.end - narrow.start) / tried > 0.6 * most:
             break
-        found = choose_angle(law, m, narrow, rows, tried, rtol)
+        found = choose_angle(problem.gain, narrow, rows, tried, rtol)
         if found[0] < best[0] - 1.0:
             best = (*found, tried)
-    _, angle, raised, spacing = best
-    tail = math.log(_SHARE * rtol) - raised - _HIGHER
-    if m == 0:
-        tail += math.log(law.mean_log_loss)
-    elif law.least_ratio < _SMALL_RATIO:
-        tail /= _SLOWEST
-    left = min(narrow.start, tail)
-    # there exp(-v t/l) is e^-7 rtol
-    right = max(narrow.end, math.log((7.0 - math.log(rtol) + raised) / math.cos(angle)))
-    if angle:
-        left, right = left - TAPER, right + TAPER
-    # wave numbers less than 1/2 apart, for the gain
-    left = min(left, right - 4.0 * math.pi)
+    left, right = _wide(problem, narrow, *best[1:3])
     if given:
         count = 2 * _FINE * math.ceil(given / (2 * _FINE))
+        best = (*choose_angle(problem.gain, narrow, rows, (right - left) / count, rtol), 0.0)
+        left, right = _wide(problem, narrow, *best[1:3])
         spacing = (right - left) / count
     else:
         from scipy.fft import next_fast_len
 
-        spacing *= _COARSE / _FINE
-        least = math.ceil((right - left) / spacing / (2 * _FINE))
-        count = 2 * _FINE * int(next_fast_len(least, real=True))
+        spacing = best[3] * _COARSE / _FINE
+        count = 2 * _FINE * int(next_fast_len(math.ceil((right - left) / spacing / (2 * _FINE))))
         if count > most:
             raise _too_much(problem, count)
     # both ends at multiples of the nodes that two solutions have in common
     first = math.floor(left / (_FINE * spacing))
-    return LogGrid(_FINE * spacing * first, spacing, count), angle
+    return LogGrid(_FINE * spacing * first, spacing, count), best[1]
+
+
+def _wide(problem: _Problem, narrow: LogGrid, angle: float, raised: float) -> tuple[float, float]:
+    """Both ends of the window of u: further down than that of g, and further up as exp(-v t/l)."""
+    law, rtol = problem.asked.law, problem.asked.rtol
+    tail = math.log(_SHARE * rtol) - raised - _HIGHER
+    if problem.tilt:
+        tail /= problem.tilt
+    elif problem.asked.m == 0:
+        tail += math.log(law.mean_log_loss)
+    elif law.least_ratio < _SMALL_RATIO:
+        tail /= _SLOWEST
+    # there exp(-v t/l) is e^-7 rtol
+    right = max(narrow.end, math.log((7.0 - math.log(rtol) + raised) / math.cos(angle)))
+    ends = TAPER if angle else 0.0
+    # wave numbers less than 1/2 apart, for the gain
+    return min(min(narrow.start, tail) - ends, right + ends - 4.0 * math.pi), right + ends
 
 
 def _too_much(problem: _Problem, wanted: float) -> InputError:
