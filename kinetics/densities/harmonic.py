@@ -167,7 +167,7 @@ class ThenScaling(Value):
         c = np.exp(log_c[near])
         law = self.scaled.law
         surface = law.unit_surface * c ** (law.dimension - 1)
-        out[near] = surface * self.scaled.vdf(c) * math.exp(-log_thermal)
+        out[near] = surface * self.scaled.reached_vdf(c) * math.exp(-log_thermal)
         return out
 
 

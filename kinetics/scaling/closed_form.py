@@ -18,16 +18,16 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.results import Result, dataset, variable
 from kinetics.scaling import mellin
-from kinetics.scaling.symbols import from_rest
 from kinetics.validation import exponent, not_negative, refuse
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
+_CLOSE_TO_REST = 1e-16  # corrections are of that order
 
 
 @dataclass(frozen=True)
@@ -252,3 +252,17 @@ def scaled_figures(state: Any) -> dict[str, str]:
         "cooling rate h": f"{state.cooling_rate:.12g}",
         "a2": f"{state.a2:.12g}",
     }
+
+
+def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The speeds at which F is asked for, shape (n,), and F(0) at all of them, as a beginning.
+
+    F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
+    lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
+    """
+    if not law.reaches_rest:
+        return c, np.zeros(c.shape)
+    power = -law.lowest_power - law.dimension
+    if power == 0.0:
+        c = np.where(c == 0.0, _CLOSE_TO_REST, c)
+    return c, np.full(c.shape, math.inf if power < 0.0 else 0.0)
