@@ -69,7 +69,8 @@ def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None
     for p in (0.5, 1.0, 4.0, 7.0):
         assert vdf.moment(p) == pytest.approx(exact.moment(p), **same)
     assert vdf.status is SolverStatus.CONVERGED
-    assert np.allclose(vdf.vdf(C), exact.vdf(C), rtol=3e-12, atol=1e-280)
+    c = C[exact.vdf(C) > 1e-90]
+    assert np.allclose(vdf.vdf(c), exact.vdf(c), rtol=3e-12, atol=0.0)
     assert vdf.error_estimate < 3e-12
     assert vdf.a2 == pytest.approx(
         dimension / (dimension + 2.0) * exact.moment(4.0) - 1.0, rel=1e-9
