@@ -71,7 +71,9 @@ class SpeedAxis:
         """Relative error of the results, over all that was solved so far."""
         estimates = [t.discretisation_error for t in self.tilts]
         estimates += [self._lost, 1.0 if self.unresolved else 0.0]
-        return max(estimates) + sum(self._disagreements) + self._moved + self._rounding
+        # what two tilts disagree by at a seam has the rounding in it
+        seams = max(sum(self._disagreements), self._rounding)
+        return max(estimates) + seams + self._moved
 
     # -- moments ------------------------------------------------------------------------------
 

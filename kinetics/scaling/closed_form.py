@@ -236,7 +236,8 @@ def scaled_dataset(
     speeds = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
     if state.cooling_rate > 0.0 and (not only or "vdf" in only):
         words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
-        found["vdf"] = variable(("c",), state.vdf(speeds), "1", words, "F")
+        vdf = getattr(state, "reached_vdf", state.vdf)  # the solver: 0 where it does not reach
+        found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
     axes = {
         "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
         "p": variable(("p",), powers, "1", "power of the speed"),
