@@ -35,9 +35,9 @@ from kinetics.states.state import SpeedFunction
 _MOST_NODES, _MOST_NODES_OF_START, _MOST_VALUES = 40_000, 8192, 3e7
 # The solution has 5 nodes where the one that it is compared with has 4, and that one's window ends
 # by so many e-folds of the speed higher up. They are compared at so many times.
-_FINE, _COARSE, _HIGHER, _COMPARED = 5, 4, 2.0, 8
+_FINE, _COARSE, _HIGHER, _COMPARED = 5, 4, 2.0, 6
 _SHARE, _ALLOWED = 0.005, 0.3  # of rtol, for each of many small parts of the error; for rounding
-_BELOW_RTOL = 8.0  # e-folds below rtol at which the window ends
+_BELOW_RTOL = 6.0  # e-folds below rtol at which the window ends
 # What is aimed at, of rtol, and the tilt, one after another until the error is below rtol. Under
 # laws of few ratios u oscillates at low speeds for long: with a tilt it falls, but rounding grows
 # as t^tilt. And what rounding allows to aim at.

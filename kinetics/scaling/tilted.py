@@ -57,38 +57,6 @@ _SIZING = 0.6  # of the exponent that sets the points of lambda: less accuracy w
 _ELASTIC = 1.333e-6
 
 
-_MANY = 3000  # exponentials from which products of matrices are faster; both give the same
-_LITTLE_LOST = 0.2399  # share of energy lost (e = 0.8) below which 1 - E[s^z] loses a digit
-
-
-def decay_symbol_on_line(
-    law: CollisionLaw, theta: float, wave_numbers: NDArray[Any]
-) -> NDArray[Any]:
-    """lambda(theta - i k) for equidistant k from 0, shape of k.
-
-    Where the average over the impact parameter takes many points, exp(i k xi) is a product of two
-    factors: instead of n exponentials for each point, 2 sqrt(n) of them and a product of matrices.
-    """
-    z = theta - 1j * wave_numbers
-    if math.isfinite(law.lowest_power) or law.energy_loss < _LITTLE_LOST:
-        return law.decay_symbol(z)
-    q = law.quadrature_for(float(np.abs(z[[0, -1]]).max()))
-    if z.size * q.weight.size < _MANY:
-        return law.decay_symbol(z)
-    fine = math.ceil(math.sqrt(z.size))
-    coarse = -(-z.size // fine)
-    turn = 1j * wave_numbers[1] * q.log_loss
-    near = np.exp(np.multiply.outer(np.arange(fine), turn)) * (
-        q.weight * np.exp(-theta * q.log_loss)
-    )
-    far = np.exp(np.multiply.outer(fine * np.arange(coarse), turn))
-    power = (far @ near.T).ravel()[: z.size]
-    out = 1.0 - power
-    # next to z = 0 it is small
-    out[:1] = law.decay_symbol(z[:1])
-    return np.asarray(out)
-
-
 def flux_symbol(
     law: CollisionLaw, z: NDArray[Any], decay: NDArray[Any] | None = None
 ) -> NDArray[Any]:
@@ -360,7 +328,7 @@ def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
 
 def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
     nodes = grid.nodes
-    decay = decay_symbol_on_line(law, theta, grid.wave_numbers)
+    decay = law.decay_symbol(theta - 1j * grid.wave_numbers)
     flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers, decay))
     # one more row and column make it regular: the row fixes the sum, and the unknown of the column
     # is what the discrete equation lacks to have a solution
