@@ -109,12 +109,12 @@ def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) ->
     at = z[:, None] + offsets
     rate = np.where(at == 0.0, 1.0, _rates(law, z, offsets))
     rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
-    path = _integral(law, float(shift), a + shift) + np.zeros(count, dtype=complex)
-    path[1:] += 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
+    path = np.full(count, complex(_integral(law, float(shift), a + shift)))
+    path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
     return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
 
 
-def _rates(law: CollisionLaw, z: ComplexArray, offsets: ComplexArray) -> ComplexArray:
+def _rates(law: CollisionLaw, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
     """lambda(z + d) for every z and d, shape (n_z, n_d), relative to itself."""
     at = z[:, None] + offsets
     if law.reaches_rest:
