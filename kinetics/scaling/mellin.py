@@ -28,6 +28,9 @@ _NEGLIGIBLE = 39.0  # e^-39 = 1e-17: what is left out at the ends of a line and 
 # it loses e^(1.6^2/2) = 4 at most; and the next line is where the centre moves by so many.
 _REACH, _SERVED, _APART = 2.0, 1.5, 2.5
 _NOTHING = -800.0  # ln F below which F is 0
+# Below e^-5 of the speed after a bounce, the tilted density changes between two such lines: closer.
+_RARELY_LOST, _CLOSE = 5.0, 0.4
+_LEAST = 0.02  # share of its terms that a sum must have: two digits are lost there
 _DIFFERENCE = 0.2  # over the deviation, for derivatives of ln A that place lines
 # Where g is a power of speed low down, lines closer to the lowest power would need ever more
 # samples; the lowest line loses e^(0.25 |x|), 2e4 at v t = 1e-17 l.
@@ -198,9 +201,15 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     between = centre[:-1] * deviation[1:] + centre[1:] * deviation[:-1]
     serving = np.searchsorted(between / (deviation[:-1] + deviation[1:]), x)
     out = np.full(x.shape, -math.inf)
-    for i in np.unique(serving):
-        line, mine = lines[i], serving == i
-        total = _sum(line, x[mine]) * line.step / (2.0 * math.pi)
+    for i, line in enumerate(lines):
+        total = _sum(line, x[serving == i])
+        if i + 1 < len(lines):
+            # near e = 0 little may be left of the tilted density above its centre
+            lost = total < _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0)
+            lost &= x[serving == i] > line.centre
+            serving[np.nonzero(serving == i)[0][lost]] = i + 1
+            total = total[~lost]
+        mine, total = serving == i, total * line.step / (2.0 * math.pi)
         out[mine] = np.log(np.maximum(total, 1e-300)) + line.log_moment - line.exponent * x[mine]
     out[x > centre[-1] + _REACH * deviation[-1]] = -math.inf
     if not law.reaches_rest:
@@ -216,7 +225,10 @@ def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line])
     while (end := lines[-1]).centre + _SERVED * end.deviation < highest and _something(law, end):
         lines.append(_line(law, end.exponent + _APART / end.deviation, end.deviation))
     while (end := lines[0]).centre - _SERVED * end.deviation > lowest and _something(law, end):
-        exponent = max(end.exponent - _APART / end.deviation, law.lowest_power + _LOWEST_LINE)
+        step = _APART / end.deviation
+        if law.largest_loss > _RARELY_LOST:
+            step = min(step, _CLOSE)
+        exponent = max(end.exponent - step, law.lowest_power + _LOWEST_LINE)
         if exponent == end.exponent:
             break
         lines.insert(0, _line(law, exponent, end.deviation))

@@ -164,10 +164,10 @@ def test_moments_that_do_not_exist_or_overflow() -> None:
 
 def test_large_speeds_beside_small_ones_near_zero() -> None:
     """What resolves a long tail towards rest lost eight digits where it ends at large speeds."""
-    c = np.array([0.08, 1.0, 5.0, 11.5, 12.5])
-    np.testing.assert_allclose(
-        ScalingSolution(1e-10).vdf(c), solve_scaled(1e-10, 1e-12).vdf(c), rtol=2e-12
-    )
+    c = np.concatenate([np.geomspace(1e-3, 0.1, 12), np.linspace(0.2, 12.5, 40)])
+    for e, d in ((1e-10, 2), (1e-8, 2), (1e-8, 3)):
+        exact, found = ScalingSolution(e, 1.0, d), solve_scaled(e, 1e-12, dimension=d)
+        np.testing.assert_allclose(exact.vdf(c), found.vdf(c), rtol=2e-12)
 
 
 def test_the_smallest_speeds_and_exponents() -> None:
