@@ -317,12 +317,12 @@ class CollisionLaw:
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
         q = self.quadrature_for(float(np.abs(z).max()))
-        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
-        out, factor = [self.decay_rate(z)], np.ones_like(q.log_loss)
-        for n in range(1, orders):
-            factor = factor * (-q.log_loss) / n
-            out.append(-(power @ factor))
-        return out
+        power = np.exp(-np.multiply.outer(z, q.log_loss))
+        order = np.arange(1.0, orders)
+        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
+        # a complex matrix times a real one would be taken apart for each column
+        slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
+        return [self.decay_rate(z), *(-slopes.T)]
 
     def returns(self, m: int) -> tuple[float, float]:
         """eps and x of returns to the scatterer before (`MediumLaw.returns`); none here."""
