@@ -241,7 +241,7 @@ class BackwardEquation:
         """X beyond which observables are on their asymptotes."""
         if self.harmonic > _HARMONICS:
             return _HIGHEST_X
-        return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
+        return min(asymptotic_from(self.law), _HIGHEST_X)
 
     @property
     def _offsets(self) -> FloatArray:

@@ -37,7 +37,6 @@ from kinetics.position.waves import Waves, carried, series_sum, together
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
 _SERIES, _TERMS = 5.0, 40
-_LASTING = 2  # the harmonics whose decay decides from which X on the panels may end
 _FEWEST_NODES = 6
 _NO_POWER = 1e-18  # a ratio of speeds of which no power but the zeroth counts
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
@@ -93,7 +92,7 @@ def _extent(
     start = rule.width * math.floor(min(first, highest) / rule.width)
     limit = highest
     if not law.is_elastic:
-        limit = min(limit, asymptotic_from(law, highest, _LASTING))
+        limit = min(limit, asymptotic_from(law))
     count = max(1, math.ceil((limit - start) / rule.width))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square
@@ -152,7 +151,8 @@ class Sweep:
         near = q.log_loss <= count * rule.width
         few = q.part(near)
         shifts = PanelShifts(rule, few.log_loss)
-        loss, gain = shifts.kernel(few.weight, *few.harmonics(top))
+        lost = np.stack(list(few.harmonic_losses(top)))
+        loss, gain = shifts.kernel(few.weight, 1.0 - lost, lost)
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
         by_row = self._coupling[:, None, None]
@@ -168,7 +168,8 @@ class Sweep:
                 ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
                 above = ratio > _NO_POWER
                 powers = many.weight[above] * ratio[above] ** np.arange(1, _TERMS + 1)[:, None]
-            for m, harmonic in enumerate(many.each_harmonic(top)):
+            for m, lost_ in enumerate(many.harmonic_losses(top)):
+                harmonic = 1.0 - lost_
                 self._far[0, m] = many.weight @ harmonic / self._coupling[m]
                 self._far[1:, m] = powers @ harmonic[above] / self._coupling[m]
         self._returned: Returned | None = None
@@ -279,7 +280,7 @@ class Sweep:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
         q = self.law.quadrature_for(float(_TERMS), self.top)
         powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
-        loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
+        loss = 1.0 - np.stack([(1.0 - lost) @ powers for lost in q.harmonic_losses(self.top)])
         loss = np.stack([self.law.met_again(np.arange(_TERMS), r, m) for m, r in enumerate(loss)])
         loss[0] = self.law.decay_rate(np.arange(_TERMS))
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
@@ -355,7 +356,5 @@ def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
     """Shares of the collisions that come out of the last panels, farthest first."""
     if reach == 0:
         return np.ones(1)
-    with np.errstate(under="ignore"):
-        below = law.chance_below(np.exp(-width * np.arange(reach + 1)))
-    below[0], below[-1] = 1.0, 0.0
-    return -np.diff(below)[::-1]
+    panel = np.minimum(law.quadrature.log_loss / width, reach - 1.0).astype(int)
+    return np.bincount(panel, law.quadrature.weight, reach)[::-1]
