@@ -1,9 +1,9 @@
 """One collision: the only room that knows the restitutions, the dimension and how they enter.
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
-equation needs, and which law the arguments of a scene mean; `bounce.py` is the bounce off a disk or
-a sphere, or given by weighted samples, and `averages.py` the weighted sums that it makes. `medium.py`
-is the theory of a finite density, and `memory.py` finds the laws under which speeds go on oscillating.
+equation needs, and the law that the arguments of a scene mean; `bounce.py` is the bounce off a disk
+or a sphere, or one given by weighted samples, and `averages.py` the weighted sums made of it.
+`medium.py` is the theory of a finite density; `memory.py` finds laws under which speeds oscillate.
 """
 
 from kinetics.collision.averages import ImpactQuadrature, Survival

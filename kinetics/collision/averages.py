@@ -70,8 +70,8 @@ class ImpactQuadrature:
 
     def part(self, used: NDArray[np.bool_]) -> ImpactQuadrature:
         """Some of the nodes, (n_nodes,) of booleans; their weights need not sum to 1."""
-        arrays = self.weight, self.log_loss, self.ratio, self.parallel
-        return ImpactQuadrature(*(array[used] for array in arrays), self.dimension)
+        weight, log_loss, ratio = self.weight[used], self.log_loss[used], self.ratio[used]
+        return ImpactQuadrature(weight, log_loss, ratio, self.parallel[used], self.dimension)
 
 
 @dataclass(frozen=True)

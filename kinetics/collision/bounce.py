@@ -30,7 +30,7 @@ from kinetics.validation import finite_line, refuse
 # by less than RESOLVED radians on it: tests/kinetics/collision/test_law.py has the largest powers.
 _POINTS = 20
 RESOLVED = 30.0
-DEEPEST = 48.0  # where s reaches 0, nodes end at -ln s of this: e^-48 of the bounces lose more
+DEEPEST = 40.0  # where s reaches 0, nodes end at -ln s of this: e^-40 of the bounces lose more
 _SUM = 1e-9  # how far the sum of the weights of samples may be from 1; they are rescaled to it
 _ROUNDING = 1e-12  # how far a cosine may be beyond 1
 _MOST = 20_000  # samples: each costs some kilobytes on every panel
@@ -82,7 +82,7 @@ class DiskBounce:
         """U of :meth:`_nodes`: s has its branch points at the distance pi/2 of u = 0 then."""
         least, most, square = self._ends
         if least == 0.0:
-            return DEEPEST + 20.0
+            return 70.0  # more than the depth that is used
         # asinh(sqrt(square)/least), which does not overflow; any U > 0 will do for s = const
         return max(math.log(most + math.sqrt(square)) - math.log(least), 1e-3)
 
@@ -91,14 +91,16 @@ class DiskBounce:
         both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
         return both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
 
-    def _nodes(self, level: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _nodes(
+        self, level: int, deepest: float = DEEPEST
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each.
 
         Gauss points in u, sinh(u)/sinh(U) = y where e < et, else the angle from y = 1 over pi/2.
         Panels are at most 2^-level long; y and sqrt(1 - y^2) are right relative to themselves.
         """
         top = self._top
-        length = DEEPEST if self._ends[0] == 0.0 else top
+        length = deepest if self._ends[0] == 0.0 else top
         u, w = equal_panels(length, _POINTS, min(1.0, top) * 2.0**-level)
         rest, u = u[::-1], top - length + u  # U - u without cancellation: nodes are symmetric
         scale, small = -math.expm1(-2.0 * top), np.exp(-2.0 * u)
@@ -120,9 +122,8 @@ class DiskBounce:
         xi = -np.log(np.hypot(least * high, most * low))
         xi = np.where(near, -0.5 * np.log1p(-np.where(near, lost, 0.0)), xi)
         weight = w if self.dimension == 2 else 2.0 * y * w
-        return ImpactQuadrature(
-            weight, xi, np.exp(-xi), et * y**2 - e * missed**2, self.dimension
-        )
+        parallel = et * y**2 - e * missed**2
+        return ImpactQuadrature(weight, xi, np.exp(-xi), parallel, self.dimension)
 
     def quadrature(self, level: int) -> ImpactQuadrature:
         """The average, with panels 2^level times shorter than for slow functions."""
@@ -143,7 +144,8 @@ class DiskBounce:
 
         du = |et^2 - e^2| y dy/s^2.
         """
-        y, missed, w = self._nodes(level)
+        # low speeds see the bulk of the scaling state, some e-folds wide, from the deepest loss
+        y, missed, w = self._nodes(level, DEEPEST + 8.0)
         xi = self._quadrature(y, missed, w).log_loss
         if self.restitution <= self.tangential_restitution:
             chance = y ** (self.dimension - 1)
@@ -160,7 +162,7 @@ class DiskBounce:
     def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
         """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node.
 
-        Gauss points in the angle, in which s is smooth; its density in -ln s is not. Where s
+        Gauss points in y, in which s is smooth; its density in -ln s is not. Where s
         reaches 0, cells end at e^-40 of its largest; the last one holds all below.
         """
         first, last = self.least_loss, self.largest_loss
@@ -173,13 +175,13 @@ class DiskBounce:
         fall = -np.expm1(2.0 * np.minimum(0.0, first - edge)) * math.exp(-2.0 * first)
         angle = np.arctan2(np.sqrt(rise), np.sqrt(fall))  # 0 where s is least
         angle[-1] = 0.0
+        rising = self.restitution < self.tangential_restitution
+        z = np.sin(angle) if rising else 2.0 * np.sin(0.5 * angle) ** 2  # y, or 1 - y
         node, weight = gauss_legendre(points)
-        width = (angle[:-1] - angle[1:])[:, None]
-        at = (angle[1:, None] + width * node).ravel()
-        y, missed = np.sin(at), np.cos(at)
-        if self.restitution > self.tangential_restitution:
-            y, missed = missed, y
-        q = self._quadrature(y, missed, (width * weight).ravel() * missed)
+        width = (z[:-1] - z[1:])[:, None]
+        at = (z[1:, None] + width * node).ravel()
+        y, missed = (at, (1.0 - at) * (1.0 + at)) if rising else (1.0 - at, at * (2.0 - at))
+        q = self._quadrature(y, np.sqrt(missed), (width * weight).ravel())
         kept = q.weight > 0.0  # cells below the least loss are empty
         return q.part(kept), np.repeat(np.arange(count), points)[kept]
 

@@ -21,7 +21,6 @@ from kinetics.collision.averages import ImpactQuadrature, Survival
 from kinetics.collision.bounce import RESOLVED, DiskBounce, SampledBounce
 from kinetics.collision.medium import Medium, checked_medium
 from kinetics.errors import InputError, short
-from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,

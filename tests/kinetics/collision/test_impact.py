@@ -161,18 +161,3 @@ def test_what_is_no_law_is_one_line(arguments: dict[str, object], line: str) -> 
     assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match="above -2"):
         CollisionLaw(0.0, dimension=3).decay_rate(-2.0)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize(("e", "et"), [(0.4, 1.0), (0.0, 0.6), (0.9, 0.3), (0.5, 0.0), (0.6, 0.6)])
-def test_chance_of_a_lower_speed_ratio(e: float, et: float, dimension: int) -> None:
-    """Against the share of equally likely impact parameters, and as a law of samples."""
-    share = (np.arange(20_000) + 0.5) / 20_000
-    square = share**2 if dimension == 2 else share
-    s = np.sqrt(e**2 + (et**2 - e**2) * square)
-    ratio = np.array([1e-3, 0.2, 0.35, 0.55, 0.75, 0.95, 1.0])
-    expected = [np.mean(s < x) for x in ratio]
-    law = CollisionLaw(e, et, dimension)
-    assert np.allclose(law.chance_below(ratio), expected, atol=1e-4)
-    samples = CollisionLaw.from_samples(np.full(s.size, 1.0 / s.size), s, np.zeros(s.size))
-    assert np.allclose(samples.chance_below(ratio), expected, atol=1e-9)
