@@ -263,10 +263,10 @@ class BackwardEquation:
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
             factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
             loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
-            self._kernels[m] = loss[0], gain[0]
             eps, delay = self.law.returns(m)
             if eps:
-                self._kernels[m] = with_returns(self.rule, loss[0], gain[0], eps, delay)
+                loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), delay)
+            self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 
     # -- solution -----------------------------------------------------------------------------

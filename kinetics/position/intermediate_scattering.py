@@ -20,9 +20,8 @@ from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.returned import density_at_origin
-from kinetics.position.scattering import most_at_once, solve_waves
+from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
-from kinetics.position.waves import Waves
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 
@@ -134,12 +133,9 @@ class Scattering:
         highest = float(speeds.x.max() + self.log_stretch(which).max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        most = most_at_once(self.law, float(wave_numbers.max()), highest, least, kept)
-        for first in range(0, wave_numbers.size, most):
-            part = slice(first, first + most)
-            found = solve_waves(self.law, wave_numbers[part], highest, least, kept)
-            self.systems[found.rule.nodes - 1] += found.systems
-            yield part, found
+        found = solve_waves(self.law, wave_numbers, highest, least, kept)
+        self.systems[found.rule.nodes - 1] += found.systems
+        yield slice(None), found
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float

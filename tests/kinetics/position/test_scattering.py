@@ -28,4 +28,4 @@ def test_waves_meet_the_accuracy_asked_for() -> None:
             for tolerance in (1e-4, 1e-7):
                 found = solve_waves(law, np.array([k]), 6.0, tolerance)
                 assert np.abs(found(x) - best).max() < tolerance
-                assert found.error_estimate < 10.0 * tolerance
+                assert found.errors[-1] < 10.0 * tolerance
