@@ -7,7 +7,7 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
-(:mod:`kinetics.position.ballistic_front`). Only the others are transformed: their F falls in k,
+(:mod:`kinetics.position.uncollided`). Only the others are transformed: their F falls in k,
 until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
 collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
 G(R) is right to about 1e-2 beside it, and the error estimate says so.
@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.directions import element, radial_measure, radial_waves, surface
 from kinetics.position.tail import PowerTail
+from kinetics.position.uncollided import Uncollided
 from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
 
@@ -56,7 +56,7 @@ class Displacement(Value):
     panels: tuple[WavePanel, ...]
     tails: tuple[PowerTail | None, ...]
     cut: FloatArray
-    uncollided: UncollidedDensity
+    uncollided: Uncollided
     front_radius: FloatArray
     front_weight: FloatArray
     reach: FloatArray
@@ -67,7 +67,7 @@ class Displacement(Value):
     @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
-        return sum(panel.values.shape[1] for panel in self.panels)
+        return sum(panel.wave_numbers.size for panel in self.panels)
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
@@ -85,11 +85,8 @@ class Displacement(Value):
 
     def _at_zero(self, time: int) -> float:
         """Share of all tracers that the panels stand for: F at k = 0."""
-        for panel in self.panels:
-            f = panel.of(time)
-            if f is not None:  # the first panel of a time begins at 0
-                return panel.at_zero(f)
-        return 0.0
+        found = [f for panel in self.panels if (f := panel.at_zero(time)) is not None]
+        return found[0] if found else 0.0
 
     def within(self, time: int, r: FloatArray) -> FloatArray:
         """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
@@ -121,7 +118,7 @@ class Displacement(Value):
             f = panel.of(time)
             if f is None:
                 continue
-            points = _enough(f.size, float(rho.max()) * (panel.high - panel.low))
+            points = _enough(2 * f.size + 8, float(rho.max()) * (panel.high - panel.low))
             k, weight, values = panel.gauss(f, points)
             if tail is not None:
                 values = values - tail.at(k)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,36 +35,25 @@ _FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
 _MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
 
 
-def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
-    """The initial speeds as points that resolve functions varying over ``spacing`` in ln v.
+def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
+    """Harmonic m of a start as points that resolve functions varying over ``spacing`` in ln v.
 
     Peaks and samples are points already; densities get Gauss panels no wider than the spacing, with
-    an edge at each kink.
+    an edge at each kink. None where the harmonic is zero.
     """
-    profile = state.profile(0)
-    if profile is None:
-        found = state.harmonic(0, rtol)
-        assert found is not None  # harmonic 0 is never zero
-        return found
-    _, x, weight = _panels_of(state, profile, spacing, rtol)
-    return LogMeasure(x, weight / float(weight.sum()))
-
-
-def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
-    """The same for harmonic m > 0; None where it is zero."""
     profile, harmonic = state.profile(0), state.profile(m)
     if profile is None or harmonic is None:
         return state.harmonic(m, rtol)
-    edges, _, weight = _panels_of(state, profile, spacing, rtol)
-    x, w = panels_between(edges, _POINTS)
+    x, w, norm = _panels_of(state, profile, spacing, rtol)
     v = np.exp(x)
-    return LogMeasure(x, np.asarray(harmonic(v) * v * w) / float(weight.sum()))
+    values = np.asarray(harmonic(v) * v * w) / norm
+    return LogMeasure(x, values if m else values.real)
 
 
 def _panels_of(
     state: State, profile: SpeedFunction, spacing: float, rtol: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
+) -> tuple[FloatArray, FloatArray, float]:
+    """Gauss points in ln v, their weights, and the norm that they give."""
     found = state.harmonic(0, rtol)
     assert found is not None
     low, high = float(found.x.min()), float(found.x.max())
@@ -79,10 +67,10 @@ def _panels_of(
         edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
         x, w = panels_between(edges, _POINTS)
         v = np.exp(x)
-        weight = np.asarray(profile(v).real * v * w)
-        if abs(float(weight.sum()) - 1.0) < rtol:
+        norm = float(profile(v).real @ (v * w))
+        if abs(norm - 1.0) < rtol:
             break
-    return edges, x, weight
+    return x, w, norm
 
 
 @dataclass(frozen=True)
@@ -124,18 +112,24 @@ class Scattering:
 
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
-    ) -> Iterator[tuple[slice, Waves]]:
-        """Solve the backward equation for K = k l, up to the largest T of the times.
+    ) -> tuple[Waves, LogMeasure, float]:
+        """The backward equation for K = k l up to the largest T of the times.
 
-        A few wave numbers after another, where all at once would take too much memory.
+        Besides, the initial speeds as points for it, and its error averaged over them, absolute,
+        at the worst of the times.
         """
-        speeds = points_of(self.state, 1.0, tolerance)
-        highest = float(speeds.x.max() + self.log_stretch(which).max())
+        speeds = points_of(self.state, 0, 1.0, tolerance)
+        assert speeds is not None  # harmonic 0 is never zero
+        stretch = self.log_stretch(which)
+        highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        found = solve_waves(self.law, wave_numbers, highest, least, kept)
-        self.systems[found.rule.nodes - 1] += found.systems
-        yield slice(None), found
+        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
+        self.systems[waves.rule.nodes - 1] += waves.systems
+        speeds = points_of(self.state, 0, waves.rule.width, tolerance)
+        assert speeds is not None
+        error = max(float(speeds.weight @ waves.error_at(speeds.x + s)) for s in stretch)
+        return waves, speeds, error
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
@@ -143,57 +137,17 @@ class Scattering:
         """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
 
         wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
-
-        The error is the mean over the initial speeds of that of the waves, at the worst time.
         """
-        stretch, profile = self.log_stretch(which), self.state.profile(0)
-        out, error = np.empty((which.size, wave_numbers.size)), 0.0
-        some = points_of(self.state, 1.0, tolerance)
-        for part, waves in self._waves(wave_numbers, which, tolerance):
-            found = None
-            if profile is not None and self.state.smooth:
-                found = self._on_panels(waves, profile, stretch, tolerance)
-            if found is None:
-                speeds = points_of(self.state, waves.rule.width, tolerance)
-                means = [speeds.weight @ self._collided(waves, speeds.x + s) for s in stretch]
-                found = np.array(means)
-            out[:, part] = found
-            missed = waves.error_at(some.x + stretch[:, None]) @ some.weight
-            error = max(error, float(missed.max()))
-        return out, error
-
-    def _on_panels(
-        self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
-    ) -> FloatArray | None:
-        """The means over a smooth density, from the same points X for all times, (n_which, n_k).
-
-        None where that takes too many points.
-        """
-        width = waves.rule.width
-        edges, _, weight = _panels_of(self.state, profile, width, tolerance)
-        norm, bottom, top = float(weight.sum()), float(edges[0]), float(edges[-1])
-        # below, nothing has collided; above the end of the waves, nothing is left
-        low = max(bottom + float(stretch.min()), math.log(tolerance) - 3.0)
-        high = top + float(stretch.max())
-        if waves.ended:
-            high = min(high, waves.start + (waves.values.shape[0] - 0.5) * width)
-        pieces = math.ceil(width * (edges.size - 1) / (top - bottom) - 1e-9)
-        first, last = (math.floor((x - waves.start) / width) * pieces for x in (low, high))
-        if last - first > _MOST_PIECES:
-            return None
-        steps = np.arange(first, max(first, last) + pieces + 1)
-        x, w = panels_between(np.asarray(waves.start + width / pieces * steps), _POINTS)
-        left = self._collided(waves, x)
-        out = np.empty((stretch.size, left.shape[1]))
-        for i, s in enumerate(stretch):
-            part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
-            v = np.exp(x[part] - s)
-            out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
-        return out
+        waves, speeds, error = self._waves(wave_numbers, which, tolerance)
+        means = [
+            speeds.weight @ self._collided(waves, speeds.x + s) for s in self.log_stretch(which)
+        ]
+        return np.array(means), error
 
     def mean_at_origin(self) -> FloatArray:
         """Density of the returned at the origin, see `returned.density_at_origin`, (n_times,)."""
-        speeds = points_of(self.state, 1.0, 1e-9)
+        speeds = points_of(self.state, 0, 1.0, 1e-9)
+        assert speeds is not None
         with np.errstate(over="ignore"):
             path = np.exp(self.log_stretch(np.arange(self.times.size))[:, None] + speeds.x)
         found = density_at_origin(self.law, path.ravel()).reshape(path.shape)
@@ -215,8 +169,6 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,)
         direction : angle of k to the x axis; None for the mean over the directions
-
-        The error is the mean over the initial speeds of that of the waves at each time.
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic
@@ -224,23 +176,14 @@ class Scattering:
         if direction is not None and most != 0:
             kept = 10**6 if most is None else most
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
-        error = 0.0
-        for part, waves in self._waves(wave_numbers, which, tolerance, kept):
-            speeds = points_of(self.state, waves.rule.width, tolerance)
-            for stretch in self.log_stretch(which):
-                error = max(error, float(speeds.weight @ waves.error_at(speeds.x + stretch)))
-            for m in range(min(kept + 1, waves.values.shape[1])):
-                width = waves.rule.width
-                if m == 0:
-                    start: LogMeasure | None = speeds
-                else:
-                    start = _harmonic_of(self.state, m, width, tolerance)
-                if start is None:
-                    continue
-                for i, stretch in enumerate(self.log_stretch(which)):
-                    mean = start.weight @ waves(start.x + stretch, m)
-                    angle, d = direction or 0.0, self.law.dimension
-                    out[i, part] += share_of_harmonic(m, mean, angle, d)
+        waves, _, error = self._waves(wave_numbers, which, tolerance, kept)
+        for m in range(min(kept + 1, waves.values.shape[1])):
+            start = points_of(self.state, m, waves.rule.width, tolerance)
+            if start is None:
+                continue
+            for i, stretch in enumerate(self.log_stretch(which)):
+                mean = start.weight @ waves(start.x + stretch, m)
+                out[i] += share_of_harmonic(m, mean, direction or 0.0, self.law.dimension)
         return out, error
 
 

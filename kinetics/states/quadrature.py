@@ -215,7 +215,8 @@ def function(
     ]
     span = np.append(np.concatenate(cuts), edges[last + 1])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
-    return _refine(per_log_speed, pieces, 0.1 * max(rtol, _ROUNDING) * float(mass.sum()))
+    tolerance = 0.1 * max(rtol, _ROUNDING) * float(mass.sum())
+    return _without_zeros(*refined(per_log_speed, pieces, tolerance))
 
 
 def _scan(
@@ -253,10 +254,13 @@ def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
     return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
 
 
-def _refine(
-    per_log_speed: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
-) -> LogMeasure:
-    """Halve intervals (n, 2) until 12 points and twice 12 points give the same integral."""
+def refined(
+    function: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
+) -> tuple[FloatArray, NDArray[Any]]:
+    """Points, and weights times the function there, (n_points,) each, on intervals (n, 2).
+
+    They are halved until 12 points and twice 12 points give the same integral.
+    """
     points: list[FloatArray] = []
     weights: list[NDArray[Any]] = []
     for depth in range(_MOST_HALVINGS + 1):
@@ -264,19 +268,17 @@ def _refine(
         halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
         coarse_x, coarse_w = panels_of(ends, 12)
         fine_x, fine_w = panels_of(halves, 12)
-        coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
-        fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
-        difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
-        good = (
-            (difference <= tolerance) | (depth == _MOST_HALVINGS) | (ends.shape[0] > _MOST_PIECES)
-        )
+        coarse = (function(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
+        fine = function(fine_x.ravel()).reshape(fine_x.shape) * fine_w
+        good = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse) <= tolerance
+        good |= depth == _MOST_HALVINGS or ends.shape[0] > _MOST_PIECES
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())
         ends = halves[~both]
         if ends.size == 0:
             break
-    return _without_zeros(np.concatenate(points), np.concatenate(weights))
+    return np.concatenate(points), np.concatenate(weights)
 
 
 def _without_zeros(x: NDArray[Any], weight: NDArray[Any]) -> LogMeasure:

@@ -12,7 +12,7 @@ import pytest
 from kinetics import Beam, CollisionLaw, SpeedTable
 from kinetics.moments.displacement import mean_square_displacement
 from kinetics.moments.velocity import Averages
-from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
+from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
 from kinetics.position.density import Displacement
 from kinetics.position.sweep import solve_displacement
 from kinetics.states.isotropic import Gaussian, Monoenergetic, State, as_state
@@ -43,7 +43,7 @@ STARTS: list[tuple[State, Any]] = [
 @pytest.mark.parametrize(("state", "exact"), STARTS)
 def test_the_density_is_that_of_the_start(state: State, exact: Any) -> None:
     """f(r/t) exp(-r/l)/t, also between the points at which f was taken."""
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
+    found = Uncollided(state, PATH, TIMES)
     v = np.concatenate([np.linspace(0.0, 1.9999, 500), np.linspace(2.0001, 9.0, 300)])
     f = exact(v) if exact else np.interp(v, [0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0])
     for i, t in enumerate(TIMES[1:], start=1):
@@ -57,7 +57,7 @@ def test_the_density_is_that_of_the_start(state: State, exact: Any) -> None:
 @pytest.mark.parametrize(("state", "exact"), STARTS[:3])
 def test_the_share_within_a_radius(state: State, exact: Any) -> None:
     """Against 4000 Gauss points in the speed, with a grid that ends at the jump."""
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
+    found = Uncollided(state, PATH, TIMES)
     node, weight = np.polynomial.legendre.leggauss(40)
     for i, t in enumerate(TIMES[1:], start=1):
         for radius in (0.05 * t, 2.0 * t):
@@ -72,8 +72,7 @@ def test_the_share_within_a_radius(state: State, exact: Any) -> None:
 
 def test_sharp_speeds_have_a_front_and_no_density() -> None:
     state = Monoenergetic(2.0)
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
-    assert found.is_zero
+    found = Uncollided(state, PATH, TIMES)
     assert not found.at(2, np.array([10.0, 80.0])).any()
     assert not found.within(2, np.array([10.0, 80.0])).any()
     radius, weight = fronts(state, PATH, TIMES)
