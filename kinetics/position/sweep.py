@@ -18,7 +18,7 @@ from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
-from kinetics.position.wave_panel import WavePanel, solved_between, wave_numbers_between
+from kinetics.position.wave_panel import WavePanel, points_between, wave_numbers_between
 from kinetics.states.state import State
 
 # The work of one sweep, in squares of the sizes of the systems, some five seconds. F is solved up
@@ -30,14 +30,13 @@ _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 _ALIKE = 3.0  # of the widths of times that share their wave numbers
 _HALVINGS = 7  # of an interval of wave numbers, at most
-# Up to K = _CHEAP, where few harmonics are needed, F is solved to _CHEAPER of what G needs, but not
-# beyond _BEST: rounding of F allows no more.
-_CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
+_SOLVED = 0.3  # error of F where it is solved for, over what G needs
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-_STEP = 1.4  # from the end of one interval to that of the next
+# From the end of one interval to that of the next, before and after its powers of 1/K are found.
+_STEP, _STEP_KNOWN = 2.0, 1.5
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -165,7 +164,8 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            low, high = high, _STEP * high
+            known = not self.sharp and all(self.tails[i] is not None for i in self.active)
+            low, high = high, high * (_STEP_KNOWN if known else _STEP)
             work, done = self.system.work - done, self.system.work
             if done - begin + 2.0 * work > _MOST_WORK:  # the next interval is more than the last
                 break
@@ -190,8 +190,7 @@ class _Sweep:
 
     def _tolerance(self, high: float) -> float:
         """Of F up to K = high."""
-        share = max(1.0, float(np.max(self.width[self.active])) * high)
-        return min(self.rtol / share, max(_BEST, _CHEAPER * self.rtol) if high < _CHEAP else 1.0)
+        return _SOLVED * self.rtol / max(1.0, float(np.max(self.width[self.active])) * high)
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
@@ -219,7 +218,7 @@ class _Sweep:
         k = wave_numbers_between(low, high, power, count)
         values, error = self.system.collided(k, self.active, tolerance)
         panel = WavePanel(low, high, power, self.active, values)
-        if panel.missed > tolerance and halvings < _HALVINGS:
+        if panel.missed > tolerance / _SOLVED and halvings < _HALVINGS:
             middle = 0.5 * (low + high)
             left, first = self._interval(low, middle, tolerance, size, halvings + 1)
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
@@ -251,6 +250,6 @@ class _Sweep:
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, math.inf
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
-        k, f = solved_between(self.panels, time, _FITTED * high)
+        k, f = points_between(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, self._first_power, returned)
         return tail, left * (_RETURNED if returned else _BEYOND)

@@ -109,15 +109,14 @@ def _rows(
     return np.asarray((high / k[:, None]) ** power * rows * (at / high) ** power)
 
 
-def solved_between(
+def points_between(
     panels: list[WavePanel], time: int, low: float, high: float = math.inf
 ) -> tuple[FloatArray, FloatArray]:
     """K > low and F there, (n,) each, on those panels of a time that begin below ``high``."""
     parts = [
-        (panel.wave_numbers, panel.of(time))
+        panel.gauss(f, 2 * f.size)
         for panel in panels
-        if panel.of(time) is not None and panel.high > low and panel.low < high
+        if (f := panel.of(time)) is not None and panel.high > low and panel.low < high
     ]
-    k = np.concatenate([k for k, _ in parts])
-    f = np.concatenate([f for _, f in parts if f is not None])
-    return k[k > low], f[k > low]
+    k = np.concatenate([k for k, _, _ in parts])
+    return k[k > low], np.concatenate([f for _, _, f in parts])[k > low]
