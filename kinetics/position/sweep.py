@@ -30,13 +30,16 @@ _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 _ALIKE = 3.0  # of the widths of times that share their wave numbers
 _HALVINGS = 7  # of an interval of wave numbers, at most
-_SOLVED = 0.3  # error of F where it is solved for, over what G needs
+# Error of F where it is solved for, over what G needs; less where K begins at 0, which decides the
+# norm and the moments, and takes few harmonics.
+_SOLVED, _SOLVED_AT_ZERO = 0.3, 1e-3
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next, before and after its powers of 1/K are found.
-_STEP, _STEP_KNOWN = 2.0, 1.5
+# From the end of one interval to that of the next: before and after its powers of 1/K are found,
+# and for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.5, 1.25
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -158,20 +161,22 @@ class _Sweep:
                 self.active = self.active[low * self._flights[self.active] <= _LARGEST]
                 if self.active.size == 0:
                     break
-            new, error = self._interval(low, high, self._tolerance(high), size)
+            new, error = self._interval(low, high, self._tolerance(low, high), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            known = not self.sharp and all(self.tails[i] is not None for i in self.active)
-            low, high = high, high * (_STEP_KNOWN if known else _STEP)
+            known = all(self.tails[i] is not None for i in self.active)
+            step = _STEP_KNOWN if known else _STEP
+            low, high = high, high * (_STEP_SHARP if self.sharp else step)
             work, done = self.system.work - done, self.system.work
             if done - begin + 2.0 * work > _MOST_WORK:  # the next interval is more than the last
                 break
-        # where more wave numbers left more of G(R) unknown, go back to those that left least
+        # where more wave numbers left more of G(R) unknown, go back to those that left least; but
+        # beside a front all of them are better
         for i, (missed, tail, count) in self._best.items():
-            if missed < self.missed[i]:
+            if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
                 self.missed[i], self.tails[i] = missed, tail
                 later = [panel.without(i) for panel in self.panels[count:]]
                 self.panels[count:] = [panel for panel in later if panel.which.size]
@@ -188,9 +193,10 @@ class _Sweep:
                 cut[i] = 0.5 * last[-1]
         return cut
 
-    def _tolerance(self, high: float) -> float:
-        """Of F up to K = high."""
-        return _SOLVED * self.rtol / max(1.0, float(np.max(self.width[self.active])) * high)
+    def _tolerance(self, low: float, high: float) -> float:
+        """Of F from K = low to high; rounding of F allows no more than 3e-12."""
+        share = max(1.0, float(np.max(self.width[self.active])) * high)
+        return max(3e-12, self.rtol / share * (_SOLVED if low else _SOLVED_AT_ZERO))
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""
@@ -236,10 +242,12 @@ class _Sweep:
         last = self.panels[-1].of(time)
         assert last is not None  # only times that are active are asked for
         if self.sharp:
-            ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
+            # F turns with K T: its size is seen over a whole turn only
+            turn = 2.0 * math.pi / max(float(self._flights[time]), 1e-300)
+            _, f = points_between(self.panels, time, max(0.5 * high, high - turn))
             # the waves of all K add up beside the front of tracers of a sharp speed
-            turns = high * min(float(self._flights[time]), _FAINT)
-            return None, ended * max(1.0, turns) ** (0.5 * (self.system.law.dimension - 1.0))
+            turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
+            return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
         largest = float(np.abs(last).max())
         tail, left = self._powers(time, high)
         return (tail, left) if left < _BETTER * largest else (None, largest)
