@@ -30,9 +30,9 @@ _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 _ALIKE = 3.0  # of the widths of times that share their wave numbers
 _HALVINGS = 7  # of an interval of wave numbers, at most
-# Error of F where it is solved for, over what G needs; less where K begins at 0, which decides the
-# norm and the moments, and takes few harmonics.
-_SOLVED, _SOLVED_AT_ZERO = 0.3, 1e-3
+# Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
+# are needed: it decides the norm and the moments.
+_SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
@@ -161,7 +161,7 @@ class _Sweep:
                 self.active = self.active[low * self._flights[self.active] <= _LARGEST]
                 if self.active.size == 0:
                     break
-            new, error = self._interval(low, high, self._tolerance(low, high), size)
+            new, error = self._interval(low, high, self._tolerance(high), size)
             self.panels += new
             last = self.panels[-1].values
             # F of densities falls; that of sharp speeds turns
@@ -193,10 +193,10 @@ class _Sweep:
                 cut[i] = 0.5 * last[-1]
         return cut
 
-    def _tolerance(self, low: float, high: float) -> float:
-        """Of F from K = low to high; rounding of F allows no more than 3e-12."""
+    def _tolerance(self, high: float) -> float:
+        """Of F up to K = high; rounding of F allows no more than 3e-12."""
         share = max(1.0, float(np.max(self.width[self.active])) * high)
-        return max(3e-12, self.rtol / share * (_SOLVED if low else _SOLVED_AT_ZERO))
+        return max(3e-12, self.rtol / share * (_SOLVED if high > _CHEAP else _SOLVED_CHEAPLY))
 
     def _judge(self, high: float, error: float) -> None:
         """For which times F has ended at K = high; error: on the last interval."""

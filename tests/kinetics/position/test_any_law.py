@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -16,12 +15,10 @@ from kinetics import (
     CollisionLaw,
     InputError,
     Scene,
-    Solution,
     SolverStatus,
-    load,
     solve,
 )
-from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
+from kinetics.position.directions import mean_phase
 from kinetics.position.tail import PowerTail, fit_tail, origin_terms
 
 FloatArray = NDArray[np.float64]
@@ -92,13 +89,6 @@ def isotropic(dimension: int, count: int = 400) -> CollisionLaw:
         cosine, weight = np.polynomial.legendre.leggauss(count)
         weight = 0.5 * weight
     return CollisionLaw.from_samples(weight, np.ones(count), cosine, dimension)
-
-
-def test_isotropic_scattering_from_samples() -> None:
-    """In space it is what elastic spheres do."""
-    found = solve(scene(isotropic(3), TIMES, "monoenergetic", "intermediate_scattering"), 1e-12)
-    f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
-    assert np.abs(f - ONE_SPEED).max() < 1e-12
 
 
 @pytest.mark.parametrize(("t", "tolerance"), [(12.0, 1e-4), (24.0, 1e-6), (48.0, 1e-7)])
@@ -219,17 +209,6 @@ def test_free_flight_of_a_beam_in_space() -> None:
 # -- the parts -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("kind", [0, 1, 2])
-def test_powers_have_these_transforms(dimension: int, kind: int) -> None:
-    tail = PowerTail(np.array([0.0, 0.0, 0.0, 0.3, -0.2, 1.0]), 1.7, dimension)
-    rho = np.array([0.05, 0.4, 2.0])
-    k, w = bins(np.concatenate([np.linspace(0.0, 400.0, 1201), np.geomspace(402.0, 1e4, 400)]))
-    waves = radial_waves(np.outer(rho, k), kind, dimension)
-    expected = waves @ (w * tail.at(k) * radial_measure(k, kind, dimension))
-    assert np.allclose(tail.transform(rho, kind), expected, rtol=1e-6, atol=1e-7)
-
-
 @pytest.mark.parametrize("straight", [False, True])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_powers_of_stopped_tracers_and_of_those_on_a_line(
@@ -250,6 +229,11 @@ def test_the_powers_of_stopped_tracers_and_of_those_on_a_line(
     assert np.allclose(tail.transform(r, 2), -slope, rtol=1e-6)
     within = [tail.transform(x, 1) * x ** (dimension - 1) for x in (r - step, r + step)]
     assert np.allclose((within[1] - within[0]) / (2.0 * step), expected * r ** (dimension - 1))
+    if straight and dimension == 2:  # what is known of returns is such a term
+        same = PowerTail(np.zeros(1), 1.0, 2, returned=1.0)
+        for kind in (0, 1, 2):
+            assert np.allclose(same.transform(r, kind), tail.transform(r, kind), rtol=1e-12)
+        assert np.allclose(same.at(r), tail.at(r), rtol=1e-14)
     assert tail.at(np.array([3.0]))[0] == pytest.approx(10.0 ** (-0.5 * (dimension, 1)[straight]))
 
 
@@ -270,22 +254,10 @@ def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
     scene = Scene(0.0, dimension=dimension, times=[t], outputs=("msd", "position_density"))
     found = solve(scene, rtol=rtol)
     assert found.status is SolverStatus.CONVERGED
-    assert found._displacement is not None
-    assert found._displacement.panels[-1].high < 15.0
     edges = np.sqrt(found.msd[0]) * np.concatenate([[0.0], np.geomspace(1e-4, 20.0, 80)])
     r, w = bins(edges)
     assert abs(found.position_density(r)[0] @ w - 1.0) < rtol
     assert abs(found.position_density(r)[0] @ (w * r**2) / found.msd[0] - 1.0) < 10.0 * rtol
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("dimension", "t"), [(2, 100.0), (3, 30.0)])
-def test_stopped_tracers_to_the_accuracy_asked_for(dimension: int, t: float) -> None:
-    scene = Scene(0.0, dimension=dimension, times=[t], outputs=("position_density",))
-    R = np.linspace(0.02, 6.0, 300)
-    best = solve(scene, rtol=1e-6).scaled_position_density(R)
-    for rtol in (1e-4, 1e-5):
-        assert np.abs(solve(scene, rtol=rtol).scaled_position_density(R) - best).max() < rtol
 
 
 def test_the_tail_in_space_is_found_again() -> None:
@@ -298,26 +270,7 @@ def test_the_tail_in_space_is_found_again() -> None:
     assert origin_terms(k, 1, 3)[-1, 0] == pytest.approx((1.0 + 900.0) ** -2.0)
 
 
-def test_elements_and_waves() -> None:
-    x = np.array([0.0, 1e-9, 0.3, 50.0])
-    assert np.allclose(element(x, 3), x**2)
-    assert np.allclose(mean_phase(x, 3), [1.0, 1.0, math.sin(0.3) / 0.3, math.sin(50.0) / 50.0])
-
-
 # -- results ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_result_in_space_is_saved_and_pickled(tmp_path: Any) -> None:
-    def shown(value: Solution) -> list[FloatArray]:
-        return [value.position_density([0.0, 3.0, 9.0, 70.0]), value.position_fraction([0, 5, 90])]
-
-    for law in (LAWS[2], MIXTURE):
-        found = solve(scene(law, 4.0, "monoenergetic"), rtol=1e-2)
-        found.save(tmp_path / "result.h5")
-        for again in (load(tmp_path / "result.h5"), pickle.loads(pickle.dumps(found))):
-            assert again == found
-            assert all(map(np.array_equal, shown(again), shown(found)))
 
 
 def test_a_density_that_is_not_resolved_says_so() -> None:
