@@ -37,9 +37,10 @@ _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next: before and after its powers of 1/K are found,
-# and for sharp speeds, where the best of many ends is taken.
-_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.5, 1.25
+# From the end of one interval to that of the next, before and after its powers of 1/K are found (the
+# latter at most), and for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
+_FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
@@ -167,9 +168,7 @@ class _Sweep:
             # F of densities falls; that of sharp speeds turns
             size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
             self._judge(high, error)
-            known = all(self.tails[i] is not None for i in self.active)
-            step = _STEP_KNOWN if known else _STEP
-            low, high = high, high * (_STEP_SHARP if self.sharp else step)
+            low, high = high, high * self._step()
             work, done = self.system.work - done, self.system.work
             if done - begin + 2.0 * work > _MOST_WORK:  # the next interval is more than the last
                 break
@@ -180,6 +179,15 @@ class _Sweep:
                 self.missed[i], self.tails[i] = missed, tail
                 later = [panel.without(i) for panel in self.panels[count:]]
                 self.panels[count:] = [panel for panel in later if panel.which.size]
+
+    def _step(self) -> float:
+        """From the end of one interval to that of the next."""
+        if self.sharp:
+            return _STEP_SHARP
+        if not all(self.tails[i] is not None for i in self.active):
+            return _STEP
+        more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
+        return min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,).
