@@ -43,7 +43,7 @@ _HARMONICS, _HIGHEST_X = 2, 700.0
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
 # Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
-# the one before (tests/kinetics/measurements/moments.py); the rest is for the initial state.
+# the one before; the rest is for the initial state.
 _LAST, _BEFORE = 1.75, 0.175
 _LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 

@@ -37,8 +37,8 @@ _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-# From the end of one interval to that of the next, before and after its powers of 1/K are found (the
-# latter at most), and for sharp speeds, where the best of many ends is taken.
+# From the end of one interval to that of the next: before its powers of 1/K are found, after that
+# at most, and for sharp speeds, where the best of many ends is taken.
 _STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
 _FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...

@@ -75,29 +75,6 @@ def test_harmonics_against_integrals(e: float, et: float, dimension: int) -> Non
             assert float(abs(law.harmonic_decay_rate(p, m) - exact)) <= LIMIT
 
 
-@pytest.mark.parametrize("e", [0.0, 0.2, 0.7, 0.999])
-def test_smooth_spheres(e: float) -> None:
-    """kappa = 1/2 + e^2 ln e/(1 - e^2); the elastic sphere scatters into all angles alike."""
-    law = CollisionLaw(e, dimension=3)
-    with mp.workdps(40):
-        lost = mp.mpf(e) ** 2 * mp.log(e) / (1 - mp.mpf(e) ** 2) if e else mp.mpf(0)
-        assert relative(law.mean_log_loss, mp.mpf(1) / 2 + lost) <= LIMIT
-    elastic = CollisionLaw(1.0, dimension=3)
-    assert elastic.is_elastic
-    for m in range(1, 9):
-        assert elastic.harmonic_decay_rate(0.0, m) == pytest.approx(1.0, abs=1e-14)
-
-
-@pytest.mark.parametrize("e", [1e-3, 0.5, 0.99])
-def test_equal_restitutions_in_the_plane(e: float) -> None:
-    """s = e in every bounce, and the deflections are those of the elastic disk."""
-    law = CollisionLaw(e, e)
-    assert law.mean_log_loss == pytest.approx(-math.log(e), rel=1e-15)
-    assert law.mean_cosine == pytest.approx(-1 / 3, rel=1e-14)
-    for p in (0.5, 2.0, 7.0):
-        assert law.decay_rate(p) == pytest.approx(1.0 - e**p, rel=1e-14)
-
-
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("e", "et"), [(0.0, 1.0), (0.3, 0.8), (0.8, 0.3), (1.0, 0.4), (0.5, 0.5)])
 def test_the_chance_to_lose_more(e: float, et: float, dimension: int) -> None:
