@@ -14,7 +14,6 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
@@ -22,7 +21,7 @@ from kinetics.position.returned import density_at_origin
 from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
 from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import SpeedFunction, State
+from kinetics.states.state import State
 
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
@@ -32,7 +31,7 @@ _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no 
 _ONCE_MORE, _LEAST = 0.03, 1e-14
 _WIDEST = 0.5  # K up to which panels do not get narrower with K
 _FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
-_MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
+_AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
 def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
@@ -42,35 +41,24 @@ def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure |
     an edge at each kink. None where the harmonic is zero.
     """
     profile, harmonic = state.profile(0), state.profile(m)
-    if profile is None or harmonic is None:
-        return state.harmonic(m, rtol)
-    x, w, norm = _panels_of(state, profile, spacing, rtol)
-    v = np.exp(x)
-    values = np.asarray(harmonic(v) * v * w) / norm
-    return LogMeasure(x, values if m else values.real)
-
-
-def _panels_of(
-    state: State, profile: SpeedFunction, spacing: float, rtol: float
-) -> tuple[FloatArray, FloatArray, float]:
-    """Gauss points in ln v, their weights, and the norm that they give."""
     found = state.harmonic(0, rtol)
-    assert found is not None
+    if profile is None or harmonic is None or found is None:
+        return state.harmonic(m, rtol)
     low, high = float(found.x.min()), float(found.x.max())
-    kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
+    kinks = np.log(state.kinks[state.kinks > 0.0])
     if kinks.size:
         # the points of a table stop short of its ends
         low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
     kinks = kinks[(kinks > low) & (kinks < high)]
     for halving in range(_HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
-        edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
-        x, w = panels_between(edges, _POINTS)
+        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), _POINTS)
         v = np.exp(x)
         norm = float(profile(v).real @ (v * w))
         if abs(norm - 1.0) < rtol:
             break
-    return x, w, norm
+    values = np.asarray(harmonic(v) * v * w) / norm
+    return LogMeasure(x, values if m else values.real)
 
 
 @dataclass(frozen=True)
@@ -211,40 +199,17 @@ def scattering_function(
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():
-        # those within a factor of two share their panels
+        # those within a factor of two share their panels; large ones take much memory each
         largest = float(scaled[left].max())
         group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
-        found, error = _through_points(system, scaled[group], direction, tolerance)
+        group &= np.cumsum(group) <= max(1.0, _AT_ONCE / (1.0 + largest))
+        found, error = system.whole(scaled[group], direction, tolerance)
         if error > tolerance:  # once more, with more nodes and harmonics
             asked = max(_ONCE_MORE * tolerance, _LEAST)
-            found, error = _through_points(system, scaled[group], direction, asked)
+            found, error = system.whole(scaled[group], direction, asked)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group
     if worst > tolerance:
         warn_missed("F(k, t)", worst, tolerance)
     return out
-
-
-def _through_points(
-    system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
-) -> tuple[NDArray[Any], float]:
-    """F (n_times, n_k) and its error, absolute.
-
-    From a polynomial in K where that takes fewer wave numbers than are asked for.
-    """
-    low, high = float(wave_numbers.min()), float(wave_numbers.max())
-    nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)
-    if system.state.peaks is not None:
-        # tracers of one speed that have not collided make F turn with cos(K T)
-        longest = float(np.exp(system.log_stretch(np.arange(system.times.size))).max())
-        fastest = float(np.max(system.state.peaks[0]))
-        nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
-    if wave_numbers.size > 1.5 * nodes:
-        rule = FirstKind(math.ceil(nodes))
-        trial, error = system.whole(low + (high - low) * rule.local, direction, 0.5 * tolerance)
-        left_out = float(np.max(rule.last_coefficients(trial)))
-        if left_out < 0.5 * tolerance:
-            rows = rule.rows((wave_numbers - low) / (high - low))
-            return np.asarray(trial @ rows.T), error + left_out
-    return system.whole(wave_numbers, direction, tolerance)

@@ -48,7 +48,6 @@ _RISING = 0.75  # a_m below this power of the tolerance do not matter while they
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
 _SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
-_MEMORY = 2e8  # bytes of the systems of all wave numbers at once
 _FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
 
 
@@ -132,33 +131,7 @@ def solve_waves(
         first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
     start = rule.width * math.floor(min(first, highest) / rule.width)
     count = max(1, math.ceil((limit - start) / rule.width))
-    pieces = math.ceil(
-        8.0 * (top + 1) * rule.nodes * 3.0 * rule.nodes * wave_numbers.size / _MEMORY
-    )
-    found = [
-        Sweep(law, k, rule, start, top, count).run(count, tolerance, kept)
-        for k in np.array_split(wave_numbers, pieces)
-    ]
-    return found[0] if pieces == 1 else _joined(found)
-
-
-def _joined(found: list[Waves]) -> Waves:
-    """Waves of several sets of wave numbers as one."""
-    panels = max(len(waves.values) for waves in found)
-
-    def longer(values: FloatArray) -> FloatArray:  # those that ended sooner are 0 from there on
-        return np.concatenate([values, np.zeros((panels - len(values), *values.shape[1:]))])
-
-    return Waves(
-        np.concatenate([waves.wave_numbers for waves in found]),
-        found[0].rule,
-        found[0].start,
-        np.concatenate([longer(waves.values) for waves in found], axis=3),
-        np.concatenate([waves.coefficients for waves in found], axis=2),
-        all(waves.ended for waves in found),
-        np.max([longer(waves.errors) for waves in found], axis=0),
-        sum(waves.systems for waves in found),
-    )
+    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
