@@ -76,22 +76,15 @@ class Displacement(Value):
         collided = element(near / path, d) * (self._transform(time, r, 0) / path)
         return np.asarray(collided + self.uncollided.at(time, r))
 
-    def collided_within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers that have collided and are within r, shape (n_r,)."""
+    def within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
         near = np.minimum(r, self.reach[time])  # the square of r may overflow
         inside = element(near / self.mean_free_path, self.dimension)
         inside = inside * self._transform(time, r, 1)
-        return np.where(r <= self.reach[time], inside, self._at_zero(time))
-
-    def _at_zero(self, time: int) -> float:
-        """Share of all tracers that the panels stand for: F at k = 0."""
-        found = [f for panel in self.panels if (f := panel.at_zero(time)) is not None]
-        return found[0] if found else 0.0
-
-    def within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
+        whole = next((f for panel in self.panels if (f := panel.at_zero(time)) is not None), 0.0)
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
-        return np.asarray(self.collided_within(time, r) + front + self.uncollided.within(time, r))
+        flying = front + self.uncollided.within(time, r)
+        return np.where(r <= self.reach[time], inside, whole) + flying
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density of the collided in the plane, or in space, and its slope, (n_r,) each.

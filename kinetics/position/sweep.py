@@ -18,7 +18,7 @@ from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
 from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
-from kinetics.position.wave_panel import WavePanel, points_between, wave_numbers_between
+from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
 # The work of one sweep, in squares of the sizes of the systems, some five seconds. F is solved up
@@ -252,7 +252,7 @@ class _Sweep:
         if self.sharp:
             # F turns with K T: its size is seen over a whole turn only
             turn = 2.0 * math.pi / max(float(self._flights[time]), 1e-300)
-            _, f = points_between(self.panels, time, max(0.5 * high, high - turn))
+            _, f = points_beyond(self.panels, time, max(0.5 * high, high - turn))
             # the waves of all K add up beside the front of tracers of a sharp speed
             turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
             return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
@@ -266,6 +266,6 @@ class _Sweep:
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, math.inf
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
-        k, f = points_between(self.panels, time, _FITTED * high)
+        k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, self._first_power, returned)
         return tail, left * (_RETURNED if returned else _BEYOND)

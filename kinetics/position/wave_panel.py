@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -59,7 +58,8 @@ class WavePanel(Value):
         f = self.of(time)
         if f is None or self.low > 0.0:
             return None
-        return float((_rows(self.low, self.high, self.power, f.size, (0.0,)) @ f)[0])
+        middle = FirstKind(2 * f.size).rows(np.array([0.5]))[0]
+        return float(middle @ np.concatenate([f[::-1], f]))
 
     def gauss(self, f: FloatArray, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gauss nodes and weights in K, shape (points,) each, and the polynomial f there."""
@@ -92,13 +92,9 @@ def wave_numbers_between(low: float, high: float, power: int, nodes: int) -> Flo
 
 
 @lru_cache(maxsize=64)  # the same panels are asked for at many times and radii
-def _rows(
-    low: float, high: float, power: int, nodes: int, points: int | tuple[float, ...]
-) -> FloatArray:
-    """Interpolation from the wave numbers to K, or to so many Gauss points, (points, nodes)."""
-    k = np.array(points) if isinstance(points, tuple) else None
-    if k is None:
-        k = low + (high - low) * gauss_legendre(points)[0]
+def _rows(low: float, high: float, power: int, nodes: int, points: int) -> FloatArray:
+    """Interpolation from the wave numbers to so many Gauss points, (points, nodes)."""
+    k = low + (high - low) * gauss_legendre(points)[0]
     if low == 0.0:
         rows = FirstKind(2 * nodes).rows(0.5 + 0.5 * k / high)
         return np.asarray(rows[:, nodes:] + rows[:, nodes - 1 :: -1])
@@ -109,14 +105,12 @@ def _rows(
     return np.asarray((high / k[:, None]) ** power * rows * (at / high) ** power)
 
 
-def points_between(
-    panels: list[WavePanel], time: int, low: float, high: float = math.inf
-) -> tuple[FloatArray, FloatArray]:
-    """K > low and F there, (n,) each, on those panels of a time that begin below ``high``."""
+def points_beyond(panels: list[WavePanel], time: int, low: float) -> tuple[FloatArray, FloatArray]:
+    """K > low and F there, (n,) each, twice as many points as on the panels of a time."""
     parts = [
         panel.gauss(f, 2 * f.size)
         for panel in panels
-        if (f := panel.of(time)) is not None and panel.high > low and panel.low < high
+        if (f := panel.of(time)) is not None and panel.high > low
     ]
     k = np.concatenate([k for k, _, _ in parts])
     return k[k > low], np.concatenate([f for _, _, f in parts])[k > low]

@@ -105,29 +105,6 @@ def test_the_lowest_power_is_where_the_geometric_series_ends(e: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("e", "n"),
-    [
-        (0.9, 0.1), (0.3, 0.02),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.7, 0.04), (0.5, 0.1))),
-    ],
-)  # fmt: skip
-def test_the_discretised_scaling_state_meets_the_closed_form(e: float, n: float) -> None:
-    medium = {"scatterers": "overlapping", "number_density": n}
-    exact, found = ScalingSolution(e, **medium), solve_scaled(e, **medium)
-    assert found.status.name == "CONVERGED"
-    assert found.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-12)
-    assert found.a2 == pytest.approx(exact.a2, abs=1e-11)
-    assert found.moment(6.0) == pytest.approx(exact.moment(6.0), rel=1e-11)
-    c = np.array([0.8, 1.0, 1.5, 3.0])
-    assert found.vdf(c) == pytest.approx(exact.vdf(c), rel=1e-10)
-    # where the operator means nothing, F is not a number, and never negative
-    low = exact.vdf(np.geomspace(1e-4, 0.8, 40))
-    assert np.isnan(low[0])
-    assert np.all(low[np.isfinite(low)] > 0)
-    assert np.isnan(found.vdf(1e-4))
-
-
-@pytest.mark.parametrize(
     ("arguments", "says"),
     [
         ({"scatterers": "spheres"}, "scatterers: got 'spheres'"),
@@ -169,20 +146,6 @@ def test_the_plan_and_the_message_say_what_was_done() -> None:
     assert "outside the range" in solved(0.11, 1e4).message
 
 
-def test_results_remember_the_scatterers(tmp_path: Any) -> None:
-    from kinetics import load
-
-    scene = Scene(0.7, times=[1.0], scatterers="hard disks", density_order="first")
-    assert scene != Scene(0.7, times=[1.0])
-    solution = solve(scene)
-    solution.save(tmp_path / "solution.h5")
-    assert load(tmp_path / "solution.h5") == solution
-    state = solve_scaled(0.7, scatterers="hard disks", number_density=0.05)
-    state.save(tmp_path / "state.h5")
-    assert load(tmp_path / "state.h5").moment(3.0) == state.moment(3.0)
-    assert "hard disks" in repr(scene)
-
-
 # -- the constants of the first order ------------------------------------------------------------
 
 
@@ -214,3 +177,26 @@ def test_a_simulation_meets_the_theory_and_not_the_dilute_equation(name: str, e:
     assert np.all(np.abs(found["second"][0][2:]) < 3.5 * errors)
     assert np.all(np.abs(found["leading"][0][2:]) < 3.5 * errors)
     assert np.all(found["dilute"][0][2:] < -9.0)
+
+
+@pytest.mark.parametrize(
+    ("e", "n"),
+    [
+        (0.9, 0.1), (0.3, 0.02),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.7, 0.04), (0.5, 0.1))),
+    ],
+)  # fmt: skip
+def test_the_discretised_scaling_state_meets_the_closed_form(e: float, n: float) -> None:
+    medium = {"scatterers": "overlapping", "number_density": n}
+    exact, found = ScalingSolution(e, **medium), solve_scaled(e, **medium)
+    assert found.status.name == "CONVERGED"
+    assert found.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-12)
+    assert found.a2 == pytest.approx(exact.a2, abs=1e-11)
+    assert found.moment(6.0) == pytest.approx(exact.moment(6.0), rel=1e-11)
+    c = np.array([0.8, 1.0, 1.5, 3.0])
+    assert found.vdf(c) == pytest.approx(exact.vdf(c), rel=1e-10)
+    # where the operator means nothing, F is not a number, and never negative
+    low = exact.vdf(np.geomspace(1e-4, 0.8, 40))
+    assert np.isnan(low[0])
+    assert np.all(low[np.isfinite(low)] > 0)
+    assert np.isnan(found.vdf(1e-4))

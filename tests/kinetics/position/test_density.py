@@ -178,14 +178,6 @@ def test_the_late_scaled_density_tends_to_a_gaussian() -> None:
     assert apart[2] < 1e-3
 
 
-def test_tail_exponents_of_a_gaussian_state() -> None:
-    found = density(0.9, [1e300], rtol=1e-6)
-    exponent, rate = found.position_tail([0.5, 1.0, 2.0])
-    assert np.abs(exponent - 2.0).max() < 0.02
-    assert np.abs(rate / (2.0 * np.array([0.5, 1.0, 2.0])) - 1.0).max() < 0.02
-    assert np.isnan(found.position_tail([0.0, 40.0])[0]).all()
-
-
 @pytest.mark.parametrize("e", [0.05, 0.9999, 1.0 - 1e-10, 1.0])
 def test_norm_for_extreme_restitutions(e: float) -> None:
     found = density(e, [1e3], rtol=1e-4)

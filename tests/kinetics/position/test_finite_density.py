@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.special import j0
 
-from kinetics import Beam, CollisionLaw, InputError, Scene, SolverStatus, solve
+from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
 from kinetics.position.returned import density_at_origin
 from tests.references.returning_flights import returning_flights
 
@@ -65,27 +65,6 @@ def test_random_flights_have_these_waves() -> None:
             pulls.append((found - f) / error)
     assert max(map(abs, pulls[:5])) < 3.5
     assert max(map(abs, pulls[5:])) > 6.0  # the dilute ones are others
-
-
-def test_a_direction_of_the_wave_vector_and_a_low_density() -> None:
-    n = 1e-6
-    k = np.array([0.3, 2.0]) * n
-    dilute, dense = (
-        solve(
-            Scene(
-                0.6,
-                n,
-                times=[2.0 / n],
-                initial=Beam(1.0),
-                outputs="intermediate_scattering",
-                **more,
-            )
-        ).intermediate_scattering(k, direction=0.4)
-        for more in ({}, {"scatterers": "hard disks"})
-    )
-    change = np.abs(dense - dilute).max()
-    assert 0.1 * n < change < 3.0 * n * math.log(1.0 / n)
-    assert np.abs(dense.imag).max() > 0.1
 
 
 def test_chains_of_bounces_straight_back_cross_the_origin() -> None:

@@ -94,17 +94,6 @@ def test_a_scattering_function_that_meets_its_tolerance_does_not_warn(
     assert np.abs(f - best).max() < 1e-9
 
 
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic", Beam(0.7)])
-def test_many_wave_numbers_are_those_of_few(initial: Any) -> None:
-    """They come from a polynomial through fewer."""
-    scene = Scene(0.7, initial=initial, times=[30.0, 300.0], outputs=("intermediate_scattering",))
-    solution = solve(scene, rtol=1e-6)
-    k = np.geomspace(0.01, 0.3, 200)
-    many = solution.intermediate_scattering(k, direction=0.3)
-    few = np.hstack([solution.intermediate_scattering(x, direction=0.3) for x in k[::20, None]])
-    assert np.abs(many[:, ::20] - few).max() < 1e-6
-
-
 def test_the_harmonics_left_out_are_replaced_by_steady_flights() -> None:
     """They cost accuracy: with 16 of them it is 1e-5 at K = 4, and 7e-5 with nothing there."""
     law, k, rule = CollisionLaw(0.6), np.array([4.0]), PanelRule(16, 0.125)

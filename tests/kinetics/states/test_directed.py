@@ -20,17 +20,6 @@ from kinetics import (
 )
 
 
-def test_the_reference_rates_are_averages_over_the_impact_parameter() -> None:
-    e, m, p = mp.mpf(0.2), 3, 2
-
-    def loss(y: Any) -> Any:
-        s = mp.sqrt(e**2 + (1 - e**2) * y**2)
-        return 1 - s**p * mp.cos(m * mp.acos((-e + (1 + e) * y**2) / s))
-
-    direct = mp.quad(loss, [0, mp.mpf(1) / 10, mp.mpf(1) / 2, 1])
-    assert abs(rates(0.2, m)[p] - direct) < 1e-12
-
-
 @pytest.mark.parametrize("m", [1, 2, 5, 8])
 @pytest.mark.parametrize("e", [0.2, 1.0])
 def test_harmonics_of_a_beam(e: float, m: int) -> None:
