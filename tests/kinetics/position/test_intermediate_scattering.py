@@ -8,18 +8,8 @@ import numpy as np
 import pytest
 
 from kinetics import Beam, CollisionLaw, Gaussian, Scene, ToleranceWarning, solve
-from kinetics.numerics.panels import PanelRule
 from kinetics.position import scattering
-from kinetics.position.scattering import Sweep, solve_waves
-
-
-def test_small_wave_numbers_give_the_mean_square() -> None:
-    scene = Scene(0.4, times=[0.0, 5.0, 1e4], outputs=("msd", "intermediate_scattering"))
-    found = solve(scene, rtol=1e-12)
-    k = np.array([1e-3, 2e-3]) / np.sqrt(found.msd[2])
-    f = found.intermediate_scattering(k)
-    assert np.all(f[0] == 1.0)
-    assert np.abs((1.0 - f[2]) / (0.25 * k**2 * found.msd[2]) - 1.0).max() < 1e-5
+from kinetics.position.scattering import solve_waves
 
 
 def test_a_directed_start_gives_the_mean_displacement() -> None:
@@ -92,15 +82,6 @@ def test_a_scattering_function_that_meets_its_tolerance_does_not_warn(
     f = solve(scene, rtol=1e-9).intermediate_scattering([k], direction=0.3)
     best = solve(scene, rtol=1e-11).intermediate_scattering([k], direction=0.3)
     assert np.abs(f - best).max() < 1e-9
-
-
-def test_the_harmonics_left_out_are_replaced_by_steady_flights() -> None:
-    """They cost accuracy: with 16 of them it is 1e-5 at K = 4, and 7e-5 with nothing there."""
-    law, k, rule = CollisionLaw(0.6), np.array([4.0]), PanelRule(16, 0.125)
-    x = np.linspace(-3.0, 5.0, 80)
-    start = 0.125 * math.floor(math.log(5.0 / 6.0) / 0.125)
-    few, many = (Sweep(law, k, rule, start, top, 50).run(50, 1e-16, 0)(x) for top in (16, 60))
-    assert np.abs(few - many).max() < 3e-5
 
 
 def test_waves_meet_the_accuracy_asked_for() -> None:
