@@ -80,10 +80,10 @@ class Gaussian(State):
         With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only, of
         q = (a^2 - 1) v^2/4: the inverse squares of the deviations differ by that much.
         """
-        from scipy.special import ive
-
         if self.highest_harmonic == 0:
             return np.ones(u.shape)
+        from scipy.special import ive
+
         ratio, order = self._ratio, abs(m) // 2
         root = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio)) * u  # sqrt(q)/a
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
