@@ -45,7 +45,9 @@ _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they a
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
-_BEYOND, _RETURNED = 2.0, 4.0  # error of F beyond over that of the fit; where tracers return
+# Error of F beyond over that of the fit; where tracers return; and where every bounce costs more
+# than e^-_LOSSY of the speed: F goes on by steps there, of which the last ones are not seen.
+_BEYOND, _RETURNED, _BY_STEPS, _LOSSY = 2.0, 4.0, 40.0, 0.5
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
 
@@ -268,4 +270,5 @@ class _Sweep:
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
         k, f = points_beyond(self.panels, time, _FITTED * high)
         tail, left = fit_tail(k, f, begin, law.dimension, self._first_power, returned)
-        return tail, left * (_RETURNED if returned else _BEYOND)
+        by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
+        return tail, left * (_RETURNED if returned else by_steps)
