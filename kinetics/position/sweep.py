@@ -32,7 +32,7 @@ _ALIKE = 3.0  # of the widths of times that share their wave numbers
 _HALVINGS = 7  # of an interval of wave numbers, at most
 # Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
 # are needed: it decides the norm and the moments.
-_SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.6, 1e-3, 2.0
+_SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
 _POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
