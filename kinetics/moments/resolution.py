@@ -34,8 +34,8 @@ from kinetics.numerics import FloatArray
 FEWEST, MOST = 5, 48  # fewer have no decay to look at; more only add rounding
 _LONGEST = 3.5  # of the panels in X: they end at T = e^2 or less, as far as the series reaches
 _DEGREE = 32  # of the Chebyshev series: more than the nodes of 15 digits
-# In nine of ten cases later panels hold at most 2.8 times what the last of these holds
-# (tests/kinetics/measurements/moments.py); a guess that is too small costs a second solve.
+# In nine of ten cases later panels hold at most 2.8 times what the last of these holds;
+# a guess that is too small costs a second solve.
 _LATER = 4.0
 _ABOVE_NOISE = 10.0  # coefficients below so many times the rounding of the series say nothing
 

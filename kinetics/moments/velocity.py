@@ -32,7 +32,7 @@ from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
-# ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).
+# ln t, and as many points of the initial state.
 _MANY, _FEW_POINTS = 2, 4
 _MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
