@@ -230,7 +230,7 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     if name == DISPLACEMENT:
         shares = solution.position_fraction(every)[index]
         return np.append(shares, max(1 - shares.sum(), 0.0))
-    pieces = 1 if solution.scene.state.smooth else 12
+    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
     x, weight = panels_between(fine, 3)
     each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)
