@@ -21,9 +21,9 @@ from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
 from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of one sweep, in squares of the sizes of the systems, some five seconds. F is solved up
+# The work of one sweep, in squares of the sizes of the systems, some eight seconds. F is solved up
 # to this K, or K T for densities, at most.
-_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 8.0, 60.0
+_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.8e8, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
@@ -35,7 +35,7 @@ _HALVINGS = 7  # of an interval of wave numbers, at most
 _SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
-_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.9
+_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
 # From the end of one interval to that of the next: before its powers of 1/K are found, after that
 # at most, and for sharp speeds, where the best of many ends is taken.
