@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from kinetics.collision import CollisionLaw
 from kinetics.crosscheck import references
 from kinetics.crosscheck.files import dumps, markdown_table
-from kinetics.errors import InputError
+from kinetics.errors import InputError, ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 
 FloatArray = NDArray[np.float64]
@@ -120,6 +120,7 @@ def attempt(case: Case, clock: Callable[[], float] = time.process_time) -> Stres
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
+            warnings.simplefilter("ignore", ToleranceWarning)  # the status is looked at
             outcome = case.work()
         verdict, note = judge(outcome, clock() - begin), outcome.note
     except Exception as met:  # whatever it is, it is the finding
