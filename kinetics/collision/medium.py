@@ -50,7 +50,9 @@ HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
 SETTLED = 30.0  # in l/U: the returns need some free paths to build up
 _TINY = 1e-300  # densities below it are beyond the range of doubles
-_EARLY = 1.3  # times n: by how much <r^2> is too small at e = 1 and 2 l/U, where it is most
+# times n: by how much <r^2> is too small at most, as the event-driven program DynamO has it (e = 1,
+# n = .1, 2 l/U), and by how much the kurtosis is off
+_EARLY, _EARLY_KURTOSIS = 2.1, 0.6
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order
 _LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
 # Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
@@ -150,7 +152,8 @@ class Medium:
             found += f"; n = {self.density:g} is outside the range where the correction for the "
             found += f"density was tested (up to {TESTED_DENSITY:g})"
         if first < SETTLED:
-            found += f"; <r^2> before {SETTLED:g} l/U is too small, by up to {_EARLY:g} n of itself"
+            found += f"; <r^2> before {SETTLED:g} l/U is too small, by up to {_EARLY:g} n of itself, "
+            found += f"and the kurtosis is off by up to {_EARLY_KURTOSIS:g} n"
         return found
 
 
