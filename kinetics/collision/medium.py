@@ -152,8 +152,8 @@ class Medium:
             found += f"; n = {self.density:g} is outside the range where the correction for the "
             found += f"density was tested (up to {TESTED_DENSITY:g})"
         if first < SETTLED:
-            found += f"; <r^2> before {SETTLED:g} l/U is too small, by up to {_EARLY:g} n of itself, "
-            found += f"and the kurtosis is off by up to {_EARLY_KURTOSIS:g} n"
+            found += f"; before {SETTLED:g} l/U <r^2> is too small, by up to {_EARLY:g} n of "
+            found += f"itself, and the kurtosis off by up to {_EARLY_KURTOSIS:g} n"
         return found
 
 
