@@ -16,7 +16,7 @@ TINY |= {"rtol": 1e-6, "position_rtol": 1e-3, "final_times": (60.0,)}
 SYSTEMS: dict[str, Any] = {
     "paper": Cooling(restitutions=(0.4, 0.7), **TINY),
     "rough": Cooling(restitutions=(1.0,), tangential_restitution=0.5, **TINY),
-    "spheres": Cooling(restitutions=(0.5,), dimension=3, **TINY),
+    "spheres": Cooling(restitutions=(0.5, 0.99), dimension=3, **TINY),
     "elastic": Cooling(restitutions=(1.0,), **TINY),
     "field": Falling(
         (0.5, 0.9), approach=(0.5,), line=(0.0, 0.7, 0.99), collisions=40_000, most_tracers=1000,
