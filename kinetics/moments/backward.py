@@ -34,11 +34,14 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
-TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
+_TERMS = 40  # of that series: where T = e^-2 more add nothing
 _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 # For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
+# Where speeds are kept corrections to the late power are 1/(nu T), nu the slowest decay of a
+# harmonic: e^-40 = 4e-18.
+_ELASTIC_X = 40.0
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
@@ -75,7 +78,7 @@ class Observable:
     harmonic : m
     constant : source that does not depend on X
     sources : (factor, observable) pairs that drive it
-    growth : late, it is a polynomial of this degree in ln T; 0 to 2
+    growth : late, it is a polynomial of this degree in ln T, 0 to 2; in T where speeds are kept
     """
 
     degree: float = 0.0
@@ -121,29 +124,6 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 
 # d r^2/d ln t, driven by the velocity along the start
 MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
-
-
-def moment_series(
-    law: CollisionLaw, y: Observable, known: dict[Observable, FloatArray] | None = None
-) -> FloatArray:
-    """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,).
-
-    ``known`` keeps what was found on the way.
-    """
-    known = {} if known is None else known
-    if y in known:
-        return known[y]
-    drive = np.zeros(TERMS)
-    drive[0] = y.constant
-    for factor, other in y.sources:
-        drive += factor * moment_series(law, other, known)[:-1]
-    rates = law.harmonic_decay_rate(y.degree + np.arange(TERMS), y.harmonic)
-    a = np.zeros(TERMS + 1)
-    a[0] = 0.0 if y.constant or y.sources else 1.0
-    for k in range(TERMS):
-        a[k + 1] = (drive[k] - rates[k] * a[k]) / (k + 1.0)
-    known[y] = a
-    return a
 
 
 def scale_of(y: Observable) -> Observable:
@@ -211,11 +191,10 @@ class BackwardEquation:
 
     Parameters
     ----------
-    law : the collision law, e < 1 (the elastic case is elementary: see `velocity.py`)
+    law : the collision law
     highest : largest X that will be asked for
     nodes : Chebyshev nodes of a panel
     width : of a panel in X, see `panel_width`
-    known : power series of observables; what is added to it is kept for other equations
     harmonic : the largest m of all observables that will be asked for
     """
 
@@ -223,8 +202,8 @@ class BackwardEquation:
     highest: float
     nodes: int
     width: float = 1.0
-    known: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     harmonic: int = 2
+    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
@@ -241,6 +220,9 @@ class BackwardEquation:
         """X beyond which observables are on their asymptotes."""
         if self.harmonic > _HARMONICS:
             return _HIGHEST_X
+        if self.law.is_elastic:
+            rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
+            return _ELASTIC_X - math.log(min([rate for rate in rates if rate > 0.0], default=1.0))
         return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
 
     @property
@@ -275,7 +257,7 @@ class BackwardEquation:
         if y in self._solved:
             return self._solved[y]
         sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = _needed(moment_series(self.law, y, self.known))
+        series = _needed(self.series(y))
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
@@ -313,6 +295,20 @@ class BackwardEquation:
         values = table[reach:] + term if apart else table[reach:]
         self._solved[y] = _Panels(values, series, y.degree)
         return self._solved[y]
+
+    def series(self, y: Observable) -> FloatArray:
+        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,)."""
+        if y not in self._series:
+            drive = np.zeros(_TERMS)
+            drive[0] = y.constant
+            for factor, other in y.sources:
+                drive += factor * self.series(other)[:-1]
+            rates = self.law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+            a = [0.0 if y.constant or y.sources else 1.0]
+            for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
+                a.append((source - rate * a[k]) / (k + 1.0))
+            self._series[y] = np.array(a)
+        return self._series[y]
 
     def solve(self, observable: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
@@ -357,8 +353,8 @@ class BackwardEquation:
         """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
 
         Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. Both of
-        the shape of the places.
+        them on the asymptote, a polynomial in X, or a power where speeds are kept. Apart, because
+        T^p alone may overflow. Both of the shape of the places.
         """
         panels = self._solve(observable)
         small = np.full(places.low.shape, np.nan)
@@ -372,12 +368,15 @@ class BackwardEquation:
         return small.reshape(places.shape), large.reshape(places.shape)
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
-        """The polynomial in X through the ends of the last panels, at X in panels."""
+        """The power, or polynomial in X, through the ends of the last panels, at X in panels."""
         ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
+        u = level - self.count
+        if self.law.is_elastic:
+            power = round(math.log(ends[0] / ends[1]) / self.width)
+            return np.asarray(ends[0] * np.exp(power * self.width * u))
         if growth == 0:
             return np.full(level.shape, ends[0])
         first = ends[0] - ends[1]
-        u = level - self.count
         if growth < 2 or values.shape[0] <= 3:
             return np.asarray(ends[0] + first * u)
         second = ends[0] - 2.0 * ends[1] + ends[2]

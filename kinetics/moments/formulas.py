@@ -6,7 +6,6 @@ needs are solved once, whichever function asks first.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -68,10 +67,4 @@ def velocity_tensor(averages: Averages) -> FloatArray:
 
 def collisions(averages: Averages) -> FloatArray:
     """Mean number of collisions of a tracer since t = 0, shape (n_times,)."""
-    if not averages.elastic:
-        return np.asarray(averages.average(MEAN_COLLISIONS))
-    speed = _reference(averages) * averages.power(1.0)
-    # speed times time, or over length, may leave the range of doubles when all three do not
-    root = np.sqrt(averages.times) / math.sqrt(averages.mean_free_path)
-    with np.errstate(over="ignore", under="ignore"):
-        return np.asarray(speed * root * root)
+    return np.asarray(averages.average(MEAN_COLLISIONS))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from kinetics import CollisionLaw, Gaussian
-from kinetics.moments import backward, resolution, velocity
+from kinetics.moments import backward, velocity
 from kinetics.moments.backward import BackwardEquation, Observable, speed_power
 
 OBSERVABLES = {
@@ -79,9 +79,8 @@ def best_of(run: Callable[[], Any], repeats: int = 7) -> float:
 
 
 def measure_estimates() -> None:
-    """Errors over coefficients, later panels over early ones, and nodes predicted."""
-    ratios, later, off = [], [], Counter[int]()
-    early = int(resolution._LONGEST) + 1
+    """Errors over coefficients, and nodes guessed less nodes needed."""
+    ratios, off = [], Counter[int]()
     for e in RESTITUTIONS:
         law = CollisionLaw(e)
         exact = BackwardEquation(law, HIGHEST, 30)
@@ -94,22 +93,18 @@ def measure_estimates() -> None:
             if nodes not in NODES:
                 continue
             for y in OBSERVABLES.values():
-                sums = panel_sums(equation, y)
                 error = true_error(equation, exact, y)
                 if 1e-12 < error < 1e-2:
-                    ratios.append(error / sums.sum())
-                    later.append(sums[early:].sum() / sums[early - 1])
+                    ratios.append(error / panel_sums(equation, y).sum())
         for (name, rtol), nodes in needed.items():
-            off[resolution.decay_of(law, OBSERVABLES[name]).nodes_for(rtol) - nodes] += 1
+            times, p = np.array([1e9]), OBSERVABLES[name].degree
+            guess = velocity.Averages(law, 1.0, Gaussian(), times, rtol, max(p, 2.0))
+            off[guess.equation.nodes - nodes] += 1
     print("backward._LAST, ten times backward._BEFORE: error over the larger of the last")
     print("Chebyshev coefficient and a tenth of the one before, and a quarter more:")
     print(f"  used {backward._LAST}, measured {1.25 * max(ratios):.2f} in {len(ratios)} solves")
-    print("resolution._LATER: all later panels over the last early one")
-    print(
-        f"  used {resolution._LATER}, measured: median {np.median(later):.2f}, "
-        f"9 of 10 below {np.quantile(later, 0.9):.2f}, largest {max(later):.1f}"
-    )
-    print("nodes predicted less nodes needed: how often", dict(sorted(off.items())))
+    print("velocity._NODES, _PER_POWER, _PER_DIGIT: nodes guessed less nodes needed: how often")
+    print(f"  {dict(sorted(off.items()))}")
 
 
 def measure_many_times() -> None:

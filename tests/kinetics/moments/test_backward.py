@@ -28,7 +28,6 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
-from kinetics.moments.resolution import decay_of
 from kinetics.states.state import State
 
 OBSERVABLES = (
@@ -67,17 +66,6 @@ def test_the_estimate_covers_the_error(e: float) -> None:
             error = relative_error(equation, exact, y)
             if 1e-12 < error < 1e-2:
                 assert error <= equation.error_estimate(y) <= 150.0 * error, (nodes, y)
-
-
-@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
-def test_the_first_guess_of_nodes_is_nearly_right(e: float) -> None:
-    law = CollisionLaw(e)
-    for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
-        for y in OBSERVABLES:
-            nodes = decay_of(law, y).nodes_for(rtol)
-            assert BackwardEquation(law, 22.0, nodes + 1).error_estimate(y) <= rtol, (rtol, y)
-            if nodes > 8:
-                assert BackwardEquation(law, 22.0, nodes - 3).error_estimate(y) > rtol, (rtol, y)
 
 
 def test_panels_are_narrow_for_high_powers() -> None:
