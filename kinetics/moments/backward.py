@@ -98,23 +98,19 @@ class Observable:
 MEAN_COLLISIONS: Observable = Observable(constant=1.0)
 DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
 SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
-# <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/position/scattering.py)
-_SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
-_THIRD_ORDER = Observable(
-    harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
-)
-QUARTIC_DISPLACEMENT: Observable = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
-# The same in space: P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5
-_SECOND_IN_SPACE = Observable(harmonic=2, sources=((2.0 / 3.0, DISPLACEMENT_ALONG_START),))
-_THIRD_IN_SPACE = Observable(
-    harmonic=1, sources=((1.0 / 6.0, SQUARED_DISPLACEMENT), (0.4, _SECOND_IN_SPACE))
-)
-_QUARTIC_IN_SPACE = Observable(sources=((40.0, _THIRD_IN_SPACE),), growth=2)
 
 
 def quartic_displacement(dimension: int) -> Observable:
-    """r^4, in the plane or in space."""
-    return QUARTIC_DISPLACEMENT if dimension == 2 else _QUARTIC_IN_SPACE
+    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics.
+
+    In space with P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5.
+    """
+    factors = (0.25, -0.125, -0.5, -64.0) if dimension == 2 else (2.0 / 3.0, 1.0 / 6.0, 0.4, 40.0)
+    second = Observable(harmonic=2, sources=((factors[0], DISPLACEMENT_ALONG_START),))
+    third = Observable(
+        harmonic=1, sources=((factors[1], SQUARED_DISPLACEMENT), (factors[2], second))
+    )
+    return Observable(sources=((factors[3], third),), growth=2)
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
@@ -132,11 +128,6 @@ def scale_of(y: Observable) -> Observable:
     return speed_power(y.degree) if y.harmonic and alone else y
 
 
-def left_out(last: FloatArray, before: FloatArray) -> FloatArray:
-    """Error of a Chebyshev series of which these are the sizes of the last two coefficients."""
-    return np.maximum(_LAST * last, _BEFORE * before)
-
-
 def smaller_ends(values: FloatArray) -> FloatArray:
     """The size of the smaller end of each panel, (n_panels,), from values (n_panels, nodes).
 
@@ -147,36 +138,18 @@ def smaller_ends(values: FloatArray) -> FloatArray:
     return np.maximum(np.maximum(ends, _LEAST_END * size.max(axis=1)), 1e-300)
 
 
-def _needed(series: FloatArray) -> FloatArray:
-    """The series without its end, which adds nothing up to T = exp(START)."""
-    size = np.abs(series) * np.exp(START * np.arange(series.size))
-    below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
-    return series[: max(_FEWEST_TERMS, int(below[-1]) + 1)]
-
-
-@dataclass(frozen=True)
-class _Panels:
-    """y on consecutive panels from START on."""
-
-    values: FloatArray  # (n_panels, nodes)
-    series: FloatArray  # coefficients of T^k below START
-    degree: float
-
-
 @dataclass(frozen=True)
 class Places:
     """Where values of X lie; see `BackwardEquation.locate`.
 
     Attributes
     ----------
-    shape : of the X
     low : whether each is below the panels, (n,)
     early : T of those, (n_low,)
     index, level : panel, and X in panels, of the others, (n_others,)
     shares, total : barycentric weights over distances to the nodes, (n_others, nodes), their sums
     """
 
-    shape: tuple[int, ...]
     low: NDArray[np.bool_]
     early: FloatArray
     index: NDArray[np.intp]
@@ -204,7 +177,7 @@ class BackwardEquation:
     width: float = 1.0
     harmonic: int = 2
     _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
-    _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
+    _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
     _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
@@ -224,11 +197,6 @@ class BackwardEquation:
             rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
             return _ELASTIC_X - math.log(min([rate for rate in rates if rate > 0.0], default=1.0))
         return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
-
-    @property
-    def _offsets(self) -> FloatArray:
-        """The nodes of a panel from its lower end on, in X."""
-        return self.rule.local * self.width
 
     @cached_property
     def rule(self) -> PanelRule:
@@ -253,11 +221,15 @@ class BackwardEquation:
 
     # -- solution -----------------------------------------------------------------------------
 
-    def _solve(self, y: Observable) -> _Panels:
-        if y in self._solved:
-            return self._solved[y]
-        sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = _needed(self.series(y))
+    def solve(self, y: Observable) -> FloatArray:
+        """Values at the nodes of all panels, shape (n_panels, nodes)."""
+        if y not in self._solved:
+            self._solved[y] = self._solve(y)
+        return self._solved[y]
+
+    def _solve(self, y: Observable) -> FloatArray:
+        sources = [(factor, self.solve(other)) for factor, other in y.sources]
+        series = self.series(y)
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
@@ -265,7 +237,11 @@ class BackwardEquation:
         n = self.nodes
         reach = gain.shape[1] // n
         # the panels below, and the point where the first one begins
-        x = START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
+        x = (
+            START
+            + np.arange(-reach, self.count)[:, None] * self.width
+            + self.width * self.rule.local
+        )
         below = np.append(x[:reach], START)
         rest = np.append(0.0, series[1:]) if apart else series
         known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
@@ -292,27 +268,27 @@ class BackwardEquation:
             right[0] = first
             table[reach + j] = inverse[j] @ right
             first = table[reach + j, -1]
-        values = table[reach:] + term if apart else table[reach:]
-        self._solved[y] = _Panels(values, series, y.degree)
-        return self._solved[y]
+        return table[reach:] + term if apart else table[reach:]
 
     def series(self, y: Observable) -> FloatArray:
-        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,)."""
+        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
+
+        Without the end, which adds nothing up to T = exp(START).
+        """
         if y not in self._series:
             drive = np.zeros(_TERMS)
             drive[0] = y.constant
             for factor, other in y.sources:
-                drive += factor * self.series(other)[:-1]
+                known = self.series(other)[:_TERMS]
+                drive[: known.size] += factor * known
             rates = self.law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
             a = [0.0 if y.constant or y.sources else 1.0]
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
-            self._series[y] = np.array(a)
+            size = np.abs(a) * np.exp(START * np.arange(len(a)))
+            below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
+            self._series[y] = np.array(a[: max(_FEWEST_TERMS, int(below[-1]) + 1)])
         return self._series[y]
-
-    def solve(self, observable: Observable) -> FloatArray:
-        """Values at the nodes of all panels, shape (n_panels, nodes)."""
-        return self._solve(observable).values
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.
@@ -320,22 +296,21 @@ class BackwardEquation:
         For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
         """
         if observable not in self._errors:
-            self._errors[observable] = self._estimate(observable)
+            last, before = self.rule.last_coefficients(self.solve(observable))
+            left_out = np.maximum(_LAST * last, _BEFORE * before)
+            # errors of panels add up while an observable grows
+            error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
+            self._errors[observable] = float(error)
         return self._errors[observable]
-
-    def _estimate(self, observable: Observable) -> float:
-        last, before = self.rule.last_coefficients(self._solve(observable).values)
-        ends = smaller_ends(self._solve(scale_of(observable)).values)
-        # errors of panels add up while an observable grows
-        return float(np.sum(left_out(last, before) / ends))
 
     def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
         """y(X) at X = x, any shape."""
-        small, large = self.reduced(observable, self.locate(x))
-        with np.errstate(invalid="ignore"):
-            return np.asarray(
-                np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
-            )
+        places = self.locate(x)
+        small, large = self.reduced(observable, places)
+        out = np.empty(places.low.shape)
+        out[places.low] = small * places.early**observable.degree
+        out[~places.low] = large
+        return out.reshape(x.shape)
 
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""
@@ -345,27 +320,23 @@ class BackwardEquation:
         level = level[~low]
         index = np.minimum(level.astype(int), self.count - 1)
         shares = self.rule.shares(np.minimum(level - index, 1.0))
-        return Places(x.shape, low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
+        return Places(low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
 
     def reduced(
         self, observable: Observable, places: Places, leading: int = 0
     ) -> tuple[FloatArray, FloatArray]:
-        """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
+        """y T^-(p + leading) where X is below the panels, (n_low,), and y elsewhere, (n_others,).
 
         Below the panels by the power series, whose first ``leading`` terms must vanish; above
         them on the asymptote, a polynomial in X, or a power where speeds are kept. Apart, because
-        T^p alone may overflow. Both of the shape of the places.
+        T^p alone may overflow.
         """
-        panels = self._solve(observable)
-        small = np.full(places.low.shape, np.nan)
-        large = np.full(places.low.shape, np.nan)
-        series = panels.series[leading:]
-        small[places.low] = np.polynomial.polynomial.polyval(places.early, series)
-        value = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
+        values = self.solve(observable)
+        small = np.polynomial.polynomial.polyval(places.early, self.series(observable)[leading:])
+        value = np.einsum("ij,ij->i", places.shares, values[places.index]) / places.total
         beyond = places.level > self.count
-        value[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
-        large[~places.low] = value
-        return small.reshape(places.shape), large.reshape(places.shape)
+        value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
+        return np.asarray(small), value
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
         """The power, or polynomial in X, through the ends of the last panels, at X in panels."""

@@ -188,10 +188,11 @@ class Averages:
             w = w * np.exp(start * (found.x - self.log_first))
         if self._is_known(y):
             # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
-            rate = self.law.harmonic_decay_rate(0.0, y.harmonic)
             with np.errstate(under="ignore", over="ignore"):
-                gone = rate * np.exp(found.x + self.log_stretch[:, None]) if rate else 0.0
-                kept = np.exp(y.degree * (found.x - self.log_reference[:, None]) - gone)
+                kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
+                if y.harmonic:
+                    rate = self.law.harmonic_decay_rate(0.0, y.harmonic)
+                    kept *= np.exp(-rate * np.exp(found.x + self.log_stretch[:, None]))
             return np.asarray(kept @ w)
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
@@ -249,7 +250,8 @@ class Averages:
             small, large = self.equation.reduced(y, places, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
-                early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
-                late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
-            out[first : first + piece] = (early + late) @ w
+                value = np.repeat(np.exp(-p * (stretch + reference)), x.size)
+                value[~places.low] *= large
+                value[places.low] = small * np.exp(p * (x - reference).ravel()[places.low])
+            out[first : first + piece] = value.reshape(-1, x.size) @ w
         return out

@@ -146,5 +146,5 @@ def with_returns(
         small = small + 1 if np.abs(block).max() < _FORGOTTEN else 0
         if small > reach:
             break
-    new = new[reach : reach + k + 1 - small]
+    new = new[reach : reach + max(k + 1 - small, 1)]
     return -new[0], new[:0:-1].transpose(1, 0, 2).reshape(n, -1)

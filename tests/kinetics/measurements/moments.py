@@ -29,7 +29,7 @@ OBSERVABLES = {
     "collisions": backward.MEAN_COLLISIONS,
     "x of a beam": backward.DISPLACEMENT_ALONG_START,
     "r^2": backward.SQUARED_DISPLACEMENT,
-    "r^4": backward.QUARTIC_DISPLACEMENT,
+    "r^4": backward.quartic_displacement(2),
     "slope of r^2": backward.MSD_SLOPE,
 }
 RESTITUTIONS = (

@@ -21,11 +21,11 @@ from kinetics.moments.backward import (
     DISPLACEMENT_ALONG_START,
     MEAN_COLLISIONS,
     MSD_SLOPE,
-    QUARTIC_DISPLACEMENT,
     SQUARED_DISPLACEMENT,
     BackwardEquation,
     Observable,
     panel_width,
+    quartic_displacement,
     speed_power,
 )
 from kinetics.states.state import State
@@ -41,7 +41,7 @@ OBSERVABLES = (
     MEAN_COLLISIONS,
     DISPLACEMENT_ALONG_START,
     SQUARED_DISPLACEMENT,
-    QUARTIC_DISPLACEMENT,
+    quartic_displacement(2),
     MSD_SLOPE,
 )
 RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
@@ -148,7 +148,7 @@ def test_observables_know_with_which_power_they_begin() -> None:
         MEAN_COLLISIONS: 1.0,
         DISPLACEMENT_ALONG_START: 1.0,
         SQUARED_DISPLACEMENT: 2.0,
-        QUARTIC_DISPLACEMENT: 4.0,
+        quartic_displacement(2): 4.0,
         MSD_SLOPE: 2.0,
     }
     for y, power in powers.items():
