@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
+from kinetics.moments.formulas import moment_arguments
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, Part, parts, powers_of
 from kinetics.scene import Scene
-from kinetics.validation import exponent, whole_number
 
 ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
-_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
 _TRIES, _MOST_NODES = 4, 48  # solutions with more nodes; still more only add rounding
 
@@ -97,11 +96,7 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
     Raises InputError for p or m out of range, or where the moment does not exist; warns
     (ToleranceWarning) where the error estimate exceeds rtol.
     """
-    p = exponent("p", p, _HIGHEST_POWER)
-    m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
-    lowest = max(scene.state.lowest_moment, scene.law.lowest_power)
-    if p <= lowest:
-        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    p, m = moment_arguments(scene.law, scene.state, p, m)
     averages = replace(averages_of(scene, rtol, p, p), harmonic=max(m, 2))
     if averages.measure(m) is not None:
         asked = [parts((1.0, speed_power(p, m)))]

@@ -11,12 +11,6 @@ m the angular harmonic. y at X needs y below X only, and the kernel does not dep
 panels the collision term is the same few small matrices everywhere, and one sweep upwards gives
 every later time for every initial state. Nothing depends on how rough that state is: its speeds
 only enter when the result is averaged over them.
-
-Examples, with the sources in brackets:
-    v^p                 : m = 0, degree p
-    collisions N        : m = 0, degree 0, [1]
-    v_hat(0).r = l chi1 : m = 1, degree 0, [1]
-    r^2 = l^2 rho       : m = 0, degree 0, [2 chi1]
 """
 
 from __future__ import annotations
@@ -88,13 +82,12 @@ class Observable:
     growth: int = 1
 
     @property
-    def first_power(self) -> float:
-        """The power of T with which it begins."""
-        if self.constant:
-            return self.degree + 1.0
-        return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
+    def is_power(self) -> bool:
+        """Whether it is a power of the speed, with no source."""
+        return not (self.sources or self.constant)
 
 
+# lengths in l: what a tracer has moved along its first direction drives r^2
 MEAN_COLLISIONS: Observable = Observable(constant=1.0)
 DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
 SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
@@ -124,8 +117,7 @@ MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1
 
 def scale_of(y: Observable) -> Observable:
     """The observable that errors are relative to: y, or m = 0 for a harmonic, which decays."""
-    alone = not (y.sources or y.constant)
-    return speed_power(y.degree) if y.harmonic and alone else y
+    return speed_power(y.degree) if y.harmonic and y.is_power else y
 
 
 def smaller_ends(values: FloatArray) -> FloatArray:
@@ -186,8 +178,6 @@ class BackwardEquation:
         end = min(self.highest, self._saturation)
         self.count = max(1, math.ceil((end - START) / self.width))
 
-    # -- discretisation -----------------------------------------------------------------------
-
     @property
     def _saturation(self) -> float:
         """X beyond which observables are on their asymptotes."""
@@ -219,8 +209,6 @@ class BackwardEquation:
                 self._kernels[m] = with_returns(self.rule, loss[0], gain[0], eps, delay)
         return self._kernels[m]
 
-    # -- solution -----------------------------------------------------------------------------
-
     def solve(self, y: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
         if y not in self._solved:
@@ -237,11 +225,7 @@ class BackwardEquation:
         n = self.nodes
         reach = gain.shape[1] // n
         # the panels below, and the point where the first one begins
-        x = (
-            START
-            + np.arange(-reach, self.count)[:, None] * self.width
-            + self.width * self.rule.local
-        )
+        x = START + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
         below = np.append(x[:reach], START)
         rest = np.append(0.0, series[1:]) if apart else series
         known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
@@ -282,7 +266,7 @@ class BackwardEquation:
                 known = self.series(other)[:_TERMS]
                 drive[: known.size] += factor * known
             rates = self.law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
-            a = [0.0 if y.constant or y.sources else 1.0]
+            a = [1.0 if y.is_power else 0.0]
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
             size = np.abs(a) * np.exp(START * np.arange(len(a)))
@@ -335,7 +319,8 @@ class BackwardEquation:
         small = np.polynomial.polynomial.polyval(places.early, self.series(observable)[leading:])
         value = np.einsum("ij,ij->i", places.shares, values[places.index]) / places.total
         beyond = places.level > self.count
-        value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
+        if beyond.any():
+            value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
         return np.asarray(small), value
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:

@@ -1,15 +1,7 @@
 """Moments of the displacement, and other outputs made of it, from chains of scalar equations.
 
-In units of the mean free path l, with T = v t/l for a tracer of initial speed v (paper, label
-``inelaslorentz`` for the equation with its free-streaming term):
-
-    chi1(T) = <v_hat(0) . r>/l   : driven by 1, harmonic m = 1
-    rho(T)  = <r^2>/l^2          : driven by 2 chi1, harmonic m = 0
-    <r^4>/l^4                    : the same chain to the fourth order, harmonics 0, 1, 2
-    <v(0) . v(t)>                : v times a power of the speed, harmonic m = 1
-    d<r^2>/d ln t                : driven by the velocity along the start
-
-No profile in space is needed.
+They come from the equation with its free-streaming term (paper, label ``inelaslorentz``); no
+profile in space is needed.
 """
 
 from __future__ import annotations
@@ -70,7 +62,9 @@ def kurtosis(averages: Averages) -> FloatArray:
     """<r^4>/<r^2>^2, shape (n_times,); at t = 0 its limit, <v^4>/<v^2>^2."""
     if averages.elastic:  # late it stands still, and fourth powers of v t/l overflow
         log_last = _LATE - averages.log_first + math.log(averages.mean_free_path)
-        averages = averages.at(np.minimum(averages.times, math.exp(min(log_last, _LARGEST))))
+        last = math.exp(min(log_last, _LARGEST))
+        if averages.times[-1] > last:
+            averages = averages.at(np.minimum(averages.times, last))
     second = averages.average(SQUARED_DISPLACEMENT, leading=2)
     fourth = averages.average(quartic_displacement(averages.law.dimension), leading=4)
     return np.asarray(fourth / second**2)

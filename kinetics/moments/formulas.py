@@ -11,9 +11,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
 from kinetics.moments.backward import MEAN_COLLISIONS
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
+from kinetics.states.state import State
+from kinetics.validation import exponent, whole_number
+
+_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
+
+
+def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
+    """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
+    p = exponent("p", p, _HIGHEST_POWER)
+    m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
+    lowest = max(state.lowest_moment, law.lowest_power)
+    if p <= lowest:
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    return p, m
 
 
 def _reference(averages: Averages) -> FloatArray:

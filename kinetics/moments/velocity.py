@@ -100,10 +100,7 @@ class Averages:
 
     def error_estimate(self, y: Observable) -> float:
         """Relative, of averages of y over all panels, that is over all times."""
-        return 0.0 if self._is_known(y) else self.equation.error_estimate(y)
-
-    def _is_known(self, y: Observable) -> bool:
-        return self.elastic and not (y.sources or y.constant)
+        return 0.0 if self.elastic and y.is_power else self.equation.error_estimate(y)
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
@@ -142,10 +139,6 @@ class Averages:
             return np.full(log_stretch.shape, self.log_first)
         return np.minimum(self.log_first, -log_stretch - math.log(self.law.mean_log_loss))
 
-    @property
-    def _largest(self) -> float:
-        return max(abs(self.degree), abs(self.lowest))
-
     @cached_property
     def _fall(self) -> float:
         return fall_of(self.law, self.degree)
@@ -153,14 +146,14 @@ class Averages:
     @cached_property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        return panel_width(self._largest, self._fall)
+        return panel_width(max(abs(self.degree), abs(self.lowest)), self._fall)
 
     @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        digits = -math.log10(self.rtol)
-        first = math.ceil(_NODES + _PER_POWER * min(self._largest, 4.0) + _PER_DIGIT * digits)
+        largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
+        first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
         return BackwardEquation(
             self.law, max(highest, START), self.nodes or first, self.width, self.harmonic
         )
@@ -186,7 +179,7 @@ class Averages:
         w = found.weight
         if start:
             w = w * np.exp(start * (found.x - self.log_first))
-        if self._is_known(y):
+        if self.elastic and y.is_power:
             # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
             with np.errstate(under="ignore", over="ignore"):
                 kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
