@@ -34,8 +34,8 @@ _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 # For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
 # Where speeds are kept corrections to the late power are 1/(nu T), nu the slowest decay of a
-# harmonic: e^-40 = 4e-18.
-_ELASTIC_X = 40.0
+# harmonic: e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32.
+_ELASTIC_X, _STEADY = 40.0, 1e-30
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
@@ -185,7 +185,8 @@ class BackwardEquation:
             return _HIGHEST_X
         if self.law.is_elastic:
             rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
-            return _ELASTIC_X - math.log(min([rate for rate in rates if rate > 0.0], default=1.0))
+            slowest = min([rate for rate in rates if rate > _STEADY], default=1.0)
+            return _ELASTIC_X - math.log(slowest)
         return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
 
     @cached_property

