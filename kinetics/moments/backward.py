@@ -9,8 +9,7 @@ u^p times a function of T = u t/l alone. With y(X) = T^p (that function), X = ln
 
 m the angular harmonic. y at X needs y below X only, and the kernel does not depend on X: on equal
 panels the collision term is the same few small matrices everywhere, and one sweep upwards gives
-every later time for every initial state. Nothing depends on how rough that state is: its speeds
-only enter when the result is averaged over them.
+every later time for every initial state.
 """
 
 from __future__ import annotations
@@ -287,15 +286,6 @@ class BackwardEquation:
             error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
             self._errors[observable] = float(error)
         return self._errors[observable]
-
-    def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
-        """y(X) at X = x, any shape."""
-        places = self.locate(x)
-        small, large = self.reduced(observable, places)
-        out = np.empty(places.low.shape)
-        out[places.low] = small * places.early**observable.degree
-        out[~places.low] = large
-        return out.reshape(x.shape)
 
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""

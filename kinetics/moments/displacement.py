@@ -41,7 +41,7 @@ def _free(averages: Averages) -> tuple[NDArray[np.bool_], FloatArray]:
 def root_mean_square(averages: Averages) -> FloatArray:
     """sqrt(<r^2>)(t) in d, shape (n_times,); also where <r^2> is out of range."""
     free, flight = _free(averages)
-    root = averages.mean_free_path * np.sqrt(_squared_paths(averages))
+    root = averages.mean_free_path * np.sqrt(averages.average(SQUARED_DISPLACEMENT))
     return np.where(free, flight, root)
 
 
@@ -50,12 +50,7 @@ def mean_square_displacement(averages: Averages) -> FloatArray:
     free, flight = _free(averages)
     path = averages.mean_free_path
     with np.errstate(over="ignore", under="ignore"):
-        return np.where(free, flight**2, path * (path * _squared_paths(averages)))
-
-
-def _squared_paths(averages: Averages) -> FloatArray:
-    """<r^2>(t)/l^2, shape (n_times,)."""
-    return averages.average(SQUARED_DISPLACEMENT)
+        return np.where(free, flight**2, path * (path * averages.average(SQUARED_DISPLACEMENT)))
 
 
 def kurtosis(averages: Averages) -> FloatArray:

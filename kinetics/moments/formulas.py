@@ -32,19 +32,14 @@ def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[f
     return p, m
 
 
-def _reference(averages: Averages) -> FloatArray:
-    """The speed, in U, that is the unit of Averages.power, shape (n_times,)."""
-    return np.asarray(np.exp(averages.log_reference))
-
-
 def thermal_speed(averages: Averages) -> FloatArray:
     """v0 = sqrt(<v^2>) in U, shape (n_times,) (paper, label ``v0defi``)."""
-    return np.asarray(_reference(averages) * np.sqrt(averages.power(2.0)))
+    return np.asarray(np.exp(averages.log_reference) * np.sqrt(averages.power(2.0)))
 
 
 def temperature(averages: Averages) -> FloatArray:
     """<v^2>/d in m U^2, shape (n_times,) (paper, label ``thermo``)."""
-    square = _reference(averages) ** 2 * averages.power(2.0)
+    square = np.exp(averages.log_reference) ** 2 * averages.power(2.0)
     return np.asarray(square / averages.law.dimension)
 
 
@@ -56,7 +51,7 @@ def a2(averages: Averages) -> FloatArray:
 
 def mean_velocity(averages: Averages) -> FloatArray:
     """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
-    return as_vector(averages, _reference(averages) * averages.power(1.0, 1))
+    return as_vector(averages, np.exp(averages.log_reference) * averages.power(1.0, 1))
 
 
 def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
@@ -68,7 +63,7 @@ def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
 
 def velocity_tensor(averages: Averages) -> FloatArray:
     """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
-    square = _reference(averages) ** 2
+    square = np.exp(averages.log_reference) ** 2
     trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
     if averages.law.dimension == 3:
         # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z

@@ -60,12 +60,17 @@ def panel_sums(equation: BackwardEquation, y: Observable) -> Any:
     return np.maximum(last, 0.1 * before) / backward.smaller_ends(scale)
 
 
+def evaluate(equation: BackwardEquation, y: Observable, x: Any) -> Any:
+    """y(X) at X = x, on the panels."""
+    return equation.reduced(y, equation.locate(x))[1]
+
+
 def true_error(equation: BackwardEquation, exact: BackwardEquation, y: Observable) -> float:
     """Largest error relative to the scale of y, against 30 nodes a panel."""
     x = np.linspace(backward.START + 0.01, HIGHEST - 2.0, 1600)
-    truth, scale = exact.evaluate(y, x), exact.evaluate(backward.scale_of(y), x)
+    truth, scale = evaluate(exact, y, x), evaluate(exact, backward.scale_of(y), x)
     with np.errstate(invalid="ignore"):
-        return float(np.nanmax(np.abs((equation.evaluate(y, x) - truth) / scale)))
+        return float(np.nanmax(np.abs((evaluate(equation, y, x) - truth) / scale)))
 
 
 def best_of(run: Callable[[], Any], repeats: int = 7) -> float:

@@ -1,15 +1,12 @@
 """Averages after N collisions: direct sums, particles, and what is refused."""
 
-import json
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, load, solve
-from kinetics.cli import cli
 from kinetics.moments.by_collision import ByCollision
 from particles import BoltzmannGrad, simulate
 
@@ -128,14 +125,3 @@ def test_what_does_not_exist_is_refused() -> None:
         _ = stopping.mean_time
     with pytest.raises(InputError, match=r"^collision_numbers: a2 overflows"):
         _ = after(CollisionLaw(0.1), [10**6]).a2
-
-
-def test_the_command_prints_them() -> None:
-    arguments = ["solve", "-e", "0.6", "--times", "", "--collision-numbers", "0,3"]
-    text = CliRunner().invoke(cli, arguments).output
-    found = json.loads(CliRunner().invoke(cli, [*arguments, "--json"]).output)["by_collision"]
-    exact = solve(Scene(0.6, collision_numbers=[0, 3])).by_collision
-    assert found["collision_numbers"] == [0, 3]
-    for name in ("thermal_speed", "a2", "msd"):
-        np.testing.assert_allclose(found[name], getattr(exact, name), rtol=1e-12)
-        assert f"{getattr(exact, name)[1]:.6g}" in text

@@ -5,14 +5,13 @@ leaves the same small share s of the speed.
 """
 
 import math
-import warnings
 from functools import cache
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from kinetics import Beam, CollisionLaw, InputError, Scene, SolverStatus, SpeedTable, solve
+from kinetics import Beam, CollisionLaw, Scene, SolverStatus, solve
 
 FREE_PATH = 12.5
 REDUCED = (1e-6, 0.01, 0.5, 1.0, 3.0, 12.0, 40.0, 1e3, 1e9)  # T = v t/l
@@ -66,17 +65,6 @@ def test_harmonics_of_a_beam(p: float, m: int) -> None:
         solution = solve(Scene(0.0, times=FREE_PATH * reduced, initial=Beam()), rtol)
         error = np.abs(solution.harmonic(p, m) - exact) / solution.moment(p)
         assert np.max(error) <= rtol
-
-
-def test_where_the_start_has_no_such_moment() -> None:
-    table = SpeedTable([0.0, 1.0], [1.0, 1.0])
-    for start in ("gaussian", table):
-        solution = solve(Scene(0.0, times=[1.0], initial=start))
-        with pytest.raises(InputError, match="p > -1"):
-            solution.moment(-1.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert np.isfinite(solution.moment(-0.9)).all()
 
 
 @cache

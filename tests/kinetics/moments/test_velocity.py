@@ -101,11 +101,15 @@ def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any)
     assert np.max(np.abs(difference) / v2) <= 1e-9
 
 
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
 def test_early_times_and_the_start(e: float, name: str) -> None:
     times = [0.0, 1e-300, 1e-12, 1e-6]
-    solution = solve(Scene(e, times=times, initial=name, outputs=MEANS))
+    outputs = (*MEANS, "kurtosis", "mean_displacement", "diffusion_coefficient")
+    solution = solve(Scene(e, times=times, initial=name, outputs=outputs))
+    kurtosis = 2.0 if name == "gaussian" else 1.0  # of the flights
+    assert solution.kurtosis == pytest.approx([kurtosis] * 4, rel=1e-6)
+    assert not solution.mean_displacement.any()
     v2 = 2.0 if name == "gaussian" else 1.0
     assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11, abs=0.0)
     assert solution.a2[:2] + 1 == pytest.approx(
@@ -117,6 +121,7 @@ def test_early_times_and_the_start(e: float, name: str) -> None:
     for k, t in enumerate(times[1:3], start=1):
         assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10, abs=0.0)
         assert solution.msd[k] == pytest.approx(v2 * t * t, rel=1e-10, abs=1e-300)
+        assert solution.diffusion_coefficient[k] == pytest.approx(0.5 * v2 * t, rel=1e-10, abs=0.0)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 0.99])
@@ -206,6 +211,7 @@ def test_moments_that_do_not_exist() -> None:
     for e, initial, p, message in (
         (0.5, "gaussian", -2.0, "p > -2"),
         (0.0, "monoenergetic", -1.0, "p > -1"),
+        (0.0, "gaussian", -1.0, "p > -1"),
         *((0.5, "gaussian", p, "^p: got ") for p in (math.nan, 41.0, "x", None)),
     ):
         with pytest.raises(InputError, match=message):
