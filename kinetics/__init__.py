@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "collision": ("CollisionLaw",),
-    "collision.samples": ("SampledBounce",),
+    "collision.bounce": ("SampledBounce",),
     "crosscheck": ("Comparison",),
     "errors": ("InputError", "ToleranceWarning"),
     "field.solution": ("FieldState", "FieldUnits", "solve_field"),

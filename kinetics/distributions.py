@@ -56,7 +56,7 @@ def _profile(
     if state.harmonic(m, rtol) is None:
         return None
     if law.is_elastic:
-        from kinetics.densities.elastic import elastic_profile
+        from kinetics.densities.harmonic import elastic_profile
 
         return elastic_profile(asked)
     if method != "conservative" and (state.smooth or method == "spectral"):

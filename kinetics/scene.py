@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetics.collision import CollisionLaw, MediumLaw, law_in_medium, law_of
+from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.outputs import FIELD_OUTPUTS, OUTPUTS
@@ -180,7 +180,7 @@ def _start(initial: Any, dimension: int, with_field: bool) -> State:
 
 def _check_together(checked: dict[str, Any], law: CollisionLaw) -> None:
     """Finite densities have no averages after N collisions, and no field."""
-    at_a_density, numbers = isinstance(law, MediumLaw), checked["collision_numbers"]
+    at_a_density, numbers = law.medium is not None, checked["collision_numbers"]
     if at_a_density and checked["field"]:
         refuse("field", checked["field"], "it is available for scatterers='dilute' only")
     if numbers.size and checked["field"]:

@@ -20,7 +20,7 @@ from kinetics.averaging import (
     power_of_speed,
     solved_averages,
 )
-from kinetics.densities.harmonic import Profile, angular_function
+from kinetics.densities.harmonic import Profile, angular_function, speed_fronts
 from kinetics.densities.marginal import component_densities
 from kinetics.distributions import displacement_of, profiles_of
 from kinetics.errors import InputError
@@ -320,8 +320,12 @@ class Solution(Result):
 
         The delta peak of the tracers of a monoenergetic start that have not collided is left out:
         see :attr:`uncollided`. The error is at most rtol of the maximum for v above 1e-2 of the
-        thermal speed; at lower speeds that holds for the density of ln v. Raises InputError for v
-        negative or not finite, or if "speed_density" was not among the outputs.
+        thermal speed; at lower speeds that holds for the density of ln v. That is for smooth
+        starts. From rough ones (sharp speeds, steps, noise: the plan says "conservative") it is
+        the share of tracers slower than v, the integral of this density with :attr:`uncollided`,
+        that is right to rtol for every v; f itself is not at its steps (:attr:`speed_fronts`).
+        Raises InputError for v negative or not finite, or if "speed_density" was not among the
+        outputs.
 
         With a field tracers of sharp velocities (rest, one speed, a Beam, samples) are left out as
         long as they have not collided; what the error is relative to is `error_estimate`.
@@ -344,6 +348,18 @@ class Solution(Result):
             return frozen(self._in_field.uncollided)
         peak = self._speed_profile().peak_weight
         return np.zeros(self.times.shape) if peak is None else frozen(peak.real)
+
+    @property
+    def speed_fronts(self) -> FloatArray:
+        """Speeds in U, rising, at which :meth:`speed_density` may step or be infinite.
+
+        Of a start of sharp speeds (empty for others): those speeds, and the ends of what one and
+        two collisions make of them. A start that steps keeps its own steps besides.
+        """
+        scene = self.scene
+        sharp = scene.state.profile(0) is None and not scene.field
+        start = scene.state.harmonic(0, 1e-6) if sharp else None
+        return frozen(speed_fronts(scene.law, start))
 
     def velocity_component_density(self, v_x: ArrayLike) -> FloatArray:
         """Density of one velocity component (isotropic part), shape (n_times, n), in 1/U.

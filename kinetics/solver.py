@@ -52,7 +52,7 @@ def solve(
 
     Warns
     -----
-    ToleranceWarning : the status of a scene with a field is not CONVERGED
+    ToleranceWarning : the status is not CONVERGED
 
     Raises
     ------
@@ -71,8 +71,14 @@ def solve(
     rtol = check_rtol(rtol)
     method = None if method is None else one_of("method", method, METHODS)
     nodes = None if nodes is None else whole_number("nodes", nodes, _FEWEST_NODES, _MOST_NODES)
-    if scene.field:
-        return _in_field(scene, rtol)
+    solution = _in_field(scene, rtol) if scene.field else _solved(scene, rtol, method, nodes)
+    if solution.status is not SolverStatus.CONVERGED:
+        warnings.warn(solution.message, ToleranceWarning, stacklevel=2)
+    return solution
+
+
+def _solved(scene: Scene, rtol: float, method: str | None, nodes: int | None) -> Solution:
+    """The same for checked arguments and a scene without a field."""
     averages = solved_averages(scene, rtol)
     values = arrays_of(averages, scene.outputs)
     profiles = profiles_of(scene, rtol, method, nodes)
@@ -112,8 +118,6 @@ def _in_field(scene: Scene, rtol: float) -> Solution:
         _typical_speed=found.typical_speed,
     )
     solution.keep(_in_field=found)
-    if solution.status is not SolverStatus.CONVERGED:
-        warnings.warn(solution.message, ToleranceWarning, stacklevel=3)
     return solution
 
 

@@ -1,24 +1,12 @@
 """One collision: the only room that knows the restitutions, the dimension and how they enter.
 
 May import `kinetics.numerics` and the checks. Begin with `law.py`, the averages that the kinetic
-equation needs; `impact.py` is the bounce off a disk or a sphere, `samples.py` a bounce that is
-given by weighted samples, and `quadrature.py` what both of them hand to the law. `medium.py` is the
-law among scatterers at a finite density, `arguments.py` which law the arguments of a scene mean,
-and `memory.py` finds the laws under which the speeds go on oscillating.
+equation needs, and the law that the arguments of a scene mean; `bounce.py` is the bounce off a disk
+or a sphere, or one given by weighted samples, and `averages.py` the weighted sums made of it.
+`medium.py` is the theory of a finite density; `memory.py` finds laws under which speeds oscillate.
 """
 
-from kinetics.collision.arguments import law_in_medium, law_of
-from kinetics.collision.impact import DiskBounce
-from kinetics.collision.law import CollisionLaw
-from kinetics.collision.medium import MediumLaw
-from kinetics.collision.quadrature import ImpactQuadrature, Survival
+from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.collision.law import CollisionLaw, law_in_medium, law_of
 
-__all__ = [
-    "CollisionLaw",
-    "DiskBounce",
-    "ImpactQuadrature",
-    "MediumLaw",
-    "Survival",
-    "law_in_medium",
-    "law_of",
-]
+__all__ = ["CollisionLaw", "ImpactQuadrature", "Survival", "law_in_medium", "law_of"]

@@ -2,7 +2,8 @@
 
 The kinetic equation needs of one collision the averages E[s^p cos(m chi)] in the plane, and
 E[s^p P_m(cos chi)] in space, with s the speed ratio and chi the deflection. Whatever scales with
-the speed is such a law.
+the speed is such a law. Among scatterers at a finite density the same averages decide, see
+`kinetics.collision.medium`.
 """
 
 from __future__ import annotations
@@ -10,17 +11,16 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinetics.collision.impact import RESOLVED, DiskBounce
-from kinetics.collision.quadrature import Bounce, ImpactQuadrature, Survival, at_right_angle
-from kinetics.collision.samples import SampledBounce
+from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.collision.bounce import RESOLVED, DiskBounce, SampledBounce
+from kinetics.collision.medium import Medium, checked_medium
 from kinetics.errors import InputError, short
-from kinetics.numerics import FloatArray
 from kinetics.validation import (
     check_restitution,
     number_array,
@@ -32,8 +32,8 @@ from kinetics.validation import (
 _LEAST_RATE = 1.0 / sys.float_info.max
 _HIGHEST_HARMONIC = 1_000_000
 _LEAST_RATIO = 1e-8  # of speeds: if none is larger, every bounce stops the tracer
-_MOST_KEPT = 100_000  # points of a quadrature that a law keeps for the next question
 _LARGEST_TURN = 1e7  # that many turns of s^z take 7e6 points, about a gigabyte of exponentials
+_LEVELS_KEPT = 6  # quadratures of up to 60,000 points are kept for the next question
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,8 @@ class CollisionLaw:
     InputError (a ValueError) : an argument out of range or not a number
 
     A law that is not of this form is made by :meth:`from_samples`; its ``restitution`` and
-    ``tangential_restitution`` are None.
+    ``tangential_restitution`` are None. That of a scene at a finite density has a ``medium``: what
+    belongs to one collision is as without it, rates of decay are those of the medium.
 
     All results are dimensionless. Relative accuracy 1e-13 or better for every e and et, those near
     0 and 1 included: for real p each is a sum of terms of one sign. For complex p the error of
@@ -69,9 +70,7 @@ class CollisionLaw:
     tangential_restitution: float | None = 1.0
     dimension: int = 2
     _samples: SampledBounce | None = field(default=None, repr=False)
-    _quadratures: dict[int, ImpactQuadrature] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
+    medium: Medium | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -135,12 +134,23 @@ class CollisionLaw:
             rest += f", tangential_restitution={self.tangential_restitution!r}"
         if self.dimension != 2:
             rest += f", dimension={self.dimension}"
+        if self.medium is not None:
+            rest += f", scatterers={self.medium.scatterers!r}"
         return f"restitution={self.restitution!r}{rest}"
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What :func:`law_of` makes this law of; ``restitution`` is the law itself for samples."""
+        return {
+            "restitution": self if self._samples is not None else self.restitution,
+            "tangential_restitution": self.tangential_restitution,
+            "dimension": self.dimension,
+        }
 
     # -- what kind of law it is -------------------------------------------------------------------
 
     @cached_property
-    def _bounce(self) -> Bounce:
+    def _bounce(self) -> DiskBounce | SampledBounce:
         if self._samples is not None:
             return self._samples
         assert self.restitution is not None
@@ -162,14 +172,10 @@ class CollisionLaw:
         """The largest -ln s that occurs: -ln e for smooth scatterers, infinite at e = 0."""
         return self._bounce.largest_loss
 
-    @cached_property
+    @property
     def least_ratio(self) -> float:
         """The smallest speed ratio s: e for smooth scatterers; 0 where s comes close to 0."""
-        if self._samples is not None:
-            return min(self._samples.ratio)
-        assert self.restitution is not None
-        assert self.tangential_restitution is not None
-        return min(self.restitution, self.tangential_restitution)
+        return math.exp(-self.largest_loss)
 
     @property
     def has_atoms(self) -> bool:
@@ -180,16 +186,20 @@ class CollisionLaw:
     def lowest_power(self) -> float:
         """E[s^p] exists for Re p above it: -inf, but where s comes as near to 0 as one likes.
 
-        There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0.
+        There it is -1 for smooth disks (e = 0), -2 for spheres and for et = 0. In a medium it may
+        be higher: below it returns of returns do not add up to anything finite.
         """
-        return self._bounce.lowest_power
+        lowest = self._bounce.lowest_power
+        if self.medium is None:
+            return lowest
+        return max(lowest, self.medium.lowest_power(self.quadrature))
 
     @property
     def reaches_rest(self) -> bool:
         """Whether bounces leave as little of the speed as one likes."""
         return math.isfinite(self._bounce.lowest_power)
 
-    @cached_property
+    @property
     def uniform_power(self) -> float | None:
         """q where s^q is uniform on [0, 1]: smooth scatterers at e = 0, q = 1 (disks), 2 (spheres).
 
@@ -213,22 +223,14 @@ class CollisionLaw:
     def mean_free_path(self, number_density: float, diameter: float) -> float:
         """l = 1/(2 d rho) among disks, 1/(pi d^2 rho) among spheres; d the diameter.
 
-        0 or infinite where it is beyond the range of doubles.
+        0 or infinite where it is beyond the range of doubles; that of the medium if there is one.
         """
         across = 2.0 * diameter if self.dimension == 2 else math.pi * diameter * diameter
         rate = across * number_density
-        return 1.0 / rate if rate >= _LEAST_RATE else math.inf
+        ratio = 1.0 if self.medium is None else self.medium.path_ratio
+        return ratio / rate if rate >= _LEAST_RATE else math.inf
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What :func:`law_of` makes this law of; ``restitution`` is the law itself for samples."""
-        return {
-            "restitution": self if self._samples is not None else self.restitution,
-            "tangential_restitution": self.tangential_restitution,
-            "dimension": self.dimension,
-        }
-
-    @cached_property
     def tail_exponent(self) -> float:
         """b where E[s^p] tends to b/p at large p: 1/(1-e^2) for smooth disks, twice it for spheres.
 
@@ -249,12 +251,9 @@ class CollisionLaw:
         Raises InputError where that takes more than some million points.
         """
         level = self._level(rate, m)
-        known = self._quadratures.get(level)
-        if known is None:
-            known = self._bounce.quadrature(level)
-            if known.weight.size <= _MOST_KEPT:
-                self._quadratures[level] = known
-        return known
+        if level > _LEVELS_KEPT:
+            return self._bounce.quadrature(level)
+        return _kept_quadrature(self._bounce, level)
 
     def _level(self, rate: float, m: int) -> int:
         """How often panels are halved for functions that vary so fast."""
@@ -274,10 +273,6 @@ class CollisionLaw:
         0 cells end at -ln s = 40; the last one holds all bounces below.
         """
         return self._bounce.cells(spacing, points)
-
-    def chance_below(self, ratio: FloatArray) -> FloatArray:
-        """Share of the bounces after which the speed ratio is below ``ratio``, shape of ratio."""
-        return self._bounce.chance_below(ratio)
 
     def mean_speed_ratio_power(self, p: ArrayLike) -> Any:
         """E[s^p]: a float for a real p, an array of the shape of p for an array; p may be complex.
@@ -306,39 +301,27 @@ class CollisionLaw:
         return self._finite(p, rate)[()]
 
     def decay_symbol(self, z: NDArray[Any]) -> NDArray[Any]:
-        """lambda(z) = 1 - E[s^z], shape of z; without checks of the range, for inner loops."""
-        closed = self._bounce.closed_decay(z)
-        if closed is not None:
-            return closed
+        """lambda(z), shape of z; without checks of the range, for inner loops."""
+        return self.met_again(z, self._lost(z), 0)
+
+    def _lost(self, z: NDArray[Any]) -> NDArray[Any]:
+        """1 - E[s^z] of one collision, shape of z."""
+        if self.restitution == 0.0:
+            above = self.dimension - 1.0
+            return np.asarray((z - above * np.expm1(z * self._log_tangential)) / (above + z))
         q = self.quadrature_for(_size(z))
         rate = -np.expm1(-np.multiply.outer(z, q.log_loss)) @ q.weight
         return np.asarray(rate - self._bounce.beyond(z))
 
     def decay_taylor(self, z: NDArray[Any], orders: int) -> list[NDArray[Any]]:
         """Taylor coefficients of lambda at z (n,), of the orders 0 to orders - 1, each (n,)."""
-        q = self.quadrature_for(float(np.abs(z).max()))
-        power = np.exp(-np.multiply.outer(z, q.log_loss)) * q.weight
-        out, factor = [self.decay_rate(z)], np.ones_like(q.log_loss)
-        for n in range(1, orders):
-            factor = factor * (-q.log_loss) / n
-            out.append(-(power @ factor))
-        return out
-
-    def returns(self, m: int) -> tuple[float, float]:
-        """eps and x of returns to the scatterer before (`MediumLaw.returns`); none here."""
-        return 0.0, 0.0
-
-    def met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
-        """lambda_m at z with returns to the scatterer before, from that without; shape of z."""
-        return rate
-
-    def taylor_met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
-        """The same for Taylor coefficients of lambda_m at z, each of the shape of z."""
-        return rate
-
-    def density_theory(self, first: float) -> tuple[str, str]:
-        """In words: its level, and what averages from this time (in l/U) on lack; none here."""
-        return "", ""
+        q = self.quadrature_for(_size(z))
+        power = np.exp(-np.multiply.outer(z, q.log_loss))
+        order = np.arange(1.0, orders)
+        factors = q.weight[:, None] * np.cumprod(-q.log_loss[:, None] / order, axis=1)
+        # a complex matrix times a real one would be taken apart for each column
+        slopes = power.real @ factors + (1j * (power.imag @ factors) if np.iscomplexobj(z) else 0.0)
+        return self.taylor_met_again(z, [self._lost(z), *(-slopes.T)], 0)
 
     @cached_property
     def mean_log_loss(self) -> float:
@@ -370,9 +353,44 @@ class CollisionLaw:
         with np.errstate(over="ignore", invalid="ignore"):
             lost = -np.expm1(-np.multiply.outer(p_, q.log_loss))
             rate = (lost + (1.0 - lost) * gone) @ q.weight
-            # bounces beyond the nodes, which nearly stop the tracer, deflect by a right angle
-            rate = rate - self._bounce.beyond(p_) * at_right_angle(m, self.dimension)
+            if m % 2 == 0:  # bounces beyond the nodes deflect by pi/2, as the first one of them
+                rate = rate - self._bounce.beyond(p_) * (1.0 - gone[0])
+            rate = self.met_again(p_, rate, m)
         return self._finite(p, rate)[()]
+
+    # -- returns to the scatterer before, in a medium ----------------------------------------------
+
+    def returns(self, m: int) -> tuple[float, float]:
+        """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes.
+
+        K - 1 on harmonic m is replaced by (K - 1)/(1 - eps S (K - 1)), S f(ln v) = f(ln v - x).
+        """
+        if self.medium is None or not self.restitution:
+            return 0.0, 0.0
+        return self.medium.returns(m) * (-1.0) ** m, self.largest_loss
+
+    def met_again(self, z: NDArray[Any], rate: NDArray[Any], m: int) -> NDArray[Any]:
+        """lambda_m at z with returns to the scatterer before, from that without; shape of z."""
+        eps, loss = self.returns(m)
+        return np.asarray(rate / (1.0 + eps * np.exp(-loss * z) * rate)) if eps else rate
+
+    def taylor_met_again(self, z: Any, rate: list[NDArray[Any]], m: int) -> list[NDArray[Any]]:
+        """The same for Taylor coefficients of lambda_m at z, each of the shape of z."""
+        eps, loss = self.returns(m)
+        if not eps:
+            return rate
+        orders = range(len(rate))
+        back = [eps * np.exp(-loss * z) * (-loss) ** n / math.factorial(n) for n in orders]
+        below = [sum(back[i] * rate[n - i] for i in range(n + 1)) for n in orders]
+        out: list[NDArray[Any]] = []
+        for n in orders:
+            known = sum((below[i] * out[n - i] for i in range(1, n + 1)), np.zeros_like(z))
+            out.append(np.asarray((rate[n] - known) / (1.0 + below[0])))
+        return out
+
+    def density_theory(self, first: float) -> tuple[str, str]:
+        """In words: its level, and what averages from this time (in l/U) on lack; none here."""
+        return ("", "") if self.medium is None else (self.medium.level, self.medium.limits(first))
 
     @property
     def _log_tangential(self) -> float:
@@ -385,8 +403,12 @@ class CollisionLaw:
         if not np.all(np.isfinite(p_)):
             refuse("p", p, "it must be finite")
         if np.any(p_.real <= self.lowest_power):
-            which = "restitution" if self.restitution == 0.0 else "tangential_restitution"
-            refuse("p", p, f"at {which} 0 it must be above {self.lowest_power:g}")
+            where = "at tangential_restitution 0"
+            if self.restitution == 0.0:
+                where = "at restitution 0"
+            elif self.medium is not None:
+                where = "among these scatterers"
+            refuse("p", p, f"{where} it must be above {self.lowest_power:g}")
         return p_
 
     @staticmethod
@@ -398,3 +420,47 @@ class CollisionLaw:
 
 def _size(z: NDArray[Any]) -> float:
     return float(np.max(np.abs(z))) if z.size else 0.0
+
+
+@lru_cache(maxsize=64)
+def _kept_quadrature(bounce: DiskBounce | SampledBounce, level: int) -> ImpactQuadrature:
+    """The same quadrature again: it is not made twice."""
+    return bounce.quadrature(level)
+
+
+def law_of(restitution: Any, tangential_restitution: Any = 1.0, dimension: Any = 2) -> CollisionLaw:
+    """The law of these arguments, as the solvers take them.
+
+    ``restitution`` may be a CollisionLaw itself; the other two are its own then, and need not be
+    given. Raises InputError for arguments out of range, and for a law that gains energy.
+    """
+    if not isinstance(restitution, CollisionLaw):
+        return CollisionLaw(restitution, tangential_restitution, dimension)
+    law = restitution
+    for name, value, default in (
+        ("tangential_restitution", tangential_restitution, 1.0),
+        ("dimension", dimension, 2),
+    ):
+        if value is not None and value not in (default, getattr(law, name)):
+            refuse(name, value, f"restitution is a law, in which it is {getattr(law, name)}")
+    if law.least_loss < 0.0:
+        largest = math.exp(-law.least_loss)
+        raise InputError(
+            f"restitution: got a law with speed ratios up to {largest:.6g}; the solvers need "
+            "a tracer that never gains energy (ratios up to 1)"
+        )
+    return law
+
+
+def law_in_medium(
+    law: CollisionLaw, scatterers: Any, number_density: Any, diameter: Any, order: Any = "second"
+) -> CollisionLaw:
+    """The law among these scatterers; the law itself where they are dilute.
+
+    Raises InputError for unknown names, for a density above 0.3 d^-2, and for laws for which the
+    theory is not derived: rough scatterers, spheres, samples.
+    """
+    smooth_disks = law.dimension == 2 and law.tangential_restitution == 1.0
+    e = law.restitution if smooth_disks else None
+    medium = checked_medium(e, scatterers, number_density, diameter, order)
+    return law if medium is None else CollisionLaw(law.restitution, 1.0, 2, None, medium)

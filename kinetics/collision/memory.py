@@ -6,7 +6,6 @@ the loss -ln s may take any value from 0 on, as at smooth scatterers, all of the
 1/t. If every loss is a multiple of one number L (et = e: L = -ln e; or samples of one ratio), then
 lambda vanishes at z = 2 pi i n/L: v t/l keeps oscillating in ln t, and the scaling state is never
 reached. Where the losses are nearly so (et close to e, a few samples), the oscillations die slowly.
-Directions are forgotten by the zeros of 1 - E[s^z cos(m chi)] in the same way; these may be real.
 """
 
 from __future__ import annotations
@@ -20,91 +19,79 @@ import numpy as np
 from kinetics.collision.law import CollisionLaw
 from kinetics.numerics import FloatArray
 
-SLOW = 1.0  # terms that fall faster than t^-1 are not listed
+_SLOW = 1.0  # terms that fall faster than t^-1 are not listed
 _STEPS = 0.25  # of the wave number, times the largest loss: zeros are about 2 pi apart in it
-_RARE = 0.01  # bounces of so small a weight, that lose more than all others, do not count there
-_LARGEST_LOSS, _ROUNDING = 40.0, 40.0
+_RARE = 0.01  # share of the bounces that lose more than the largest loss that counts there
+_ROUNDING = 40.0  # e-folds: the largest loss, and the smallest weight, e^-40 = 4e-18
 _LINES = (0.0, -0.3, -0.6, -0.9)  # real parts at which the size of lambda is scanned
 _CONTINUOUS = 64.0  # where s takes any value in a range, faster waves fall faster than 1/t
 _AT_ONCE = 1_000_000  # exponentials in one piece of the scan
 _FOUND, _SAME = 1e-12, 1e-6  # the last step of Newton's method; what is 0 of a zero
-_MOST_STEPS = 40
-# of waves faster than 24 in X there is e^(-24 pi/2) = 4e-17
-_SATURATION, _FASTEST_WAVE, _SLOWEST = 38.0, 24.0, 1e-9
+_SATURATION = 38.0  # e-folds: 3e-17 is left of what falls as 1/t
 
 
 @lru_cache(maxsize=48)
-def oscillations(law: CollisionLaw, highest: float, m: int = 0) -> tuple[complex, ...]:
+def oscillations(law: CollisionLaw, highest: float) -> tuple[complex, ...]:
     """The zeros z of lambda(z) with -1 < Re z <= 0 and 0 < -Im z < highest, by -Im z.
 
-    For m > 0 those of 1 - E[s^z cos(m chi)] (in space P_m), the real ones among them. For m = 0
-    none at smooth scatterers: only laws that have a least loss, or that take single values of s,
+    None at smooth scatterers: only laws that have a least loss, or that take single values of s,
     are looked at (tests/kinetics/collision/test_memory.py counts the zeros of both kinds).
     """
-    if law.is_elastic or (m == 0 and law.least_loss == 0.0 and not law.has_atoms):
+    if law.is_elastic or (law.least_loss == 0.0 and not law.has_atoms):
         return ()
     if not law.has_atoms:
         highest = min(highest, _CONTINUOUS)
-    q = law.quadrature_for(highest, m)
+    q = law.quadrature_for(highest)
     # at Re z = -1 a bounce counts s^-1 times its weight; what is rounding even there is left out
-    counts = np.log(np.maximum(q.weight, 1e-300)) + np.minimum(q.log_loss, _LARGEST_LOSS)
+    counts = np.log(np.maximum(q.weight, 1e-300)) + np.minimum(q.log_loss, _ROUNDING)
     kept = counts > counts.max() - _ROUNDING
-    log_loss, weight = q.log_loss[kept], q.weight[kept]
-    turned = weight * q.harmonic(m)[kept] if m else weight
-    order = np.argsort(log_loss)
-    loss, beyond = log_loss[order], np.cumsum(weight[order][::-1])[::-1]
+    order = np.argsort(q.log_loss[kept])
+    log_loss, weight = q.log_loss[kept][order], q.weight[kept][order]
+    beyond = np.cumsum(weight[::-1])[::-1]
     # where s is continuous, its density is less
-    counts = beyond > _RARE * (np.exp(-loss) if law.has_atoms else 1.0)
-    largest = min(max(1.0, float(loss[counts].max())), _LARGEST_LOSS)
+    counts = beyond > _RARE * (np.exp(-log_loss) if law.has_atoms else 1.0)
+    largest = min(max(1.0, float(log_loss[counts].max())), _ROUNDING)
     k = np.arange(0.0, highest + _STEPS, _STEPS / largest)
     pieces = np.array_split(k, 1 + k.size * weight.size // _AT_ONCE)
     found: dict[tuple[float, float], complex] = {}
     for real in _LINES:
-        tilted = turned * np.exp(np.minimum(-real * log_loss, _LARGEST_LOSS))
+        tilted = weight * np.exp(np.minimum(-real * log_loss, _ROUNDING))
         size = np.concatenate(
             [abs(1.0 - np.exp(1j * np.multiply.outer(x, log_loss)) @ tilted) for x in pieces]
         )
         least = 1 + np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))[0]
-        for start in [*k[least], *([0.0] if m else [])]:
-            z = _zero_near(turned, log_loss, complex(real, -start))
-            if z is None or not -SLOW < z.real < _SAME or abs(z) < _SAME:
-                continue
-            decays = m > 0 and abs(z.imag) < _SAME
-            if decays or 0.0 < -z.imag < highest:
-                z = complex(min(z.real, 0.0), 0.0 if decays else z.imag)
-                found[round(z.real, 5), round(z.imag, 5)] = z
+        for start in k[least]:
+            z = _zero_near(weight, log_loss, complex(real, -start))
+            if z is not None and -_SLOW < z.real < _SAME and _SAME < -z.imag < highest:
+                found[round(z.real, 5), round(z.imag, 5)] = complex(min(z.real, 0.0), z.imag)
     return tuple(sorted(found.values(), key=lambda z: -z.imag))
-
-
-def asymptotic_from(law: CollisionLaw, highest: float, harmonics: int) -> float:
-    """X = ln T from which observables of a cooling tracer with |m| <= harmonics are asymptotic.
-
-    Corrections to the asymptotes fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)] with
-    Re z < 0. Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks
-    with e = 0.03): beyond ln(1/kappa) + 38 corrections are e^-38 = 3e-17, and 6e-13 at worst. Under
-    other laws z may be as close to 0 as one likes; they are looked at if ``highest``, the largest X
-    that is asked for, lies beyond.
-    """
-    limit, slowest = -math.log(law.mean_log_loss), SLOW
-    if highest > limit + _SATURATION and law.tangential_restitution != 1.0:
-        for m in range(harmonics + 1):
-            zeros = oscillations(law, _FASTEST_WAVE, m)
-            slowest = min([slowest, *(-z.real for z in zeros)])
-    return limit + _SATURATION / max(slowest, _SLOWEST)
 
 
 def _zero_near(weight: FloatArray, log_loss: FloatArray, z: complex) -> complex | None:
     """A zero of 1 - sum weight s^z by Newton's method from z on; None where it finds none."""
-    for _ in range(_MOST_STEPS):
+    for _ in range(40):
         with np.errstate(over="ignore", invalid="ignore"):
             power = weight * np.exp(-z * log_loss)
             step = complex((1.0 - power.sum()) / (power @ log_loss))
-        if not cmath.isfinite(step) or z.real < -2.0 * SLOW:
+        if not cmath.isfinite(step) or z.real < -2.0 * _SLOW:
             return None
         z -= step / max(1.0, 2.0 * abs(step))
         if abs(step) < _FOUND:
             return z
     return None
+
+
+def asymptotic_from(law: CollisionLaw) -> float:
+    """X = ln T from which averages of a cooling tracer are asymptotic; inf at rough scatterers.
+
+    Corrections to the asymptotes fall as T^(Re z), over the zeros z of 1 - E[s^z cos(m chi)].
+    Smooth scatterers have Re z <= -1 for m = 0, and for m = 1 and 2 at most -0.736 (disks with
+    e = 0.03): what is left is 3e-17, and 6e-13 at worst. Elsewhere z may be as close to 0 as one
+    likes.
+    """
+    if law.tangential_restitution != 1.0:
+        return math.inf
+    return _SATURATION - math.log(law.mean_log_loss)
 
 
 def time_to_forget(z: complex, amplitude: float) -> float:

@@ -6,12 +6,16 @@ shares are not negative. Nodes lose mass at the rate v/l. What results is a line
 matrix of non-negative off-diagonal entries, whose exponential is summed by uniformisation, from
 non-negative terms only: no mass is ever below 0, the sum of the masses is kept to rounding, and the
 energy obeys d<v^2>/dt = -lambda(2) <v^3>/l with the exact lambda(2). Second order in the spacing.
+
+Near steps and infinities of f (:func:`kinetics.densities.harmonic.speed_fronts`) no nodes give f
+itself. What is kept to rtol is the distribution function: the share of the tracers that are slower
+than v, for every v. Its error is the difference of two spacings, times a stated factor.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,55 +23,138 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import common_loss
-from kinetics.densities.conservative_errors import (
-    COARSEST,
-    guessed_error,
-    moment_error,
-    remembered_error,
-    sharing_error,
-)
 from kinetics.densities.harmonic import HarmonicProblem, Profile, count_before_scaling, then_scaling
-from kinetics.densities.node_masses import NodeMasses, bounce_kernel, deposit
 from kinetics.errors import InputError
-from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
-from kinetics.states.quadrature import LogMeasure
+from kinetics.results import Value
+from kinetics.states.quadrature import LogMeasure, interpolate
 from kinetics.states.state import State
 
+# Of the spacing: the first one tried, and the finest; each next one is half of the one before.
+_COARSEST, _FINEST = 0.128, 0.0005
+# The error over the difference of two spacings. The first bounces from sharp speeds make inverse
+# square roots, whose distribution function converges as sqrt(h): 1/(sqrt(2) - 1) = 2.4, and more
+# where the front lies badly between the nodes. Steps and kinks converge as h at least: 1.
+_SHARP, _ROUGH = 4.0, 2.0
+_MOST_WORK = 1e10  # products of masses with shares of bounces: a second or two
+_TRANSFORMED = 300  # products that a transform costs for each node
+_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
 # The axis ends this far below the slowest speed that matters, l/t: e^-12 of its tracers collide.
 _DEPTH = 12.0
 _LOWEST = 700.0  # e-folds below the fastest tracers: there the range of doubles ends
-# Sweeps for each e-fold of time in which tracers cool: tests/kinetics/measurements/densities.py
-_SWEEPS = 80.0
-_DIRECTLY = 500_000  # products of a convolution that cost less than its transforms
-_FINEST = 2e-3  # spacing that the solver chooses by itself; the widest is COARSEST
 _BEST_START = 1e-6  # the start need not be better known than that
 _EMPTY = 1e-25  # of all mass: a node with less is left out at the top of the axis
 # Collisions of the fastest tracers in one step: so few that the top of the axis empties on the way,
 # so many that the tail of the Poisson distribution, 40 + 12 sqrt(64) sweeps at most, costs little.
 _STEP = 64.0
-_DEEPEST = 40.0  # -ln s of the deepest bounce in the estimate of the work
-# Returns to the scatterer before reach far down: the products that a transform costs for each node.
-_TRANSFORMED = 300.0
-_MOST_WORK = 1e11  # sweeps times nodes times nodes that a bounce reaches: about a minute
+# Of returns to the scatterer before: the deepest -ln s that is kept apart, and shares of bounces
+# that are rounding.
+_DEEPEST, _NO_SHARE = 40.0, 1e-17
 
 
-def _start_masses(state: State, start: LogMeasure, m: int, nodes: _Nodes) -> NDArray[Any]:
+@dataclass(frozen=True)
+class NodeMasses(Value):
+    """Masses at nodes in ln v: the density of ln v is linear between them.
+
+    Attributes
+    ----------
+    x : ln v at the nodes, equidistant, shape (n_nodes,)
+    spacing : of the nodes
+    mass : shape (n_times, n_nodes)
+    """
+
+    x: FloatArray
+    spacing: float
+    mass: NDArray[Any]
+
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        out = np.zeros(v.shape, dtype=self.mass.dtype)
+        positive = v > 0.0
+        log_v = np.log(v[positive])
+        # by the root twice: 1/v alone may be larger than the largest number
+        root = np.exp(-0.5 * log_v)
+        out[positive] = interpolate(log_v, self.x, self.mass[i]) * root * root / self.spacing
+        return out
+
+
+def bounce_kernel(law: CollisionLaw, spacing: float, m: int) -> FloatArray:
+    """Share of a node's bounces that arrive k nodes below, k = 0 ... K, times cos(m chi).
+
+    In a medium that of its operator, in which shares may be negative.
+    """
+    q, low = law.cells(spacing)
+    kernel = _shared(q.log_loss, low, q.weight * q.harmonic(m), spacing)
+    eps, loss = law.returns(m)
+    return _with_returns(kernel, spacing, eps, loss) if eps else kernel
+
+
+def _shared(loss: FloatArray, low: Any, weight: FloatArray, spacing: float) -> FloatArray:
+    """Weights of these losses -ln s on the nodes ``low`` above them, and low + 1 below."""
+    # shares linear in v^2 between node low (upper speed) and low + 1 (lower speed)
+    down = np.expm1(-2.0 * (loss - spacing * low)) / math.expm1(-2.0 * spacing)
+    down = np.clip(down, 0.0, 1.0)
+    kernel = np.zeros(int(low.max()) + 2)
+    np.add.at(kernel, low, weight * (1.0 - down))
+    np.add.at(kernel, low + 1, weight * down)
+    return kernel
+
+
+def _with_returns(kernel: FloatArray, spacing: float, eps: float, loss: float) -> FloatArray:
+    """The kernel of 1 + (K - 1)/(1 - eps S (K - 1)) from that of K, S a loss of ``loss``.
+
+    Quotients of power series, of which the symbols of mass and energy are those of the operator.
+    """
+    from scipy.signal import lfilter
+
+    moved = kernel.copy()  # K - 1
+    moved[0] -= 1.0
+    low = np.array([int(loss / spacing)])
+    back = _shared(np.array([loss]), low, np.ones(1), spacing)
+    below = -eps * np.convolve(back, moved)
+    below[0] += 1.0
+    impulse = np.zeros(math.ceil(_DEEPEST / spacing) + kernel.size)
+    impulse[0] = 1.0
+    found = np.asarray(lfilter(moved, below, impulse))
+    left = np.cumsum(np.abs(found[::-1]))[::-1]
+    found = found[: max(kernel.size, int(np.count_nonzero(left > _NO_SHARE)))]
+    # what is farther down comes to the last node: without it the sum is moved.sum()/below.sum()
+    found[-1] += moved.sum() / below.sum() - found.sum()
+    found[0] += 1.0
+    return found
+
+
+def deposit(start: LogMeasure, x0: float, spacing: float, nodes: int) -> NDArray[Any]:
+    """Masses of weighted points on the nodes, mass and energy kept."""
+    mass = np.zeros(nodes, dtype=start.weight.dtype)
+    level = (start.x - x0) / spacing
+    low = np.clip(np.floor(level).astype(int), 0, nodes - 2)
+    part = np.clip(level - low, 0.0, 1.0)
+    up = np.expm1(2.0 * spacing * part) / math.expm1(2.0 * spacing)
+    np.add.at(mass, low, start.weight * (1.0 - up))
+    np.add.at(mass, low + 1, start.weight * up)
+    return mass
+
+
+def _start_masses(
+    state: State, start: LogMeasure, m: int, nodes: FloatArray, spacing: float
+) -> NDArray[Any]:
     """The state on the nodes: from its density cell by cell, or point by point without one."""
     profile = state.profile(m)
     if profile is None:
-        return deposit(start, nodes.first, nodes.spacing, nodes.count)
-    x, w = panels_between(nodes.x, 4)
+        return deposit(start, nodes[0], spacing, nodes.size)
+    # eight pieces of a cell, for the steps of a density
+    x, w = panels_between(np.linspace(nodes[0], nodes[-1], 8 * nodes.size - 7), 4)
     v = np.exp(x)
     weight = w * v * profile(v)
-    found = deposit(LogMeasure(x, weight), nodes.first, nodes.spacing, nodes.count)
+    found = deposit(LogMeasure(x, weight), nodes[0], spacing, nodes.size)
     if m:
         return found
     total, expected = float(found.sum()), float(start.weight.sum())
     if total < 0.5 * expected:
         # the density lies between the Gauss points
-        return deposit(start, nodes.first, nodes.spacing, nodes.count)
+        return deposit(start, nodes[0], spacing, nodes.size)
     # scaled to the mass of the start: some lies beyond the axis, or between the Gauss points
     return found * (expected / total)
 
@@ -86,13 +173,14 @@ class _Axis:
         self.first = 0  # nodes above it are empty
         self._transformed: tuple[int, NDArray[Any]] | None = None  # the kernel, and its length
         self.total = float(np.abs(mass).sum())
+        self.work = 0.0  # products so far
         # masses of harmonics m > 0 may have any sign
         self.positive = bool(kernel.min() >= 0.0 and not np.iscomplexobj(mass) and mass.min() >= 0)
 
     def advance(self, duration: float) -> None:
         """By this many l/U."""
         left = duration
-        while left > 1e-15 * duration:
+        while left > 1e-15 * duration and self.work <= _MOST_WORK:
             live = np.nonzero(np.abs(self.mass) > _EMPTY * self.total)[0]
             first = int(live[0]) if live.size else self.first
             # the nodes above hold next to nothing: it is added to the first node that is kept
@@ -138,6 +226,7 @@ class _Axis:
         from faster tracers is cut off, or the axis's empty top would never stay empty.
         """
         full = moving.size + self.kernel.size - 1
+        self.work += moving.size * min(self.kernel.size, _TRANSFORMED)
         if moving.size * self.kernel.size < _DIRECTLY or np.iscomplexobj(moving):
             # what np.convolve does, without its checks
             return np.correlate(moving, self.kernel[::-1], "full")
@@ -155,56 +244,6 @@ class _Axis:
         return np.clip(found, 0.0 if self.positive else -most, most)
 
 
-@dataclass(frozen=True)
-class _Nodes:
-    """The nodes of an axis: x = ln v = first + spacing * (0 ... count - 1)."""
-
-    first: float
-    spacing: float
-    count: int
-
-    @property
-    def x(self) -> FloatArray:
-        return self.first + self.spacing * np.arange(self.count, dtype=float)
-
-
-def _choose_nodes(
-    law: CollisionLaw,
-    start: LogMeasure,
-    path: float,
-    peaks: bool,
-    rtol: float,
-    nodes: int | None,
-) -> tuple[_Nodes, float]:
-    """An axis from above the fastest tracers down to those that hardly move, and its work.
-
-    path : of a tracer of speed U until the last time, in l
-    peaks : whether the start is one of delta peaks
-
-    The work is in products of masses with shares of bounces.
-    """
-    top = float(start.x.max())
-    lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
-    span = min(top - lowest, _LOWEST)
-    coefficient = guessed_error(law, 1.0, path * math.exp(min(top, 300.0)), peaks)
-    wanted = max(_FINEST, math.sqrt(rtol / coefficient))
-    spacing = span / nodes if nodes else min(COARSEST, wanted)
-    common = common_loss(law, math.pi / spacing)
-    if common is not None:
-        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
-        spacing = common / math.ceil(common / spacing)
-    count = math.ceil(span / spacing) + 3
-    cooling = _SWEEPS * (1.0 + math.log1p(path * math.exp(top))) / law.mean_log_loss
-    sweeps = min(cooling, path * math.exp(min(top, 700.0 - math.log(max(path, 1.0)))))
-    deepest = min(float(law.quadrature.log_loss.max()), _DEEPEST)
-    reach = deepest / spacing + 2.0
-    if law.returns(0)[0]:
-        reach = max(reach, _TRANSFORMED)
-    work = sweeps * min(count, _DEEPEST / spacing) * min(reach, count)
-    # one empty node above the fastest tracers
-    return _Nodes(top - spacing * (count - 2), spacing, count), work
-
-
 def solve_conservative(asked: HarmonicProblem) -> Profile:
     """The harmonic at the times, of a start of any kind, e < 1.
 
@@ -218,65 +257,95 @@ def solve_conservative(asked: HarmonicProblem) -> Profile:
     log_unit = 0.5 * speeds.log_second_moment()
     shift = np.log(times / mean_free_path + math.exp(-log_unit))
     early = times.size if m else count_before_scaling(asked, speeds, shift + log_unit)
-    paths = times[:early] / mean_free_path
-    path, peaks = float(paths[-1]) if early else 0.0, state.profile(0) is None
-    if peaks and (law.has_atoms or law.returns(0)[0]):
+    if state.profile(0) is None and (law.has_atoms or law.returns(0)[0]):
         raise InputError(
             "initial: from sharp speeds, bounces that take single shares of the speed (samples, "
             "et = e, or straight back to the scatterer before, at a finite density) make delta "
             "peaks and no density; give a SpeedTable, or ask for averages"
         )
-    axis, work = _choose_nodes(law, start, path, peaks, rtol, asked.nodes)
-    if work > _MOST_WORK:
-        raise InputError(
-            f"times: got up to {times[early - 1]:g} at {law.described}; the "
-            f"conservative method would need {work:.1e} products on {axis.count} nodes, ask for "
-            "earlier times, a larger rtol, or averages only"
-        )
-    kernel, mass = bounce_kernel(law, axis.spacing, m), _start_masses(state, start, m, axis)
-    uncollided = start.weight if start.x.size == 1 else None
-    found = NodeMasses(axis.x, axis.spacing, _follow(axis, mass, kernel, paths, uncollided))
-    error = sharing_error(law, found, paths, state)
-    error = max(error, remembered_error(asked, speeds, axis.spacing, paths))
+    found, error = _refined(asked, start, times[:early] / mean_free_path)
     peak_speed, peak_weight = None, None
-    if uncollided is not None:
+    if start.x.size == 1:
         peak_speed = math.exp(float(start.x[0]))
         with np.errstate(over="ignore", under="ignore"):
-            peak_weight = uncollided[0] * np.exp(-peak_speed * times / mean_free_path)
-    averages = Averages(law, mean_free_path, state, times[:early], start_rtol, 2.0)
-    profile = Profile(found, early, "conservative", axis.count, 0.0, peak_speed, peak_weight)
-    return replace(
-        profile,
-        density=then_scaling(law, found, early, shift[early:], rtol),
-        count=times.size,
-        # harmonics m > 0 have no moments of one sign to compare
-        error_estimate=error if m else max(error, moment_error(averages, profile)),
-    )
+            peak_weight = start.weight[0] * np.exp(-peak_speed * times / mean_free_path)
+    density, late_error = then_scaling(law, found, early, shift[early:], rtol)
+    nodes, error = found.x.size, max(error, late_error)
+    return Profile(density, times.size, "conservative", nodes, error, peak_speed, peak_weight)
 
 
-def _follow(
-    nodes: _Nodes,
-    mass: NDArray[Any],
-    kernel: FloatArray,
-    paths: FloatArray,
-    uncollided: NDArray[Any] | None,
-) -> NDArray[Any]:
-    """The masses at times in l/U, (n_times,): shape (n_times, n_nodes).
+def _refined(
+    asked: HarmonicProblem, start: LogMeasure, paths: FloatArray
+) -> tuple[NodeMasses, float]:
+    """The masses at times in l/U, on nodes as close as rtol or the work takes, and their error."""
+    top = float(start.x.max())
+    path = float(paths[-1]) if paths.size else 0.0
+    lowest = min(float(start.x.min()), top, -math.log(max(path, 1e-300))) - _DEPTH
+    span = min(top - lowest, _LOWEST)
+    spacing, finest = _COARSEST, _FINEST
+    if asked.nodes:
+        spacing, finest = 2.0 * span / asked.nodes, span / asked.nodes
+    common = common_loss(asked.law, math.pi / finest)
+    if common is not None:
+        # whole numbers of nodes in every bounce: no share of it is lost to neighbours
+        spacing = common / math.ceil(common / spacing)
+        finest = min(finest, 0.5 * spacing)
+    safe = _SHARP if asked.state.profile(0) is None else _ROUGH
+    found, error = _solve(asked, start, paths, span, spacing), math.inf
+    while found is not None and error > asked.rtol and spacing > 1.01 * finest:
+        before, spacing = found, 0.5 * spacing
+        finer = _solve(asked, start, paths, span, spacing)
+        if finer is None:
+            break
+        found = finer
+        # of the tracers that the nodes hold: at first few have left a single speed
+        held = np.ones(paths.size)
+        if start.x.size == 1:
+            held = np.maximum(-np.expm1(-math.exp(top) * paths), 1e-300)
+        error = safe * float(np.max(_apart(before, found) / held, initial=0.0))
+    if found is None or error == math.inf:
+        raise InputError(
+            f"times: got up to {asked.times[paths.size - 1]:g} at {asked.law.described}; the "
+            f"conservative method would need more than {_MOST_WORK:.0e} products, "
+            "ask for earlier times, fewer nodes, or averages only"
+        )
+    return found, error
 
-    mass : at the start, shape (n_nodes,)
-    uncollided : weight of the start, shape (1,), where all its tracers have one speed
-    """
-    speed, moving = np.exp(nodes.x)[::-1], mass[::-1].copy()
-    if uncollided is not None:
+
+def _solve(
+    asked: HarmonicProblem, start: LogMeasure, paths: FloatArray, span: float, spacing: float
+) -> NodeMasses | None:
+    """The masses at times in l/U with this spacing; None where it would take too long."""
+    count = math.ceil(span / spacing) + 3
+    # one empty node above the fastest tracers; a density may go on beyond its last Gauss point,
+    # by less than that is from the one before
+    top, peak = float(start.x.max()), start.x.size == 1
+    if asked.state.profile(0) is not None:
+        top += spacing + float(np.diff(np.sort(start.x)[-2:]).sum())
+    x = top + spacing * np.arange(2 - count, 2, dtype=float)
+    mass = _start_masses(asked.state, start, asked.m, x, spacing)
+    speed, moving = np.exp(x)[::-1], mass[::-1].copy()
+    if peak:
         # the tracers that have not collided stay apart, in one more node of their speed
-        moving = np.concatenate([uncollided, np.zeros(nodes.count, dtype=mass.dtype)])
+        moving = np.concatenate([start.weight, np.zeros(count, dtype=mass.dtype)])
         speed = np.concatenate([speed[1:2], speed])
-    axis = _Axis(speed, kernel, moving, uncollided is not None)
-    out = np.empty((paths.size, nodes.count), dtype=mass.dtype)
-    now = 0.0
-    for i, path in enumerate(map(float, paths)):
-        axis.advance(path - now)
-        now = path
-        out[i] = axis.mass[-nodes.count :][::-1]
+    axis = _Axis(speed, bounce_kernel(asked.law, spacing, asked.m), moving, peak)
+    out = np.empty((paths.size, count), dtype=mass.dtype)
+    for i, duration in enumerate(map(float, np.diff(paths, prepend=0.0))):
+        axis.advance(duration)
+        if axis.work > _MOST_WORK:
+            return None
+        out[i] = axis.mass[-count:][::-1]
     out.flags.writeable = False
-    return out
+    return NodeMasses(x, spacing, out)
+
+
+def _apart(coarse: NodeMasses, fine: NodeMasses) -> FloatArray:
+    """The largest difference of two distribution functions, over all speeds, (n_times,)."""
+    worst = np.zeros(len(fine.mass))
+    for i, mass in enumerate(fine.mass):
+        change = interpolate(fine.x, coarse.x, coarse.mass[i]) / coarse.spacing
+        change = change - mass / fine.spacing
+        summed = np.cumsum(0.5 * (change[1:] + change[:-1])) * fine.spacing
+        worst[i] = np.abs(summed).max()
+    return worst

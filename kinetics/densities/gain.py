@@ -4,7 +4,7 @@ In space P_m(cos chi) stands for cos(m chi).
 
 It takes the collisions out of the equation (:mod:`kinetics.densities.intertwining`). G is the
 principal solution of its recurrence (:mod:`kinetics.numerics.recurrence`): on the line
-Re z = _TOP by the Euler-Maclaurin formula, and from there down to Re z = 0 by products.
+Re z = _TOP by the Euler-Maclaurin formula, and from there down by products.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _NEGLIGIBLE = 1e-19  # bounces of less weight than this are left out: it is belo
 _TOGETHER = 256  # wave numbers whose tables fit into the cache; it changes no result
 
 
-def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
-    """ln of z G(z), up to its limit at z = 0, for m = 0 and of G(z)/G(0) for others, at z = -i k.
+def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0, tilt: float = 0.0) -> ComplexArray:
+    """ln of G(z)/G(tilt) at z = tilt - i k; for m = 0 without tilt of z G(z), over its limit at 0.
 
     k : equidistant from 0 on, shape (n,), spaced by less than 0.5 for an error of 1e-13
     law : one that loses energy
@@ -37,11 +37,12 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     Shape (n,). Branches are not followed: only exp of the result has a meaning.
     """
     if m == 0 and law.uniform_power == 1.0:
-        return np.zeros(k.size, dtype=complex)  # lambda = z/(1 + z), G = 1/z
+        # lambda = z/(1 + z), G = 1/z
+        return -np.log(1.0 - 1j * k / tilt) if tilt else np.zeros(k.size, dtype=complex)
     q = law.quadrature_for(float(k[-1]), m)
     kept = q.weight > _NEGLIGIBLE * q.weight.max()
     xi, weight, turned = q.log_loss[kept], q.weight[kept], q.harmonic(m)[kept]
-    steps = np.arange(_TOP + 1.0)
+    steps = tilt + np.arange(_TOP + 1.0)
     powers = np.exp(-np.multiply.outer(xi, steps))
     # between two wave numbers, z + d: 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d
     node, between = gauss_legendre(_BETWEEN)
@@ -59,7 +60,7 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
         on_axis = on_axis + (1.0 - turned) @ (weight[:, None] * powers)
     rate = rate + on_axis
     below_top = law.met_again(steps - 1j * k[:, None], rate, m)
-    if m == 0:
+    if m == 0 and not tilt:
         lowest = np.ones(k.size, dtype=complex)
         lowest[1:] = -1j * k[1:] * law.mean_log_loss / below_top[1:, 0]
     else:
@@ -69,12 +70,12 @@ def log_gain(law: CollisionLaw, k: FloatArray, m: int = 0) -> ComplexArray:
     half = np.multiply.outer(xi, 0.5 * step * node)
     short = 2.0 * np.sin(half) * (np.sin(half) - 1j * np.cos(half))  # 1 - s^d
     along = (real + 1j * imag)[:-1] + (weight * turned * powers[:, -1]) @ short + on_axis[-1]
-    along = law.met_again(_TOP - 1j * (k[:-1, None] + step * node), along, m)
+    along = law.met_again(steps[-1] - 1j * (k[:-1, None] + step * node), along, m)
     integral = np.zeros(k.size, dtype=complex)
     integral[1:] = -1j * step * np.cumsum(np.log(along) @ between)
     # lambda' = -E[s^z (-xi)], and so on, s^z = 1 - (1 - s^z)
     slopes = slopes - factors[:, -orders.size :].sum(axis=0)
-    end = taylor_of_log(law.taylor_met_again(_TOP - 1j * k, [rate[:, -1], *slopes.T], m))
+    end = taylor_of_log(law.taylor_met_again(steps[-1] - 1j * k, [rate[:, -1], *slopes.T], m))
     return np.asarray(log_growth(integral, [c[0] for c in end], end) + np.log(below))
 
 

@@ -1,35 +1,30 @@
 """What a density solver gives: one harmonic of the velocity density at the output times.
 
 A :class:`Profile` holds numbers and arrays only, so that it can be compared, pickled and saved. Its
-``density`` is one of these, each with a method ``at(i, v)`` for the i-th time and speeds v in U:
-`grid_density.GridDensity` (from `spectral.py`), `conservative.NodeMasses`,
-`elastic.ElasticDensity`, and :class:`ThenScaling`, which follows one of the first two with the
-scaling state.
+``density`` has a method ``at(i, v)``, in 1/U for the i-th time and speeds v in U, shape (n_v,): a
+`spectral.GridDensity` or `conservative.NodeMasses`, which a :class:`ThenScaling` follows with the
+scaling state, or an :class:`ElasticDensity`.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import oscillations, time_to_forget
+from kinetics.errors import InputError
 from kinetics.numerics import FloatArray
 from kinetics.results import Value
 from kinetics.scaling.scaled_vdf import ScaledVDF, solve_scaled
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
-# Of the thermal speed: above it a density keeps its accuracy relative to its maximum, and below it
-# the density of ln v does.
-LOWEST_SPEED = 1e-2
-# Where little is left, as of harmonics m > 0 that die away, errors are relative to a density of
-# ln v with this maximum; the isotropic one has a larger: tests/kinetics/measurements/densities.py
-LEAST_MAXIMUM = 0.3
 _BEST_SCALED = 1e-13  # the smallest rtol with which the scaling state is solved
 _FARTHEST = 300.0  # e-folds off the thermal speed where nothing is left, and c would overflow
 _SURE = 4.0  # e-folds for the size of the slowest transient, which may be above 1
@@ -40,26 +35,15 @@ _SMOOTH, _ROUGH = 64.0, 512.0
 
 @dataclass(frozen=True)
 class HarmonicProblem:
-    """One angular harmonic of the velocity density, as every solver here is asked for it.
-
-    Attributes
-    ----------
-    law : the collision law
-    mean_free_path : l in d
-    state : the start
-    m : the angular harmonic
-    times : in d/U, rising, shape (n_times,)
-    rtol : the accuracy asked for, of f relative to its maximum
-    nodes : of the speed axis; None where the solver chooses them
-    """
+    """One angular harmonic of the velocity density, as every solver here is asked for it."""
 
     law: CollisionLaw
-    mean_free_path: float
+    mean_free_path: float  # in d
     state: State
     m: int
-    times: FloatArray
+    times: FloatArray  # in d/U, rising, shape (n_times,)
     rtol: float
-    nodes: int | None = None
+    nodes: int | None = None  # of the speed axis; None where the solver chooses them
 
 
 def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
@@ -75,14 +59,6 @@ def angular_function(m: int, angle: FloatArray, dimension: int) -> NDArray[Any]:
     return np.asarray(np.polynomial.legendre.legval(np.cos(angle), coefficients))
 
 
-class Density(Protocol):
-    """A density at several times."""
-
-    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
-        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
-        ...
-
-
 @dataclass(frozen=True)
 class Profile(Value):
     """Harmonic m of the velocity distribution: exp(-i m phi) v f(v, phi) integrated over phi.
@@ -95,13 +71,13 @@ class Profile(Value):
     count : n_times
     method : "spectral", "conservative" or "exact"
     nodes : of the speed axis
-    error_estimate : relative to the maximum
+    error_estimate : of f relative to its maximum ("spectral"), or of its integral from 0 to v,
+        the largest for any v ("conservative")
     peak_speed, peak_weight : tracers of a start of one speed that have not collided, speed in U
-        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None where there are no
-        delta peaks
+        and share of all tracers (times exp(-i m phi_0)), shape (n_times,); None without them
     """
 
-    density: Density
+    density: Any
     count: int
     method: str
     nodes: int
@@ -116,6 +92,20 @@ class Profile(Value):
     def continuous(self, v: FloatArray) -> NDArray[Any]:
         """The same at all times, shape (n_times, n_v)."""
         return np.array([self.at(i, v) for i in range(self.count)])
+
+
+def speed_fronts(law: CollisionLaw, start: LogMeasure | None) -> FloatArray:
+    """Speeds in U, rising, at which f may step or be infinite, from a start of sharp speeds.
+
+    Those of the start and, of tracers that have collided once or twice, the ends of the range that
+    they come to. start : the sharp speeds, or None
+    """
+    if start is None or law.is_elastic:
+        return np.zeros(0)
+    ends = [-law.least_loss, -law.largest_loss]
+    moved = [0.0, *ends, *(a + b for a in ends for b in ends)]
+    found = np.exp(np.add.outer(np.unique(start.x), np.unique(moved)).ravel())
+    return np.unique(found[found > 0.0])
 
 
 def memory_of(law: CollisionLaw, state: State, speeds: LogMeasure) -> list[tuple[complex, float]]:
@@ -156,26 +146,17 @@ def count_before_scaling(asked: HarmonicProblem, speeds: LogMeasure, tau: FloatA
 
 @dataclass(frozen=True)
 class ThenScaling(Value):
-    """A density at the early times, and the scaling state at the later ones.
+    """A density at the first ``count`` times, and the scaling state at the later ones."""
 
-    Attributes
-    ----------
-    early : the density at the first ``count`` times
-    count : how many those are
-    late_shift : ln((t + t0)/l) of the later times, shape (n_late,)
-    scaled : the scaling state; None where there are no later times
-    """
-
-    early: Density
+    early: Any
     count: int
-    late_shift: FloatArray
-    scaled: ScaledVDF | None
+    late_shift: FloatArray  # ln((t + t0)/l) of the later times, shape (n_late,)
+    scaled: ScaledVDF
 
     def at(self, i: int, v: FloatArray) -> NDArray[Any]:
         """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
         if i < self.count:
-            return self.early.at(i, v)
-        assert self.scaled is not None
+            return np.asarray(self.early.at(i, v))
         out = np.zeros(v.shape)
         # v0 (t + t0)/l = 2/h in the scaling state
         late = float(self.late_shift[i - self.count])
@@ -186,14 +167,54 @@ class ThenScaling(Value):
         c = np.exp(log_c[near])
         law = self.scaled.law
         surface = law.unit_surface * c ** (law.dimension - 1)
-        out[near] = surface * self.scaled.vdf(c) * math.exp(-log_thermal)
+        out[near] = surface * self.scaled.reached_vdf(c) * math.exp(-log_thermal)
         return out
 
 
 def then_scaling(
-    law: CollisionLaw, early: Density, count: int, late_shift: FloatArray, rtol: float
-) -> Density:
-    """The early density, with the scaling state solved if there are later times."""
+    law: CollisionLaw, early: Any, count: int, late_shift: FloatArray, rtol: float
+) -> tuple[Any, float]:
+    """The early density, with the scaling state if there are later times, and the error of that."""
     if late_shift.size == 0:
-        return early
-    return ThenScaling(early, count, late_shift, solve_scaled(law, max(rtol, _BEST_SCALED)))
+        return early, 0.0
+    scaled = solve_scaled(law, max(rtol, _BEST_SCALED))
+    density = ThenScaling(early, count, late_shift, scaled)
+    density.at(count, np.exp(-late_shift[:1]))  # for the estimate: a speed in the bulk
+    return density, scaled.error_estimate
+
+
+@dataclass(frozen=True)
+class ElasticDensity(Value):
+    """Speeds are kept: the density of the start times exp(-rate v t), rate in 1/d."""
+
+    state: State  # its density is zero if all speeds are equal
+    m: int
+    rate: float
+    times: FloatArray
+
+    def at(self, i: int, v: FloatArray) -> NDArray[Any]:
+        """In 1/U at the i-th time and speeds v in U, shape (n_v,)."""
+        start = self.state.profile(self.m)
+        if start is None:
+            return np.zeros(v.shape)
+        with np.errstate(under="ignore"):
+            return np.asarray(start(v) * np.exp(-self.rate * self.times[i] * v))
+
+
+def elastic_profile(asked: HarmonicProblem) -> Profile:
+    """The harmonic at the times, exactly; InputError for samples, which have no density."""
+    state, m, times = asked.state, asked.m, asked.times
+    rate = float(asked.law.harmonic_decay_rate(0.0, m)) / asked.mean_free_path
+    density = ElasticDensity(state, m, rate, times)
+    speed, weight = None, None
+    if state.profile(m) is None:
+        points = state.harmonic(m, 1.0)
+        if points is None or points.x.size != 1:
+            raise InputError(
+                "initial: samples have no density of their own, and elastic tracers keep their "
+                "speeds; ask for averages, or give a SpeedTable"
+            )
+        # all tracers have one speed, and the whole harmonic stays in that peak
+        speed = float(np.exp(points.x[0]))
+        weight = points.weight[0] * np.exp(-rate * speed * times)
+    return Profile(density, times.size, "exact", 0, sys.float_info.epsilon, speed, weight)

@@ -39,7 +39,7 @@ _ELASTIC_X, _STEADY = 40.0, 1e-30
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
 # Errors are at most 1.2 times the last Chebyshev coefficient of a panel, or a tenth of that times
-# the one before (tests/kinetics/measurements/moments.py); the rest is for the initial state.
+# the one before; the rest is for the initial state.
 _LAST, _BEFORE = 1.75, 0.175
 _LEAST_END = 1e-3  # of the maximum on a panel: an observable that changes sign there has no scale
 
@@ -186,7 +186,7 @@ class BackwardEquation:
             rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
             slowest = min([rate for rate in rates if rate > _STEADY], default=1.0)
             return _ELASTIC_X - math.log(slowest)
-        return min(asymptotic_from(self.law, self.highest, _HARMONICS), _HIGHEST_X)
+        return min(asymptotic_from(self.law), _HIGHEST_X)
 
     @cached_property
     def rule(self) -> PanelRule:
@@ -203,10 +203,10 @@ class BackwardEquation:
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
             factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
             loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
-            self._kernels[m] = loss[0], gain[0]
             eps, delay = self.law.returns(m)
             if eps:
-                self._kernels[m] = with_returns(self.rule, loss[0], gain[0], eps, delay)
+                loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), delay)
+            self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 
     def solve(self, y: Observable) -> FloatArray:

@@ -31,7 +31,7 @@ from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
 
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
-# ln t, and as many points of the initial state (tests/kinetics/measurements/moments.py).
+# ln t, and as many points of the initial state.
 _MANY, _FEW_POINTS = 2, 4
 # First guess of the nodes of a panel: for every law within one or two of what is needed, because
 # a node is about a digit. A guess that is too small costs a second solve.

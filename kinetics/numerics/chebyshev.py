@@ -1,6 +1,6 @@
-"""Polynomials through Chebyshev points on [0, 1]: the one place for points, rows and derivatives.
+"""Polynomials through Chebyshev points on [0, 1], and barycentric interpolation through any.
 
-Source of the barycentric formulas: Berrut and Trefethen, SIAM Review 46, 501 (2004).
+Source of the formulas: Berrut and Trefethen, SIAM Review 46, 501 (2004).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class _Chebyshev:
         """The points on [0, 1], rising, shape (nodes,)."""
         return np.asarray(0.5 * (1.0 - np.cos(self._angle)))
 
-    @cached_property
+    @property
     def _angle(self) -> FloatArray:
         raise NotImplementedError
 
@@ -78,7 +78,7 @@ class _Chebyshev:
 class FirstKind(_Chebyshev):
     """The zeros of a Chebyshev polynomial: the ends of the interval are not among them."""
 
-    @cached_property
+    @property
     def _angle(self) -> FloatArray:
         return np.asarray((np.arange(self.nodes) + 0.5) * math.pi / self.nodes)
 
@@ -89,10 +89,7 @@ class FirstKind(_Chebyshev):
 
     @cached_property
     def _last_two(self) -> FloatArray:
-        return self._columns(np.array([self.nodes - 1, self.nodes - 2]))
-
-    def _columns(self, order: NDArray[np.intp]) -> FloatArray:
-        """Columns that give the coefficients of these orders, (nodes, n); of order 0 twice it."""
+        order = np.array([self.nodes - 1, self.nodes - 2])
         return np.asarray(np.cos(np.outer(self._angle, order)) * (2.0 / self.nodes))
 
 
@@ -100,24 +97,25 @@ class FirstKind(_Chebyshev):
 class SecondKind(_Chebyshev):
     """The extrema of a Chebyshev polynomial: both ends of the interval are among them."""
 
-    @cached_property
+    @property
     def _angle(self) -> FloatArray:
         return np.asarray(np.arange(self.nodes) * math.pi / (self.nodes - 1))
 
     @cached_property
     def weights(self) -> FloatArray:
         """Barycentric weights, shape (nodes,)."""
-        w = (-1.0) ** np.arange(self.nodes)
-        w[[0, -1]] *= 0.5
-        return np.asarray(w)
+        return (-1.0) ** np.arange(self.nodes) * self._halves
+
+    @property
+    def _halves(self) -> FloatArray:
+        return np.where(np.isin(np.arange(self.nodes), (0, self.nodes - 1)), 0.5, 1.0)
 
     @cached_property
     def _last_two(self) -> FloatArray:
         last = self.nodes - 1
-        halves = np.where(np.isin(np.arange(self.nodes), (0, last)), 0.5, 1.0)[:, None]
-        order = np.array([last, last - 1])
+        cosines = np.cos(np.outer(self._angle, np.array([last, last - 1])))
         # the last coefficient has half the weight of the others
-        return np.asarray(halves * np.cos(np.outer(self._angle, order)) * [1.0, 2.0] / last)
+        return np.asarray(self._halves[:, None] * cosines * [1.0, 2.0] / last)
 
     @cached_property
     def slopes(self) -> FloatArray:

@@ -16,7 +16,6 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import SecondKind, interpolation_rows
 
 _FORGOTTEN = 1e-17  # panels further down that weigh less are left out
-_FEW_PANELS = 40  # for which room is made at first
 _MOST_PANELS = 300  # never reached
 _TINY = 1e-290  # stands for a distance of 0: its reciprocal is finite, and outweighs all others
 
@@ -116,35 +115,34 @@ def _average(factor: FloatArray, weight: FloatArray, rows: FloatArray) -> FloatA
 
 
 def with_returns(
-    rule: PanelRule, loss: FloatArray, gain: FloatArray, factor: float, shift: float
+    rule: PanelRule, loss: FloatArray, gain: FloatArray, factor: FloatArray, shift: float
 ) -> tuple[FloatArray, FloatArray]:
     """Loss and gain of (K - 1)/(1 - factor S (K - 1)), with S f(x) = f(x - shift), from those of K.
 
-    Both as :meth:`PanelShifts.kernel` has them; the gain reaches as many panels down as it takes.
+    Both as :meth:`PanelShifts.kernel` has them, factor (n_m,); the gain reaches as many panels down
+    as it takes.
     """
-    n = rule.nodes
-    old = np.concatenate([-loss[None], gain.reshape(n, -1, n).transpose(1, 0, 2)[::-1]])  # K - 1
+    n, count = rule.nodes, loss.shape[0]
+    # K - 1 panel by panel, the nearest one first, (reach + 1, n_m, n, n)
+    old = np.moveaxis(gain.reshape(count, n, -1, n), 2, 0)[::-1]
+    old = np.concatenate([-loss[None], old])
     shifts = PanelShifts(rule, np.array([shift]))
     span = range(int(shifts.below.min()), int(shifts.below.max()) + 1)
-    # g = (K - 1)(f + factor S g), panel by panel, the nearest one first
-    again = np.zeros((len(old) + span[-1], n, n))
+    # g = (K - 1)(f + factor S g)
+    again = np.zeros((len(old) + span[-1], count, n, n))
     for j in span:
-        again[j : j + len(old)] += old @ (factor * (shifts.below == j) * shifts.rows[:, 0])
+        moved = (shifts.below == j) * shifts.rows[:, 0]
+        again[j : j + len(old)] += factor[:, None, None] * (old @ moved)
     inside = np.linalg.inv(np.eye(n) - again[0])
-    further = inside @ again[:0:-1].transpose(1, 0, 2).reshape(n, -1)
-    old = inside @ old
-    reach = len(again) - 1
-    new = np.zeros((reach + _FEW_PANELS, n, n))
+    old, further = inside @ old, inside @ again[1:]
+    new: list[FloatArray] = []
     small = 0
-    for k in range(_MOST_PANELS):
-        if reach + k == len(new):
-            new = np.concatenate([new, np.zeros_like(new)])
-        block = further @ new[k : k + reach].reshape(-1, n)
-        if k < len(old):
-            block += old[k]
-        new[reach + k] = block
+    while small < len(again) and len(new) < _MOST_PANELS:
+        k = len(new)
+        block = old[k] if k < len(old) else np.zeros_like(old[0])
+        for j in range(1, min(k, len(further)) + 1):
+            block = block + further[j - 1] @ new[k - j]
+        new.append(block)
         small = small + 1 if np.abs(block).max() < _FORGOTTEN else 0
-        if small > reach:
-            break
-    new = new[reach : reach + max(k + 1 - small, 1)]
-    return -new[0], new[:0:-1].transpose(1, 0, 2).reshape(n, -1)
+    below = np.stack(new[len(new) - 1 - small : 0 : -1] or [np.zeros_like(old[0])])
+    return -new[0], np.moveaxis(below, 0, 2).reshape(count, n, -1)

@@ -7,7 +7,7 @@ With F(k, t), the average of exp(i k.r) over the start and the paths
     g(r, t) = (2/pi) r^2 integral of k^2 sin(k r)/(k r) F(k, t) dk
 
 (paper, section on the position distribution). Tracers that have not collided are kept apart
-(:mod:`kinetics.position.ballistic_front`). Only the others are transformed: their F falls in k,
+(:mod:`kinetics.position.uncollided`). Only the others are transformed: their F falls in k,
 until powers of 1/k are left (:mod:`kinetics.position.tail`). Tracers of one sharp speed that have
 collided once or twice leave a front too, and their F falls slowly: before some ten mean free times
 G(R) is right to about 1e-2 beside it, and the error estimate says so.
@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinetics.numerics import FloatArray
-from kinetics.position.ballistic_front import UncollidedDensity
 from kinetics.position.directions import element, radial_measure, radial_waves, surface
 from kinetics.position.tail import PowerTail
+from kinetics.position.uncollided import Uncollided
 from kinetics.position.wave_panel import WavePanel
 from kinetics.results import Value
 
@@ -56,7 +56,7 @@ class Displacement(Value):
     panels: tuple[WavePanel, ...]
     tails: tuple[PowerTail | None, ...]
     cut: FloatArray
-    uncollided: UncollidedDensity
+    uncollided: Uncollided
     front_radius: FloatArray
     front_weight: FloatArray
     reach: FloatArray
@@ -67,7 +67,7 @@ class Displacement(Value):
     @property
     def wave_numbers(self) -> int:
         """How many were solved for."""
-        return sum(panel.values.shape[1] for panel in self.panels)
+        return sum(panel.wave_numbers.size for panel in self.panels)
 
     def density(self, time: int, r: FloatArray) -> FloatArray:
         """g(r, t) without delta peaks, in 1/d, shape (n_r,)."""
@@ -76,25 +76,15 @@ class Displacement(Value):
         collided = element(near / path, d) * (self._transform(time, r, 0) / path)
         return np.asarray(collided + self.uncollided.at(time, r))
 
-    def collided_within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers that have collided and are within r, shape (n_r,)."""
+    def within(self, time: int, r: FloatArray) -> FloatArray:
+        """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
         near = np.minimum(r, self.reach[time])  # the square of r may overflow
         inside = element(near / self.mean_free_path, self.dimension)
         inside = inside * self._transform(time, r, 1)
-        return np.where(r <= self.reach[time], inside, self._at_zero(time))
-
-    def _at_zero(self, time: int) -> float:
-        """Share of all tracers that the panels stand for: F at k = 0."""
-        for panel in self.panels:
-            f = panel.of(time)
-            if f is not None:  # the first panel of a time begins at 0
-                return panel.at_zero(f)
-        return 0.0
-
-    def within(self, time: int, r: FloatArray) -> FloatArray:
-        """Share of all tracers within r, the uncollided among them, shape (n_r,)."""
+        whole = next((f for panel in self.panels if (f := panel.at_zero(time)) is not None), 0.0)
         front = self.front_weight[time] @ (self.front_radius[time][:, None] <= r)
-        return np.asarray(self.collided_within(time, r) + front + self.uncollided.within(time, r))
+        flying = front + self.uncollided.within(time, r)
+        return np.where(r <= self.reach[time], inside, whole) + flying
 
     def collided_in_place(self, time: int, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Density of the collided in the plane, or in space, and its slope, (n_r,) each.
@@ -121,7 +111,7 @@ class Displacement(Value):
             f = panel.of(time)
             if f is None:
                 continue
-            points = _enough(f.size, float(rho.max()) * (panel.high - panel.low))
+            points = _enough(2 * f.size + 8, float(rho.max()) * (panel.high - panel.low))
             k, weight, values = panel.gauss(f, points)
             if tail is not None:
                 values = values - tail.at(k)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,16 +14,14 @@ from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
-from kinetics.numerics.chebyshev import FirstKind
 from kinetics.numerics.gauss import panels_between
 from kinetics.numerics.threads import one_blas_thread
 from kinetics.position.directions import mean_phase, share_of_harmonic
 from kinetics.position.returned import density_at_origin
-from kinetics.position.scattering import most_at_once, solve_waves
+from kinetics.position.scattering import Waves, solve_waves
 from kinetics.position.wave_panel import Indices
-from kinetics.position.waves import Waves
 from kinetics.states.quadrature import LogMeasure
-from kinetics.states.state import SpeedFunction, State
+from kinetics.states.state import State
 
 _POINTS = 10  # Gauss points of a panel of initial speeds, no wider than a panel of the waves
 _HALVINGS = 6  # of the panels of a density whose norm they do not give
@@ -34,56 +31,34 @@ _BEST = 1e-12  # of F: rounding of the sums over harmonics and speeds allows no 
 _ONCE_MORE, _LEAST = 0.03, 1e-14
 _WIDEST = 0.5  # K up to which panels do not get narrower with K
 _FREE = math.log(40.0)  # X beyond which exp(-T) is below e^-40
-_MOST_PIECES = 4000  # panels, for averages from the same X at all times: 40,000 points
+_AT_ONCE = 1000.0  # wave numbers times 1 + K: some hundred megabytes
 
 
-def points_of(state: State, spacing: float, rtol: float) -> LogMeasure:
-    """The initial speeds as points that resolve functions varying over ``spacing`` in ln v.
+def points_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
+    """Harmonic m of a start as points that resolve functions varying over ``spacing`` in ln v.
 
     Peaks and samples are points already; densities get Gauss panels no wider than the spacing, with
-    an edge at each kink.
+    an edge at each kink. None where the harmonic is zero.
     """
-    profile = state.profile(0)
-    if profile is None:
-        found = state.harmonic(0, rtol)
-        assert found is not None  # harmonic 0 is never zero
-        return found
-    _, x, weight = _panels_of(state, profile, spacing, rtol)
-    return LogMeasure(x, weight / float(weight.sum()))
-
-
-def _harmonic_of(state: State, m: int, spacing: float, rtol: float) -> LogMeasure | None:
-    """The same for harmonic m > 0; None where it is zero."""
     profile, harmonic = state.profile(0), state.profile(m)
-    if profile is None or harmonic is None:
-        return state.harmonic(m, rtol)
-    edges, _, weight = _panels_of(state, profile, spacing, rtol)
-    x, w = panels_between(edges, _POINTS)
-    v = np.exp(x)
-    return LogMeasure(x, np.asarray(harmonic(v) * v * w) / float(weight.sum()))
-
-
-def _panels_of(
-    state: State, profile: SpeedFunction, spacing: float, rtol: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Edges in ln v, Gauss points between them, and their weights, which sum to the norm."""
     found = state.harmonic(0, rtol)
-    assert found is not None
+    if profile is None or harmonic is None or found is None:
+        return state.harmonic(m, rtol)
     low, high = float(found.x.min()), float(found.x.max())
-    kinks = np.log(np.asarray([v for v in state.kinks if v > 0.0]))
+    kinks = np.log(state.kinks[state.kinks > 0.0])
     if kinks.size:
         # the points of a table stop short of its ends
         low, high = min(low, float(kinks[0])) if state.kinks[0] > 0.0 else low, float(kinks[-1])
     kinks = kinks[(kinks > low) & (kinks < high)]
     for halving in range(_HALVINGS + 1):
         count = math.ceil((high - low) / spacing * 2**halving) + 1
-        edges = np.union1d(np.linspace(low, high, max(2, count)), kinks)
-        x, w = panels_between(edges, _POINTS)
+        x, w = panels_between(np.union1d(np.linspace(low, high, max(2, count)), kinks), _POINTS)
         v = np.exp(x)
-        weight = np.asarray(profile(v).real * v * w)
-        if abs(float(weight.sum()) - 1.0) < rtol:
+        norm = float(profile(v).real @ (v * w))
+        if abs(norm - 1.0) < rtol:
             break
-    return edges, x, weight
+    values = np.asarray(harmonic(v) * v * w) / norm
+    return LogMeasure(x, values if m else values.real)
 
 
 @dataclass(frozen=True)
@@ -125,21 +100,24 @@ class Scattering:
 
     def _waves(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float, kept: int = 0
-    ) -> Iterator[tuple[slice, Waves]]:
-        """Solve the backward equation for K = k l, up to the largest T of the times.
+    ) -> tuple[Waves, LogMeasure, float]:
+        """The backward equation for K = k l up to the largest T of the times.
 
-        A few wave numbers after another, where all at once would take too much memory.
+        Besides, the initial speeds as points for it, and its error averaged over them, absolute,
+        at the worst of the times.
         """
-        speeds = points_of(self.state, 1.0, tolerance)
-        highest = float(speeds.x.max() + self.log_stretch(which).max())
+        speeds = points_of(self.state, 0, 1.0, tolerance)
+        assert speeds is not None  # harmonic 0 is never zero
+        stretch = self.log_stretch(which)
+        highest = float(speeds.x.max() + stretch.max())
         # where directions count, each harmonic that is kept adds its own error
         least = (0.1 if kept else 0.3) * tolerance
-        most = most_at_once(self.law, float(wave_numbers.max()), highest, least, kept)
-        for first in range(0, wave_numbers.size, most):
-            part = slice(first, first + most)
-            found = solve_waves(self.law, wave_numbers[part], highest, least, kept)
-            self.systems[found.rule.nodes - 1] += found.systems
-            yield part, found
+        waves = solve_waves(self.law, wave_numbers, highest, least, kept)
+        self.systems[waves.rule.nodes - 1] += waves.systems
+        speeds = points_of(self.state, 0, waves.rule.width, tolerance)
+        assert speeds is not None
+        error = max(float(speeds.weight @ waves.error_at(speeds.x + s)) for s in stretch)
+        return waves, speeds, error
 
     def collided(
         self, wave_numbers: FloatArray, which: Indices, tolerance: float
@@ -147,57 +125,17 @@ class Scattering:
         """F without the tracers that have not collided, (n_which, n_k), and its error, absolute.
 
         wave_numbers : K = k l, of similar size, shape (n_k,); which : indices of times
-
-        The error is the mean over the initial speeds of that of the waves, at the worst time.
         """
-        stretch, profile = self.log_stretch(which), self.state.profile(0)
-        out, error = np.empty((which.size, wave_numbers.size)), 0.0
-        some = points_of(self.state, 1.0, tolerance)
-        for part, waves in self._waves(wave_numbers, which, tolerance):
-            found = None
-            if profile is not None and self.state.smooth:
-                found = self._on_panels(waves, profile, stretch, tolerance)
-            if found is None:
-                speeds = points_of(self.state, waves.rule.width, tolerance)
-                means = [speeds.weight @ self._collided(waves, speeds.x + s) for s in stretch]
-                found = np.array(means)
-            out[:, part] = found
-            missed = waves.error_at(some.x + stretch[:, None]) @ some.weight
-            error = max(error, float(missed.max()))
-        return out, error
-
-    def _on_panels(
-        self, waves: Waves, profile: SpeedFunction, stretch: FloatArray, tolerance: float
-    ) -> FloatArray | None:
-        """The means over a smooth density, from the same points X for all times, (n_which, n_k).
-
-        None where that takes too many points.
-        """
-        width = waves.rule.width
-        edges, _, weight = _panels_of(self.state, profile, width, tolerance)
-        norm, bottom, top = float(weight.sum()), float(edges[0]), float(edges[-1])
-        # below, nothing has collided; above the end of the waves, nothing is left
-        low = max(bottom + float(stretch.min()), math.log(tolerance) - 3.0)
-        high = top + float(stretch.max())
-        if waves.ended:
-            high = min(high, waves.start + (waves.values.shape[0] - 0.5) * width)
-        pieces = math.ceil(width * (edges.size - 1) / (top - bottom) - 1e-9)
-        first, last = (math.floor((x - waves.start) / width) * pieces for x in (low, high))
-        if last - first > _MOST_PIECES:
-            return None
-        steps = np.arange(first, max(first, last) + pieces + 1)
-        x, w = panels_between(np.asarray(waves.start + width / pieces * steps), _POINTS)
-        left = self._collided(waves, x)
-        out = np.empty((stretch.size, left.shape[1]))
-        for i, s in enumerate(stretch):
-            part = slice(*np.searchsorted(x, [bottom + s - width, top + s + width]))
-            v = np.exp(x[part] - s)
-            out[i] = (profile(v).real * v * w[part] / norm) @ left[part]
-        return out
+        waves, speeds, error = self._waves(wave_numbers, which, tolerance)
+        means = [
+            speeds.weight @ self._collided(waves, speeds.x + s) for s in self.log_stretch(which)
+        ]
+        return np.array(means), error
 
     def mean_at_origin(self) -> FloatArray:
         """Density of the returned at the origin, see `returned.density_at_origin`, (n_times,)."""
-        speeds = points_of(self.state, 1.0, 1e-9)
+        speeds = points_of(self.state, 0, 1.0, 1e-9)
+        assert speeds is not None
         with np.errstate(over="ignore"):
             path = np.exp(self.log_stretch(np.arange(self.times.size))[:, None] + speeds.x)
         found = density_at_origin(self.law, path.ravel()).reshape(path.shape)
@@ -219,8 +157,6 @@ class Scattering:
 
         wave_numbers : K = k l, of similar size, shape (n_k,)
         direction : angle of k to the x axis; None for the mean over the directions
-
-        The error is the mean over the initial speeds of that of the waves at each time.
         """
         which = np.arange(self.times.size)
         most = self.state.highest_harmonic
@@ -228,23 +164,14 @@ class Scattering:
         if direction is not None and most != 0:
             kept = 10**6 if most is None else most
         out = np.zeros((which.size, wave_numbers.size), dtype=complex if kept else float)
-        error = 0.0
-        for part, waves in self._waves(wave_numbers, which, tolerance, kept):
-            speeds = points_of(self.state, waves.rule.width, tolerance)
-            for stretch in self.log_stretch(which):
-                error = max(error, float(speeds.weight @ waves.error_at(speeds.x + stretch)))
-            for m in range(min(kept + 1, waves.values.shape[1])):
-                width = waves.rule.width
-                if m == 0:
-                    start: LogMeasure | None = speeds
-                else:
-                    start = _harmonic_of(self.state, m, width, tolerance)
-                if start is None:
-                    continue
-                for i, stretch in enumerate(self.log_stretch(which)):
-                    mean = start.weight @ waves(start.x + stretch, m)
-                    angle, d = direction or 0.0, self.law.dimension
-                    out[i, part] += share_of_harmonic(m, mean, angle, d)
+        waves, _, error = self._waves(wave_numbers, which, tolerance, kept)
+        for m in range(min(kept + 1, waves.values.shape[1])):
+            start = points_of(self.state, m, waves.rule.width, tolerance)
+            if start is None:
+                continue
+            for i, stretch in enumerate(self.log_stretch(which)):
+                mean = start.weight @ waves(start.x + stretch, m)
+                out[i] += share_of_harmonic(m, mean, direction or 0.0, self.law.dimension)
         return out, error
 
 
@@ -272,40 +199,17 @@ def scattering_function(
     left = (scaled > 0.0) & bool(late.any())
     tolerance, worst = max(averages.rtol, _BEST), 0.0
     while left.any():
-        # those within a factor of two share their panels
+        # those within a factor of two share their panels; large ones take much memory each
         largest = float(scaled[left].max())
         group = left & (scaled > largest * (0.5 if largest > _WIDEST else 0.2))
-        found, error = _through_points(system, scaled[group], direction, tolerance)
+        group &= np.cumsum(group) <= max(1.0, _AT_ONCE / (1.0 + largest))
+        found, error = system.whole(scaled[group], direction, tolerance)
         if error > tolerance:  # once more, with more nodes and harmonics
             asked = max(_ONCE_MORE * tolerance, _LEAST)
-            found, error = _through_points(system, scaled[group], direction, asked)
+            found, error = system.whole(scaled[group], direction, asked)
         worst = max(worst, error)
         out[np.ix_(late, group)] = found
         left &= ~group
     if worst > tolerance:
         warn_missed("F(k, t)", worst, tolerance)
     return out
-
-
-def _through_points(
-    system: Scattering, wave_numbers: FloatArray, direction: float | None, tolerance: float
-) -> tuple[NDArray[Any], float]:
-    """F (n_times, n_k) and its error, absolute.
-
-    From a polynomial in K where that takes fewer wave numbers than are asked for.
-    """
-    low, high = float(wave_numbers.min()), float(wave_numbers.max())
-    nodes = 4.0 + 1.2 * math.log10(1.0 / tolerance)
-    if system.state.peaks is not None:
-        # tracers of one speed that have not collided make F turn with cos(K T)
-        longest = float(np.exp(system.log_stretch(np.arange(system.times.size))).max())
-        fastest = float(np.max(system.state.peaks[0]))
-        nodes += 0.5 * (high - low) * min(longest * fastest, -math.log(tolerance))
-    if wave_numbers.size > 1.5 * nodes:
-        rule = FirstKind(math.ceil(nodes))
-        trial, error = system.whole(low + (high - low) * rule.local, direction, 0.5 * tolerance)
-        left_out = float(np.max(rule.last_coefficients(trial)))
-        if left_out < 0.5 * tolerance:
-            rows = rule.rows((wave_numbers - low) / (high - low))
-            return np.asarray(trial @ rows.T), error + left_out
-    return system.whole(wave_numbers, direction, tolerance)

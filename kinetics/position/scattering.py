@@ -14,46 +14,96 @@ In space the harmonics are Legendre polynomials, and in the right units they obe
 equations (:mod:`kinetics.position.directions`); a_m below is b_m there.
 
 On panels in X = ln T, as in :mod:`kinetics.moments.backward`, each panel is a block-tridiagonal
-system in m, solved from both ends to the middle for all wave numbers at once, with as many
-harmonics as count on that panel. a_0 is the mean over the directions: all that an isotropic start,
-or a radial density, needs.
+system in m, solved for all wave numbers at once, with as many harmonics as count on that panel. a_0
+is the mean over the directions: all that an isotropic start, or a radial density, needs.
 """
 
 from __future__ import annotations
 
 import math
+from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 
 from kinetics.collision import CollisionLaw
 from kinetics.collision.memory import asymptotic_from
 from kinetics.numerics import FloatArray
-from kinetics.numerics.panels import PanelRule, PanelShifts
+from kinetics.numerics.panels import PanelRule, PanelShifts, with_returns
 from kinetics.position.coupled_harmonics import eliminate, iterate
 from kinetics.position.directions import coupling
-from kinetics.position.returned import Returned
-from kinetics.position.waves import Waves, carried, series_sum, together
 
 # The power series at the start: (K + 2) T up to _SERIES, where the largest term, 5^5/5!, costs less
 # than two digits, and the term after the last is 5^41/41! = 1e-21.
 _SERIES, _TERMS = 5.0, 40
-_LASTING = 2  # the harmonics whose decay decides from which X on the panels may end
-_FEWEST_NODES = 6
-_NO_POWER = 1e-18  # a ratio of speeds of which no power but the zeroth counts
+_DEEPEST = 40.0  # -ln s: e^-40 of a speed is nothing to a power above the zeroth
 _NEGLIGIBLE = 0.01  # of the tolerance: values that count as 0, and gain from far below
-# For each decimal digit of the tolerance so many nodes, and more for each turn of K T on a panel.
+# Nodes of a panel: some, for each decimal digit of the tolerance so many, and more for each turn of
+# K T on it. Harmonics: late besides K for each digit, early besides the K T of free flights.
 _SOME, _FOR_DIGIT, _FOR_TURN = 2.0, 0.85, 0.5
-_TURNING = 3.5  # T at which flights along k are resolved worst
-# Harmonics for each digit: late, besides K for each, and early, besides the K T of free flights.
 _LATE_FOR_DIGIT, _EARLY_FOR_DIGIT = 0.45, 2.0
+_TURNING = 3.5  # T at which flights along k are resolved worst
 _RISING = 0.75  # a_m below this power of the tolerance do not matter while they rise with T
 # Harmonics that a panel adds, and further ones as free flights reach them; no more than so many
 # where only m = 0 is wanted, to which the last ones give back their square.
 _MORE, _MOST_MORE = 4, 6
-_MEMORY = 2e8  # bytes, of what is kept of the harmonics of all wave numbers at once
-_PANELS = 32  # for which there is room at first
-# A panel on which free flights turn K T by less is solved by iteration: a third of the time.
-_FEW_TURNS = 10.0
+_SAFETY = 2.0  # the error over the last coefficients: 1.2 was the largest seen
+_FEW_TURNS = 10.0  # of K T on a panel: below, iteration takes a third of the time of elimination
+
+
+@dataclass(frozen=True)
+class Waves:
+    """a_m for some wave numbers, in space b_m of `directions`, as a function of X = ln T.
+
+    Attributes
+    ----------
+    wave_numbers : K = k l, shape (n_k,)
+    rule : the collocation
+    start : X where the panels begin
+    values : a_m at the nodes, shape (n_panels, n_kept, nodes, n_k); m up to n_kept - 1
+    coefficients : of the power series in T below the panels, shape (n_terms, n_kept, n_k)
+    ended : whether everything is below the tolerance at the last panel, and 0 from there on
+    errors : absolute, up to each panel, by the last Chebyshev coefficients; root of the sum of the
+        squares of all harmonics that are kept (m and -m), shape (n_panels,)
+    systems : how many systems of rule.nodes - 1 equations were solved
+    """
+
+    wave_numbers: FloatArray
+    rule: PanelRule
+    start: float
+    values: FloatArray
+    coefficients: FloatArray
+    ended: bool
+    errors: FloatArray
+    systems: int
+
+    def __call__(self, x: FloatArray, m: int = 0) -> FloatArray:
+        """a_m at X = x (n_x,), -inf allowed: shape (n_x, n_k)."""
+        level = (x - self.start) / self.rule.width
+        out = np.empty((x.size, self.wave_numbers.size))
+        low = level < 0.0
+        if low.any():
+            out[low] = _series_sum(self.coefficients[:, m], np.exp(x[low]))
+        count, inside = self.values.shape[0], level[~low]
+        index = np.minimum(inside.astype(int), count - 1)
+        rows = self.rule.rows(np.minimum(inside - index, 1.0))
+        found = np.einsum("ij,ijk->ik", rows, self.values[index, m])
+        beyond = inside > count
+        if beyond.any() and self.ended:
+            found[beyond] = 0.0
+        elif beyond.any():  # a_m goes on with the power of T with which the last panel falls
+            first, last = self.values[-1, m, 0], self.values[-1, m, -1]
+            with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
+                fall = np.where(last != 0.0, np.minimum(1.0, np.abs(last / first)), 0.0)
+                found[beyond] = last * fall ** (inside[beyond] - count)[:, None]
+        out[~low] = found
+        return out
+
+    def error_at(self, x: FloatArray) -> FloatArray:
+        """The error at X = x (n_x,): shape (n_x,)."""
+        level = np.floor((x - self.start) / self.rule.width)
+        padded = np.concatenate([[0.0], self.errors, [0.0 if self.ended else self.errors[-1]]])
+        return padded[np.clip(level + 1.0, 0.0, padded.size - 1.0).astype(int)]
 
 
 def solve_waves(
@@ -70,35 +120,18 @@ def solve_waves(
     tolerance : absolute, of a_0 and of those kept
     kept : largest m that is wanted, if it is not negligible
     """
-    rule, start, count, top = _extent(law, float(wave_numbers.max()), highest, tolerance, kept)
-    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
-
-
-def most_at_once(
-    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int = 0
-) -> int:
-    """How many wave numbers up to ``largest`` can be solved for at once within _MEMORY."""
-    rule, _, count, top = _extent(law, largest, highest, tolerance, kept)
-    n, deepest = rule.nodes, min(40.0, law.largest_loss)
-    panels = count + min(count, deepest / rule.width) if kept else deepest / rule.width + _PANELS
-    return max(1, int(_MEMORY / (8.0 * (top + 1.0) * n * (min(panels, 2.0 * count) + 2.0 * n))))
-
-
-def _extent(
-    law: CollisionLaw, largest: float, highest: float, tolerance: float, kept: int
-) -> tuple[PanelRule, float, int, int]:
-    """The collocation, where the panels begin, how many there are at most, the last harmonic."""
+    largest = float(wave_numbers.max())
     rule = _rule(largest, highest, tolerance)
     first = math.log(_SERIES / (largest + 2.0))
-    start = rule.width * math.floor(min(first, highest) / rule.width)
-    limit = highest
-    if not law.is_elastic:
-        limit = min(limit, asymptotic_from(law, highest, _LASTING))
-    count = max(1, math.ceil((limit - start) / rule.width))
+    limit = highest if law.is_elastic else min(highest, asymptotic_from(law))
     # where harmonics are kept, those left out must be negligible themselves; otherwise only what
     # they give back to m = 0, which is their square
-    top = _harmonics(largest, min(highest, limit), tolerance**2 if kept else tolerance)
-    return rule, start, count, top
+    top = _harmonics(largest, limit, tolerance**2 if kept else tolerance)
+    if law.returns(0)[0]:  # panels from which a bounce straight back leads to none below the first
+        first = min(first, limit - min(law.largest_loss, _DEEPEST) - 2.0 * rule.width)
+    start = rule.width * math.floor(min(first, highest) / rule.width)
+    count = max(1, math.ceil((limit - start) / rule.width))
+    return Sweep(law, wave_numbers, rule, start, top, count).run(count, tolerance, kept)
 
 
 def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
@@ -107,7 +140,7 @@ def _rule(largest: float, highest: float, tolerance: float) -> PanelRule:
     width = min(1.0, 1.5 / (turns + 1.0))
     digits = math.log10(1.0 / tolerance)
     nodes = math.ceil(_SOME + digits * (_FOR_DIGIT + _FOR_TURN * turns * width))
-    return PanelRule(max(_FEWEST_NODES, nodes), width)
+    return PanelRule(max(6, nodes), width)
 
 
 def _harmonics(largest: float, highest: float, tolerance: float) -> int:
@@ -150,9 +183,13 @@ class Sweep:
         q = law.quadrature_for(2.0 * rule.nodes / rule.width, top)
         # collisions that lose more speed lead from every panel to where the series holds
         near = q.log_loss <= count * rule.width
-        few = q.part(near)
-        shifts = PanelShifts(rule, few.log_loss)
-        loss, gain = shifts.kernel(few.weight, *few.harmonics(top))
+        few, many = q.part(near), q.part(~near)
+        lost = np.stack(list(few.harmonic_losses(top)))
+        loss, gain = PanelShifts(rule, few.log_loss).kernel(few.weight, 1.0 - lost, lost)
+        loss += many.weight.sum() * np.eye(rule.nodes)
+        if law.returns(0)[0]:
+            eps = np.array([law.returns(m)[0] for m in range(top + 1)])
+            loss, gain = with_returns(rule, loss, gain, eps, law.returns(0)[1])
         # row m of the equations over the coupling: free flights then look the same for all m
         self._coupling = coupling(top, law.dimension)
         by_row = self._coupling[:, None, None]
@@ -160,21 +197,13 @@ class Sweep:
         # the gain from far below, of (T times the ratio here)^j, per T^j of a_m: (terms + 1, m)
         self._far_ratio = math.exp(-count * rule.width)
         self._far = np.zeros((_TERMS + 1, top + 1))
-        if not near.all():
-            diagonal = np.arange(rule.nodes)
-            many = q.part(~near)
-            self._loss[:, diagonal, diagonal] += many.weight.sum() / self._coupling[:, None]
+        if many.weight.size:
             with np.errstate(under="ignore"):
-                ratio = many.ratio / self._far_ratio  # at most 1, as powers of T overflow
-                above = ratio > _NO_POWER
-                powers = many.weight[above] * ratio[above] ** np.arange(1, _TERMS + 1)[:, None]
-            for m, harmonic in enumerate(many.each_harmonic(top)):
-                self._far[0, m] = many.weight @ harmonic / self._coupling[m]
-                self._far[1:, m] = powers @ harmonic[above] / self._coupling[m]
-        self._returned: Returned | None = None
-        if law.returns(0)[0]:
-            self._returned = Returned(law, rule, self._loss, self._coupling)
-            self._loss = self._returned.loss
+                # at most 1, as powers of T overflow
+                powers = (many.ratio / self._far_ratio) ** np.arange(_TERMS + 1)[:, None]
+            powers *= many.weight
+            for m, lost_far in enumerate(many.harmonic_losses(top)):
+                self._far[:, m] = powers @ (1.0 - lost_far) / self._coupling[m]
 
     def run(self, count: int, tolerance: float, kept: int) -> Waves:
         """Up to ``count`` panels, each with as many harmonics as count there."""
@@ -182,46 +211,37 @@ class Sweep:
         gain, recent = self._near_gain(tolerance)
         reach = gain.shape[2] // n
         series = self._coefficients()
-        collided = self._collided(series)
-        far = collided * self._far[:, :, None]
-        # what collisions act on, (panels, m, nodes, n_k): the products with the kernels are over
-        # whole blocks then
-        table = np.zeros((reach + min(count, _PANELS), self.top + 1, n, size))
-        table[:reach] = self._below(collided, reach)
-        largest = np.zeros(reach + count)  # of each panel
-        largest[:reach] = np.abs(table[:reach]).max(axis=(1, 2, 3), initial=0.0)
-        known = series_sum(series, np.exp(np.array([self.start])))[0]
+        far = series * self._far[:, :, None]
+        below = deque(self._below(series, reach), maxlen=max(reach, 1))
+        largest = deque((float(np.abs(a).max(initial=0.0)) for a in below), maxlen=recent.size)
+        known = _series_sum(series, np.exp(np.array([self.start])))[0]
         values: list[FloatArray] = []
-        ended = False
-        used, systems, left_out = 0, 0, np.zeros(count)
+        errors: list[float] = []
+        used, systems, ended = 0, 0, False
         for j in range(count):
-            if reach + j == table.shape[0]:
-                table = np.concatenate([table, np.zeros_like(table)])
             rate = np.exp(self.start + j * self.rule.width + local)
             used = self._panel_harmonics(known, used, rate, tolerance, kept)
-            drive = self._drive(gain, table[j : j + reach, : used + 1], far[:, : used + 1], rate)
-            found = self._solve_panel(rate, drive, known[: used + 1], tolerance)
+            drive = np.zeros((used + 1, n, size))
+            if reach:
+                drive += gain[: used + 1] @ np.concatenate([a[: used + 1] for a in below], axis=1)
+            if self._far.any():
+                come = _series_sum(far[:, : used + 1], self._far_ratio * rate)
+                drive += np.moveaxis(come, 1, 0)
+            found = self._solve_panel(rate, rate[:, None] * drive, known[: used + 1], tolerance)
             systems += (used + 1) * size
-            panel = table[reach + j]
+            panel = np.zeros((self.top + 1, n, size))
             panel[: used + 1] = found
+            below.append(panel)
             known = panel[:, -1].copy()
             values.append(panel[: kept + 1].copy())
-            if self._returned is not None:
-                panel[: used + 1] = self._returned.collided(found)
             # what the highest harmonic misses goes back to m = 0 as weakened as it came
             miss = float(np.abs(found[used]).max())
-            left_out[j] = miss if kept else miss**2
-            largest[reach + j] = np.abs(found).max()
+            errors.append(self._left_out(values[-1]) + (miss if kept else miss**2))
+            largest.append(float(np.abs(found).max()))
             # nothing that follows is larger than the mean over what collisions lead to it from
-            if (
-                recent @ largest[reach + j + 1 - recent.size : reach + j + 1]
-                < _NEGLIGIBLE * tolerance
-            ):
+            if len(largest) == recent.size and recent @ largest < _NEGLIGIBLE * tolerance:
                 ended = True
                 break
-        last = self._last_coefficients(np.array(values))
-        errors = together(last) + left_out[: j + 1]
-        errors = carried(errors, largest[reach : reach + j + 1])
         return Waves(
             self.wave_numbers,
             self.rule,
@@ -229,59 +249,29 @@ class Sweep:
             np.array(values),
             series[:, : kept + 1].copy(),
             ended,
-            float(last.max()) + float(left_out.max()),
-            errors,
+            np.maximum.accumulate(errors),
             systems,
         )
 
-    def _drive(
-        self, gain: FloatArray, below: FloatArray, far: FloatArray, rate: FloatArray
-    ) -> FloatArray:
-        """What drives a panel over the coupling, (m, nodes, n_k), with T = rate at its nodes.
-
-        below : the panels that the gain comes from, (reach, m, nodes, n_k)
-        far : coefficients of what comes from farther down, (terms, m, n_k)
-        """
-        reach, used, n, size = below.shape
-        drive = np.zeros((used, n, size))
-        if reach:
-            below = np.moveaxis(below, 0, 1).reshape(used, reach * n, size)
-            drive = rate[:, None] * (gain[:used] @ below)
-        if self._far.any():
-            come = series_sum(far, self._far_ratio * rate)
-            drive += rate[:, None] * np.moveaxis(come, 1, 0)
-        if self._returned is not None:
-            drive = rate[:, None] * self._returned.drive(drive / rate[:, None])
-        return drive
-
-    def _collided(self, series: FloatArray) -> FloatArray:
-        """Coefficients of T^j in what collisions act on: a_m, or b of `returned`."""
-        if self._returned is None:
-            return series
-        powers = np.arange(_TERMS + 1.0)
-        loss = np.stack([self.law.harmonic_decay_rate(powers, m) for m in range(self.top + 1)])
-        psi = -loss.T[:, :, None] * series
-        self._returned.start(self._below(psi, self._returned.reach))
-        back = np.array([self.law.returns(m)[0] for m in range(self.top + 1)])
-        back = back * np.exp(-powers * self.law.returns(0)[1])[:, None]
-        return np.asarray(series + back[:, :, None] * psi)
-
     def _near_gain(self, tolerance: float) -> tuple[FloatArray, FloatArray]:
-        """The gain from the panels that matter, and the shares of the collisions out of each.
+        """The gain from the panels that matter, and about how much comes from each of them.
 
-        Next to nothing comes from farther down, where e is about 0.
+        Next to nothing comes from farther down, where e is about 0. The panel itself is the last.
         """
-        recent = _shares(self.law, self.rule.width, self._gain.shape[2] // self.rule.nodes)
-        far = np.count_nonzero(np.cumsum(recent) < _NEGLIGIBLE * tolerance)
-        return self._gain[:, :, far * self.rule.nodes :], recent[far:]
+        n = self.rule.nodes
+        size = np.abs(self._gain).max(axis=1, initial=0.0).max(axis=0, initial=0.0)
+        size = size.reshape(-1, n).sum(axis=1)
+        far = int(np.count_nonzero(np.cumsum(size) < _NEGLIGIBLE * tolerance))
+        return self._gain[:, :, far * n :], np.append(size[far:], 1.0)
 
     def _coefficients(self) -> FloatArray:
         """Of T^j in a_m, shape (terms, top + 1, n_k)."""
+        order = np.arange(float(_TERMS))
         q = self.law.quadrature_for(float(_TERMS), self.top)
-        powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, np.arange(_TERMS)))
-        loss = 1.0 - np.stack([harmonic @ powers for harmonic in q.each_harmonic(self.top)])
-        loss = np.stack([self.law.met_again(np.arange(_TERMS), r, m) for m, r in enumerate(loss)])
-        loss[0] = self.law.decay_rate(np.arange(_TERMS))
+        powers = q.weight[:, None] * np.exp(-np.outer(q.log_loss, order))
+        kept = [(1.0 - lost) @ powers for lost in q.harmonic_losses(self.top)]
+        loss = np.stack([self.law.met_again(order, 1.0 - k, m) for m, k in enumerate(kept)])
+        loss[0] = self.law.decay_rate(order)
         out = np.zeros((_TERMS + 1, self.top + 1, self.wave_numbers.size))
         out[0, 0] = 1.0
         for j in range(_TERMS):
@@ -298,7 +288,7 @@ class Sweep:
         """a_m on the panels below the first, by the series, (reach, top + 1, nodes, n_k)."""
         below = (np.arange(reach) - reach)[:, None] * self.rule.width
         x = self.start + below + self.rule.local * self.rule.width
-        found = series_sum(series, np.exp(x.ravel()))
+        found = _series_sum(series, np.exp(x.ravel()))
         return np.moveaxis(found.reshape(*x.shape, *found.shape[1:]), 2, 1)
 
     def _panel_harmonics(
@@ -344,18 +334,19 @@ class Sweep:
             inner = eliminate(blocks, turn, right, self.wave_numbers)
         return np.concatenate([known[:, None], inner], axis=1)
 
-    def _last_coefficients(self, values: FloatArray) -> FloatArray:
-        """What the Chebyshev coefficients leave out, by their last two, (n_panels, n_kept, n_k)."""
-        last, before = self.rule.last_coefficients(np.moveaxis(values, 2, 3))
+    def _left_out(self, values: FloatArray) -> float:
+        """What the polynomials of a panel leave out of F, by their last two coefficients.
+
+        values : (n_kept, nodes, n_k). Each harmonic m > 0 counts together with -m.
+        """
+        last, before = self.rule.last_coefficients(np.moveaxis(values, 1, 2))
         fall = np.minimum(1.0, (last + 1e-17) / (before + 1e-17))
-        return np.asarray(last * np.sqrt(fall))
+        each = (last * np.sqrt(fall)).max(axis=1)
+        return _SAFETY * math.sqrt(4.0 * float(each @ each) - 3.0 * each[0] ** 2)
 
 
-def _shares(law: CollisionLaw, width: float, reach: int) -> FloatArray:
-    """Shares of the collisions that come out of the last panels, farthest first."""
-    if reach == 0:
-        return np.ones(1)
+def _series_sum(coefficients: FloatArray, path: FloatArray) -> FloatArray:
+    """The power series with these coefficients (n_terms, ...) at T = path (n,): (n, ...)."""
     with np.errstate(under="ignore"):
-        below = law.chance_below(np.exp(-width * np.arange(reach + 1)))
-    below[0], below[-1] = 1.0, 0.0
-    return -np.diff(below)[::-1]
+        powers = path[:, None] ** np.arange(coefficients.shape[0])
+    return np.tensordot(powers, coefficients, axes=1)

@@ -1,7 +1,8 @@
 """Solves for g(r, t): F on intervals of wave numbers, upwards, until nothing that matters is left.
 
 How far to go, and how exactly, follows from what F does to G(R): F that is missing or wrong around
-the wave number k changes G(R) by about k sigma times as much, sigma = sqrt(<r^2>).
+the wave number k changes G(R) by about k sigma times as much, sigma = sqrt(<r^2>). There is a
+budget of work; within it the best result is kept, and what is left unknown is the error estimate.
 """
 
 from __future__ import annotations
@@ -13,39 +14,42 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.threads import one_blas_thread
-from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
 from kinetics.position.density import Displacement
 from kinetics.position.intermediate_scattering import Scattering, points_of
 from kinetics.position.tail import PowerTail, fit_tail
-from kinetics.position.wave_panel import Sampling, WavePanel, nodes_between
+from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
+from kinetics.position.wave_panel import WavePanel, points_beyond, wave_numbers_between
 from kinetics.states.state import State
 
-# The work of one sweep, in squares of the sizes of the systems, some five seconds: what is left
-# then is the error estimate. F is solved up to this K, or K T for densities, at most.
-_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.2e8, 8.0, 60.0
+# The work of one sweep, in squares of the sizes of the systems, some eight seconds. F is solved up
+# to this K, or K T for densities, at most.
+_MOST_WORK, _LARGEST_OF_PEAKS, _LARGEST = 1.8e8, 8.0, 60.0
 # F is done where less is missed than this times rtol, which is 0.4 of what was asked for.
 _ENOUGH = 2.2
 _FEW = 0.01  # collided tracers below this share of rtol are left out
 _FAR = 50.0  # R beyond which G is below e^-100: it falls as exp(-2 R) or faster
 _ALIKE = 3.0  # of the widths of times that share their wave numbers
 _HALVINGS = 7  # of an interval of wave numbers, at most
-# Up to K = _CHEAP, where few harmonics are needed, F is solved to _CHEAPER of what G needs, but not
-# beyond _BEST: rounding of F allows no more.
-_CHEAP, _CHEAPER, _BEST = 2.0, 1e-4, 3e-12
+# Error of F where it is solved for, over what G needs; less up to K = _CHEAP, where few harmonics
+# are needed: it decides the norm and the moments.
+_SOLVED, _SOLVED_CHEAPLY, _CHEAP = 0.3, 1e-3, 2.0
 # Chebyshev points of an interval: some, and so many for each digit; more of them where it begins
 # at 0, fewer where F falls as a power of K.
-_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 4.0, 1.0, 1.6, 0.75
-_POINTS_OF_PANEL = 8.0
+_POINTS, _FOR_DIGIT, _FOR_DIGIT_AT_ZERO, _FOR_DIGIT_LATE = 6.0, 1.0, 1.6, 1.3
 _FIRST = 4.0  # K sqrt(<r^2>)/l where the first interval ends, but not beyond K = 1
-_STEP, _LONGEST_STEP = 1.25, 1.6  # from the end of one interval to that of the next
+# From the end of one interval to that of the next: before its powers of 1/K are found, after that
+# at most, and for sharp speeds, where the best of many ends is taken.
+_STEP, _STEP_KNOWN, _STEP_SHARP = 2.0, 1.6, 1.25
+_FALL = 0.125  # what the powers of 1/K miss falls as K^-8 at least
 _POWERS = 2.2  # K, in units of where the powers of 1/K begin, from which they are looked for ...
 _NEARLY, _POWERS_OF_STOPPED = 0.1, 5.0  # ... and where a collision may leave so little of a speed
 _FITTED = 0.3  # share of K, from above, to which they are fitted ...
 _BETTER = 0.3  # ... and part of the last F that they may miss to be used
-_BEYOND, _RETURNED = 2.0, 4.0  # error of F beyond over that of the fit; where tracers return
+# Error of F beyond over that of the fit; where tracers return; and where every bounce costs more
+# than e^-_LOSSY of the speed: F goes on by steps there, of which the last ones are not seen.
+_BEYOND, _RETURNED, _BY_STEPS, _LOSSY = 2.0, 4.0, 40.0, 0.5
 _TAPERED = 1e-2  # what is missed of G where F is tapered towards its last K
 _FAINT = 12.0  # flights after which so few have not collided, or once, that fronts do not count
-_FALL = 0.125  # what powers miss falls as K^-8 at least
 
 
 @one_blas_thread
@@ -61,27 +65,24 @@ def solve_displacement(
 
     times : in d/U, shape (n_times,); root_mean_square : sqrt(<r^2>) in d, shape (n_times,)
     """
-    fastest = fastest_speed(state, 0.1 * rtol)
     radius, weight = fronts(state, mean_free_path, times)
     with np.errstate(over="ignore"):
         # no tracer outruns its initial speed
-        reach = np.minimum(times * fastest, _FAR * root_mean_square)
+        reach = np.minimum(times * fastest_speed(state, 0.1 * rtol), _FAR * root_mean_square)
     system = Scattering(law, mean_free_path, state, times)
     width = root_mean_square / mean_free_path
-    sweeps = [Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
+    sweeps = [_Sweep(system, width, which, rtol) for which in _groups(system, width, rtol)]
     for sweep in sweeps:
         sweep.run()
+    tails = [[sweep.tails[i] for sweep in sweeps if sweep.tails[i]] for i in range(times.size)]
     return Displacement(
         mean_free_path=mean_free_path,
         times=times,
         root_mean_square=root_mean_square,
         panels=tuple(panel for sweep in sweeps for panel in sweep.panels),
-        tails=tuple(
-            next((s.tails[i] for s in sweeps if s.tails[i] is not None), None)
-            for i in range(times.size)
-        ),
+        tails=tuple(found[0] if found else None for found in tails),
         cut=np.minimum.reduce([sweep.cut() for sweep in sweeps]),
-        uncollided=uncollided_density(state, mean_free_path, times, fastest),
+        uncollided=Uncollided(state, mean_free_path, times),
         front_radius=radius,
         front_weight=weight,
         reach=reach,
@@ -104,7 +105,7 @@ def _groups(system: Scattering, width: FloatArray, rtol: float) -> list[list[int
     return list(groups.values())
 
 
-class Sweep:
+class _Sweep:
     """F on one interval of wave numbers after another, at some of the times.
 
     Attributes
@@ -133,20 +134,23 @@ class Sweep:
         self._solved_error = np.zeros(width.size)
         # the least that was missed of each time, its tail then, and the number of panels
         self._best: dict[int, tuple[float, PowerTail | None, int]] = {}
-        law = system.law
-        self._at_origin = None
-        if law.returns(0)[0] and not self.sharp:
-            self._at_origin = system.mean_at_origin()
-        profile = system.state.profile(0)
-        self._slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
-        speeds = points_of(system.state, 1.0, 1e-3)
+        returns = bool(system.law.returns(0)[0]) and not self.sharp
+        self._at_origin = system.mean_at_origin() if returns else None
+        self._first_power = self._slowest_fall()
+        speeds = points_of(system.state, 0, 1.0, 1e-3)
+        assert speeds is not None
         typical = math.exp(0.5 * speeds.log_second_moment()) / system.mean_free_path
         with np.errstate(over="ignore"):
             self._flights = system.times * typical  # T of a typical tracer
-        # samples that throw tracers straight back
-        self._straight = law.restitution is None and bool(
-            np.any(law.quadrature.weight[law.quadrature.cosine < -1.0 + 1e-9] > 0.0)
-        )
+
+    def _slowest_fall(self) -> int:
+        """j_0 of :class:`kinetics.position.tail.PowerTail`."""
+        law, profile = self.system.law, self.system.state.profile(0)
+        q = law.quadrature
+        if law.restitution is None and np.any(q.weight[q.cosine < -1.0 + 1e-9] > 0.0):
+            return 1 - law.dimension  # samples that throw tracers straight back
+        slow = profile is not None and bool(profile(np.zeros(1))[0] != 0.0)
+        return 0 if law.restitution == 0.0 or self._at_origin is not None or slow else 1
 
     def run(self) -> None:
         """Go on until nothing that matters is left, or the work is too much."""
@@ -162,19 +166,30 @@ class Sweep:
                     break
             new, error = self._interval(low, high, self._tolerance(high), size)
             self.panels += new
-            size = max(float(np.abs(panel.values).max()) for panel in new)
-            if not self.sharp:  # F falls
-                size = float(np.abs(new[-1].values[:, -(new[-1].nodes.size // 4) :]).max())
-            low, high = high, self._judge(high, error)
-            last, done = self.system.work - done, self.system.work
-            if done - begin + 2.0 * last > _MOST_WORK:  # the next interval is more than the last
+            last = self.panels[-1].values
+            # F of densities falls; that of sharp speeds turns
+            size = float(np.abs(last if self.sharp else last[:, -(last.shape[1] // 4) :]).max())
+            self._judge(high, error)
+            low, high = high, high * self._step()
+            work, done = self.system.work - done, self.system.work
+            if done - begin + 2.0 * work > _MOST_WORK:  # the next interval is more than the last
                 break
-        # where more wave numbers left more of G(R) unknown, go back to those that left least
+        # where more wave numbers left more of G(R) unknown, go back to those that left least; but
+        # beside a front all of them are better
         for i, (missed, tail, count) in self._best.items():
-            if missed < self.missed[i]:
+            if missed < self.missed[i] and not (self.sharp and missed > _TAPERED):
                 self.missed[i], self.tails[i] = missed, tail
                 later = [panel.without(i) for panel in self.panels[count:]]
                 self.panels[count:] = [panel for panel in later if panel.which.size]
+
+    def _step(self) -> float:
+        """From the end of one interval to that of the next."""
+        if self.sharp:
+            return _STEP_SHARP
+        if not all(self.tails[i] is not None for i in self.active):
+            return _STEP
+        more = float(np.max(self.missed[self.active], initial=0.0)) / self.enough
+        return min(_STEP_KNOWN, max(_STEP_SHARP, more**_FALL))
 
     def cut(self) -> FloatArray:
         """K from which F is tapered where G is hardly known, else infinite, (n_times,).
@@ -189,16 +204,12 @@ class Sweep:
         return cut
 
     def _tolerance(self, high: float) -> float:
-        """Of F up to K = high."""
+        """Of F up to K = high; rounding of F allows no more than 3e-12."""
         share = max(1.0, float(np.max(self.width[self.active])) * high)
-        return min(self.rtol / share, max(_BEST, _CHEAPER * self.rtol) if high < _CHEAP else 1.0)
+        return max(3e-12, self.rtol / share * (_SOLVED if high > _CHEAP else _SOLVED_CHEAPLY))
 
-    def _judge(self, high: float, error: float) -> float:
-        """Which times F has ended for at K = high, and where the next interval ends.
-
-        error : of F on the interval that has just been solved
-        """
-        reached = high
+    def _judge(self, high: float, error: float) -> None:
+        """For which times F has ended at K = high; error: on the last interval."""
         for i in map(int, self.active):
             self.tails[i], left = self._rest(i, high)
             share = max(1.0, self.width[i] * high)
@@ -206,16 +217,7 @@ class Sweep:
             self.missed[i] = left * share + self._solved_error[i]
             if self.missed[i] < self._best.get(i, (math.inf,))[0]:
                 self._best[i] = float(self.missed[i]), self.tails[i], len(self.panels)
-            if self.missed[i] > self.enough:
-                enough = 2.0 * high
-                if self.sharp:
-                    enough = _end(self.panels[-1], i, self.rtol / share)
-                elif self.tails[i] is not None:
-                    more = (left * share / self.rtol) ** _FALL
-                    enough = high * min(_LONGEST_STEP, max(_STEP, more))
-                reached = max(reached, enough)
         self.active = self.active[self.missed[self.active] > self.enough]
-        return reached
 
     def _interval(
         self, low: float, high: float, tolerance: float, size: float, halvings: int = 0
@@ -224,24 +226,20 @@ class Sweep:
 
         tolerance : of F; size : about the largest value there, at its lower end for densities
         """
+        falls = not self.sharp and low > 0.0 and high * self._widest > _FIRST
+        power = self.system.law.dimension + 1 if falls else 0
+        each = _FOR_DIGIT_LATE if falls else _FOR_DIGIT if low else _FOR_DIGIT_AT_ZERO
         digits = math.log10(max(10.0, size / tolerance))
-        early = _FIRST / (high * self._widest)  # F falls as a power where it is small
-        power = 0 if self.sharp or low == 0.0 or early > 0.99 else self.system.law.dimension + 1
-        each = _FOR_DIGIT_AT_ZERO if low == 0.0 else _FOR_DIGIT
-        if power:
-            each = _FOR_DIGIT_LATE + 0.7 * min(0.5, early)
         count = math.ceil(_POINTS + each * digits + self._turns(low, high, tolerance))
-        sampling = Sampling(low, high, count, power)
-        values, error = self.system.collided(sampling.places, self.active, tolerance)
-        missed = sampling.missed(values)
-        if missed > tolerance and halvings < _HALVINGS:
+        k = wave_numbers_between(low, high, power, count)
+        values, error = self.system.collided(k, self.active, tolerance)
+        panel = WavePanel(low, high, power, self.active, values)
+        if panel.missed > tolerance / _SOLVED and halvings < _HALVINGS:
             middle = 0.5 * (low + high)
             left, first = self._interval(low, middle, tolerance, size, halvings + 1)
             right, second = self._interval(middle, high, tolerance, size, halvings + 1)
             return left + right, max(first, second)
-        if low == 0.0 or power:
-            count = math.ceil(_POINTS_OF_PANEL + digits + 0.5 * count)
-        return [sampling.panel(self.active, values, count)], missed + error
+        return [panel], panel.missed + error
 
     def _turns(self, low: float, high: float, tolerance: float) -> float:
         """Points for cos(K T), with which tracers of one speed turn F until they have collided."""
@@ -251,18 +249,18 @@ class Sweep:
 
     def _rest(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """How F goes on beyond K = high, and how much of it is not known there."""
-        last = _last(self.panels, time)
+        last = self.panels[-1].of(time)
+        assert last is not None  # only times that are active are asked for
         if self.sharp:
-            ended = float(np.abs(last[-(last.size // 4) - 1 :]).max())
-            return None, ended * self._together(time, high)
+            # F turns with K T: its size is seen over a whole turn only
+            turn = 2.0 * math.pi / max(float(self._flights[time]), 1e-300)
+            _, f = points_beyond(self.panels, time, max(0.5 * high, high - turn))
+            # the waves of all K add up beside the front of tracers of a sharp speed
+            turns = max(1.0, high * min(float(self._flights[time]), _FAINT))
+            return None, float(np.abs(f).max()) * turns ** (0.5 * (self.system.law.dimension - 1.0))
         largest = float(np.abs(last).max())
         tail, left = self._powers(time, high)
         return (tail, left) if left < _BETTER * largest else (None, largest)
-
-    def _together(self, time: int, high: float) -> float:
-        """To how much the waves of all K add up beside the front of tracers of a sharp speed."""
-        turns = high * min(float(self._flights[time]), _FAINT)
-        return max(1.0, 2.0 / math.pi * turns) ** (0.5 * (self.system.law.dimension - 1.0))
 
     def _powers(self, time: int, high: float) -> tuple[PowerTail | None, float]:
         """The powers of 1/K in which F ends, and what they miss; infinite where there are none."""
@@ -270,31 +268,7 @@ class Sweep:
         if high < (_POWERS_OF_STOPPED if law.least_ratio < _NEARLY else _POWERS) * begin:
             return None, math.inf
         returned = 2.0 * float(self._at_origin[time]) if self._at_origin is not None else 0.0
-        first = 0 if law.restitution == 0.0 or returned or self._slow else 1
-        if self._straight:
-            first = 1 - law.dimension
-        k, f = nodes_between(self.panels, time, _FITTED * high)
-        tail, left = fit_tail(k, f, begin, law.dimension, first, returned)
-        return tail, left * (_RETURNED if returned else _BEYOND)
-
-
-def _end(panel: WavePanel, time: int, least: float) -> float:
-    """K where F is below ``least`` if it falls on as in the panel; twice the panel's end at most.
-
-    Where F falls as exp(-K^2) it is below sooner.
-    """
-    f = _last([panel], time)
-    quarter = max(1, f.size // 4)
-    last, before = (float(np.abs(x).max()) for x in (f[-quarter:], f[-2 * quarter : -quarter]))
-    if not 0.0 < last < before:
-        return 2.0 * panel.high
-    fall = math.log(before / last) / (panel.nodes[-1] - panel.nodes[-1 - quarter])
-    more = math.log(max(1.0, last / least)) / fall
-    return min(2.0 * panel.high, max(_STEP * panel.high, panel.high + more))
-
-
-def _last(panels: list[WavePanel], time: int) -> FloatArray:
-    """F on the last panel."""
-    f = panels[-1].of(time)
-    assert f is not None  # only times that are active are asked for
-    return f
+        k, f = points_beyond(self.panels, time, _FITTED * high)
+        tail, left = fit_tail(k, f, begin, law.dimension, self._first_power, returned)
+        by_steps = _BY_STEPS if law.least_loss > _LOSSY else _BEYOND
+        return tail, left * (_RETURNED if returned else by_steps)

@@ -16,7 +16,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinetics.numerics import FloatArray
 from kinetics.numerics.gauss import panels_between
@@ -25,7 +24,7 @@ from kinetics.results import Value
 _TERMS = range(6, 14)  # of the sum, the number among these that leaves least
 _LOWER = 0.7  # share of the range of K that the first of two sums is fitted to
 _BEYOND = np.geomspace(1.2, 30.0, 20)  # of the largest K, where two sums are compared
-_GONE, _POINTS = 60.0, 12  # x beyond which x^2 K_nu(x) is below 1e-20; of a Gauss rule
+_GONE = 60.0  # x beyond which x^2 K_nu(x) is below 1e-20
 _TOWARDS_ZERO = 0.5 * 0.25 ** np.arange(1, 12)  # edges of panels towards x = 0
 
 
@@ -90,42 +89,33 @@ def origin_transforms(
     x: FloatArray, count: int, kind: int, dimension: int, first: int = 1
 ) -> FloatArray:
     """The integral over all q of each term, of a kind of `radial_waves`, at x: (count, n_x)."""
+    if kind == 1 and dimension == 3:
+        return _within_in_space(x, count, first)
     near = np.clip(x, 1e-12, 700.0)  # K_nu(x) is in range there, and negligible above
     macdonald = _macdonald(near, max(count + 2, 4))
-
-    def power(twice: int) -> FloatArray:
-        """x^nu K_nu, nu = twice/2; K_(-nu) = K_nu."""
-        return macdonald[twice + 1] if twice >= -1 else near**twice * macdonald[1 - twice]
-
     out = np.zeros((count, x.size))
     for j in range(count):
         twice = first + j  # nu
-        part = _share(0.5 * twice, dimension)
-        if kind == 0:
-            out[j] = part * power(twice)
-        elif kind == 2:
-            out[j] = part * near * power(twice - 2)
-        elif dimension == 2:
+        nu = 0.5 * twice
+        half = math.gamma(nu + 1.0) if dimension == 2 else math.sqrt(math.pi) * math.gamma(nu + 1.5)
+        part = 1.0 / (2.0**nu * half)
+        if kind == 1:
             out[j] = (1.0 - part * macdonald[twice + 3]) / np.maximum(x, near)
-    if kind == 1 and dimension == 3:
-        return _within_in_space(x, count, first)
+            continue
+        # x^nu K_nu, or its slope -x^nu K_(nu - 1); K_(-nu) = K_nu
+        order = twice if kind == 0 else twice - 2
+        power = macdonald[order + 1] if order >= -1 else near**order * macdonald[1 - order]
+        out[j] = part * power * (near if kind == 2 else 1.0)
     return out
-
-
-def _share(nu: float, dimension: int) -> float:
-    """What stands before x^nu K_nu(x) in the transform of a term."""
-    if dimension == 2:
-        return 1.0 / (2.0**nu * math.gamma(nu + 1.0))
-    return 1.0 / (2.0**nu * math.sqrt(math.pi) * math.gamma(nu + 1.5))
 
 
 def _within_in_space(x: FloatArray, count: int, first: int) -> FloatArray:
     """1/x^2 times the integral of x^2 times kind 0 from 0 to x, which has no closed form."""
     near = np.clip(x, 0.0, _GONE)
     edges = np.union1d(np.append(np.linspace(0.0, _GONE, 2 * int(_GONE) + 1), _TOWARDS_ZERO), near)
-    node, weight = panels_between(edges, _POINTS)
+    node, weight = panels_between(edges, 12)
     parts = origin_transforms(node, count, 0, 3, first) * (weight * node**2)
-    sums = np.cumsum(parts.reshape(count, edges.size - 1, _POINTS).sum(axis=2), axis=1)
+    sums = np.cumsum(parts.reshape(count, edges.size - 1, 12).sum(axis=2), axis=1)
     sums = np.concatenate([np.zeros((count, 1)), sums], axis=1)
     return sums[:, np.searchsorted(edges, near)] / np.maximum(x, 1e-12) ** 2
 
@@ -164,26 +154,25 @@ def fit_tail(
     most = min(_TERMS[-1], int(np.count_nonzero(below)) - 2)
     if most < _TERMS[0]:
         return PowerTail(np.zeros(0), scale, dimension, first, returned), np.inf
-    falling = f - returned / np.hypot(k, scale) if returned else f
+    falling = f - returned / np.hypot(k, scale)
     weight = k ** (dimension + first)  # errors relative to the first power count
     everywhere = np.append(k, highest * _BEYOND)
     terms = origin_terms(everywhere / scale, most + 1, dimension, first)
-    columns = terms[: k.size] * weight[:, None]
     share = np.maximum(1.0, everywhere / highest)
 
-    def fit(used: NDArray[np.bool_], count: int) -> FloatArray:
-        found = np.linalg.lstsq(columns[used, :count], (falling * weight)[used], rcond=1e-13)
-        return np.asarray(found[0])
+    def fit(used: FloatArray, count: int) -> FloatArray:
+        columns = terms[: k.size, :count] * used[:, None]
+        return np.asarray(np.linalg.lstsq(columns, falling * used, rcond=1e-13)[0])
 
     def left(count: int) -> tuple[FloatArray, float]:
-        found = fit(k > 0.0, count)
+        found = fit(weight, count)
         known = np.append(falling, terms[k.size :, :count] @ found)
-        return found, float(np.abs(share * (terms[:, :count] @ fit(below, count) - known)).max())
+        lower = terms[:, :count] @ fit(weight * below, count)
+        return found, float(np.abs(share * (lower - known)).max())
 
     fits = [left(count) for count in range(_TERMS[0] - 1, most + 2)]
     # the error of one number of terms may vanish by accident: the largest of three neighbours
     errors = np.array([error for _, error in fits])
     errors = np.maximum(np.maximum(errors[:-2], errors[1:-1]), errors[2:])
     best = int(np.argmin(errors))
-    tail = PowerTail(fits[best + 1][0], scale, dimension, first, returned)
-    return tail, float(errors[best])
+    return PowerTail(fits[best + 1][0], scale, dimension, first, returned), float(errors[best])

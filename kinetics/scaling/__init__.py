@@ -1,9 +1,8 @@
 """The scaled velocity distribution: its closed form, and the discretised solver.
 
 - `closed_form`: ScalingSolution, formulas; `mellin`: what they take from the complex plane
-- `scaled_vdf`: solve_scaled and its result; `log_density`: the whole axis of speeds, made of
-  pieces; `tilted`, `low_speeds`: the two kinds of pieces
-- `symbols`: the collision operator on powers of the speed
+- `scaled_vdf`: solve_scaled and its result; `axis`: the whole axis of speeds, made of pieces;
+  `tilted`, `low_speeds`: the two kinds of pieces
 
 May import `kinetics.collision` and `kinetics.numerics`. Begin with `closed_form.py` for the
 formulas and with `scaled_vdf.py` for the solver.

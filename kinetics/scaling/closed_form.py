@@ -18,16 +18,16 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
 from kinetics.results import Result, dataset, variable
 from kinetics.scaling import mellin
-from kinetics.scaling.symbols import from_rest
 from kinetics.validation import exponent, not_negative, refuse
 
 _EXPONENT_LIMIT = 300.0  # of moments: near it they leave the range of doubles for small e
 _LARGEST_LOG = 709.0  # of a double
+_CLOSE_TO_REST = 1e-16  # corrections are of that order
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,8 @@ def scaled_dataset(
     speeds = np.linspace(0.0, 4.0, 201)[1:] if c is None else np.atleast_1d(np.asarray(c, float))
     if state.cooling_rate > 0.0 and (not only or "vdf" in only):
         words = f"scaled velocity distribution F(c), of integral 1 in {d} dimensions"
-        found["vdf"] = variable(("c",), state.vdf(speeds), "1", words, "F")
+        vdf = getattr(state, "reached_vdf", state.vdf)  # the solver: 0 where it does not reach
+        found["vdf"] = variable(("c",), vdf(speeds), "1", words, "F")
     axes = {
         "c": variable(("c",), speeds, "1", "speed over the thermal speed"),
         "p": variable(("p",), powers, "1", "power of the speed"),
@@ -252,3 +253,17 @@ def scaled_figures(state: Any) -> dict[str, str]:
         "cooling rate h": f"{state.cooling_rate:.12g}",
         "a2": f"{state.a2:.12g}",
     }
+
+
+def from_rest(law: CollisionLaw, c: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The speeds at which F is asked for, shape (n,), and F(0) at all of them, as a beginning.
+
+    F is 0 at rest, but where bounces come as near to rest as one likes: F ~ c^(q - d), with -q the
+    lowest power of the law, is infinite, or (q = d) finite and asked for at a speed close by.
+    """
+    if not law.reaches_rest:
+        return c, np.zeros(c.shape)
+    power = -law.lowest_power - law.dimension
+    if power == 0.0:
+        c = np.where(c == 0.0, _CLOSE_TO_REST, c)
+    return c, np.full(c.shape, math.inf if power < 0.0 else 0.0)

@@ -21,9 +21,9 @@ from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.numerics.chebyshev import FirstKind
 
-_MORE_NODES = 3  # than digits: measured again by tests/kinetics/measurements/scaling.py
+_MORE_NODES = 3  # than digits
 _SWEEPS = 20  # of Newton's method, whose error is squared by each: never reached
-_DEEPEST = 700.0  # -ln g, where numbers end
+_DEEPEST = 300.0  # -ln g, further than the axis goes
 _ROUNDING = 1e-17
 
 

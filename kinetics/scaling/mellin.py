@@ -17,18 +17,21 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
-from kinetics.numerics.gauss import equal_panels, panels_of
+from kinetics.numerics.gauss import equal_panels, gauss_legendre
 from kinetics.numerics.recurrence import MOST_ORDERS, log_growth, taylor_of_log
 
 # The Euler-Maclaurin formula is used where Re z >= _START, or as far from the zeros of lambda: with
 # 12 Taylor coefficients it leaves 2 * 12!/((2 pi)^14 16^13) = 1e-18.
 _START = 16
 _NEGLIGIBLE = 39.0  # e^-39 = 1e-17: what is left out at the ends of a line and of its period
-_REACH = 2.0  # deviations from its centre up to which a line serves: it loses e^(2^2/2) = 7 there
+# Of a line, in deviations: how far from its centre it serves at the ends, and beside others, where
+# it loses e^(1.6^2/2) = 4 at most; and the next line is where the centre moves by so many.
+_REACH, _SERVED, _APART = 2.0, 1.5, 2.5
 _NOTHING = -800.0  # ln F below which F is 0
-_LEAST = 0.01  # share of its terms that a sum must have: two digits are lost there
-_NEAR = 0.3  # deviations between the centre of a line and the x it is made for: changes no result
-_DIFFERENCE = 0.2  # deviations, for derivatives of ln A that choose the line: changes no result
+# Below e^-5 of the speed after a bounce, the tilted density changes between two such lines: closer.
+_RARELY_LOST, _CLOSE = 5.0, 0.4
+_LEAST = 0.02  # share of its terms that a sum must have: two digits are lost there
+_DIFFERENCE = 0.2  # over the deviation, for derivatives of ln A that place lines
 # Where g is a power of speed low down, lines closer to the lowest power would need ever more
 # samples; the lowest line loses e^(0.25 |x|), 2e4 at v t = 1e-17 l.
 _LOWEST_LINE = 0.25
@@ -68,42 +71,63 @@ def _taylor_of_rho(law: CollisionLaw, z: NDArray[Any]) -> list[NDArray[Any]]:
     return [np.log(law.mean_log_loss * z / rate[0]), *rest]
 
 
-def log_moment(law: CollisionLaw, z: NDArray[Any], path_from: float | None = None) -> NDArray[Any]:
-    """ln A(z), z of shape (n,), real or complex.
-
-    Complex z must lie on one vertical line in rising order of Im z; the path of integration
-    then runs up that line from Re z = path_from.
-    """
-    shift = max(_START, math.ceil(_START - float(np.min(z.real))))
-    low = z.real < -_START
-    if np.any(low) and _far_from_zeros(law, float(np.max(np.abs(z.imag)))):
-        if not np.all(low):
-            out = np.empty(z.shape, dtype=z.dtype)
-            out[low], out[~low] = log_moment(law, z[low]), log_moment(law, z[~low])
-            return out
-        shift = 1
+def log_moment(law: CollisionLaw, z: FloatArray) -> FloatArray:
+    """ln A(z), z real, of shape (n,)."""
+    low = z < -_START
+    if np.any(low) and not np.all(low):
+        out = np.empty(z.shape)
+        out[low], out[~low] = log_moment(law, z[low]), log_moment(law, z[~low])
+        return out
+    shift = _shift(law, float(z.min()))
     below = _rho(law, z[:, None] + np.arange(shift)).sum(axis=1)
-    known = _rho(law, np.arange(1.0, shift)).sum()  # ln A(shift)
-    top, base = z + shift, np.array([float(shift)])
-    if path_from is None:
-        integral = np.array([_integral(law, float(shift), float(t)) for t in top])
-    else:
-        heights = np.concatenate([[0.0], z.imag])
-        y, weight = panels_of(np.stack([heights[:-1], heights[1:]], axis=1), 10)
-        pieces = 1j * (_rho(law, path_from + shift + 1j * y) * weight).sum(axis=1)
-        integral = _integral(law, float(shift), path_from + shift) + np.cumsum(pieces)
-    growth = log_growth(integral, _taylor_of_rho(law, base), _taylor_of_rho(law, top))
-    return np.asarray(known + growth - below)
+    integral = np.array([_integral(law, float(shift), float(t)) for t in z + shift])
+    return np.asarray(_from(law, shift, integral, z + shift) - below)
 
 
-def _far_from_zeros(law: CollisionLaw, height: float) -> bool:
-    """Whether rho is as smooth at |Im z| <= height as it is beyond _START in general.
+def _shift(law: CollisionLaw, a: float, height: float = 0.0) -> int:
+    """How many steps of the recurrence lead from Re z = a to where rho is smooth.
 
-    Near e = 1 it is: at the zeros of lambda all bounces turn s^z once round at least.
+    That is beyond _START or, near e = 1, as far from all zeros of lambda: there all bounces turn
+    s^z once round at least.
     """
-    if not law.largest_loss < math.log(2.0) or math.isfinite(law.lowest_power):
-        return False
-    return 2.0 * math.pi / law.largest_loss - height > _START + 1.0
+    far = law.largest_loss < math.log(2.0) and not math.isfinite(law.lowest_power)
+    if a < -_START and far and 2.0 * math.pi / law.largest_loss - height > _START + 1.0:
+        return 1
+    return max(_START, math.ceil(_START - a))
+
+
+def _from(law: CollisionLaw, n: int, integral: NDArray[Any], top: NDArray[Any]) -> NDArray[Any]:
+    """ln A at ``top`` (n,), from the integral of rho from n up to there, by Euler-Maclaurin."""
+    known = _rho(law, np.arange(1.0, n)).sum()  # ln A(n)
+    begin = _taylor_of_rho(law, np.array([float(n)]))
+    return np.asarray(known + log_growth(integral, begin, _taylor_of_rho(law, top)))
+
+
+def _log_moment_on_line(law: CollisionLaw, a: float, step: float, count: int) -> ComplexArray:
+    """ln A(a + i n step), n = 0 ... count - 1."""
+    z = a + 1j * step * np.arange(count)
+    shift = _shift(law, a, step * count)
+    node, weight = gauss_legendre(10)
+    offsets = np.concatenate([np.arange(shift), shift + 1j * step * node])
+    at = z[:, None] + offsets
+    rate = np.where(at == 0.0, 1.0, _rates(law, z, offsets))
+    rho = np.log(np.where(at == 0.0, 1.0, law.mean_log_loss * at / rate))
+    path = np.full(count, complex(_integral(law, float(shift), a + shift)))
+    path[1:] = path[0] + 1j * step * np.cumsum(rho[:-1, shift:] @ weight)
+    return np.asarray(_from(law, shift, path, z + shift) - rho[:, :shift].sum(axis=1))
+
+
+def _rates(law: CollisionLaw, z: NDArray[Any], offsets: NDArray[Any]) -> NDArray[Any]:
+    """lambda(z + d) for every z and d, shape (n_z, n_d), relative to itself."""
+    at = z[:, None] + offsets
+    if law.reaches_rest:
+        return np.asarray(law.decay_rate(at))
+    # 1 - s^(z + d) = (1 - s^z) s^d + 1 - s^d: a product of matrices in place of exponentials
+    q = law.quadrature_for(float(np.abs(at).max()))
+    lost = -np.expm1(-np.multiply.outer(z, q.log_loss))
+    rest = np.multiply.outer(q.log_loss, offsets)
+    rate = lost @ (q.weight[:, None] * np.exp(-rest)) - q.weight @ np.expm1(-rest)
+    return np.asarray(law.met_again(at, rate, 0))
 
 
 def _integral(law: CollisionLaw, low: float, high: float) -> float:
@@ -167,47 +191,52 @@ def log_density(law: CollisionLaw, x: FloatArray, lines: list[Line]) -> FloatArr
     """ln of the density g of x = ln(kappa Y), shape (n,); -inf where F ~ g/c^d is 0.
 
     NaN where a medium makes g unknown: at speeds that only powers below the lowest one resolve.
-    lines : those made for this law so far; new ones are added
+    lines : those made for this law so far, by their exponents; new ones are added
     """
+    if x.size == 0:
+        return np.zeros(0)
+    _extend(law, float(x.min()), float(x.max()), lines)
+    centre, deviation = (np.array([line[n] for line in lines]) for n in (1, 2))
+    # where two neighbours are as many deviations off
+    between = centre[:-1] * deviation[1:] + centre[1:] * deviation[:-1]
+    serving = np.searchsorted(between / (deviation[:-1] + deviation[1:]), x)
     out = np.full(x.shape, -math.inf)
-    todo = np.ones(x.shape, dtype=bool)
-    # from the bulk (x near 0) outwards, and no further on a side once F is 0
-    while np.any(todo):
-        nearest = int(np.argmin(np.where(todo, np.abs(x), math.inf)))
-        line = _known(lines, float(x[nearest]))
-        if line is None:
-            line = _line_at(law, float(x[nearest]))
-            lines += [line] if line is not None else []
-        beyond = (x >= x[nearest]) if x[nearest] > 0.0 else (x <= x[nearest])
-        if line is None:
-            todo &= ~beyond
-            continue
-        near = np.abs(x - line.centre) <= _REACH * line.deviation
-        near[near] = _keeps(line, x[near])
-        near[nearest] = True
-        if line.exponent == law.lowest_power + _LOWEST_LINE:
-            below = x < (line.centre if law.reaches_rest else line.centre - _REACH * line.deviation)
-            near |= below
-        near &= todo
-        total = _sum(line, x[near])
-        unknown = math.nan if math.isfinite(law.lowest_power) and not law.reaches_rest else 1e-300
-        total = np.where(total > 0.0, total, unknown) * line.step / (2.0 * math.pi)
-        out[near] = np.log(total) + line.log_moment - line.exponent * x[near]
-        if line.exponent == law.lowest_power + _LOWEST_LINE and not law.reaches_rest:
-            out[below] = math.nan
-        todo &= ~near
-        if out[nearest] - law.dimension * x[nearest] < _NOTHING:
-            todo &= ~beyond
+    for i, line in enumerate(lines):
+        total = _sum(line, x[serving == i])
+        if i + 1 < len(lines):
+            # near e = 0 little may be left of the tilted density above its centre
+            lost = total < _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0)
+            lost &= x[serving == i] > line.centre
+            serving[np.nonzero(serving == i)[0][lost]] = i + 1
+            total = total[~lost]
+        mine, total = serving == i, total * line.step / (2.0 * math.pi)
+        out[mine] = np.log(np.maximum(total, 1e-300)) + line.log_moment - line.exponent * x[mine]
+    out[x > centre[-1] + _REACH * deviation[-1]] = -math.inf
+    if not law.reaches_rest:
+        unknown = math.isfinite(law.lowest_power)
+        out[x < centre[0] - _REACH * deviation[0]] = math.nan if unknown else -math.inf
     return out
 
 
-def _known(lines: list[Line], x: float) -> Line | None:
-    """One of the lines made before that serves x."""
-    for line in lines:
-        near = abs(x - line.centre) <= _REACH * line.deviation
-        if near and _keeps(line, np.array([x]))[0]:
-            return line
-    return None
+def _extend(law: CollisionLaw, lowest: float, highest: float, lines: list[Line]) -> None:
+    """Make lines from the bulk (x near 0) outwards, until both x are served or F is 0 there."""
+    if not lines:
+        lines.append(_line(law, 0.0, math.sqrt(log_second_moment(law))))
+    while (end := lines[-1]).centre + _SERVED * end.deviation < highest and _something(law, end):
+        lines.append(_line(law, end.exponent + _APART / end.deviation, end.deviation))
+    while (end := lines[0]).centre - _SERVED * end.deviation > lowest and _something(law, end):
+        step = _APART / end.deviation
+        if law.largest_loss > _RARELY_LOST:
+            step = min(step, _CLOSE)
+        exponent = max(end.exponent - step, law.lowest_power + _LOWEST_LINE)
+        if exponent == end.exponent:
+            break
+        lines.insert(0, _line(law, exponent, end.deviation))
+
+
+def _something(law: CollisionLaw, line: Line) -> bool:
+    """Whether F is above 0 at the centre of a line; Chernoff: ln g(x) <= ln A(a) - a x."""
+    return line.log_moment - (line.exponent + law.dimension) * line.centre > _NOTHING
 
 
 def _sum(line: Line, x: FloatArray) -> FloatArray:
@@ -219,65 +248,29 @@ def _sum(line: Line, x: FloatArray) -> FloatArray:
     return np.asarray(2.0 * (turn @ rotated).real - 1.0)
 
 
-def _keeps(line: Line, x: FloatArray) -> NDArray[np.bool_]:
-    """Where the sum over a line is not small beside its terms, so that no digits are lost.
+def _line(law: CollisionLaw, a: float, scale: float) -> Line:
+    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible.
 
-    Near e = 0 the tilted density of a low exponent has a long tail towards rest and a short one the
-    other way: two deviations from its centre there may be nothing left of it.
+    scale : about the deviation of x there
     """
-    return np.asarray(_sum(line, x) > _LEAST * (2.0 * np.abs(line.samples).sum() - 1.0))
-
-
-def _line_at(law: CollisionLaw, x: float) -> Line | None:
-    """The line whose tilted density e^(a x) g(x)/A(a) is centred on x; None where F is 0."""
-    a, scale = 0.0, math.sqrt(log_second_moment(law))
-    log_a, mean, variance = _cumulants(law, a, scale)
-    for _ in range(60):
-        scale = math.sqrt(variance)
-        if abs(mean - x) < _NEAR * scale:
-            break
-        # Chernoff: ln g(x) is about ln A(a) - a x at most, for every a
-        if log_a - (a + law.dimension) * x < _NOTHING:
-            return None
-        # Newton, but not further than the variance can be trusted
-        move = (x - mean) / variance
-        before = a
-        a += max(-2.0 / scale, min(2.0 / scale, move))
-        a = max(a, law.lowest_power + _LOWEST_LINE)
-        if a == before:
-            break
-        log_a, mean, variance = _cumulants(law, a, scale)
-    return _sample_line(law, a, (log_a, mean, math.sqrt(variance)))
-
-
-def _cumulants(law: CollisionLaw, a: float, scale: float) -> tuple[float, float, float]:
-    """ln A and its first two derivatives at a, about: by differences."""
-    d = _DIFFERENCE / scale
-    if math.isfinite(law.lowest_power):
-        d = min(d, _DIFFERENCE * (a - law.lowest_power))
-    left, mid, right = log_moment(law, np.array([a - d, a, a + d]))
-    return float(mid), float(right - left) / (2 * d), float(right - 2 * mid + left) / d**2
-
-
-def _sample_line(law: CollisionLaw, a: float, cumulants: tuple[float, float, float]) -> Line:
-    """A on the line Re z = a, in steps that resolve the tilted density, until it is negligible."""
-    log_a, mean, scale = cumulants
-    # Chernoff: where the tilted density is negligible on either side
-    steps = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 12.0]) / scale
-    up = log_moment(law, a + steps) - log_a
-    right = float(np.min((up + _NEGLIGIBLE) / steps))
     # E[s^p] overflows below p = -700/(-ln e): bounds from there are not needed
-    steps = np.append(steps, [0.1 / scale, min(0.1 / scale, 0.5 * (a - law.lowest_power))])
-    steps = steps[steps - a < min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)]
-    down = log_moment(law, a - steps) - log_a
-    left = float(np.max(-(down + _NEGLIGIBLE) / steps))
+    deepest = min(600.0 / float(law.quadrature.log_loss.max()), -law.lowest_power)
+    small = min(_DIFFERENCE / scale, _DIFFERENCE * (a - law.lowest_power))
+    steps = np.array([0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0]) / scale
+    down = np.append(steps, 0.5 * min(0.2 / scale, a - law.lowest_power))
+    down = down[down - a < deepest]
+    found = log_moment(law, np.concatenate([[a, a + small, a - small], a + steps, a - down]))
+    log_a, (more, less) = float(found[0]), found[1:3] - found[0]
+    mean, variance = float(more - less) / (2.0 * small), float(more + less) / small**2
+    # Chernoff: where the tilted density is negligible on either side
+    above, below = np.split(found[3:] - log_a, [steps.size])
+    right = float(np.min((above + _NEGLIGIBLE) / steps))
+    left = float(np.max(-(below + _NEGLIGIBLE) / down))
     step = 2.0 * math.pi / (right - left)
     samples = [np.ones(1, dtype=complex)]
-    count = block = 1
+    count = 1
     while np.max(np.abs(samples[-1][-4:])) >= math.exp(-_NEGLIGIBLE) and count <= _MOST_SAMPLES:
         block = max(32, count)
-        z = a + 1j * step * np.arange(1, count + block)
-        values = np.exp(log_moment(law, z, path_from=a)[count - 1 :] - log_a)
-        samples.append(values)
+        samples.append(np.exp(_log_moment_on_line(law, a, step, count + block)[count:] - log_a))
         count += block
-    return Line(a, mean, scale, step, log_a, np.concatenate(samples))
+    return Line(a, mean, math.sqrt(variance), step, log_a, np.concatenate(samples))

@@ -1,6 +1,6 @@
 """The scaled velocity distribution from the discretised solver: F(c), h, a2 and moments.
 
-:class:`ScaledVDF` puts its questions to a :class:`kinetics.scaling.log_density.SpeedAxis`, which
+:class:`ScaledVDF` puts its questions to a :class:`kinetics.scaling.axis.SpeedAxis`, which
 solves the parts of the speed axis that they need and holds ln g, accurate relative to g.
 """
 
@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetics.collision import CollisionLaw, law_in_medium, law_of
-from kinetics.numerics.chebyshev import FirstKind
+from kinetics.numerics import FloatArray
 from kinetics.results import Result
-from kinetics.scaling.closed_form import scaled_dataset, scaled_figures
-from kinetics.scaling.log_density import SpeedAxis
-from kinetics.scaling.symbols import from_rest
+from kinetics.scaling.axis import SpeedAxis
+from kinetics.scaling.closed_form import from_rest, scaled_dataset, scaled_figures
 from kinetics.scaling.tilted import MAX_NODES, SMALLEST_NODES
 from kinetics.status import SolverStatus, explain, status_of
 from kinetics.validation import (
@@ -31,9 +30,6 @@ from kinetics.validation import (
     whole_number,
 )
 
-_LOWEST_TAIL = -1e5  # ln g down to which the tail amplitude may look
-_TAIL_POINTS = 9
-_LARGEST_TAIL = 10.2565  # the exponent 1/(1-e^2) at e = 0.95
 _LARGEST_POWER = 300.0
 _LARGEST_LOG = 709.0  # ln of the largest number of double precision
 _LARGEST_LOSS = 100.0 * math.log(10.0)  # at e = 1e-120 <c^-2> is wrong, at 1e-250 all
@@ -109,53 +105,35 @@ class ScaledVDF(Result):
         return math.exp(min(log_moment, _LARGEST_LOG))
 
     def vdf(self, c: ArrayLike) -> Any:
-        """F(c), same shape as c; InputError for c negative or not finite.
+        """F(c), same shape as c, accurate relative to F(c) itself in both tails.
 
-        The error is relative to F(c) itself, in both tails; where F < 1e-299 it is 0. Rounding
-        limits it to 1.4e-14 times the steepness |d ln F/d ln c|, of which
+        Rounding limits it to 1.4e-14 times the steepness |d ln F/d ln c|, of which
         :attr:`error_estimate` takes the largest that was met. F(0) is 0 unless bounces come as
         near to rest as one likes; at e = 0 it is infinite.
+
+        Raises InputError for c negative or not finite, and where F is below 1e-100 of that of the
+        bulk: :class:`kinetics.ScalingSolution` has it there.
         """
         c_ = not_negative("c", c)
-        flat, out = from_rest(self.law, c_.ravel())
+        found = self.reached_vdf(c_)
+        beyond = (found == 0.0) & (c_ > 0.0)
+        if np.any(beyond):
+            far = "F is below 1e-100 of its largest there, which only ScalingSolution gives"
+            refuse("c", float(c_[beyond].flat[0]), far)
+        return found[()]
+
+    def reached_vdf(self, c: FloatArray) -> FloatArray:
+        """The same for speeds that are known to be good; 0 where the solver does not reach."""
+        flat, out = from_rest(self.law, c.ravel())
         inside = flat > 0.0
         log_c = np.log(flat[inside])
-        log_second, log_norm = self._unit()
-        refined = self._axis.refined
-        log_g = self._axis.log_density(log_c + 0.5 * log_second) - log_norm
-        if self._axis.refined != refined:
-            log_second, log_norm = self._unit()
-            log_g = self._axis.log_density(log_c + 0.5 * log_second) - log_norm
-        log_f = log_g - self.dimension * log_c
+        log_g = self._axis.log_density(log_c + 0.5 * self._log_second)
+        log_f = log_g - self._log_norm - self.dimension * log_c
         if np.any(log_f > _LARGEST_LOG):  # nodes that were given are far too few
             self._axis.unresolved = True
         with np.errstate(under="ignore"):
             out[inside] = np.exp(np.minimum(log_f, _LARGEST_LOG)) / self.law.unit_surface
-        return out.reshape(c_.shape)[()]
-
-    @cached_property
-    def log_tail_amplitude(self) -> float:
-        """ln A in F(c) ~ A c^(b - d) exp(-2 c/h), from F between e^-100 and e^-700 or so.
-
-        b is the law's tail exponent, 1/(1-e^2) for smooth disks. Absolute error about 1e-8, for b
-        up to that of smooth disks with e = 0.95: InputError above, where the asymptotic form starts
-        beyond the smallest numbers.
-        """
-        b = self.law.tail_exponent
-        if not b <= _LARGEST_TAIL:
-            allowed = "the solver finds the amplitude up to 0.95, ScalingSolution everywhere"
-            refuse("restitution", self.restitution, allowed)
-        # the rest is a series in 1/Y, Y = v t/l: a polynomial through Chebyshev points in 1/Y,
-        # from 1/highest to 5/highest, continued to 0
-        highest = 100.0 + 40.0 * b * b
-        rule = FirstKind(_TAIL_POINTS)
-        y = highest / (1.0 + 4.0 * rule.local)
-        x = np.log(y) + math.log(self.law.mean_log_loss)
-        self._axis.cover_above(float(x.max()), floor=_LOWEST_TAIL)
-        rest = self._axis.log_density(x) - self._log_norm - b * np.log(y) + y
-        log_y = float((rule.rows(np.array([-0.25])) @ rest)[0])
-        stretch = 0.5 * self._log_second - math.log(self.law.mean_log_loss)  # ln sqrt(E[Y^2])
-        return log_y + b * stretch - math.log(self.law.unit_surface)
+        return out.reshape(c.shape)
 
     @property
     def nodes(self) -> int:
@@ -241,13 +219,6 @@ class ScaledVDF(Result):
     def _log_norm(self) -> float:
         """What A(0) comes to before the norm A(0) = 1 is imposed."""
         return self._axis.log_sum(0.0)
-
-    def _unit(self) -> tuple[float, float]:
-        """Log A(2) and the norm, from what is solved by now."""
-        if not self._axis.refined:
-            return self._log_second, self._log_norm
-        log_norm = self._axis.log_sum(0.0)
-        return self._axis.log_sum(2.0) - log_norm, log_norm
 
     def _log_moment(self, p: float) -> float:
         """Log A(p), A(p) = E[(kappa v t/l)^p]."""

@@ -21,22 +21,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import ComplexArray, FloatArray
 from kinetics.numerics.log_grid import LogGrid
-from kinetics.scaling.symbols import decay_symbol_on_line, drift_log, flux_symbol, peak_position
 
 MAX_NODES = 4096  # a matrix of 130 MB
 SMALLEST_NODES = 8
-# The constants up to _BULK_DROP are measured again by tests/kinetics/measurements/scaling.py.
 # The error of a tilt is about e^-depth of its peak, if its window ends where the density weighs
 # e^(1-depth) and its highest mode is e^-(depth + _MORE_MODES): depth is ln(1/rtol) and a margin.
-# The tilt of the bulk decides the error of most answers. The others have a larger margin: each
-# serves more of the axis, so that there are fewer.
-_BULK_MARGIN, _MARGIN = 4.3, 7.0
+_MARGIN = 7.0
 _MORE_MODES = 1.0
 # The highest modes left out move a wide density as a whole, which high moments notice: more modes
 # for each unit of its deviation.
@@ -59,6 +57,47 @@ _SIZING = 0.6  # of the exponent that sets the points of lambda: less accuracy w
 _ELASTIC = 1.333e-6
 
 
+def flux_symbol(
+    law: CollisionLaw, z: NDArray[Any], decay: NDArray[Any] | None = None
+) -> NDArray[Any]:
+    """lambda(z)/(kappa z), 1 at z = 0: the flux of losses past a speed, relative to v at it.
+
+    ``decay`` is lambda(z) where it is known.
+    """
+    zero = z == 0.0
+    safe = np.where(zero, 1.0, z)
+    if decay is None:
+        decay = law.decay_symbol(safe)
+    return np.asarray(np.where(zero, 1.0, decay / (law.mean_log_loss * safe)))
+
+
+def drift_log(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """rho(z) = ln(kappa z/lambda(z)) = ln A(z+1) - ln A(z), A(z) = E[(kappa v t/l)^z]; z real.
+
+    An estimate for the sizes of windows: at large |z| the plain quadrature is a percent off.
+    """
+    if law.uniform_power:
+        return np.asarray(np.log1p(z / law.uniform_power))
+    q = law.quadrature
+    zero = z == 0.0
+    safe = np.where(zero, 1.0, z)
+    decay = -np.expm1(-np.multiply.outer(safe, q.log_loss)) @ q.weight
+    decay = law.met_again(safe, decay, 0)
+    return np.asarray(np.where(zero, 0.0, np.log(law.mean_log_loss * safe / decay)))
+
+
+def peak_position(law: CollisionLaw, z: NDArray[Any]) -> NDArray[Any]:
+    """Where e^(z x) g(x) peaks in the scaling state, x = ln(kappa v t/l); an estimate, z real.
+
+    The mean of x is the derivative of ln A, rho(z - 1/2) up to third differences of rho.
+    """
+    q = law.uniform_power
+    if q:
+        # nearly the digamma function at q + z, the derivative of ln Gamma(q + z)
+        return np.asarray(np.log(z + q + 0.5) - 1.0 / (z + q) - math.log(q))
+    return drift_log(law, z - 0.5)
+
+
 @dataclass(frozen=True)
 class Tilt:
     """The solution seen through e^(theta x).
@@ -69,7 +108,7 @@ class Tilt:
     grid : nodes in x = ln(kappa v t/l)
     values : e^(theta x) g(x)/A(theta) at the nodes, shape (nodes,); sums to 1/h
     centre, deviation : mean and standard deviation of x under that density
-    span : how many deviations from the centre it is used where a neighbour takes over
+    span : it is used down to e^(-span^2/2) of the peak, about so many deviations from the centre
     noise : the error relative to the maximum for which its grid was chosen
     defect, edges, spectrum : three estimates of that error: from the unknown that makes the
         discrete equation regular, from the values at the ends, and from the highest modes
@@ -97,15 +136,22 @@ class Tilt:
         low, middle, high = self.log_density(np.array([self.bottom, self.centre, self.top]))
         return float(low), float(middle), float(high)
 
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """Lowest and highest x at which the tilt is used as long as there is a neighbour."""
+        size = math.exp(-0.5 * self.span**2) * float(self.values.max())
+        used = np.nonzero(self.values >= size)[0]
+        return float(self.grid.x[used[0]]), float(self.grid.x[used[-1]])
+
     @property
     def bottom(self) -> float:
-        """Lowest x at which the tilt is used as long as there is a neighbour."""
-        return self.centre - self.span * self.deviation
+        """The lowest of them."""
+        return self._ends[0]
 
     @property
     def top(self) -> float:
-        """Highest x at which the tilt is used as long as there is a neighbour."""
-        return self.centre + self.span * self.deviation
+        """The highest of them."""
+        return self._ends[1]
 
     @cached_property
     def _coefficients(self) -> ComplexArray:
@@ -218,18 +264,13 @@ def _log_flux_on_lines(law: CollisionLaw, real: FloatArray, k: FloatArray) -> Co
     return np.asarray(np.log(decay / (law.mean_log_loss * z)))
 
 
-def _span(rtol: float, margin: float) -> float:
+def _span(rtol: float) -> float:
     """Deviations from its centre at which a tilt leaves an eighth of rtol: there are many seams.
 
     Its error there is some 0.3 e^-depth of the peak, and g is e^(-span^2/2) of it.
     """
-    room = 0.4 * rtol / max(math.exp(-margin) * rtol, _ROUNDING)
+    room = 0.1 * rtol / max(math.exp(-_MARGIN) * rtol, _ROUNDING)
     return max(_NARROWEST, math.sqrt(2.0 * math.log(max(room, 1.0))))
-
-
-def rounding_share(rtol: float) -> float:
-    """Rounding of a tilt over the error for which its grid is chosen, both of its peak."""
-    return _NARROW_ROUNDING / (math.exp(-_MARGIN) * rtol)
 
 
 def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> float | None:
@@ -239,7 +280,7 @@ def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> fl
     the tilt must still resolve the bulk.
     """
     sign = 1.0 if above else -1.0
-    span = _span(rtol, _MARGIN)
+    span = _span(rtol)
     # s^z must not overflow, half a unit below the tilt either
     deepest = float(law.quadrature.log_loss.max())
     lowest = max(-500.0 / deepest, 0.55 - 690.0 / deepest)
@@ -258,21 +299,10 @@ def next_tilt(law: CollisionLaw, known: Tilt, rtol: float, *, above: bool) -> fl
     return float(thetas[near][0]) if np.any(near) else None
 
 
-def solve_tilt(
-    law: CollisionLaw,
-    theta: float,
-    rtol: float,
-    nodes: int | None = None,
-    *,
-    bulk: bool = False,
-) -> Tilt:
-    """Solve the scaled equation for e^(theta x) g, with the margin of the bulk or of the others.
-
-    ``nodes`` overrides the choice of spacing.
-    """
-    margin = _BULK_MARGIN if bulk else _MARGIN
-    span = _span(rtol, margin)
-    depth = math.log(1.0 / rtol) + margin
+def solve_tilt(law: CollisionLaw, theta: float, rtol: float, nodes: int | None = None) -> Tilt:
+    """Solve the scaled equation for e^(theta x) g; ``nodes`` overrides the choice of spacing."""
+    span = _span(rtol)
+    depth = math.log(1.0 / rtol) + _MARGIN
     if nodes is not None:
         left, right, _ = window_of(law, theta, depth - 1.0)
         tilt = _solve_on(law, theta, LogGrid(left, (right - left) / nodes, nodes))
@@ -298,7 +328,7 @@ def _choose_grid(law: CollisionLaw, theta: float, depth: float) -> LogGrid:
 
 def _solve_on(law: CollisionLaw, theta: float, grid: LogGrid) -> Tilt:
     nodes = grid.nodes
-    decay = decay_symbol_on_line(law, theta, grid.wave_numbers)
+    decay = law.decay_symbol(theta - 1j * grid.wave_numbers)
     flux = grid.circulant(flux_symbol(law, theta - 1j * grid.wave_numbers, decay))
     # one more row and column make it regular: the row fixes the sum, and the unknown of the column
     # is what the discrete equation lacks to have a solution

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinetics.errors import InputError, short
 from kinetics.numerics import FloatArray
 from kinetics.states import quadrature
-from kinetics.states.isotropic import SpeedDensity, as_state
+from kinetics.states.isotropic import SpeedDensity, SpeedSamples, Table, as_state
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import SpeedFunction, State
 from kinetics.validation import (
@@ -26,7 +26,6 @@ from kinetics.validation import (
     rising_speeds,
 )
 
-_PAIRS = "it must be of shape (n, 2), a finite array of numbers"
 _ZERO = 1e-15  # harmonics below this share of the speed density are rounding of the transform
 
 
@@ -47,27 +46,32 @@ class VelocitySamples(State):
     highest_harmonic = None
 
     def __post_init__(self) -> None:
-        v = finite_array("velocity", self.velocity, _PAIRS, (2,))
+        allowed = "it must be of shape (n, 2), a finite array of numbers"
+        v = finite_array("velocity", self.velocity, allowed, (2,))
         if v.shape[0] == 0 or v.shape[1] != 2:
             raise InputError(f"velocity: got shape {v.shape}; it must be of shape (n, 2), n >= 1")
         if np.any(np.hypot(v[:, 0], v[:, 1]) == 0.0):
             raise InputError("velocity: got a velocity of 0; a tracer at rest never collides")
         self.store(velocity=v)
 
+    @property
+    def _speeds(self) -> SpeedSamples:
+        return SpeedSamples(np.hypot(*np.asarray(self.velocity).T))
+
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The samples with weights exp(-i m phi)/n."""
-        v = np.asarray(self.velocity)
-        x = np.log(np.hypot(v[:, 0], v[:, 1]))
-        phase = np.exp(-1j * m * np.arctan2(v[:, 1], v[:, 0])) if m else np.ones(x.size)
-        return quadrature.samples(x, phase / x.size, rtol, max(highest, -lowest))
+        if m == 0:
+            return self._speeds.harmonic(0, rtol, lowest, highest)
+        x, y = np.asarray(self.velocity).T
+        weight = np.exp(-1j * m * np.arctan2(y, x)) / x.size
+        return quadrature.samples(np.log(np.hypot(x, y)), weight, rtol, max(highest, -lowest))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
         """Every sample is a peak."""
-        v = np.asarray(self.velocity)
-        return np.hypot(v[:, 0], v[:, 1]), np.full(v.shape[0], 1.0 / v.shape[0])
+        return self._speeds.peaks
 
 
 @dataclass(frozen=True)
@@ -90,16 +94,7 @@ class Beam(State):
             refuse("speeds", self.speeds, "it must be an isotropic state")
         direction = real_number("direction", self.direction, allowed="it must be a finite angle")
         self.store(speeds=speeds, direction=direction)
-
-    @property
-    def smooth(self) -> bool:  # type: ignore[override]
-        """Whether the speed density of the beam is smooth."""
-        return bool(self.speeds.smooth)
-
-    @property
-    def lowest_moment(self) -> float:  # type: ignore[override]
-        """The speeds alone decide which <v^p> exist."""
-        return float(self.speeds.lowest_moment)
+        self.store(smooth=speeds.smooth, lowest_moment=speeds.lowest_moment)
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray] | None:
@@ -121,10 +116,9 @@ class Beam(State):
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The points of the speeds, with their weights times exp(-i m phi_0)."""
-        found = self.speeds.harmonic(0, rtol, lowest, highest)
-        if m == 0:
-            return found
-        return LogMeasure(found.x, found.weight * np.exp(-1j * m * self.direction))
+        found: LogMeasure = self.speeds.harmonic(0, rtol, lowest, highest)
+        turn = np.exp(-1j * m * self.direction)
+        return LogMeasure(found.x, found.weight * turn) if m else found
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The speed density times exp(-i m phi_0)."""
@@ -179,20 +173,17 @@ class AngularHarmonics(State):
         """Adaptive Gauss panels in ln v; None for a term that is zero everywhere."""
         if m == 0:
             return SpeedDensity(self.terms[0]).harmonic(0, rtol, lowest, highest)
-        return (
-            quadrature.function(self.terms[m], rtol, lowest, highest) if m in self.terms else None
-        )
+        if m not in self.terms:
+            return None
+        return quadrature.function(self.terms[m], rtol, lowest, highest)
 
     def profile(self, m: int) -> SpeedFunction | None:
         """The function itself."""
-        if m not in self.terms:
-            return None
-        term = self.terms[m]
-        return lambda v: quadrature.evaluate_density(term, v)
+        return SpeedDensity(self.terms[m]).profile(0) if m in self.terms else None
 
 
 @dataclass(frozen=True)
-class PolarGrid(State):
+class PolarGrid(Table):
     """f(v, phi), a density in the velocity plane, on a polar grid.
 
     Parameters
@@ -211,12 +202,8 @@ class PolarGrid(State):
 
     def __post_init__(self) -> None:
         v = rising_speeds(self.speed)
-        f = finite_array(
-            "values",
-            self.values,
-            f"it must be of shape ({v.size}, n_phi), a finite array of numbers",
-            (2,),
-        )
+        allowed = f"it must be of shape ({v.size}, n_phi), a finite array of numbers"
+        f = finite_array("values", self.values, allowed, (2,))
         if f.shape[0] != v.size or f.shape[1] < 1:
             raise InputError(f"values: got shape {f.shape}; it must be ({v.size}, n_phi)")
         density_not_negative(f, "values")
@@ -241,41 +228,12 @@ class PolarGrid(State):
         """The highest m that so many angles resolve."""
         return (np.asarray(self.values).shape[1] - 1) // 2
 
-    @property
-    def lowest_moment(self) -> float:  # type: ignore[override]
-        """The first piece decides, if it begins at speed 0: v f rises there in proportion to v."""
-        return -math.inf if np.asarray(self.speed)[0] > 0.0 else -2.0
-
-    def _harmonic_values(self, m: int) -> NDArray[Any] | None:
+    def _values(self, m: int) -> NDArray[Any] | None:
         """f_m at the speeds of the grid, shape (n_v,); None where it is zero to rounding."""
-        highest = self.highest_harmonic
-        assert highest is not None
-        if m > highest:
+        if m > (self.highest_harmonic or 0):
             return None
         values = self._unscaled[:, m] / self._integral
         if m == 0:
             return np.asarray(values.real)
         largest = float(np.abs(self._unscaled[:, 0]).max()) / self._integral
         return None if float(np.abs(values).max()) < _ZERO * largest else values
-
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """Gauss points on the linear pieces."""
-        values = self._harmonic_values(m)
-        if values is None:
-            return None
-        return quadrature.table(np.asarray(self.speed), values, 0.1 * rtol, lowest)
-
-    def profile(self, m: int) -> SpeedFunction | None:
-        """Linear interpolation."""
-        values = self._harmonic_values(m)
-        if values is None:
-            return None
-        speed = np.asarray(self.speed)
-        return lambda v: quadrature.interpolate(v, speed, values)
-
-    @property
-    def kinks(self) -> FloatArray:
-        """The speeds of the grid."""
-        return np.asarray(self.speed)

@@ -27,9 +27,9 @@ from kinetics.validation import (
     rising_speeds,
 )
 
-# square root of q from which exp(-q) I(q) is summed as its asymptotic series: three terms of it
-# leave 1/q^3 = 1e-27
-_FAR_BESSEL = 3e4
+# q = v^2 times a difference of inverse variances, from which exp(-q) I(q) is the first two terms of
+# its asymptotic series: the third is 1e-16 of it for harmonics up to m = 20
+_FAR_BESSEL = 1e9
 _NORM_RTOL = 1e-7  # a tenth of the allowed error of the norm, so that its check sees the density
 
 
@@ -49,13 +49,12 @@ class Gaussian(State):
 
     deviation_x: float = 1.0
     deviation_y: float = 1.0
+    smooth = True
+    lowest_moment = -2.0
 
     def __post_init__(self) -> None:
         for name in ("deviation_x", "deviation_y"):
             self.store(**{name: check_positive(name, getattr(self, name))})
-
-    smooth = True
-    lowest_moment = -2.0
 
     @property
     def highest_harmonic(self) -> int | None:  # type: ignore[override]
@@ -73,74 +72,55 @@ class Gaussian(State):
 
     def in_space(self) -> State | None:
         """The Maxwell distribution of the same deviation, if both are equal."""
-        if self.deviation_x != self.deviation_y:
-            return None
-        return Maxwell(self.deviation_x)
+        return Maxwell(self.deviation_x) if self.highest_harmonic == 0 else None
 
-    def _factor(self, m: int) -> Callable[[Any], Any] | None:
-        """f_m over the density of an isotropic Gaussian of the wider deviation D, at v/D.
+    def _factor(self, m: int, u: FloatArray) -> NDArray[Any]:
+        """f_m over the density of an isotropic Gaussian of the wider deviation D, at u = v/D.
 
         With the ratio a of the deviations, the angle gives a exp(-q) I_(m/2)(q), even m only, of
         q = (a^2 - 1) v^2/4: the inverse squares of the deviations differ by that much.
         """
-        if self.deviation_x == self.deviation_y:
-            return None
-        ratio, order = self._ratio, m // 2
-        half = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio))
-        sign = -1.0 if order % 2 and self.deviation_y > self.deviation_x else 1.0
+        if self.highest_harmonic == 0:
+            return np.ones(u.shape)
+        from scipy.special import ive
 
-        def factor(v: Any) -> Any:
-            from scipy.special import ive
+        ratio, order = self._ratio, abs(m) // 2
+        root = 0.5 * math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio)) * u  # sqrt(q)/a
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            q = (ratio * root) ** 2
+            far = (1.0 - (order**2 - 0.25) / (2.0 * q)) / (math.sqrt(2.0 * math.pi) * root)
+        found = np.where(q > _FAR_BESSEL, far, ratio * ive(order, np.minimum(q, _FAR_BESSEL)))
+        return -found if order % 2 and self.deviation_y > self.deviation_x else found
 
-            # sqrt(q)/a: q itself may overflow
-            root = half * np.asarray(v)
-            far = root > _FAR_BESSEL / ratio
-            q = (ratio * np.where(far, 0.0, root)) ** 2
-            beyond = 1.0 / np.where(far, root, 1.0)
-            small = (0.5 * beyond / ratio) ** 2  # 1/(4 q)
-            series = 1.0 - (2 * order**2 - 0.5) * small * (1.0 - (order**2 - 2.25) * small)
-            beyond = beyond * series / math.sqrt(2.0 * math.pi)
-            return sign * np.where(far, beyond, ratio * ive(order, q))
-
-        return factor
+    def _is_zero(self, m: int) -> bool:
+        """Odd harmonics vanish, and all but the first where the deviations are equal."""
+        return m % 2 == 1 or (m != 0 and self.highest_harmonic == 0)
 
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
-        """Trapezoid rule in ln v; odd harmonics vanish."""
-        m = abs(m)
-        if (m and self.highest_harmonic == 0) or m % 2:
+        """Trapezoid rule in ln v."""
+        if self._is_zero(m):
             return None
-        factor = self._factor(m)
-        return quadrature.gaussian(rtol, lowest, highest, self._wide, factor, self._ratio)
+        found = quadrature.gaussian(rtol, lowest, highest, self._wide, self._ratio)
+        return LogMeasure(found.x, found.weight * self._factor(m, np.exp(found.x) / self._wide))
 
     def profile(self, m: int) -> SpeedFunction | None:
         """v exp(-v^2/2 D^2)/D^2 times the Bessel factor."""
-        m = abs(m)
-        if (m and self.highest_harmonic == 0) or m % 2:
-            return None
-        wide, factor = self._wide, self._factor(m)
 
         def value(v: FloatArray) -> NDArray[Any]:
-            u = np.minimum(v, 100.0 * wide) / wide  # f is zero beyond, and u^2 may overflow
+            u = np.minimum(v / self._wide, 100.0)  # f is zero beyond, and u^2 may overflow
             with np.errstate(under="ignore"):
-                f = u / wide * np.exp(-0.5 * u * u)
-            return f if factor is None else np.asarray(f * factor(u))
+                return u / self._wide * np.exp(-0.5 * u * u) * self._factor(m, u)
 
-        return value
+        return None if self._is_zero(m) else value
 
 
 @dataclass(frozen=True)
 class Maxwell(State):
     """Three independent Gaussian components of the velocity, in space; isotropic.
 
-    Parameters
-    ----------
-    deviation : standard deviation of each component, in U
-
-    Raises
-    ------
-    InputError : a deviation that is not above zero
+    ``deviation`` is the standard deviation of each, in U. Raises InputError if it is not above 0.
     """
 
     deviation: float = 1.0
@@ -153,23 +133,19 @@ class Maxwell(State):
     def harmonic(
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
-        """Trapezoid rule in ln v: the plane's Gaussian times sqrt(2/pi) v/D."""
+        """Trapezoid rule in ln v: the plane's Gaussian times v."""
         if m:
             return None
-        found = quadrature.gaussian(rtol, lowest + 1.0, highest + 1.0, self.deviation, _in_space)
-        return LogMeasure(found.x, found.weight / found.weight.sum())
+        found = quadrature.gaussian(rtol, lowest + 1.0, highest + 1.0, self.deviation)
+        weight = found.weight * np.exp(found.x - math.log(self.deviation))
+        return LogMeasure(found.x, weight / weight.sum())
 
     def profile(self, m: int) -> SpeedFunction | None:
         """sqrt(2/pi) v^2/D^3 exp(-v^2/2 D^2)."""
-        plane = Gaussian(self.deviation, self.deviation).profile(m)
+        plane, d = Gaussian(self.deviation, self.deviation).profile(m), self.deviation
         if plane is None:
             return None
-        return lambda v: np.asarray(plane(v) * _in_space(np.minimum(v / self.deviation, 100.0)))
-
-
-def _in_space(u: Any) -> Any:
-    """The speed density of a Gaussian in space over that in the plane, at u = v/D."""
-    return math.sqrt(2.0 / math.pi) * u
+        return lambda v: math.sqrt(2.0 / math.pi) * np.minimum(v / d, 100.0) * plane(v)
 
 
 @dataclass(frozen=True)
@@ -193,8 +169,47 @@ class Monoenergetic(State):
         return np.array([self.speed]), np.ones(1)
 
 
+class Table(State):
+    """A state whose f_m are linear between speeds (n,): what `_values` returns at them, or None."""
+
+    speed: ArrayLike
+
+    def _values(self, m: int) -> NDArray[Any] | None:
+        raise NotImplementedError
+
+    def harmonic(
+        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
+    ) -> LogMeasure | None:
+        """Gauss points on the linear pieces."""
+        values = self._values(m)
+        if values is None:
+            return None
+        found = quadrature.table(np.asarray(self.speed), values, 0.1 * rtol, lowest)
+        # ln v of points that are close to each other has lost digits: the sum may not be 1
+        return LogMeasure(found.x, found.weight / found.weight.sum()) if m == 0 else found
+
+    def profile(self, m: int) -> SpeedFunction | None:
+        """Linear interpolation."""
+        speed, values = np.asarray(self.speed), self._values(m)
+        return None if values is None else lambda v: quadrature.interpolate(v, speed, values)
+
+    @property
+    def lowest_moment(self) -> float:  # type: ignore[override]
+        """The first piece decides, if it begins at speed 0."""
+        values = self._values(0)
+        assert values is not None
+        if np.asarray(self.speed)[0] > 0.0:
+            return -math.inf
+        return -1.0 if values[0] > 0.0 else -2.0
+
+    @property
+    def kinks(self) -> FloatArray:
+        """The points of the table."""
+        return np.asarray(self.speed)
+
+
 @dataclass(frozen=True)
-class SpeedTable(State):
+class SpeedTable(Table):
     """A tabulated speed density: linear between the points, zero outside them; isotropic.
 
     Parameters
@@ -226,36 +241,8 @@ class SpeedTable(State):
         found.store(**parts)
         return found
 
-    def harmonic(
-        self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
-    ) -> LogMeasure | None:
-        """Gauss points on the linear pieces."""
-        if m:
-            return None
-        speed, density = np.asarray(self.speed), np.asarray(self.density)
-        found = quadrature.table(speed, density, 0.1 * rtol, lowest)
-        # ln v of points that are close to each other has lost digits: the sum may not be 1
-        return LogMeasure(found.x, found.weight / found.weight.sum())
-
-    @property
-    def lowest_moment(self) -> float:  # type: ignore[override]
-        """The first piece decides, if it begins at speed 0."""
-        speed, density = np.asarray(self.speed), np.asarray(self.density)
-        if speed[0] > 0.0:
-            return -math.inf
-        return -1.0 if density[0] > 0.0 else -2.0
-
-    def profile(self, m: int) -> SpeedFunction | None:
-        """Linear interpolation."""
-        if m:
-            return None
-        speed, values = np.asarray(self.speed), np.asarray(self.density)
-        return lambda v: quadrature.interpolate(v, speed, values)
-
-    @property
-    def kinks(self) -> FloatArray:
-        """The points of the table."""
-        return np.asarray(self.speed)
+    def _values(self, m: int) -> NDArray[Any] | None:
+        return None if m else np.asarray(self.density)
 
 
 @dataclass(frozen=True)
@@ -283,11 +270,9 @@ class SpeedSamples(State):
         self, m: int, rtol: float, lowest: float = 0.0, highest: float = 2.0
     ) -> LogMeasure | None:
         """The samples, many of them gathered on a fine grid."""
-        if m:
-            return None
         x = np.log(np.asarray(self.speed))
-        steepest = max(highest, -lowest)
-        return quadrature.samples(x, np.full(x.size, 1.0 / x.size), rtol, steepest)
+        weight = np.full(x.size, 1.0 / x.size)
+        return None if m else quadrature.samples(x, weight, rtol, max(highest, -lowest))
 
     @property
     def peaks(self) -> tuple[FloatArray, FloatArray]:

@@ -69,34 +69,26 @@ class LogMeasure(Value):
 
 
 def gaussian(
-    rtol: float,
-    lowest: float,
-    highest: float,
-    deviation: float = 1.0,
-    factor: Callable[[Any], Any] | None = None,
-    ratio: float = 1.0,
+    rtol: float, lowest: float, highest: float, deviation: float = 1.0, ratio: float = 1.0
 ) -> LogMeasure:
     """Speed density (v/D^2) exp(-v^2/2 D^2), D the deviation, by the trapezoid rule in ln v.
 
     Its transform falls as exp(-pi k/4): spacing h leaves exp(-pi^2/(2 h)), times a power of k for
     the powers of v, for which 8 + 1.5 highest e-folds are added. The left end is where
-    v^(2 + lowest) is below rtol/e^2, the right one where exp(-v^2/2) is so far below rtol.
-    ``factor`` multiplies the density, as a function of v/D; it is at most ``ratio``, and at most
-    D/v. tests/kinetics/measurements/states.py measures the error that is left.
+    v^(2 + lowest) is below rtol/e^2, the right one where exp(-v^2/2) is so far below rtol. The
+    density may be multiplied by a function of v/D that is at most ``ratio``, and at most D/v.
     """
-    depth = math.log(1.0 / rtol)
-    spacing = 0.5 * math.pi**2 / (depth + 8.0 + 1.5 * highest)
+    depth = math.log(1.0 / rtol) + 2.0
+    more = depth + 6.0 + 1.5 * highest
     power = min(0.0, lowest)
-    left = -(depth + 2.0 + math.log(ratio)) / (2.0 + power)
+    left = -(depth + math.log(ratio)) / (2.0 + power)
     if power > -1.0:
-        left = max(left, -(depth + 2.0) / (1.0 + power))
-    right = 0.5 * math.log(2.0 * (depth + 8.0 + 1.5 * highest))
-    x = np.arange(left, right + spacing, spacing)
-    weight: NDArray[Any] = spacing * np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
-    weight /= weight.sum()
-    if factor is not None:
-        weight = weight * factor(np.exp(x))
-    return LogMeasure(x + math.log(deviation), weight)
+        left = max(left, -depth / (1.0 + power))
+    x = np.arange(
+        left, 0.5 * math.log(2.0 * more) + 0.5 * math.pi**2 / more, 0.5 * math.pi**2 / more
+    )
+    weight = np.exp(2.0 * x - 0.5 * np.exp(2.0 * x))
+    return LogMeasure(x + math.log(deviation), weight / weight.sum())
 
 
 def table(
@@ -171,13 +163,12 @@ def evaluate_density(density: Callable[[Any], Any], v: FloatArray) -> NDArray[An
             f"initial: the density could not be evaluated on an array ({error}); "
             "it must map an array of speeds to an array"
         ) from None
-    if f.shape == v.shape:
-        f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
-    else:
+    if f.shape != v.shape:
         raise InputError(
             f"initial: the density returned shape {f.shape} for speeds of shape {v.shape}; "
             "it must map an array of speeds to an array of densities"
         )
+    f = np.where(np.isnan(f) & ((v > _NOBODY) | (v < 1.0 / _NOBODY)), 0.0, f)
     if np.any(np.isnan(f)):
         raise InputError(
             f"initial: the density is NaN at v = {v[np.isnan(f)][0]:g} U; it must be a number"
@@ -224,7 +215,8 @@ def function(
     ]
     span = np.append(np.concatenate(cuts), edges[last + 1])
     pieces = np.stack([span[:-1], span[1:]], axis=1)
-    return _refine(per_log_speed, pieces, 0.1 * max(rtol, _ROUNDING) * float(mass.sum()))
+    tolerance = 0.1 * max(rtol, _ROUNDING) * float(mass.sum())
+    return _without_zeros(*refined(per_log_speed, pieces, tolerance))
 
 
 def _scan(
@@ -262,10 +254,13 @@ def _converges(mass: FloatArray, edges: FloatArray, p: float) -> bool:
     return bool(not far or weight[last - 2 : last + 1].max() < 1e-3 * weight.max())
 
 
-def _refine(
-    per_log_speed: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
-) -> LogMeasure:
-    """Halve intervals (n, 2) until 12 points and twice 12 points give the same integral."""
+def refined(
+    function: Callable[[FloatArray], NDArray[Any]], ends: FloatArray, tolerance: float
+) -> tuple[FloatArray, NDArray[Any]]:
+    """Points, and weights times the function there, (n_points,) each, on intervals (n, 2).
+
+    They are halved until 12 points and twice 12 points give the same integral.
+    """
     points: list[FloatArray] = []
     weights: list[NDArray[Any]] = []
     for depth in range(_MOST_HALVINGS + 1):
@@ -273,19 +268,17 @@ def _refine(
         halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
         coarse_x, coarse_w = panels_of(ends, 12)
         fine_x, fine_w = panels_of(halves, 12)
-        coarse = (per_log_speed(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
-        fine = per_log_speed(fine_x.ravel()).reshape(fine_x.shape) * fine_w
-        difference = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse)
-        good = (
-            (difference <= tolerance) | (depth == _MOST_HALVINGS) | (ends.shape[0] > _MOST_PIECES)
-        )
+        coarse = (function(coarse_x.ravel()).reshape(coarse_x.shape) * coarse_w).sum(axis=1)
+        fine = function(fine_x.ravel()).reshape(fine_x.shape) * fine_w
+        good = np.abs(fine.sum(axis=1).reshape(-1, 2).sum(axis=1) - coarse) <= tolerance
+        good |= depth == _MOST_HALVINGS or ends.shape[0] > _MOST_PIECES
         both = np.repeat(good, 2)
         points.append(fine_x[both].ravel())
         weights.append(fine[both].ravel())
         ends = halves[~both]
         if ends.size == 0:
             break
-    return _without_zeros(np.concatenate(points), np.concatenate(weights))
+    return np.concatenate(points), np.concatenate(weights)
 
 
 def _without_zeros(x: NDArray[Any], weight: NDArray[Any]) -> LogMeasure:

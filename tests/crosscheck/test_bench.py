@@ -99,6 +99,7 @@ def test_the_straightforward_state_is_of_second_order(e: float) -> None:
     assert np.max(np.abs(found[-1].vdf(c) - exact.vdf(c))) < 0.08 * exact.vdf(c).max()
 
 
+@pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")
 @pytest.mark.parametrize("start", references.STARTS)
 def test_cooling_by_other_methods_converges_to_the_references(start: str) -> None:
     works = [w for w in bench.averages(QUICK, "p", ("thermal_speed", "a2"), "short")

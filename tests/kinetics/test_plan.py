@@ -14,7 +14,7 @@ from kinetics import (
     VelocitySamples,
     solve,
 )
-from kinetics.densities import conservative, elastic
+from kinetics.densities import conservative, harmonic
 from kinetics.densities import spectral as forward
 from kinetics.moments.backward import BackwardEquation, Observable
 from kinetics.scene import OUTPUTS
@@ -39,7 +39,7 @@ class Count:
         for module, name in (
             (forward, "solve_spectral"),
             (conservative, "solve_conservative"),
-            (elastic, "elastic_profile"),
+            (harmonic, "elastic_profile"),
         ):
             self._watch(monkeypatch, module, name)
 

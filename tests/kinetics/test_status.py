@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinetics import Scene, SolverStatus, solve, solve_scaled
+from kinetics import Scene, SolverStatus, ToleranceWarning, solve, solve_scaled
 from kinetics.status import explain, status_of
 
 ALLOWED = {"averages": 1e-10, "densities": 1e-10, "position density": 1e-8}
@@ -54,6 +54,13 @@ def test_what_the_message_says_helps() -> None:
     met = solve(scene, rtol=1e-6)
     assert met.status is SolverStatus.CONVERGED
     assert met.message == SolverStatus.CONVERGED.value
+
+
+def test_a_missed_tolerance_warns_at_the_line_that_asked() -> None:
+    scene = Scene(0.7, times=[1.0], outputs=("speed_density",))
+    with pytest.warns(ToleranceWarning, match="more nodes") as caught:
+        solve(scene, rtol=1e-10, nodes=16)
+    assert caught[0].filename == __file__
 
 
 def test_the_scaled_distribution_says_it_too() -> None:

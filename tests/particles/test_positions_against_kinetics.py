@@ -16,6 +16,7 @@ PATH = {2: 12.5, 3: 1.0 / (np.pi * 0.04)}
 TRACERS = 200_000
 
 
+@pytest.mark.filterwarnings("ignore::kinetics.ToleranceWarning")  # of early sharp fronts
 @pytest.mark.parametrize(
     ("initial", "restitution"),
     [

@@ -1,5 +1,6 @@
 """What is compared (OBSERVABLES), and what the kinetic equation says of it at a Point."""
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinetics.crosscheck.data.sample import R2, R4, V2, V4, VX, X2, Law, N, Sample, StartBins, X
+from kinetics.errors import ToleranceWarning
 from kinetics.numerics.gauss import panels_between
 from kinetics.states.quadrature import LogMeasure
 from kinetics.states.state import State
@@ -129,7 +131,9 @@ def solved(
         tangential_restitution=law.tangential_restitution, dimension=law.dimension,
         outputs=tuple(dict.fromkeys(OBSERVABLES[name].output or name for name in names)),
     )  # fmt: skip
-    return solve(scene, rtol=rtol or (FIELD_RTOL if law.field else RTOL))
+    with warnings.catch_warnings():  # those who ask look at the status
+        warnings.simplefilter("ignore", ToleranceWarning)
+        return solve(scene, rtol=rtol or (FIELD_RTOL if law.field else RTOL))
 
 
 def average_of(solution: "Solution", name: str) -> Array:
@@ -230,7 +234,7 @@ def bin_shares(solution: "Solution", name: str, index: int, edges: Array) -> Arr
     if name == DISPLACEMENT:
         shares = solution.position_fraction(every)[index]
         return np.append(shares, max(1 - shares.sum(), 0.0))
-    pieces = 1 if solution.scene.state.smooth else 12
+    pieces = 1 if solution.scene.state.smooth else 120  # of the finest nodes in ln v
     fine = np.interp(np.arange(pieces * (every.size - 1) + 1) / pieces, range(every.size), every)
     x, weight = panels_between(fine, 3)
     each = (solution.speed_density(x)[index] * weight).reshape(-1, 3).sum(axis=1)

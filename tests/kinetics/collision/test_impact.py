@@ -75,29 +75,6 @@ def test_harmonics_against_integrals(e: float, et: float, dimension: int) -> Non
             assert float(abs(law.harmonic_decay_rate(p, m) - exact)) <= LIMIT
 
 
-@pytest.mark.parametrize("e", [0.0, 0.2, 0.7, 0.999])
-def test_smooth_spheres(e: float) -> None:
-    """kappa = 1/2 + e^2 ln e/(1 - e^2); the elastic sphere scatters into all angles alike."""
-    law = CollisionLaw(e, dimension=3)
-    with mp.workdps(40):
-        lost = mp.mpf(e) ** 2 * mp.log(e) / (1 - mp.mpf(e) ** 2) if e else mp.mpf(0)
-        assert relative(law.mean_log_loss, mp.mpf(1) / 2 + lost) <= LIMIT
-    elastic = CollisionLaw(1.0, dimension=3)
-    assert elastic.is_elastic
-    for m in range(1, 9):
-        assert elastic.harmonic_decay_rate(0.0, m) == pytest.approx(1.0, abs=1e-14)
-
-
-@pytest.mark.parametrize("e", [1e-3, 0.5, 0.99])
-def test_equal_restitutions_in_the_plane(e: float) -> None:
-    """s = e in every bounce, and the deflections are those of the elastic disk."""
-    law = CollisionLaw(e, e)
-    assert law.mean_log_loss == pytest.approx(-math.log(e), rel=1e-15)
-    assert law.mean_cosine == pytest.approx(-1 / 3, rel=1e-14)
-    for p in (0.5, 2.0, 7.0):
-        assert law.decay_rate(p) == pytest.approx(1.0 - e**p, rel=1e-14)
-
-
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("e", "et"), [(0.0, 1.0), (0.3, 0.8), (0.8, 0.3), (1.0, 0.4), (0.5, 0.5)])
 def test_the_chance_to_lose_more(e: float, et: float, dimension: int) -> None:
@@ -161,18 +138,3 @@ def test_what_is_no_law_is_one_line(arguments: dict[str, object], line: str) -> 
     assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match="above -2"):
         CollisionLaw(0.0, dimension=3).decay_rate(-2.0)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize(("e", "et"), [(0.4, 1.0), (0.0, 0.6), (0.9, 0.3), (0.5, 0.0), (0.6, 0.6)])
-def test_chance_of_a_lower_speed_ratio(e: float, et: float, dimension: int) -> None:
-    """Against the share of equally likely impact parameters, and as a law of samples."""
-    share = (np.arange(20_000) + 0.5) / 20_000
-    square = share**2 if dimension == 2 else share
-    s = np.sqrt(e**2 + (et**2 - e**2) * square)
-    ratio = np.array([1e-3, 0.2, 0.35, 0.55, 0.75, 0.95, 1.0])
-    expected = [np.mean(s < x) for x in ratio]
-    law = CollisionLaw(e, et, dimension)
-    assert np.allclose(law.chance_below(ratio), expected, atol=1e-4)
-    samples = CollisionLaw.from_samples(np.full(s.size, 1.0 / s.size), s, np.zeros(s.size))
-    assert np.allclose(samples.chance_below(ratio), expected, atol=1e-9)

@@ -85,35 +85,6 @@ def test_nearly_one_ratio_against_many_digits() -> None:
     assert time_to_forget(found[0], 0.5) == 0.0
 
 
-@pytest.mark.parametrize("et", [0.001, 0.5, 0.8])
-def test_directions_are_forgotten_at_real_rates_too(et: float) -> None:
-    """At e = 0 in space E[s^z cos(chi)] = 2 et^z/(z + 3), which is 1 at one real z < 0."""
-    slowest = max(oscillations(CollisionLaw(0.0, et, 3), 24.0, 1), key=lambda z: z.real)
-    assert slowest.imag == 0.0
-    exact = mp.findroot(lambda z: z + 3 - 2 * mp.mpf(et) ** z, slowest.real)
-    assert slowest.real == pytest.approx(float(exact), rel=1e-11)
-
-
-@pytest.mark.parametrize(
-    "law", [CollisionLaw(0.01), CollisionLaw(0.1, 0.5), CollisionLaw(0.5, 0.1)]
-)
-@pytest.mark.parametrize("m", [1, 2])
-def test_no_harmonic_has_a_slower_zero(law: CollisionLaw, m: int) -> None:
-    """Turns of 1 - E[s^z cos(m chi)] around 0, at -0.99 < Re z < 0.01 and |Im z| < 20.3."""
-    corners = np.array([-0.99 - 20.3j, 0.01 - 20.3j, 0.01 + 20.3j, -0.99 + 20.3j, -0.99 - 20.3j])
-    sides = [np.linspace(a, b, 10_000) for a, b in itertools.pairwise(corners)]
-    q = law.quadrature_for(21.0, m)
-    weight = q.weight * q.harmonic(m)
-    value = np.concatenate([1.0 - np.exp(-np.outer(side, q.log_loss)) @ weight for side in sides])
-    turned = float(np.angle(value[1:] / value[:-1]).sum()) / (2.0 * math.pi)
-    found = [z for z in oscillations(law, 20.3, m) if z.real > -0.99]
-    assert round(turned) == sum(1 if z.imag == 0.0 else 2 for z in found)
-
-
-def test_elastic_tracers_forget_nothing_that_oscillates() -> None:
-    assert oscillations(CollisionLaw.from_samples([1.0], [1.0], [0.3]), 64.0) == ()
-
-
 @pytest.mark.slow
 def test_ratios_next_to_zero_overflow_nowhere() -> None:
     """A thousandth of the bounces leave 1e-300: their tracers come back at rates 1000^(-1/691)."""

@@ -98,17 +98,6 @@ def test_random_flights_have_this_speed_density() -> None:
     assert max(map(abs, pulls[count:])) > 6.0  # the dilute one is another
 
 
-def test_a_low_density_is_the_dilute_gas() -> None:
-    n = 1e-6
-    v = np.linspace(0.02, 3.0, 50)
-    dilute, dense = (
-        solve(Scene(0.6, n, times=[2.0 / n], outputs="speed_density", **more)).speed_density(v)
-        for more in ({}, {"scatterers": "hard disks"})
-    )
-    change = np.abs(dense - dilute).max() / dilute.max()
-    assert 0.1 * n < change < 3.0 * n * math.log(1.0 / n)
-
-
 def test_what_is_not_known_is_said() -> None:
     scene = Scene(0.3, 0.1, times=[100.0], scatterers="hard disks", outputs="speed_density")
     solution = solve(scene)

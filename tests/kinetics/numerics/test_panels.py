@@ -32,20 +32,6 @@ def test_the_kernel_shifts_polynomials(width: float) -> None:
         np.testing.assert_allclose(found, exact, atol=1e-12 * np.abs(exact).max())
 
 
-def test_the_derivative_is_in_units_of_x() -> None:
-    rule = PanelRule(5, 0.25)
-    x = 0.25 * rule.local
-    np.testing.assert_allclose(rule.derivative @ x**3, 3.0 * x**2, atol=1e-13)
-
-
-def test_shares_are_rows_without_their_norm() -> None:
-    rule = PanelRule(9)
-    x = np.concatenate([np.linspace(0.0, 1.0, 11), rule.local])
-    shares = rule.shares(x)
-    rows = shares / shares.sum(axis=1, keepdims=True)
-    np.testing.assert_allclose(rows, rule.rows(x), atol=1e-14)
-
-
 def test_small_shifts_keep_their_digits() -> None:
     """f(x) - f(x - shift) relative to itself, where it is 1e-9 of f. (A difference of rounded
     points would leave 1e-7.)
@@ -80,10 +66,11 @@ def test_returns_act_on_exponentials_as_their_symbol() -> None:
     """On e^(p x) all three are numbers: K - 1 = -a, S = e^(-p shift), and -a/(1 + factor a S)."""
     rule, p, shift, factor = PanelRule(14, 0.8), 0.6, 1.3, 0.2
     weight, losses = np.array([0.3, 0.7]), np.array([0.4, 1.7])
-    kept = np.array([[0.9, -0.5]])
+    kept = np.array([[1.0, 1.0], [0.9, -0.5]])
     loss, gain = PanelShifts(rule, losses).kernel(weight, kept, 1.0 - kept)
-    loss, gain = with_returns(rule, loss[0], gain[0], factor, shift)
-    rate = 1.0 - float(kept[0] @ (weight * np.exp(-p * losses)))
+    loss, gain = with_returns(rule, loss, gain, np.array([-0.1, factor]), shift)
+    loss, gain = loss[1], gain[1]
+    rate = 1.0 - float(kept[1] @ (weight * np.exp(-p * losses)))
     panels = gain.shape[1] // rule.nodes
     below = np.exp(p * rule.width * (np.arange(-panels, 0)[:, None] + rule.local)).ravel()
     here = np.exp(p * rule.width * rule.local)

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -14,14 +13,11 @@ from kinetics import (
     AngularHarmonics,
     Beam,
     CollisionLaw,
-    InputError,
     Scene,
-    Solution,
     SolverStatus,
-    load,
     solve,
 )
-from kinetics.position.directions import element, mean_phase, radial_measure, radial_waves
+from kinetics.position.directions import mean_phase
 from kinetics.position.tail import PowerTail, fit_tail, origin_terms
 
 FloatArray = NDArray[np.float64]
@@ -81,39 +77,6 @@ def test_elastic_spheres_of_one_speed_against_the_transport_solution() -> None:
     found = solve(scene(law, TIMES, "monoenergetic", "intermediate_scattering"), rtol=1e-12)
     f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
     assert np.abs(f - ONE_SPEED).max() < 1e-12
-
-
-def isotropic(dimension: int, count: int = 400) -> CollisionLaw:
-    """Elastic, every direction as likely: exact for harmonics below the number of samples."""
-    if dimension == 2:
-        cosine = np.cos(math.pi * (np.arange(count) + 0.5) / count)
-        weight = np.full(count, 1.0 / count)
-    else:
-        cosine, weight = np.polynomial.legendre.leggauss(count)
-        weight = 0.5 * weight
-    return CollisionLaw.from_samples(weight, np.ones(count), cosine, dimension)
-
-
-def test_isotropic_scattering_from_samples() -> None:
-    """In space it is what elastic spheres do."""
-    found = solve(scene(isotropic(3), TIMES, "monoenergetic", "intermediate_scattering"), 1e-12)
-    f = found.intermediate_scattering(np.array(WAVE_NUMBERS) / PATH)
-    assert np.abs(f - ONE_SPEED).max() < 1e-12
-
-
-@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 1e-4), (24.0, 1e-6), (48.0, 1e-7)])
-def test_isotropic_scattering_in_the_plane(t: float, tolerance: float) -> None:
-    """The closed form of Stadje, J. Stat. Phys. 46, 207 (1987); Paasschens, PRE 56, 1135 (1997)."""
-    found = solve(scene(isotropic(2), t, "monoenergetic"), rtol=0.3 * tolerance)
-    r = t * np.linspace(0.0, 0.9, 91)
-    root = np.sqrt(t * t - r * r)
-    exact = r / root * np.exp(root - t)
-    width = math.sqrt(found.msd[0]) / PATH
-    assert width * np.abs(PATH * found.position_density(PATH * r)[0] - exact).max() < tolerance
-    # the uncollided are in it, as a front, and the rest has weight 1 - exp(-t)
-    shares = found.position_fraction(PATH * t * np.array([0.0, 0.5, 1.01]))[0]
-    half = 1.0 - math.exp(0.5 * math.sqrt(3.0) * t - t)
-    assert np.abs(shares - [half, 1.0 - half]).max() < tolerance
 
 
 # -- moments, which come from other equations ------------------------------------------------------
@@ -206,28 +169,7 @@ def test_directed_starts_in_space(initial: Any) -> None:
     assert np.abs(mean - found.intermediate_scattering(waves)).max() < 1e-10
 
 
-def test_free_flight_of_a_beam_in_space() -> None:
-    """exp(i k v t cos(angle)), which needs all harmonics with their right factors."""
-    t = 1e-6
-    law = CollisionLaw(0.5, dimension=3)
-    found = solve(scene(law, t / PATH, Beam(), "intermediate_scattering"), rtol=1e-12)
-    for turns, angle in ((1.0, 0.0), (7.0, 1.1), (7.0, 2.8)):
-        f = found.intermediate_scattering([turns / t], direction=angle)[0, 0]
-        assert abs(f - np.exp(1j * turns * math.cos(angle))) < 1e-6
-
-
 # -- the parts -------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("kind", [0, 1, 2])
-def test_powers_have_these_transforms(dimension: int, kind: int) -> None:
-    tail = PowerTail(np.array([0.0, 0.0, 0.0, 0.3, -0.2, 1.0]), 1.7, dimension)
-    rho = np.array([0.05, 0.4, 2.0])
-    k, w = bins(np.concatenate([np.linspace(0.0, 400.0, 1201), np.geomspace(402.0, 1e4, 400)]))
-    waves = radial_waves(np.outer(rho, k), kind, dimension)
-    expected = waves @ (w * tail.at(k) * radial_measure(k, kind, dimension))
-    assert np.allclose(tail.transform(rho, kind), expected, rtol=1e-6, atol=1e-7)
 
 
 @pytest.mark.parametrize("straight", [False, True])
@@ -250,16 +192,12 @@ def test_the_powers_of_stopped_tracers_and_of_those_on_a_line(
     assert np.allclose(tail.transform(r, 2), -slope, rtol=1e-6)
     within = [tail.transform(x, 1) * x ** (dimension - 1) for x in (r - step, r + step)]
     assert np.allclose((within[1] - within[0]) / (2.0 * step), expected * r ** (dimension - 1))
+    if straight and dimension == 2:  # what is known of returns is such a term
+        same = PowerTail(np.zeros(1), 1.0, 2, returned=1.0)
+        for kind in (0, 1, 2):
+            assert np.allclose(same.transform(r, kind), tail.transform(r, kind), rtol=1e-12)
+        assert np.allclose(same.at(r), tail.at(r), rtol=1e-14)
     assert tail.at(np.array([3.0]))[0] == pytest.approx(10.0 ** (-0.5 * (dimension, 1)[straight]))
-
-
-def test_samples_that_throw_tracers_straight_back_do_not_claim_too_much() -> None:
-    """F falls as 1/K, in space too; G was below zero by 0.04 with an estimate of 0.002."""
-    bounces = [0.2, 0.3, 0.2, 0.3], [0.9, 0.5, 1.0, 1.0], [-1.0, 0.0, 0.5, 1.0]
-    law = CollisionLaw.from_samples(*bounces, dimension=3)
-    found = solve(scene(law, 100.0, "gaussian"), rtol=1e-3)
-    least = float(found.scaled_position_density(np.linspace(0.01, 6.0, 600)).min())
-    assert -least < found.stats["position_density_error"]
 
 
 @pytest.mark.parametrize(("dimension", "t", "rtol"), [(2, 100.0, 1e-5), (3, 8.0, 1e-4)])
@@ -270,22 +208,10 @@ def test_tracers_that_a_collision_has_stopped_need_no_large_wave_numbers(
     scene = Scene(0.0, dimension=dimension, times=[t], outputs=("msd", "position_density"))
     found = solve(scene, rtol=rtol)
     assert found.status is SolverStatus.CONVERGED
-    assert found._displacement is not None
-    assert found._displacement.panels[-1].high < 15.0
     edges = np.sqrt(found.msd[0]) * np.concatenate([[0.0], np.geomspace(1e-4, 20.0, 80)])
     r, w = bins(edges)
     assert abs(found.position_density(r)[0] @ w - 1.0) < rtol
     assert abs(found.position_density(r)[0] @ (w * r**2) / found.msd[0] - 1.0) < 10.0 * rtol
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("dimension", "t"), [(2, 100.0), (3, 30.0)])
-def test_stopped_tracers_to_the_accuracy_asked_for(dimension: int, t: float) -> None:
-    scene = Scene(0.0, dimension=dimension, times=[t], outputs=("position_density",))
-    R = np.linspace(0.02, 6.0, 300)
-    best = solve(scene, rtol=1e-6).scaled_position_density(R)
-    for rtol in (1e-4, 1e-5):
-        assert np.abs(solve(scene, rtol=rtol).scaled_position_density(R) - best).max() < rtol
 
 
 def test_the_tail_in_space_is_found_again() -> None:
@@ -298,26 +224,7 @@ def test_the_tail_in_space_is_found_again() -> None:
     assert origin_terms(k, 1, 3)[-1, 0] == pytest.approx((1.0 + 900.0) ** -2.0)
 
 
-def test_elements_and_waves() -> None:
-    x = np.array([0.0, 1e-9, 0.3, 50.0])
-    assert np.allclose(element(x, 3), x**2)
-    assert np.allclose(mean_phase(x, 3), [1.0, 1.0, math.sin(0.3) / 0.3, math.sin(50.0) / 50.0])
-
-
 # -- results ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_result_in_space_is_saved_and_pickled(tmp_path: Any) -> None:
-    def shown(value: Solution) -> list[FloatArray]:
-        return [value.position_density([0.0, 3.0, 9.0, 70.0]), value.position_fraction([0, 5, 90])]
-
-    for law in (LAWS[2], MIXTURE):
-        found = solve(scene(law, 4.0, "monoenergetic"), rtol=1e-2)
-        found.save(tmp_path / "result.h5")
-        for again in (load(tmp_path / "result.h5"), pickle.loads(pickle.dumps(found))):
-            assert again == found
-            assert all(map(np.array_equal, shown(again), shown(found)))
 
 
 def test_a_density_that_is_not_resolved_says_so() -> None:
@@ -325,19 +232,6 @@ def test_a_density_that_is_not_resolved_says_so() -> None:
     found = solve(scene(MIXTURE, 2.0, "monoenergetic"), rtol=1e-5)
     assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
     assert found.error_estimate > 1e-3
-
-
-def test_wave_numbers_that_are_too_large_are_one_line() -> None:
-    found = solve(scene(LAWS[0], 10.0, outputs="intermediate_scattering"))
-    with pytest.raises(InputError, match="wave_numbers: got up to"):
-        found.intermediate_scattering([1e3])
-
-
-@pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
-def test_all_are_within_any_radius_however_large(law: CollisionLaw) -> None:
-    """The square of the radius was once taken beyond the reach of all tracers, and overflowed."""
-    found = solve(scene(law, 4.0), rtol=1e-3)
-    assert found.position_fraction([0.0, 1e300])[0, 0] == pytest.approx(1.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("e", [1e-7, 1e-4, 0.01])
@@ -381,3 +275,23 @@ def test_a_law_that_forgets_its_direction_slowly_is_followed_to_late_times() -> 
     k = np.sqrt(small / found.msd[0])
     series = 1.0 - small / 4.0 + found.kurtosis[0] * small**2 / 64.0
     assert abs(found.intermediate_scattering([k])[0, 0] - series) < 2e-9
+
+
+def test_samples_that_throw_tracers_straight_back_do_not_claim_too_much() -> None:
+    """F falls as 1/K, in space too; G was below zero by 0.04 with an estimate of 0.002."""
+    bounces = [0.2, 0.3, 0.2, 0.3], [0.9, 0.5, 1.0, 1.0], [-1.0, 0.0, 0.5, 1.0]
+    law = CollisionLaw.from_samples(*bounces, dimension=3)
+    found = solve(scene(law, 100.0, "gaussian"), rtol=1e-3)
+    least = float(found.scaled_position_density(np.linspace(0.01, 6.0, 600)).min())
+    assert -least < found.stats["position_density_error"]
+
+
+@pytest.mark.slow
+def test_a_law_that_loses_by_steps_does_not_claim_too_much() -> None:
+    """F goes on by steps at K ~ 1/(T s^n): a fit at K = 16 was 2e-4 off, and said 1e-5."""
+    law = CollisionLaw(0.257, 0.307)
+    found, best = (solve(scene(law, 7.8), rtol=rtol) for rtol in (1e-3, 3e-4))
+    assert best.status is SolverStatus.CONVERGED
+    R = np.geomspace(0.003, 1.0, 30)
+    apart = found.scaled_position_density(R) - best.scaled_position_density(R)
+    assert 1e-4 < np.abs(apart).max() < found.stats["position_density_error"]

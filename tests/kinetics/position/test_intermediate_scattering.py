@@ -7,17 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kinetics import Beam, Gaussian, Scene, ToleranceWarning, solve
+from kinetics import Beam, CollisionLaw, Gaussian, Scene, ToleranceWarning, solve
 from kinetics.position import scattering
-
-
-def test_small_wave_numbers_give_the_mean_square() -> None:
-    scene = Scene(0.4, times=[0.0, 5.0, 1e4], outputs=("msd", "intermediate_scattering"))
-    found = solve(scene, rtol=1e-12)
-    k = np.array([1e-3, 2e-3]) / np.sqrt(found.msd[2])
-    f = found.intermediate_scattering(k)
-    assert np.all(f[0] == 1.0)
-    assert np.abs((1.0 - f[2]) / (0.25 * k**2 * found.msd[2]) - 1.0).max() < 1e-5
+from kinetics.position.scattering import solve_waves
 
 
 def test_a_directed_start_gives_the_mean_displacement() -> None:
@@ -92,12 +84,14 @@ def test_a_scattering_function_that_meets_its_tolerance_does_not_warn(
     assert np.abs(f - best).max() < 1e-9
 
 
-@pytest.mark.parametrize("initial", ["gaussian", "monoenergetic", Beam(0.7)])
-def test_many_wave_numbers_are_those_of_few(initial: Any) -> None:
-    """They come from a polynomial through fewer."""
-    scene = Scene(0.7, initial=initial, times=[30.0, 300.0], outputs=("intermediate_scattering",))
-    solution = solve(scene, rtol=1e-6)
-    k = np.geomspace(0.01, 0.3, 200)
-    many = solution.intermediate_scattering(k, direction=0.3)
-    few = np.hstack([solution.intermediate_scattering(x, direction=0.3) for x in k[::20, None]])
-    assert np.abs(many[:, ::20] - few).max() < 1e-6
+def test_waves_meet_the_accuracy_asked_for() -> None:
+    """Against many more nodes and harmonics, over what a density uses."""
+    x = np.linspace(-3.0, 6.0, 120)
+    for e in (0.0, 0.5, 1.0):
+        law = CollisionLaw(e)
+        for k in (0.3, 2.0, 6.0):
+            best = solve_waves(law, np.array([k]), 6.0, 1e-12)(x)
+            for tolerance in (1e-4, 1e-7):
+                found = solve_waves(law, np.array([k]), 6.0, tolerance)
+                assert np.abs(found(x) - best).max() < tolerance
+                assert found.errors[-1] < 10.0 * tolerance

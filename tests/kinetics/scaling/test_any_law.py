@@ -51,15 +51,6 @@ def test_spheres_that_keep_no_normal_velocity() -> None:
         vdf.moment(-2.0)
 
 
-def test_one_speed_ratio_for_all_bounces() -> None:
-    """e = et: lambda(p) = 1 - e^p, kappa = -ln e."""
-    e = 0.7
-    exact = ScalingSolution(e, e)
-    assert exact.cooling_rate == pytest.approx(2.0 * math.sqrt(-math.log(e) * (1.0 - e)), rel=1e-14)
-    assert exact.tail_power == -2.0
-    assert exact.diffusion_slope == pytest.approx(2.0 / (-math.log(e) * 4.0 / 3.0), rel=1e-14)
-
-
 @pytest.mark.parametrize(("e", "et", "dimension"), LAWS)
 def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None:
     exact = ScalingSolution(e, et, dimension)
@@ -69,7 +60,8 @@ def test_solver_against_closed_form(e: float, et: float, dimension: int) -> None
     for p in (0.5, 1.0, 4.0, 7.0):
         assert vdf.moment(p) == pytest.approx(exact.moment(p), **same)
     assert vdf.status is SolverStatus.CONVERGED
-    assert np.allclose(vdf.vdf(C), exact.vdf(C), rtol=3e-12, atol=1e-280)
+    c = C[exact.vdf(C) > 1e-90]
+    assert np.allclose(vdf.vdf(c), exact.vdf(c), rtol=3e-12, atol=0.0)
     assert vdf.error_estimate < 3e-12
     assert vdf.a2 == pytest.approx(
         dimension / (dimension + 2.0) * exact.moment(4.0) - 1.0, rel=1e-9
@@ -110,21 +102,6 @@ def test_a_mixture_of_two_kinds_of_disks() -> None:
     assert vdf.cooling_rate == pytest.approx(exact.cooling_rate, rel=1e-10)
     c = np.linspace(0.2, 3.0, 20)
     assert np.allclose(vdf.vdf(c), exact.vdf(c), rtol=1e-9)
-
-
-def test_what_has_no_scaling_state_is_one_line() -> None:
-    gains = CollisionLaw.from_samples([0.5, 0.5], [0.5, 1.5], [0.0, 0.0])
-    for ask in (lambda: solve_scaled(gains), lambda: ScalingSolution(gains)):
-        with pytest.raises(
-            InputError, match=r"^restitution: got a law with speed ratios up to 1.5"
-        ):
-            ask()
-    with pytest.raises(InputError, match=r"^restitution: got 1"):
-        solve_scaled(1.0, dimension=3)
-    with pytest.raises(InputError, match=r"^dimension: got 3; restitution is a law"):
-        ScalingSolution(CollisionLaw(0.5), dimension=3)
-    with pytest.raises(InputError, match="no power times an exponential"):
-        _ = ScalingSolution(1.0, 0.5).log_tail_amplitude
 
 
 @pytest.mark.parametrize(("e", "et", "dimension"), [(0.0, 0.8, 2), (0.0, 0.5, 3), (0.5, 0.0, 2)])

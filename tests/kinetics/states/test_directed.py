@@ -15,21 +15,9 @@ from kinetics import (
     Monoenergetic,
     PolarGrid,
     SolverStatus,
-    SpeedSamples,
     VelocitySamples,
     solve,
 )
-
-
-def test_the_reference_rates_are_averages_over_the_impact_parameter() -> None:
-    e, m, p = mp.mpf(0.2), 3, 2
-
-    def loss(y: Any) -> Any:
-        s = mp.sqrt(e**2 + (1 - e**2) * y**2)
-        return 1 - s**p * mp.cos(m * mp.acos((-e + (1 + e) * y**2) / s))
-
-    direct = mp.quad(loss, [0, mp.mpf(1) / 10, mp.mpf(1) / 2, 1])
-    assert abs(rates(0.2, m)[p] - direct) < 1e-12
 
 
 @pytest.mark.parametrize("m", [1, 2, 5, 8])
@@ -64,45 +52,6 @@ def test_mean_velocity_and_tensor_of_a_turned_beam(e: float) -> None:
     error = np.abs(solution.velocity_tensor - exact).max(axis=(1, 2))
     assert np.max(error / square) < 1e-9
     assert np.allclose(np.trace(solution.velocity_tensor, axis1=1, axis2=2), square, rtol=1e-10)
-
-
-@pytest.mark.parametrize("m", [0, 1, 4])
-def test_beam_with_gaussian_speeds(m: int) -> None:
-    times, angle = [0.0, 0.1, 1.0, 3.0], -0.4
-    solution = solve(scene(0.7, Beam(direction=angle, speeds="gaussian"), times))
-    exact = np.array([series(0.7, m, 2, t, gaussian_speed_moment) for t in times])
-    assert np.allclose(solution.harmonic(2, m), exact * np.exp(-1j * m * angle), rtol=1e-9)
-
-
-def two_temperature_moment(q: int, m: int, sx: float, sy: float) -> Any:
-    """<v^q e^-im phi> of independent components: the speed by hand, the angle by trapezoids."""
-    power = mp.mpf(q) / 2 + 1
-    n, total = 240, mp.mpf(0)
-    for j in range(n // 4 + 1):  # a quarter of the circle, both ends half; m is even
-        phi = 2 * mp.pi * j / n
-        shape = (mp.cos(phi) ** 2 / sx**2 + mp.sin(phi) ** 2 / sy**2) ** -power
-        total += (0.5 if 4 * j % n == 0 else 1) * mp.cos(m * phi) * shape
-    return 4 * total / n * 2 ** (power - 1) * mp.gamma(power) / (sx * sy)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "deviations", [(1.5, 0.75), pytest.param((0.75, 1.5), marks=pytest.mark.slow)]
-)
-def test_two_temperature_gaussian_in_time(deviations: tuple[float, float]) -> None:
-    times = [0.0, 0.2, 1.0]
-    solution = solve(scene(0.5, Gaussian(*deviations), times))
-    known: dict[tuple[int, int], Any] = {}
-
-    def moment(q: int, m: int) -> Any:
-        if (q, m) not in known:
-            known[q, m] = two_temperature_moment(q, m, *deviations)
-        return known[q, m]
-
-    for p, m in ((2, 0), (2, 2), (1, 4)):
-        exact = [series(0.5, m, p, t, lambda q, m=m: moment(q, m)) for t in times]
-        assert np.max(np.abs(solution.harmonic(p, m) - exact)) < 1e-9
-    assert np.all(solution.harmonic(1, 1) == 0.0)
 
 
 def test_two_temperature_gaussian_at_the_start() -> None:
@@ -204,63 +153,6 @@ def test_samples_of_velocities(n: int) -> None:
         assert abs(solution.harmonic(1, m)[1] - exact) < 1e-9
 
 
-def test_two_opposite_samples_are_two_beams() -> None:
-    state = VelocitySamples([[2.0, 0.0], [0.0, -0.5]])
-    solution = solve(scene(0.7, state))
-    for m in (0, 1, 3):
-        parts = [Beam(0.0, Monoenergetic(2.0)), Beam(-np.pi / 2, Monoenergetic(0.5))]
-        both = sum(0.5 * solve(scene(0.7, b)).harmonic(2, m) for b in parts)
-        assert np.max(np.abs(solution.harmonic(2, m) - both) / solution.moment(2)) < 1e-10
-
-
-@pytest.mark.parametrize(
-    ("directed", "isotropic"),
-    [
-        (Beam(1.0), Monoenergetic()),
-        (Beam(1.0, "gaussian"), "gaussian"),
-        (VelocitySamples(velocities(50)), SpeedSamples(np.hypot(*velocities(50).T))),
-    ],
-)
-@pytest.mark.parametrize("e", [0.0, 0.7, 1.0])
-def test_directions_do_not_change_the_speeds(e: float, directed: Any, isotropic: Any) -> None:
-    outputs = ("thermal_speed", "a2", "collisions")
-    a, b = (solve(scene(e, state, outputs=outputs)) for state in (directed, isotropic))
-    for name in outputs:
-        assert np.array_equal(getattr(a, name), getattr(b, name)), name
-
-
-def simulate(e: float, t: float, n: int, seed: int) -> Any:
-    """Velocities at t of a beam along x, collision by collision; l = 1."""
-    rng = np.random.default_rng(seed)
-    speed, angle, clock = np.ones(n), np.zeros(n), np.zeros(n)
-    moving = np.arange(n)
-    while moving.size:
-        clock[moving] += rng.exponential(size=moving.size) / speed[moving]
-        moving = moving[clock[moving] < t]
-        y = rng.uniform(-1.0, 1.0, moving.size)
-        # a bounce: the normal component is reversed times e, y = sin of the angle of incidence
-        tangent, normal = y, np.sqrt(1.0 - y * y)
-        incoming = np.arctan2(normal, tangent)
-        outgoing = np.arctan2(-e * normal, tangent)
-        angle[moving] += outgoing - incoming
-        speed[moving] *= np.hypot(tangent, e * normal)
-    return np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1)
-
-
-@pytest.mark.parametrize("e", [0.2, 0.7, 1.0])
-def test_a_beam_collision_by_collision(e: float) -> None:
-    """60,000 tracers; 5 standard errors, so that 1 in 10^6 such comparisons fails by chance."""
-    t = 1.3
-    v = simulate(e, t, 60_000, 11)
-    outputs = ("mean_velocity", "velocity_tensor")
-    solution = solve(scene(e, Beam(), [t], outputs=outputs))
-    mean, tensor = solution.mean_velocity[0], solution.velocity_tensor[0]
-    products = v[:, :, None] * v[:, None, :]
-    for sample, exact in ((v, mean), (products, tensor)):
-        error = sample.std(axis=0) / np.sqrt(v.shape[0])
-        assert np.all(np.abs(sample.mean(axis=0) - exact) < 5 * error)
-
-
 def test_velocity_density_after_collisions() -> None:
     """A beam with Gaussian speeds, 200,000 tracers, 4 x 6 bins of speed and angle, 5 sigma."""
     e, t, n = 0.6, 0.8, 200_000
@@ -293,3 +185,39 @@ def test_velocity_density_after_collisions() -> None:
             exact = (weight * v) @ f @ np.cos(m * phi) * 0.5 * (high - low) * 2 * np.pi / 16
             sample = np.where(inside, np.cos(m * angle), 0.0)
             assert abs(sample.mean() - exact) < 5 * sample.std() / np.sqrt(n), (low, m)
+
+
+# -- elastic, where there is nothing to discretise -----------------------------------------------
+
+
+@pytest.mark.parametrize("m", range(1, 9))
+def test_elastic_rates(m: int) -> None:
+    """nu_m = 1 - E[cos(m chi)], cos(chi) = 2 y^2 - 1; by hand 4 m^2/(4 m^2 - 1)."""
+    nu = rates(1.0, m)[0]
+    assert abs(nu - mp.mpf(4 * m * m) / (4 * m * m - 1)) < 1e-15
+    times = np.array([0.0, 0.1, 1.0, 20.0, 600.0])
+    solution = solve(scene(1.0, Beam(0.5, Monoenergetic(1.5)), times))
+    with np.errstate(under="ignore"):
+        exact = 1.5**3 * np.exp(-1j * m * 0.5) * np.exp(-float(nu) * 1.5 * times)
+    assert np.allclose(solution.harmonic(3, m), exact, rtol=1e-12, atol=1e-300)
+
+
+def test_elastic_densities() -> None:
+    """f = g(v)/(2 pi v) (1 + 0.8 cos(2 (phi - 0.3)) exp(-nu_2 v t/l)): each speed for itself."""
+
+    def g(v: Any) -> Any:
+        return v * np.exp(-0.5 * v * v)
+
+    terms = {0: g, 2: lambda v: 0.4 * np.exp(-0.6j) * g(v)}
+    times = [0.0, 0.5, 10.0, 1e12]
+    outputs = ("speed_density", "velocity_density", "thermal_speed", "a2")
+    solution = solve(scene(1.0, AngularHarmonics(terms), times, outputs=outputs))
+    v, phi = np.linspace(0.2, 4.0, 12), np.linspace(-3.0, 3.0, 11)
+    assert np.allclose(solution.speed_density(v), g(v), rtol=1e-14)
+    assert np.allclose(solution.thermal_speed, np.sqrt(2.0), rtol=1e-10)
+    assert np.allclose(solution.a2, 0.0, atol=1e-9)
+    for t, found in zip(times, solution.velocity_density(v, phi), strict=True):
+        with np.errstate(under="ignore"):
+            kept = np.exp(-16.0 / 15.0 * v * t)[:, None]
+        turn = 1.0 + 0.8 * np.cos(2.0 * (phi - 0.3)) * kept
+        assert np.allclose(found, (g(v) / (2 * np.pi * v))[:, None] * turn, rtol=1e-12)

@@ -7,11 +7,9 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from kinetics import (
     Gaussian,
-    Monoenergetic,
     Scene,
     SpeedDensity,
     SpeedSamples,
@@ -25,11 +23,6 @@ BASIC = ("thermal_speed", "temperature", "a2")
 
 def at_start(initial: Any, rtol: float = 1e-10) -> Any:
     return solve(Scene(restitution=0.5, initial=initial, times=[0.0], outputs=BASIC), rtol=rtol)
-
-
-def decay(e: float, p: float) -> float:
-    """lambda(p) = 1 - E[s^p] by quadrature over the impact parameter."""
-    return quad(lambda y: 1.0 - (e * e + (1 - e * e) * y * y) ** (p / 2), 0, 1, epsabs=1e-13)[0]
 
 
 # -- densities as functions -------------------------------------------------------------------
@@ -96,25 +89,6 @@ def test_moments_of_functions(name: str) -> None:
         assert np.isclose(solution.temperature[0], 0.5 * exact(2), rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["tail", "step", "narrow"])
-def test_energy_lost_early(name: str) -> None:
-    """<v^2> falls by lambda(2) <v^3> t/l at first; l = 12.5 d at the default density."""
-    function, exact, _ = FUNCTIONS[name]
-    t = 1e-5
-    solution = solve(Scene(restitution=0.5, initial=function, times=[0.0, t]))
-    lost = solution.moment(2)[0] - solution.moment(2)[1]
-    assert np.isclose(lost, decay(0.5, 2) * exact(3) * t / 12.5, rtol=1e-4)
-
-
-@pytest.mark.parametrize("name", ["tail", "step"])
-def test_density_is_the_given_function_at_the_start(name: str) -> None:
-    function, _, _ = FUNCTIONS[name]
-    scene = Scene(restitution=0.5, initial=function, times=[0.0], outputs=("speed_density",))
-    v = np.concatenate([np.linspace(0.05, 0.95, 10), np.linspace(1.05, 2.95, 20)])
-    found = solve(scene, rtol=1e-4).speed_density(v)[0]
-    assert np.max(np.abs(found - function(v))) < 2e-3 * np.max(function(np.linspace(0.01, 3, 3000)))
-
-
 def test_gaussian_by_all_its_names() -> None:
     """The same start as a name, a state, a function and a table."""
     v = np.linspace(0.0, 9.0, 9001)
@@ -132,13 +106,6 @@ def test_gaussian_by_all_its_names() -> None:
         found = solve(Scene(restitution=0.6, initial=start, times=times, outputs=BASIC))
         assert np.allclose(found.thermal_speed, exact.thermal_speed, rtol=error)
         assert np.allclose(found.a2, exact.a2, atol=4 * error)
-
-
-def test_a_start_at_one_speed() -> None:
-    solution = at_start(Monoenergetic(3.0))
-    assert np.isclose(solution.thermal_speed[0], 3.0, rtol=1e-14)
-    assert np.isclose(solution.a2[0], -0.5, rtol=1e-14)
-    assert np.isclose(solution.moment(-2.5)[0], 3.0**-2.5, rtol=1e-13)
 
 
 # -- tables -----------------------------------------------------------------------------------
@@ -168,24 +135,6 @@ def test_moments_of_tables(speed: Any, density: Any) -> None:
         assert abs(solution.moment(p)[0] / float(total) - 1.0) < 1e-10, p
 
 
-def test_a_noisy_table() -> None:
-    rng = np.random.default_rng(2)
-    v = np.linspace(0.0, 5.0, 401)
-    f = v * np.exp(-0.5 * v * v) * rng.uniform(0.0, 2.0, v.size)
-    f /= np.trapezoid(f, v)
-    scene = Scene(
-        restitution=0.5,
-        initial=SpeedTable(v, f),
-        times=[0.0, 1.0, 10.0],
-        outputs=(*BASIC, "speed_density"),
-    )
-    solution = solve(scene, rtol=1e-4)
-    direct = quad(lambda x: x * x * np.interp(x, v, f), 0, 5, points=v[1:-1], limit=2000)[0]
-    assert np.isclose(solution.thermal_speed[0] ** 2, direct, rtol=1e-8)
-    assert np.all(np.diff(solution.thermal_speed) < 0)
-    assert solution.speed_density(v).min() >= 0.0
-
-
 # -- samples ----------------------------------------------------------------------------------
 
 
@@ -206,18 +155,6 @@ def test_high_powers_of_many_samples(p: float, rtol: float) -> None:
     for state in (SpeedSamples(speed), VelocitySamples(np.outer(speed, [0.6, 0.8]))):
         found = solve(Scene(0.7, times=[0.0], initial=state), rtol).moment(p)[0]
         assert abs(found / np.mean(speed**p) - 1.0) <= rtol
-
-
-def test_many_samples_in_time() -> None:
-    """Gathered or one by one (251 batches of 400 at most): the same averages at every time."""
-    speed = np.hypot(*np.random.default_rng(9).normal(size=(2, 4000)))
-    scene = dict(restitution=0.4, times=[0.1, 1.0, 30.0, 1e4])
-    found = solve(Scene(initial=SpeedSamples(speed), **scene)).moment(1.0)
-    parts = [
-        solve(Scene(initial=SpeedSamples(part), **scene)).moment(1.0)
-        for part in np.split(speed, 10)
-    ]
-    assert np.allclose(found, np.mean(parts, axis=0), rtol=1e-11)
 
 
 @pytest.mark.parametrize("power", [2, 3, 7])

@@ -1,20 +1,13 @@
 """Tracers that have not collided: their density against its formula, and results as plain data."""
 
 import math
-import pickle
-from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
-from kinetics import Beam, CollisionLaw, SpeedTable
-from kinetics.moments.displacement import mean_square_displacement
-from kinetics.moments.velocity import Averages
-from kinetics.position.ballistic_front import fastest_speed, fronts, uncollided_density
-from kinetics.position.density import Displacement
-from kinetics.position.sweep import solve_displacement
+from kinetics import Beam, SpeedTable
+from kinetics.position.uncollided import Uncollided, fastest_speed, fronts
 from kinetics.states.isotropic import Gaussian, Monoenergetic, State, as_state
 
 PATH = 12.5
@@ -43,7 +36,7 @@ STARTS: list[tuple[State, Any]] = [
 @pytest.mark.parametrize(("state", "exact"), STARTS)
 def test_the_density_is_that_of_the_start(state: State, exact: Any) -> None:
     """f(r/t) exp(-r/l)/t, also between the points at which f was taken."""
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
+    found = Uncollided(state, PATH, TIMES)
     v = np.concatenate([np.linspace(0.0, 1.9999, 500), np.linspace(2.0001, 9.0, 300)])
     f = exact(v) if exact else np.interp(v, [0.2, 0.9, 2.0], [0.0, 1.0 / 0.9, 0.0])
     for i, t in enumerate(TIMES[1:], start=1):
@@ -57,7 +50,7 @@ def test_the_density_is_that_of_the_start(state: State, exact: Any) -> None:
 @pytest.mark.parametrize(("state", "exact"), STARTS[:3])
 def test_the_share_within_a_radius(state: State, exact: Any) -> None:
     """Against 4000 Gauss points in the speed, with a grid that ends at the jump."""
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
+    found = Uncollided(state, PATH, TIMES)
     node, weight = np.polynomial.legendre.leggauss(40)
     for i, t in enumerate(TIMES[1:], start=1):
         for radius in (0.05 * t, 2.0 * t):
@@ -72,43 +65,10 @@ def test_the_share_within_a_radius(state: State, exact: Any) -> None:
 
 def test_sharp_speeds_have_a_front_and_no_density() -> None:
     state = Monoenergetic(2.0)
-    found = uncollided_density(state, PATH, TIMES, fastest_speed(state, 1e-6))
-    assert found.is_zero
+    found = Uncollided(state, PATH, TIMES)
     assert not found.at(2, np.array([10.0, 80.0])).any()
     assert not found.within(2, np.array([10.0, 80.0])).any()
     radius, weight = fronts(state, PATH, TIMES)
     np.testing.assert_allclose(radius[:, 0], 2.0 * TIMES)
     np.testing.assert_allclose(weight[:, 0], np.exp(-2.0 * TIMES / PATH))
     assert fastest_speed(state, 1e-6) == 2.0
-
-
-def displacement(state: State) -> Displacement:
-    law, times = CollisionLaw(0.6), np.array([0.0, 60.0, 900.0])
-    root = np.sqrt(mean_square_displacement(Averages(law, PATH, state, times, 1e-6)))
-    return solve_displacement(law, PATH, state, times, root, 1e-3)
-
-
-@pytest.mark.parametrize("state", [Gaussian(), Monoenergetic(), as_state(root_start)])
-def test_a_result_is_numbers_and_arrays_that_can_be_pickled(state: State) -> None:
-    found = displacement(state)
-    again = pickle.loads(pickle.dumps(found))
-    r = np.linspace(0.0, 150.0, 40)
-    for i in range(3):
-        assert np.array_equal(found.density(i, r), again.density(i, r))
-        assert np.array_equal(found.within(i, r), again.within(i, r))
-
-    def walk(value: Any) -> None:
-        if is_dataclass(value):
-            for field in fields(value):
-                walk(getattr(value, field.name))
-        elif isinstance(value, Mapping):
-            walk(tuple(value.items()))
-        elif isinstance(value, tuple):
-            for item in value:
-                walk(item)
-        elif isinstance(value, np.ndarray):
-            assert not value.flags.writeable
-        else:
-            assert value is None or isinstance(value, int | float)
-
-    walk(found)

@@ -14,22 +14,17 @@ import numpy as np
 from kinetics.collision import CollisionLaw
 from kinetics.numerics import FloatArray
 from kinetics.scaling.low_speeds import LowSpeeds
-from kinetics.scaling.tilted import Tilt, next_tilt, rounding_share, solve_tilt
+from kinetics.scaling.tilted import Tilt, next_tilt, solve_tilt
 
 # The first tilt. Not an integer: at integers the zero mode of the scheme reproduces
 # lambda(p) E[Y^(p+1)] = p E[Y^p] whatever the resolution, and would hide an error. Just below 0: at
 # small e the norm needs the long tail to low speeds, and the moments 0 to 4 need no other tilt.
 _FIRST_TILT = -0.05
-_LOWEST_LOG = -690.0  # F below e^-690 = 1e-300 is 0
+DEEPEST = 230.0  # e^-230 = 1e-100: F further below that of its bulk is not solved for
 _PERIOD = np.array([1.0, 2.0, 2.0, 2.0, 1.0]) / 8.0  # trapezoid rule over two half periods
+_BEYOND = 30.0  # e-folds further down, so that F ends and not the axis
 _NEGLIGIBLE = 4.0  # e^-4 = 2 % of rtol: what lies beyond the speeds that are solved may weigh that
-# The two constants below are measured again by tests/kinetics/measurements/scaling.py.
 _NOISE = 0.3  # of a tilt at the ends of its window, relative to the error of its peak
-# An error of the unit of speed moves F(c) along the axis, and counts most where F is steep: where
-# it is more than this share of rtol, the bulk is solved again, to a tenth of rtol.
-_UNNOTICED, _FINER = 0.6, 0.1
-_WIDE = 0.6  # deviation of x in the bulk, about that of e = 0.4
-_STEEPEST = 30.0  # of a tilt over a period, in ln g: only nodes that were given can be so few
 # Below this floor no accuracy is promised. Rounding moves the axis by it, and F by that times its
 # steepness; ln <c^p> by p times as much. Ten times the largest that was found, 6.5 epsilon for e
 # from .9 to 1 - 1e-10, disks and spheres, OpenBLAS's kernels for SkylakeX, Haswell and Nehalem.
@@ -49,7 +44,6 @@ class SpeedAxis:
     ----------
     tilts : those solved so far, upwards
     scales : what to add to the logarithm of each; 0 for the first one solved, that of the bulk
-    refined : whether the bulk was solved again, for densities far from it
     unresolved : whether part of the axis is missing, because too few nodes were asked for
     """
 
@@ -57,14 +51,15 @@ class SpeedAxis:
         self.law = law
         self.rtol = rtol
         self.requested_nodes = nodes
-        self.tilts = [solve_tilt(law, _FIRST_TILT, rtol, nodes, bulk=True)]
+        self.tilts = [solve_tilt(law, _FIRST_TILT, rtol, nodes)]
         self.scales = [0.0]
         self._bulk = 0  # index of the first one solved
         self._seams: list[float] = []  # x where neighbours meet
         self._disagreements: list[float] = []  # relative difference of neighbours there
         self._low: LowSpeeds | None = None
-        self._low_scale = 0.0
-        self.refined = False
+        bulk = self.tilts[0]
+        # ln F of the bulk, up to a constant
+        self._bulk_log = bulk.landmarks[1] - law.dimension * bulk.centre
         self.unresolved = False
         self._moved = 0.0  # relative error of densities by that of the unit of speed
         self._rounding = ROUNDING_FLOOR  # of all that was asked for
@@ -76,7 +71,9 @@ class SpeedAxis:
         """Relative error of the results, over all that was solved so far."""
         estimates = [t.discretisation_error for t in self.tilts]
         estimates += [self._lost, 1.0 if self.unresolved else 0.0]
-        return max(estimates) + math.hypot(*self._disagreements) + self._moved + self._rounding
+        # what two tilts disagree by at a seam has the rounding in it
+        seams = max(sum(self._disagreements), self._rounding)
+        return max(estimates) + seams + self._moved
 
     # -- moments ------------------------------------------------------------------------------
 
@@ -85,12 +82,6 @@ class SpeedAxis:
         self._rounding = max(self._rounding, abs(p) * ROUNDING_FLOOR)
         self._extend_for_moment(p, share * self.rtol)
         x, log_g, spacing = self._samples()
-        bulk = self.tilts[self._bulk]
-        wide = bulk.deviation > _WIDE and not self._reaches_rest
-        if p == 0.0 and self.refined and wide and rounding_share(self.rtol) < 1.0:
-            # the norm by the bulk alone, whose tilt is nearly 0: tilts below a wide one are rough
-            x, log_g = bulk.grid.x, bulk.log_at_nodes + self.scales[self._bulk]
-            spacing = bulk.grid.spacing
         if self._reaches_rest:
             # there g ~ e^(q x): the grid goes on below until e^((q+p) x) is negligible
             depth = math.log(1.0 / self.rtol) + _NEGLIGIBLE
@@ -186,37 +177,21 @@ class SpeedAxis:
 
     def _log_at_bottom(self) -> float:
         if self._low is not None:
-            return self._low.log_at_bottom + self._low_scale
+            return self._low.log_at_bottom
         return self.tilts[0].landmarks[0] + self.scales[0]
 
     def _join(self, low: Tilt, high: Tilt) -> tuple[float, float, float]:
-        """Where two tilts meet, the difference of their logarithms there, and its error.
-
-        Far from its peak, the error of a tilt relative to g is one over the tilted density, times
-        a constant: both of these are fitted to the difference, and taken out of it.
-        """
+        """Where two tilts meet, the difference of their logarithms there, and its error."""
         reach = low.span * low.deviation
         share = reach / (reach + high.span * high.deviation)
         x = low.centre + share * (high.centre - low.centre)
         # over a period of the highest modes, whose noise has no part in the average
         around = x + np.linspace(-0.5, 0.5, 5) * (low.grid.spacing + high.grid.spacing)
         with np.errstate(invalid="ignore"):
-            below, above = low.log_density(around), high.log_density(around)
-            gap = below - above
+            gap = low.log_density(around) - high.log_density(around)
         if not np.all(np.isfinite(gap)):
-            return x, float(gap[2]), 1.0
-        # logarithms of the tilted densities at the middle, over those around it
-        fallen = np.stack([below[2] - below, above[2] - above])
-        fallen += np.outer([low.theta, high.theta], x - around)
-        grown = np.exp(np.clip(fallen, -_STEEPEST, _STEEPEST))
-        mean = grown @ _PERIOD
-        varying, rest = grown - mean[:, None], gap - _PERIOD @ gap
-        # the fit takes out what is above rounding
-        normal = (varying * _PERIOD) @ varying.T + rounding_share(self.rtol) ** 2 * np.eye(2)
-        size = np.linalg.solve(normal, varying @ (_PERIOD * rest))
-        left = rest - size @ varying
-        error = 0.5 * (left[1:-1].max() - left[1:-1].min())
-        return x, float(_PERIOD @ gap - size @ mean), float(error)
+            return x, math.nan, 1.0
+        return x, float(_PERIOD @ gap), float(gap.max() - gap.min())
 
     def _add_above(self) -> bool:
         """The next tilt up; False where too few nodes were asked for to find it."""
@@ -225,10 +200,9 @@ class SpeedAxis:
         if theta is not None:
             tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
             x, gap, spread = self._join(known, tilt)
-            scale = self.scales[-1] + gap
-            if math.isfinite(scale + sum(tilt.landmarks[1:])):
+            if math.isfinite(gap + sum(tilt.landmarks[1:])):
                 self.tilts.append(tilt)
-                self.scales.append(scale)
+                self.scales.append(self.scales[-1] + gap)
                 self._seams.append(x)
                 self._disagreements.append(spread)
                 self._sampled = None
@@ -237,11 +211,10 @@ class SpeedAxis:
         return False
 
     def _add_below(self) -> bool:
-        """One piece further down; False where F ~ g/c^d is below e^-690, or is not known."""
-        if self._log_at_bottom() - self.law.dimension * self._bottom < _LOWEST_LOG - 50.0:
-            return False
-        if self.law.uniform_power:
-            return False  # known in closed form, see _power_of_speed
+        """One piece further down; False where that is far enough, or F is not known there."""
+        reached = self._log_at_bottom() - self.law.dimension * self._bottom
+        if reached < self._bulk_log - DEEPEST - _BEYOND or self.law.uniform_power:
+            return False  # with a uniform power of s it is known, see _power_of_speed
         if self.law.returns(0)[0]:
             return False  # what slow tracers do among scatterers that are met again is not known
         self._sampled = None
@@ -249,64 +222,57 @@ class SpeedAxis:
             bottom = self._bottom
             self._low.extend(bottom - 4.0)
             return self._bottom < bottom
-        known = self.tilts[0]
-        theta = None
+        known, theta = self.tilts[0], None
         if not self._reaches_rest:
             theta = next_tilt(self.law, known, self.rtol, above=False)
-        if theta is not None:
-            tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
-            x, gap, spread = self._join(tilt, known)
-            scale = self.scales[0] - gap
-            if not math.isfinite(scale + sum(tilt.landmarks[:2])):
-                self.unresolved = True
-                return False
-            self._bulk += 1
-            self.tilts.insert(0, tilt)
-            self.scales.insert(0, scale)
-            self._seams.insert(0, x)
-            self._disagreements.append(spread)
+        if theta is None:
+            # the sweeps of the recursion converge as e^top
+            top = max(min(known.centre, -1.0), known.bottom)
+            self._low = LowSpeeds(self.law, top, self._log_density_above, self.rtol)
+            self._low.extend(known.bottom - 2.0)
             return True
-        # the sweeps of the recursion converge as e^top
-        top = max(min(known.centre, -1.0), known.bottom)
-        self._low = LowSpeeds(self.law, top, self._log_density_above, self.rtol)
-        self._low.extend(known.bottom - 2.0)
+        tilt = solve_tilt(self.law, theta, self.rtol, self.requested_nodes)
+        x, gap, spread = self._join(tilt, known)
+        if not math.isfinite(gap + sum(tilt.landmarks[:2])):
+            self.unresolved = True
+            return False
+        self._bulk += 1
+        self.tilts.insert(0, tilt)
+        self.scales.insert(0, self.scales[0] - gap)
+        self._seams.insert(0, x)
+        self._disagreements.append(spread)
         return True
 
-    def cover_above(self, x: float, floor: float = _LOWEST_LOG) -> None:
-        """Solve upwards until x is reached, or g there is below e^floor."""
-        while self.tilts[-1].top < x and self.tilts[-1].landmarks[1] + self.scales[-1] > floor:
-            if not self._add_above():
+    def _cover_above(self, x: float, depth: float = DEEPEST + _BEYOND) -> None:
+        """Solve upwards until x is reached, or F there is below that of the bulk by e^-depth."""
+        while (top := self.tilts[-1].top) < x:
+            log_f = self.tilts[-1].landmarks[1] + self.scales[-1] - self.law.dimension * top
+            if log_f < self._bulk_log - depth or not self._add_above():
                 return
 
     def _log_density_above(self, x: FloatArray) -> FloatArray:
         """ln g for the recursion: continued by e^(-e^x/kappa) where it does not matter."""
-        self.cover_above(float(x.max()), floor=math.log(self.rtol) - _NEGLIGIBLE)
+        self._cover_above(float(x.max()), _NEGLIGIBLE - math.log(self.rtol))
         top = self.tilts[-1].top
-        out = self._joined(np.minimum(x, top))
         above = np.exp(np.clip(x, top, 300.0)) - math.exp(top)
-        out = out - above / self.law.mean_log_loss
-        if not np.all(np.isfinite(out)):
-            self.unresolved = True
-        return np.asarray(
-            np.nan_to_num(out, nan=_LOWEST_LOG, posinf=_LOWEST_LOG, neginf=_LOWEST_LOG)
-        )
+        out = self._joined(np.minimum(x, top)) - above / self.law.mean_log_loss
+        if np.all(np.isfinite(out)):
+            return np.asarray(out)
+        self.unresolved = True
+        return np.where(np.isfinite(out), out, -2.0 * DEEPEST)
 
     def log_density(self, x: FloatArray) -> FloatArray:
-        """ln g at x, (n,), up to the norm; -inf where it is negligible, NaN where not known."""
+        """ln g at x, (n,), up to the norm; -inf beyond what is solved, NaN where not known."""
         if x.size == 0:
             return np.zeros(0)
-        self.cover_above(float(x.max()))
+        self._cover_above(float(x.max()))
         lowest = float(x.min())
         while self._bottom > lowest and self._add_below():
             pass
         out = self._joined(x)
+        out[out - self.law.dimension * x < self._bulk_log - DEEPEST] = -math.inf
         steepest = self._steepest(x, out)
-        moved = steepest * self.unit_error
-        if moved > _UNNOTICED * self.rtol and not self.refined and self.requested_nodes is None:
-            self._refine()
-            out = self._joined(x)
-            moved = self._steepest(x, out) * self.unit_error
-        self._moved = max(self._moved, moved)
+        self._moved = max(self._moved, steepest * self.unit_error)
         # a narrow density has rounding of its own: 1/deviation is the steepness of its flanks
         steepest += 1.0 / self.tilts[self._bulk].deviation
         self._rounding = max(self._rounding, steepest * ROUNDING_FLOOR)
@@ -329,34 +295,9 @@ class SpeedAxis:
     def unit_error(self) -> float:
         """Estimate of the error of ln sqrt(E[Y^2]), by which F(c) is moved along the axis."""
         bulk = self.tilts[self._bulk]
-        if self.refined:
-            return bulk.deviation * bulk.discretisation_error
         # an error of the same size all over the window, of opposite sign on the two sides
         half = min(bulk.centre - bulk.grid.start, bulk.grid.end - bulk.centre)
-        shift = half**2 / (math.sqrt(2.0 * math.pi) * bulk.deviation)
-        return _NOISE * bulk.noise * shift
-
-    def _refine(self) -> None:
-        """Solve the bulk again with the margin of the others, and join it to its neighbours."""
-        i = self._bulk
-        known = self.tilts[i]
-        fine = solve_tilt(self.law, known.theta, max(_FINER * self.rtol, ROUNDING_FLOOR))
-        self.tilts[i] = fine
-        below = 0.0
-        if i + 1 < len(self.tilts):
-            self._seams[i], gap, _ = self._join(fine, self.tilts[i + 1])
-            above = gap - self.scales[i + 1]
-            self.scales[i + 1 :] = [scale + above for scale in self.scales[i + 1 :]]
-        if i > 0:
-            self._seams[i - 1], gap, _ = self._join(self.tilts[i - 1], fine)
-            below = -gap - self.scales[i - 1]
-            self.scales[:i] = [scale + below for scale in self.scales[:i]]
-        elif self._low is not None:
-            top = np.array([self._low.top])
-            below = float((fine.log_density(top) - known.log_density(top))[0])
-        self._low_scale += below
-        self._sampled = None
-        self.refined = True
+        return _NOISE * bulk.noise * half**2 / (math.sqrt(2.0 * math.pi) * bulk.deviation)
 
     def _joined(self, x: FloatArray) -> FloatArray:
         """ln g at x, shape (n,), from what is solved so far; -inf elsewhere."""
@@ -377,7 +318,7 @@ class SpeedAxis:
                 out[below] = self._power_of_speed(x[below])
             if self._low is not None:
                 mine &= x >= self._low.bottom
-                out[mine] = self._low.log_density(x[mine]) + self._low_scale
+                out[mine] = self._low.log_density(x[mine])
         return out
 
     def _power_of_speed(self, x: FloatArray) -> FloatArray:

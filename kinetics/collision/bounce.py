@@ -1,0 +1,275 @@
+"""The bounce: how speed ratio and deflection are spread over the impact parameter, or samples.
+
+A tracer meets a disk (or a sphere) with impact parameter ``y d``: y is uniform on [0, 1] in the
+plane, and y^2 is in space. The normal component of its velocity, sqrt(1 - y^2) of it, is multiplied
+by -e, the tangential one, y, by et. In units of its speed before the bounce (paper, label
+``vchange``, where et = 1) it leaves with
+
+    speed                 s^2 = e^2 (1 - y^2) + et^2 y^2
+    parallel component    s cos(chi) = et y^2 - e (1 - y^2)
+
+Any other law is made of samples. Both kinds have the same methods, and the law asks for no more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinetics.collision.averages import ImpactQuadrature, Survival
+from kinetics.numerics import FloatArray
+from kinetics.numerics.gauss import equal_panels, gauss_legendre, panels_of
+from kinetics.validation import finite_line, refuse
+
+# Gauss-Legendre points on each panel. They are exact to 1e-14 for s^z cos(m chi) while this varies
+# by less than RESOLVED radians on it: tests/kinetics/collision/test_law.py has the largest powers.
+_POINTS = 20
+RESOLVED = 30.0
+DEEPEST = 40.0  # where s reaches 0, nodes end at -ln s of this: e^-40 of the bounces lose more
+_SUM = 1e-9  # how far the sum of the weights of samples may be from 1; they are rescaled to it
+_ROUNDING = 1e-12  # how far a cosine may be beyond 1
+_MOST = 20_000  # samples: each costs some kilobytes on every panel
+
+
+@dataclass(frozen=True)
+class DiskBounce:
+    """The bounce off a disk (dimension 2) or a sphere (3); e and et from 0 to 1, not both 0."""
+
+    restitution: float
+    tangential_restitution: float = 1.0
+    dimension: int = 2
+
+    @cached_property
+    def _ends(self) -> tuple[float, float, float]:
+        """The least and the largest speed ratio, and the difference of their squares."""
+        least, most = sorted((self.restitution, self.tangential_restitution))
+        return least, most, (most - least) * (most + least)
+
+    @property
+    def least_loss(self) -> float:
+        """-ln of the largest speed ratio."""
+        return 0.0 - math.log(self._ends[1])
+
+    @property
+    def largest_loss(self) -> float:
+        """-ln of the smallest speed ratio."""
+        return 0.0 - math.log(self._ends[0]) if self._ends[0] > 0.0 else math.inf
+
+    @property
+    def lowest_power(self) -> float:
+        """-(d - 1) at e = 0, where s = et y; -2 at et = 0, where s = e sqrt(1 - y^2)."""
+        if self.restitution == 0.0:
+            return 1.0 - self.dimension
+        return -2.0 if self.tangential_restitution == 0.0 else -math.inf
+
+    @property
+    def tail_exponent(self) -> float:
+        """b where E[s^p] tends to b/p: from y near 1 where et = 1, and near 0 where e = 1."""
+        e, et = self.restitution, self.tangential_restitution
+        if et == 1.0:
+            return (self.dimension - 1.0) / ((1.0 - e) * (1.0 + e)) if e < 1.0 else math.inf
+        if e < 1.0:
+            return 0.0
+        return 2.0 / ((1.0 - et) * (1.0 + et)) if self.dimension == 3 else math.nan
+
+    @cached_property
+    def _top(self) -> float:
+        """U of :meth:`_nodes`: s has its branch points at the distance pi/2 of u = 0 then."""
+        least, most, square = self._ends
+        if least == 0.0:
+            return 70.0  # more than the depth that is used
+        # asinh(sqrt(square)/least), which does not overflow; any U > 0 will do for s = const
+        return max(math.log(most + math.sqrt(square)) - math.log(least), 1e-3)
+
+    def turns(self, rate: float, m: int) -> float:
+        """By how much s^z and harmonic m turn on the longest panel, |z| up to ``rate``."""
+        both_ends = 1.0 if self.restitution <= self.tangential_restitution else 2.0
+        return both_ends * rate * min(1.0, self._top * math.tanh(self._top)) + 3.0 * m
+
+    def _nodes(
+        self, level: int, deepest: float = DEEPEST
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """y, sqrt(1 - y^2) and the weights of an average over a uniform y, (n_nodes,) each.
+
+        Gauss points in u, sinh(u)/sinh(U) = y where e < et, else the angle from y = 1 over pi/2.
+        Panels are at most 2^-level long; y and sqrt(1 - y^2) are right relative to themselves.
+        """
+        top = self._top
+        length = deepest if self._ends[0] == 0.0 else top
+        u, w = equal_panels(length, _POINTS, min(1.0, top) * 2.0**-level)
+        rest, u = u[::-1], top - length + u  # U - u without cancellation: nodes are symmetric
+        scale, small = -math.expm1(-2.0 * top), np.exp(-2.0 * u)
+        share = np.exp(-rest) * -np.expm1(-2.0 * u) / scale
+        left = -np.expm1(-rest) * (1.0 + np.exp(-top - u)) / scale  # 1 - share
+        w = w * np.exp(-rest) * (1.0 + small) / scale
+        if self.restitution <= self.tangential_restitution:
+            return share, np.sqrt(left * (1.0 + share)), w
+        y, missed = np.sin(0.5 * math.pi * left), np.sin(0.5 * math.pi * share)
+        return y, missed, 0.5 * math.pi * w * missed
+
+    def _quadrature(self, y: FloatArray, missed: FloatArray, w: FloatArray) -> ImpactQuadrature:
+        """From y, sqrt(1 - y^2) and weights of y: -ln s keeps its digits where s is near 1."""
+        e, et = self.restitution, self.tangential_restitution
+        least, most, square = self._ends
+        low, high = (y, missed) if e <= et else (missed, y)
+        lost = (1.0 - most) * (1.0 + most) + square * high**2  # 1 - s^2
+        near = lost < 0.5
+        xi = -np.log(np.hypot(least * high, most * low))
+        xi = np.where(near, -0.5 * np.log1p(-np.where(near, lost, 0.0)), xi)
+        weight = w if self.dimension == 2 else 2.0 * y * w
+        parallel = et * y**2 - e * missed**2
+        return ImpactQuadrature(weight, xi, np.exp(-xi), parallel, self.dimension)
+
+    def quadrature(self, level: int) -> ImpactQuadrature:
+        """The average, with panels 2^level times shorter than for slow functions."""
+        return self._quadrature(*self._nodes(level))
+
+    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
+        """What bounces that lose more than any node add to E[s^p]: 0 but where s reaches 0."""
+        if self._ends[0] > 0.0:
+            return 0.0
+        near, power = -DEEPEST, -self.lowest_power  # y = e^near where e = 0
+        if self.restitution > 0.0:
+            near += math.log(0.5 * math.pi)  # sqrt(1 - y^2), and y dy = -that times its change
+        above = self.dimension - 1.0
+        return above * np.exp(p * (math.log(self._ends[1]) + near) + power * near) / (p + power)
+
+    def survival(self, level: int) -> Survival:
+        """P(xi > u) is y^(d-1) where e < et and 1 - y^(d-1) where et < e; 1 up to the least loss.
+
+        du = |et^2 - e^2| y dy/s^2.
+        """
+        # low speeds see the bulk of the scaling state, some e-folds wide, from the deepest loss
+        y, missed, w = self._nodes(level, DEEPEST + 8.0)
+        xi = self._quadrature(y, missed, w).log_loss
+        if self.restitution <= self.tangential_restitution:
+            chance = y ** (self.dimension - 1)
+        else:
+            chance = missed**2 if self.dimension == 3 else missed**2 / (1.0 + y)
+        with np.errstate(divide="ignore"):
+            log_weight = np.log(w * y * chance * self._ends[2]) + 3.0 * xi
+        if self.least_loss > 0.0:
+            u, w = equal_panels(self.least_loss, _POINTS, min(1.0, self._top) * 2.0**-level)
+            log_weight = np.concatenate([np.log(w) + u, log_weight])
+            xi = np.concatenate([u, xi])
+        return Survival(log_weight, xi)
+
+    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
+        """The average cell by cell of width ``spacing`` in -ln s, and the cell of each node.
+
+        Gauss points in y, in which s is smooth; its density in -ln s is not. Where s
+        reaches 0, cells end at e^-40 of its largest; the last one holds all below.
+        """
+        first, last = self.least_loss, self.largest_loss
+        count = max(1, math.ceil(min(40.0 + first, last) / spacing))
+        edge = np.clip(np.arange(count + 1) * spacing, first, last)
+        if first == last:
+            q = self.quadrature(0)
+            return q, np.full(q.weight.size, count - 1)
+        rise = -np.expm1(2.0 * np.minimum(0.0, edge - last)) * np.exp(-2.0 * edge)
+        fall = -np.expm1(2.0 * np.minimum(0.0, first - edge)) * math.exp(-2.0 * first)
+        angle = np.arctan2(np.sqrt(rise), np.sqrt(fall))  # 0 where s is least
+        angle[-1] = 0.0
+        rising = self.restitution < self.tangential_restitution
+        z = np.sin(angle) if rising else 2.0 * np.sin(0.5 * angle) ** 2  # y, or 1 - y
+        node, weight = gauss_legendre(points)
+        width = (z[:-1] - z[1:])[:, None]
+        at = (z[1:, None] + width * node).ravel()
+        y, missed = (at, (1.0 - at) * (1.0 + at)) if rising else (1.0 - at, at * (2.0 - at))
+        q = self._quadrature(y, np.sqrt(missed), (width * weight).ravel())
+        kept = q.weight > 0.0  # cells below the least loss are empty
+        return q.part(kept), np.repeat(np.arange(count), points)[kept]
+
+
+@dataclass(frozen=True)
+class SampledBounce:
+    """Weighted samples of (speed ratio, cos(chi)); see :meth:`CollisionLaw.from_samples`.
+
+    The three arguments are tuples of one length, so that laws compare and hash by their values.
+    """
+
+    weight: tuple[float, ...]
+    ratio: tuple[float, ...]
+    cosine: tuple[float, ...]
+    dimension: int = 2
+    lowest_power = -math.inf  # every power has an average
+
+    @classmethod
+    def checked(
+        cls, weight: ArrayLike, ratio: ArrayLike, cosine: ArrayLike, dimension: int
+    ) -> SampledBounce:
+        """With weights that sum to 1 to rounding; InputError for anything that is no law."""
+        w, s = finite_line("weight", weight), finite_line("ratio", ratio)
+        c = finite_line("cosine", cosine)
+        if not 1 <= w.size <= _MOST:
+            refuse("weight", w, f"give 1 to {_MOST} samples")
+        for name, array in (("ratio", s), ("cosine", c)):
+            if array.size != w.size:
+                refuse(name, array, f"it must have as many numbers as weight, {w.size}")
+        if np.any(w < 0.0):
+            refuse("weight", float(w.min()), "weights must not be negative")
+        if not abs(w.sum() - 1.0) <= _SUM:
+            refuse("weight", w, f"the weights must sum to 1, their sum is {w.sum():.10g}")
+        if np.any(s <= 0.0):
+            refuse("ratio", float(s.min()), "speed ratios must be above 0")
+        if np.any(np.abs(c) > 1.0 + _ROUNDING):
+            refuse("cosine", float(c[np.abs(c).argmax()]), "it must be from -1 to 1")
+        kept = w > 0.0
+        w, c = w[kept] / w.sum(), np.clip(c[kept], -1.0, 1.0)
+        return cls(tuple(w.tolist()), tuple(s[kept].tolist()), tuple(c.tolist()), dimension)
+
+    @property
+    def least_loss(self) -> float:
+        """-ln of the largest speed ratio; negative where a bounce may gain energy."""
+        return 0.0 - math.log(max(self.ratio))
+
+    @property
+    def largest_loss(self) -> float:
+        """-ln of the smallest speed ratio."""
+        return 0.0 - math.log(min(self.ratio))
+
+    @property
+    def tail_exponent(self) -> float:
+        """0 where every bounce loses energy; infinite where a share of them loses none."""
+        return 0.0 if self.least_loss > 0.0 else math.inf
+
+    def turns(self, rate: float, m: int) -> float:
+        """Samples are summed as they are."""
+        return 0.0
+
+    def quadrature(self, level: int) -> ImpactQuadrature:
+        """The samples."""
+        ratio = np.array(self.ratio)
+        parallel = ratio * np.array(self.cosine)
+        loss = 0.0 - np.log(ratio)
+        return ImpactQuadrature(np.array(self.weight), loss, ratio, parallel, self.dimension)
+
+    def beyond(self, p: NDArray[Any]) -> NDArray[Any] | float:
+        """Nothing is left out."""
+        return 0.0
+
+    def survival(self, level: int) -> Survival:
+        """Gauss points between one -ln s and the next: the chance is constant there."""
+        q = self.quadrature(0)
+        order = np.argsort(q.log_loss)
+        edge = np.concatenate([[0.0], q.log_loss[order]])
+        chance = np.cumsum(q.weight[order][::-1])[::-1]
+        pieces = np.maximum(1, np.ceil(np.diff(edge) * 2.0**level)).astype(int)
+        low = np.repeat(edge[:-1], pieces)
+        step = np.repeat(np.diff(edge) / pieces, pieces)
+        nth = np.concatenate([np.arange(n) for n in pieces])
+        ends = np.stack([low + nth * step, low + (nth + 1) * step], axis=1)
+        wide = step > 0.0
+        u, w = panels_of(ends[wide], _POINTS)
+        log_weight = np.log(w * np.repeat(chance, pieces)[wide][:, None]) + u
+        return Survival(log_weight.ravel(), u.ravel())
+
+    def cells(self, spacing: float, points: int) -> tuple[ImpactQuadrature, NDArray[np.int64]]:
+        """The samples and the cell of each."""
+        q = self.quadrature(0)
+        return q, np.floor(q.log_loss / spacing).astype(np.int64)
