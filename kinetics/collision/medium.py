@@ -107,7 +107,6 @@ class Medium:
     def lowest_power(self, q: ImpactQuadrature) -> float:
         """p where eps e^p (1 + E[s^p]) = 1, q the average over a collision; -inf if nowhere."""
         from scipy.optimize import brentq
-        from scipy.special import logsumexp
 
         largest = max(abs(self.returns(m)) for m in range(3))
         if self.restitution in (0.0, 1.0) or largest == 0.0:
@@ -115,7 +114,8 @@ class Medium:
         loss = -math.log(self.restitution)
 
         def log_size(p: float) -> float:  # it falls with p, and is negative at p = 0
-            mean = float(logsumexp(-p * q.log_loss, b=q.weight))
+            top = max(0.0, -p * float(q.log_loss.max()))  # for e near 0 s^p alone would overflow
+            mean = top + math.log(float(np.exp(-p * q.log_loss - top) @ q.weight))
             return math.log(largest) - p * loss + float(np.logaddexp(0.0, mean))
 
         low = -1.0
@@ -152,8 +152,8 @@ class Medium:
             found += f"; n = {self.density:g} is outside the range where the correction for the "
             found += f"density was tested (up to {TESTED_DENSITY:g})"
         if first < SETTLED:
-            found += f"; <r^2> before {SETTLED:g} l/U is too small, by up to {_EARLY:g} n of itself, "
-            found += f"and the kurtosis is off by up to {_EARLY_KURTOSIS:g} n"
+            found += f"; before {SETTLED:g} l/U <r^2> is too small, by up to {_EARLY:g} n of "
+            found += f"itself, and the kurtosis off by up to {_EARLY_KURTOSIS:g} n"
         return found
 
 
