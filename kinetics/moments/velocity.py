@@ -90,7 +90,8 @@ class Averages:
         """
         other = replace(self, times=times)
         other._measures.update(self._measures)
-        other.__dict__["equation"] = self.equation  # the cached property below
+        if "equation" in self.__dict__:  # the cached property below
+            other.__dict__["equation"] = self.equation
         return other
 
     @property
