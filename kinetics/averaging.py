@@ -6,6 +6,7 @@ Between the questions (`kinetics.scene`, `kinetics.outputs`) and the backward eq
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,17 +16,15 @@ from numpy.typing import NDArray
 
 from kinetics.errors import InputError, warn_missed
 from kinetics.moments.backward import speed_power
+from kinetics.moments.formulas import moment_arguments
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
 from kinetics.outputs import OUTPUTS, Part, parts, powers_of
 from kinetics.scene import Scene
-from kinetics.validation import exponent, whole_number
 
 ROUNDING = 1e-13  # relative: what sums over the initial state and up the panels may leave
-_ELASTIC_ROUNDING = 1e-15
-_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 SLACK = 1.0 + 1e-9  # on rtol: error estimates that meet it exactly are not missed by rounding
-_MORE_NODES = 4  # how often one more node of a panel is tried
+_TRIES, _MOST_NODES = 4, 48  # solutions with more nodes; still more only add rounding
 
 Asked = Sequence[tuple[Part, ...]]
 
@@ -47,20 +46,12 @@ def asked_for(averages: Averages, outputs: Sequence[str]) -> Asked:
 
 def with_enough_nodes(averages: Averages, asked: Asked) -> Averages:
     """The averages with as many nodes of a panel as the outputs need, by their error estimates."""
-    if averages.elastic:
-        return averages
-    guesses = [
-        averages.nodes_for(part.observable, averages.rtol / part.factor)
-        for needed in asked
-        for part in needed
-    ]
-    if not guesses:
-        return averages
-    nodes = max(guesses)
-    for more in range(_MORE_NODES):
-        averages = averages.with_nodes(nodes + more)
-        if error_of(averages, asked) <= averages.rtol:
+    for _ in range(_TRIES):
+        missing = error_of(averages, asked) / averages.rtol
+        if not 1.0 < missing < math.inf:
             break
+        nodes = averages.equation.nodes + 1 + math.ceil(math.log10(missing))
+        averages = averages.with_nodes(min(nodes, _MOST_NODES))
     return averages
 
 
@@ -86,9 +77,7 @@ def arrays_of(averages: Averages, outputs: tuple[str, ...]) -> dict[str, FloatAr
 
 def error_of(averages: Averages, asked: Asked) -> float:
     """The largest relative error estimate of the outputs that are made of these parts."""
-    if averages.elastic:
-        return _ELASTIC_ROUNDING
-    solved = averages.equation.error_estimate
+    solved = averages.error_estimate
     return max([ROUNDING, *(sum(f * solved(y) for f, y, _ in needed) for needed in asked)])
 
 
@@ -107,11 +96,7 @@ def power_of_speed(scene: Scene, rtol: float, p: Any, m: Any) -> NDArray[Any]:
     Raises InputError for p or m out of range, or where the moment does not exist; warns
     (ToleranceWarning) where the error estimate exceeds rtol.
     """
-    p = exponent("p", p, _HIGHEST_POWER)
-    m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
-    lowest = max(scene.state.lowest_moment, scene.law.lowest_power)
-    if p <= lowest:
-        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    p, m = moment_arguments(scene.law, scene.state, p, m)
     averages = replace(averages_of(scene, rtol, p, p), harmonic=max(m, 2))
     if averages.measure(m) is not None:
         asked = [parts((1.0, speed_power(p, m)))]

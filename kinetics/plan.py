@@ -114,7 +114,7 @@ def _displacement_step(averages: Averages, outputs: Iterable[str]) -> PlanStep:
     if not rows:
         return PlanStep(DISPLACEMENT, False, NOT_ASKED)
     count = len({y for row in rows for _, y, _ in row.made_of(averages.law.dimension)})
-    how = "closed forms" if averages.elastic else f"{count} scalar equations and what drives them"
+    how = f"{count} scalar equations and what drives them"
     return PlanStep(DISPLACEMENT, True, f"{', '.join(row.name for row in rows)}: {how}")
 
 

@@ -9,14 +9,7 @@ u^p times a function of T = u t/l alone. With y(X) = T^p (that function), X = ln
 
 m the angular harmonic. y at X needs y below X only, and the kernel does not depend on X: on equal
 panels the collision term is the same few small matrices everywhere, and one sweep upwards gives
-every later time for every initial state. Nothing depends on how rough that state is: its speeds
-only enter when the result is averaged over them.
-
-Examples, with the sources in brackets:
-    v^p                 : m = 0, degree p
-    collisions N        : m = 0, degree 0, [1]
-    v_hat(0).r = l chi1 : m = 1, degree 0, [1]
-    r^2 = l^2 rho       : m = 0, degree 0, [2 chi1]
+every later time for every initial state.
 """
 
 from __future__ import annotations
@@ -34,11 +27,14 @@ from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import PanelRule, PanelShifts, panel_rule, with_returns
 
 START = -2.0  # X where the panels begin; below it the power series in T is summed
-TERMS = 40  # of that series; `resolution` uses it up to T = e^2, where 7.4^40/40! = 7e-14
+_TERMS = 40  # of that series: where T = e^-2 more add nothing
 _NEGLIGIBLE = 1e-19  # share of the sum that later terms of it may hold: below rounding
 _FEWEST_TERMS = 8  # kept in any case: the first four may vanish
 # For m > 2 panels go on to the last time, or as far as e^X is a number.
 _HARMONICS, _HIGHEST_X = 2, 700.0
+# Where speeds are kept corrections to the late power are 1/(nu T), nu the slowest decay of a
+# harmonic: e^-40 = 4e-18. Of one that does not decay rounding leaves 1 - cos(2 pi) = 3e-32.
+_ELASTIC_X, _STEADY = 40.0, 1e-30
 # Rounding in the lower end of a panel grows as T^p across it, or as the average falls in it: e^4
 # is the most that it may. Narrower panels than the least would take seconds.
 _STEEPEST, _NARROWEST = 4.0, 1.0 / 32.0
@@ -75,7 +71,7 @@ class Observable:
     harmonic : m
     constant : source that does not depend on X
     sources : (factor, observable) pairs that drive it
-    growth : late, it is a polynomial of this degree in ln T; 0 to 2
+    growth : late, it is a polynomial of this degree in ln T, 0 to 2; in T where speeds are kept
     """
 
     degree: float = 0.0
@@ -85,33 +81,28 @@ class Observable:
     growth: int = 1
 
     @property
-    def first_power(self) -> float:
-        """The power of T with which it begins."""
-        if self.constant:
-            return self.degree + 1.0
-        return min((1.0 + other.first_power for _, other in self.sources), default=self.degree)
+    def is_power(self) -> bool:
+        """Whether it is a power of the speed, with no source."""
+        return not (self.sources or self.constant)
 
 
+# lengths in l: what a tracer has moved along its first direction drives r^2
 MEAN_COLLISIONS: Observable = Observable(constant=1.0)
 DISPLACEMENT_ALONG_START: Observable = Observable(harmonic=1, constant=1.0)
 SQUARED_DISPLACEMENT: Observable = Observable(sources=((2.0, DISPLACEMENT_ALONG_START),))
-# <exp(i k.r)> to the fourth order in k, harmonic by harmonic (kinetics/position/scattering.py)
-_SECOND_HARMONIC = Observable(harmonic=2, sources=((0.25, DISPLACEMENT_ALONG_START),))
-_THIRD_ORDER = Observable(
-    harmonic=1, sources=((-0.125, SQUARED_DISPLACEMENT), (-0.5, _SECOND_HARMONIC))
-)
-QUARTIC_DISPLACEMENT: Observable = Observable(sources=((-64.0, _THIRD_ORDER),), growth=2)
-# The same in space: P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5
-_SECOND_IN_SPACE = Observable(harmonic=2, sources=((2.0 / 3.0, DISPLACEMENT_ALONG_START),))
-_THIRD_IN_SPACE = Observable(
-    harmonic=1, sources=((1.0 / 6.0, SQUARED_DISPLACEMENT), (0.4, _SECOND_IN_SPACE))
-)
-_QUARTIC_IN_SPACE = Observable(sources=((40.0, _THIRD_IN_SPACE),), growth=2)
 
 
 def quartic_displacement(dimension: int) -> Observable:
-    """r^4, in the plane or in space."""
-    return QUARTIC_DISPLACEMENT if dimension == 2 else _QUARTIC_IN_SPACE
+    """r^4, in the plane or in space: <exp(i k.r)> to the fourth order in k, by harmonics.
+
+    In space with P_m in place of cos(m chi), and <(k.r)^4> = k^4 <r^4>/5.
+    """
+    factors = (0.25, -0.125, -0.5, -64.0) if dimension == 2 else (2.0 / 3.0, 1.0 / 6.0, 0.4, 40.0)
+    second = Observable(harmonic=2, sources=((factors[0], DISPLACEMENT_ALONG_START),))
+    third = Observable(
+        harmonic=1, sources=((factors[1], SQUARED_DISPLACEMENT), (factors[2], second))
+    )
+    return Observable(sources=((factors[3], third),), growth=2)
 
 
 def speed_power(p: float, harmonic: int = 0) -> Observable:
@@ -123,38 +114,9 @@ def speed_power(p: float, harmonic: int = 0) -> Observable:
 MSD_SLOPE: Observable = Observable(degree=1.0, sources=((2.0, speed_power(1.0, 1)),), growth=0)
 
 
-def moment_series(
-    law: CollisionLaw, y: Observable, known: dict[Observable, FloatArray] | None = None
-) -> FloatArray:
-    """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy, shape (41,).
-
-    ``known`` keeps what was found on the way.
-    """
-    known = {} if known is None else known
-    if y in known:
-        return known[y]
-    drive = np.zeros(TERMS)
-    drive[0] = y.constant
-    for factor, other in y.sources:
-        drive += factor * moment_series(law, other, known)[:-1]
-    rates = law.harmonic_decay_rate(y.degree + np.arange(TERMS), y.harmonic)
-    a = np.zeros(TERMS + 1)
-    a[0] = 0.0 if y.constant or y.sources else 1.0
-    for k in range(TERMS):
-        a[k + 1] = (drive[k] - rates[k] * a[k]) / (k + 1.0)
-    known[y] = a
-    return a
-
-
 def scale_of(y: Observable) -> Observable:
     """The observable that errors are relative to: y, or m = 0 for a harmonic, which decays."""
-    alone = not (y.sources or y.constant)
-    return speed_power(y.degree) if y.harmonic and alone else y
-
-
-def left_out(last: FloatArray, before: FloatArray) -> FloatArray:
-    """Error of a Chebyshev series of which these are the sizes of the last two coefficients."""
-    return np.maximum(_LAST * last, _BEFORE * before)
+    return speed_power(y.degree) if y.harmonic and y.is_power else y
 
 
 def smaller_ends(values: FloatArray) -> FloatArray:
@@ -167,36 +129,18 @@ def smaller_ends(values: FloatArray) -> FloatArray:
     return np.maximum(np.maximum(ends, _LEAST_END * size.max(axis=1)), 1e-300)
 
 
-def _needed(series: FloatArray) -> FloatArray:
-    """The series without its end, which adds nothing up to T = exp(START)."""
-    size = np.abs(series) * np.exp(START * np.arange(series.size))
-    below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
-    return series[: max(_FEWEST_TERMS, int(below[-1]) + 1)]
-
-
-@dataclass(frozen=True)
-class _Panels:
-    """y on consecutive panels from START on."""
-
-    values: FloatArray  # (n_panels, nodes)
-    series: FloatArray  # coefficients of T^k below START
-    degree: float
-
-
 @dataclass(frozen=True)
 class Places:
     """Where values of X lie; see `BackwardEquation.locate`.
 
     Attributes
     ----------
-    shape : of the X
     low : whether each is below the panels, (n,)
     early : T of those, (n_low,)
     index, level : panel, and X in panels, of the others, (n_others,)
     shares, total : barycentric weights over distances to the nodes, (n_others, nodes), their sums
     """
 
-    shape: tuple[int, ...]
     low: NDArray[np.bool_]
     early: FloatArray
     index: NDArray[np.intp]
@@ -211,11 +155,10 @@ class BackwardEquation:
 
     Parameters
     ----------
-    law : the collision law, e < 1 (the elastic case is elementary: see `velocity.py`)
+    law : the collision law
     highest : largest X that will be asked for
     nodes : Chebyshev nodes of a panel
     width : of a panel in X, see `panel_width`
-    known : power series of observables; what is added to it is kept for other equations
     harmonic : the largest m of all observables that will be asked for
     """
 
@@ -223,9 +166,9 @@ class BackwardEquation:
     highest: float
     nodes: int
     width: float = 1.0
-    known: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     harmonic: int = 2
-    _solved: dict[Observable, _Panels] = field(default_factory=dict, repr=False)
+    _series: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
+    _solved: dict[Observable, FloatArray] = field(default_factory=dict, repr=False)
     _errors: dict[Observable, float] = field(default_factory=dict, repr=False)
     _kernels: dict[int, tuple[FloatArray, FloatArray]] = field(default_factory=dict, repr=False)
     _shifts: dict[int, PanelShifts] = field(default_factory=dict, repr=False)
@@ -234,19 +177,16 @@ class BackwardEquation:
         end = min(self.highest, self._saturation)
         self.count = max(1, math.ceil((end - START) / self.width))
 
-    # -- discretisation -----------------------------------------------------------------------
-
     @property
     def _saturation(self) -> float:
         """X beyond which observables are on their asymptotes."""
         if self.harmonic > _HARMONICS:
             return _HIGHEST_X
+        if self.law.is_elastic:
+            rates = [self.law.harmonic_decay_rate(0.0, m) for m in (1, _HARMONICS)]
+            slowest = min([rate for rate in rates if rate > _STEADY], default=1.0)
+            return _ELASTIC_X - math.log(slowest)
         return min(asymptotic_from(self.law), _HIGHEST_X)
-
-    @property
-    def _offsets(self) -> FloatArray:
-        """The nodes of a panel from its lower end on, in X."""
-        return self.rule.local * self.width
 
     @cached_property
     def rule(self) -> PanelRule:
@@ -269,13 +209,15 @@ class BackwardEquation:
             self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
 
-    # -- solution -----------------------------------------------------------------------------
+    def solve(self, y: Observable) -> FloatArray:
+        """Values at the nodes of all panels, shape (n_panels, nodes)."""
+        if y not in self._solved:
+            self._solved[y] = self._solve(y)
+        return self._solved[y]
 
-    def _solve(self, y: Observable) -> _Panels:
-        if y in self._solved:
-            return self._solved[y]
-        sources = [(factor, self._solve(other).values) for factor, other in y.sources]
-        series = _needed(moment_series(self.law, y, self.known))
+    def _solve(self, y: Observable) -> FloatArray:
+        sources = [(factor, self.solve(other)) for factor, other in y.sources]
+        series = self.series(y)
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
@@ -283,7 +225,7 @@ class BackwardEquation:
         n = self.nodes
         reach = gain.shape[1] // n
         # the panels below, and the point where the first one begins
-        x = START + np.arange(-reach, self.count)[:, None] * self.width + self._offsets
+        x = START + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
         below = np.append(x[:reach], START)
         rest = np.append(0.0, series[1:]) if apart else series
         known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
@@ -310,13 +252,27 @@ class BackwardEquation:
             right[0] = first
             table[reach + j] = inverse[j] @ right
             first = table[reach + j, -1]
-        values = table[reach:] + term if apart else table[reach:]
-        self._solved[y] = _Panels(values, series, y.degree)
-        return self._solved[y]
+        return table[reach:] + term if apart else table[reach:]
 
-    def solve(self, observable: Observable) -> FloatArray:
-        """Values at the nodes of all panels, shape (n_panels, nodes)."""
-        return self._solve(observable).values
+    def series(self, y: Observable) -> FloatArray:
+        """Coefficients a_k of y = T^p sum_k a_k T^k, from the moment hierarchy.
+
+        Without the end, which adds nothing up to T = exp(START).
+        """
+        if y not in self._series:
+            drive = np.zeros(_TERMS)
+            drive[0] = y.constant
+            for factor, other in y.sources:
+                known = self.series(other)[:_TERMS]
+                drive[: known.size] += factor * known
+            rates = self.law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+            a = [1.0 if y.is_power else 0.0]
+            for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
+                a.append((source - rate * a[k]) / (k + 1.0))
+            size = np.abs(a) * np.exp(START * np.arange(len(a)))
+            below = np.nonzero(size > _NEGLIGIBLE * size.max())[0]
+            self._series[y] = np.array(a[: max(_FEWEST_TERMS, int(below[-1]) + 1)])
+        return self._series[y]
 
     def error_estimate(self, observable: Observable) -> float:
         """What the Chebyshev coefficients of a panel leave out, relative to its smaller end.
@@ -324,22 +280,12 @@ class BackwardEquation:
         For a harmonic m > 0 of a power, which decays by itself, relative to m = 0.
         """
         if observable not in self._errors:
-            self._errors[observable] = self._estimate(observable)
+            last, before = self.rule.last_coefficients(self.solve(observable))
+            left_out = np.maximum(_LAST * last, _BEFORE * before)
+            # errors of panels add up while an observable grows
+            error = np.sum(left_out / smaller_ends(self.solve(scale_of(observable))))
+            self._errors[observable] = float(error)
         return self._errors[observable]
-
-    def _estimate(self, observable: Observable) -> float:
-        last, before = self.rule.last_coefficients(self._solve(observable).values)
-        ends = smaller_ends(self._solve(scale_of(observable)).values)
-        # errors of panels add up while an observable grows
-        return float(np.sum(left_out(last, before) / ends))
-
-    def evaluate(self, observable: Observable, x: FloatArray) -> FloatArray:
-        """y(X) at X = x, any shape."""
-        small, large = self.reduced(observable, self.locate(x))
-        with np.errstate(invalid="ignore"):
-            return np.asarray(
-                np.where(np.isnan(large), small * np.exp(observable.degree * x), large)
-            )
 
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""
@@ -349,35 +295,35 @@ class BackwardEquation:
         level = level[~low]
         index = np.minimum(level.astype(int), self.count - 1)
         shares = self.rule.shares(np.minimum(level - index, 1.0))
-        return Places(x.shape, low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
+        return Places(low, np.exp(flat[low]), index, shares, shares.sum(axis=1), level)
 
     def reduced(
         self, observable: Observable, places: Places, leading: int = 0
     ) -> tuple[FloatArray, FloatArray]:
-        """y T^-(p + leading) where X is below the panels, y elsewhere; NaN where not.
+        """y T^-(p + leading) where X is below the panels, (n_low,), and y elsewhere, (n_others,).
 
         Below the panels by the power series, whose first ``leading`` terms must vanish; above
-        them on the asymptote, a polynomial in X. Apart, because T^p alone may overflow. Both of
-        the shape of the places.
+        them on the asymptote, a polynomial in X, or a power where speeds are kept. Apart, because
+        T^p alone may overflow.
         """
-        panels = self._solve(observable)
-        small = np.full(places.low.shape, np.nan)
-        large = np.full(places.low.shape, np.nan)
-        series = panels.series[leading:]
-        small[places.low] = np.polynomial.polynomial.polyval(places.early, series)
-        value = np.einsum("ij,ij->i", places.shares, panels.values[places.index]) / places.total
+        values = self.solve(observable)
+        small = np.polynomial.polynomial.polyval(places.early, self.series(observable)[leading:])
+        value = np.einsum("ij,ij->i", places.shares, values[places.index]) / places.total
         beyond = places.level > self.count
-        value[beyond] = self._asymptote(panels.values, observable.growth, places.level[beyond])
-        large[~places.low] = value
-        return small.reshape(places.shape), large.reshape(places.shape)
+        if beyond.any():
+            value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
+        return np.asarray(small), value
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:
-        """The polynomial in X through the ends of the last panels, at X in panels."""
+        """The power, or polynomial in X, through the ends of the last panels, at X in panels."""
         ends = values[-1:-4:-1, -1] if values.shape[0] > 3 else values[-1, [-1, 0, 0]]
+        u = level - self.count
+        if self.law.is_elastic:
+            power = round(math.log(ends[0] / ends[1]) / self.width)
+            return np.asarray(ends[0] * np.exp(power * self.width * u))
         if growth == 0:
             return np.full(level.shape, ends[0])
         first = ends[0] - ends[1]
-        u = level - self.count
         if growth < 2 or values.shape[0] <= 3:
             return np.asarray(ends[0] + first * u)
         second = ends[0] - 2.0 * ends[1] + ends[2]

@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 
 from kinetics.collision import CollisionLaw
 from kinetics.errors import InputError
+from kinetics.moments.formulas import moment_arguments
 from kinetics.numerics import FloatArray
 from kinetics.results import Value
 from kinetics.states.state import State
-from kinetics.validation import exponent, whole_number
 
-_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 # Where (1 - c)(N + 1) is less than this the bracket is a series; so many terms leave 1e-17 of it.
 _SMALL, _TERMS = 0.1, 14
 
@@ -62,11 +61,7 @@ class ByCollision(Value):
 
         Raises InputError for p or m out of range, or where the moment does not exist or overflows.
         """
-        p = exponent("p", p, _HIGHEST_POWER)
-        m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
-        lowest = max(self.state.lowest_moment, self.law.lowest_power)
-        if p <= lowest:
-            raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+        p, m = moment_arguments(self.law, self.state, p, m)
         return self._in_range(f"<v^{p:g}>", self._start(p, m) * self._kept(p, m))
 
     @property

@@ -6,30 +6,40 @@ needs are solved once, whichever function asks first.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinetics.collision import CollisionLaw
+from kinetics.errors import InputError
 from kinetics.moments.backward import MEAN_COLLISIONS
 from kinetics.moments.velocity import Averages
 from kinetics.numerics import FloatArray
+from kinetics.states.state import State
+from kinetics.validation import exponent, whole_number
+
+_HIGHEST_POWER, _HIGHEST_HARMONIC = 40.0, 256
 
 
-def _reference(averages: Averages) -> FloatArray:
-    """The speed, in U, that is the unit of Averages.power, shape (n_times,)."""
-    return np.asarray(np.exp(averages.log_reference))
+def moment_arguments(law: CollisionLaw, state: State, p: Any, m: Any) -> tuple[float, int]:
+    """p and m of <v^p exp(-i m phi)>; InputError out of range, or where it does not exist."""
+    p = exponent("p", p, _HIGHEST_POWER)
+    m = whole_number("m", m, 0, _HIGHEST_HARMONIC)
+    lowest = max(state.lowest_moment, law.lowest_power)
+    if p <= lowest:
+        raise InputError(f"p: got {p!r}; moments of this scene exist for p > {lowest:g} only")
+    return p, m
 
 
 def thermal_speed(averages: Averages) -> FloatArray:
     """v0 = sqrt(<v^2>) in U, shape (n_times,) (paper, label ``v0defi``)."""
-    return np.asarray(_reference(averages) * np.sqrt(averages.power(2.0)))
+    return np.asarray(np.exp(averages.log_reference) * np.sqrt(averages.power(2.0)))
 
 
 def temperature(averages: Averages) -> FloatArray:
     """<v^2>/d in m U^2, shape (n_times,) (paper, label ``thermo``)."""
-    square = _reference(averages) ** 2 * averages.power(2.0)
+    square = np.exp(averages.log_reference) ** 2 * averages.power(2.0)
     return np.asarray(square / averages.law.dimension)
 
 
@@ -41,7 +51,7 @@ def a2(averages: Averages) -> FloatArray:
 
 def mean_velocity(averages: Averages) -> FloatArray:
     """(<v_x>, <v_y>) in U, shape (n_times, 2), from harmonic 1; in space (n_times, 3)."""
-    return as_vector(averages, _reference(averages) * averages.power(1.0, 1))
+    return as_vector(averages, np.exp(averages.log_reference) * averages.power(1.0, 1))
 
 
 def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
@@ -53,7 +63,7 @@ def as_vector(averages: Averages, along: NDArray[Any]) -> FloatArray:
 
 def velocity_tensor(averages: Averages) -> FloatArray:
     """<v_i v_j> in U^2, shape (n_times, 2, 2), from harmonics 0 and 2; in space (n_times, 3, 3)."""
-    square = _reference(averages) ** 2
+    square = np.exp(averages.log_reference) ** 2
     trace, second = square * averages.power(2.0), square * averages.power(2.0, 2)
     if averages.law.dimension == 3:
         # v_x^2 = v^2 (1 + 2 P_2)/3, and the rest is shared by y and z
@@ -68,10 +78,4 @@ def velocity_tensor(averages: Averages) -> FloatArray:
 
 def collisions(averages: Averages) -> FloatArray:
     """Mean number of collisions of a tracer since t = 0, shape (n_times,)."""
-    if not averages.elastic:
-        return np.asarray(averages.average(MEAN_COLLISIONS))
-    speed = _reference(averages) * averages.power(1.0)
-    # speed times time, or over length, may leave the range of doubles when all three do not
-    root = np.sqrt(averages.times) / math.sqrt(averages.mean_free_path)
-    with np.errstate(over="ignore", under="ignore"):
-        return np.asarray(speed * root * root)
+    return np.asarray(averages.average(MEAN_COLLISIONS))

@@ -25,7 +25,6 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
-from kinetics.moments.resolution import Decay, decay_of
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import panel_rule
 from kinetics.states.quadrature import LogMeasure
@@ -34,6 +33,9 @@ from kinetics.states.state import State
 # Many times are interpolated in ln t: where there are more than this for each node of the panels in
 # ln t, and as many points of the initial state.
 _MANY, _FEW_POINTS = 2, 4
+# First guess of the nodes of a panel: for every law within one or two of what is needed, because
+# a node is about a digit. A guess that is too small costs a second solve.
+_NODES, _PER_POWER, _PER_DIGIT = 2.0, 0.75, 1.12
 _MORE_NODES = 2  # than a panel in X: a node is about one digit, so that a hundredth of rtol remains
 _PIECE = 5000  # points at once, so that their interpolation weights stay in the cache
 _KEPT = 16  # such pieces are kept for the next observable
@@ -71,12 +73,6 @@ class Averages:
         default_factory=dict, init=False, repr=False, compare=False
     )
     _known: dict[bytes, Places] = field(default_factory=dict, init=False, repr=False, compare=False)
-    _series: dict[Observable, FloatArray] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
-    _decays: dict[Observable, Decay] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
     _powers: dict[tuple[float, int], NDArray[Any]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -85,7 +81,6 @@ class Averages:
         """The same with so many nodes of a panel; the initial state is not made again."""
         other = replace(self, nodes=nodes)
         other._measures.update(self._measures)
-        other._series.update(self._series)
         return other
 
     def at(self, times: FloatArray) -> Averages:
@@ -95,27 +90,23 @@ class Averages:
         """
         other = replace(self, times=times)
         other._measures.update(self._measures)
-        other._series.update(self._series)
-        if not self.elastic:
-            other.__dict__["equation"] = self.equation  # the cached property below
+        if "equation" in self.__dict__:  # the cached property below
+            other.__dict__["equation"] = self.equation
         return other
-
-    def nodes_for(self, y: Observable, rtol: float) -> int:
-        """Nodes of a panel at which the error of y, relative to itself, is about rtol; e < 1."""
-        if y not in self._decays:
-            self._decays[y] = decay_of(self.law, y, self.width, self._series)
-        return self._decays[y].nodes_for(rtol)
 
     @property
     def elastic(self) -> bool:
-        """Speeds are kept: nothing needs to be solved."""
+        """Speeds are kept, and their powers need not be solved."""
         return self.law.is_elastic
+
+    def error_estimate(self, y: Observable) -> float:
+        """Relative, of averages of y over all panels, that is over all times."""
+        return 0.0 if self.elastic and y.is_power else self.equation.error_estimate(y)
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
         if m not in self._measures:
-            fall = fall_of(self.law, self.degree)
-            share = math.exp(-min(fall, _LEAST_SHARE)) if fall > _NOTICED else 1.0
+            share = math.exp(-min(self._fall, _LEAST_SHARE)) if self._fall > _NOTICED else 1.0
             self._measures[m] = self.state.harmonic(
                 m, self.rtol * share, self.lowest, max(self.degree, 2.0)
             )
@@ -137,54 +128,47 @@ class Averages:
     @cached_property
     def log_reference(self) -> FloatArray:
         """ln of a speed of the order of the thermal one, (n_times,), as the unit of its powers."""
-        if self.elastic:
-            return np.full(self.times.shape, 0.5 * self.speeds.log_second_moment())
         return self._reference(self.log_stretch)
 
-    def _reference(self, log_stretch: FloatArray) -> FloatArray:
-        late = -log_stretch - math.log(self.law.mean_log_loss)
-        return np.minimum(0.5 * self.speeds.log_second_moment(), late)
+    @cached_property
+    def log_first(self) -> float:
+        """ln of the root mean square of the initial speeds."""
+        return 0.5 * self.speeds.log_second_moment()
 
-    @property
+    def _reference(self, log_stretch: FloatArray) -> FloatArray:
+        if self.elastic:
+            return np.full(log_stretch.shape, self.log_first)
+        return np.minimum(self.log_first, -log_stretch - math.log(self.law.mean_log_loss))
+
+    @cached_property
+    def _fall(self) -> float:
+        return fall_of(self.law, self.degree)
+
+    @cached_property
     def width(self) -> float:
         """Width in X of the panels of the backward equation."""
-        largest = max(abs(self.degree), abs(self.lowest))
-        return panel_width(largest, fall_of(self.law, self.degree))
+        return panel_width(max(abs(self.degree), abs(self.lowest)), self._fall)
 
     @cached_property
     def equation(self) -> BackwardEquation:
         """The backward equation, up to the largest v t that occurs."""
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
-        nodes = self.nodes or self.nodes_for(speed_power(self.degree), self.rtol)
-        reach = max(highest, START)
+        largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
+        first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
         return BackwardEquation(
-            self.law, reach, nodes, self.width, self._series, harmonic=self.harmonic
+            self.law, max(highest, START), self.nodes or first, self.width, self.harmonic
         )
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
         if (p, m) not in self._powers:
-            self._powers[p, m] = self._power(p, m)
+            self._powers[p, m] = self.average(speed_power(p, m))
         return self._powers[p, m]
-
-    def _power(self, p: float, m: int) -> NDArray[Any]:
-        found = self.measure(m)
-        if found is None:
-            return np.zeros(self.times.shape)
-        if not self.elastic:
-            return self.average(speed_power(p, m))
-        # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)] = nu_m
-        with np.errstate(under="ignore", over="ignore"):
-            kept = np.exp(p * (found.x - self.log_reference[:, None]))
-            if m:
-                nu = self.law.harmonic_decay_rate(0.0, m)
-                kept = kept * np.exp(-nu * np.exp(found.x + self.log_stretch[:, None]))
-        return np.asarray(kept @ found.weight)
 
     def average(
         self, y: Observable, m: int | None = None, start: float = 0.0, leading: int = 0
     ) -> NDArray[Any]:
-        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading; e < 1.
+        """<(v(0)/v_first)^start y T^-n (v(0)/v_ref)^n exp(-i m phi)>, n = p + leading.
 
         Lengths in l; v_first is the root mean square of the initial speeds. m is the harmonic of y
         by default. ``leading`` divides y by the power T^leading with which it begins. Shape
@@ -195,7 +179,15 @@ class Averages:
             return np.zeros(self.times.shape)
         w = found.weight
         if start:
-            w = w * np.exp(start * (found.x - 0.5 * self.speeds.log_second_moment()))
+            w = w * np.exp(start * (found.x - self.log_first))
+        if self.elastic and y.is_power:
+            # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
+            with np.errstate(under="ignore", over="ignore"):
+                kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
+                if y.harmonic:
+                    rate = self.law.harmonic_decay_rate(0.0, y.harmonic)
+                    kept *= np.exp(-rate * np.exp(found.x + self.log_stretch[:, None]))
+            return np.asarray(kept @ w)
         return self._at_times(LogMeasure(found.x, w), y, leading)
 
     def _at_times(self, points: LogMeasure, y: Observable, leading: int) -> NDArray[Any]:
@@ -252,7 +244,8 @@ class Averages:
             small, large = self.equation.reduced(y, places, leading)
             with np.errstate(under="ignore", over="ignore", invalid="ignore"):
                 # y = T^p m: m where T is small, y where it is not
-                early = np.where(np.isnan(small), 0.0, small * np.exp(p * (x - reference)))
-                late = np.where(np.isnan(large), 0.0, large * np.exp(-p * (stretch + reference)))
-            out[first : first + piece] = (early + late) @ w
+                value = np.repeat(np.exp(-p * (stretch + reference)), x.size)
+                value[~places.low] *= large
+                value[places.low] = small * np.exp(p * (x - reference).ravel()[places.low])
+            out[first : first + piece] = value.reshape(-1, x.size) @ w
         return out

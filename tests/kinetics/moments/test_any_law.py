@@ -61,76 +61,114 @@ def series(decay: list[Any], driving: list[tuple[Any, list[Any]]], constant: int
     return a
 
 
-@pytest.mark.parametrize(
-    ("e", "et", "dimension"), [(0.7, 1.0, 3), (0.3, 0.8, 3), (0.7, 0.4, 2), (1.0, 0.6, 3)]
-)
-def test_displacement_and_speed_of_one_speed(e: float, et: float, dimension: int) -> None:
-    """Every tracer at speed U: <v^2>, <r^2> and <r^4> as power series in T = U t/l."""
+def sampled(dimension: int, *samples: tuple[float, float, float]) -> tuple[CollisionLaw, Any]:
+    """A law of (weight, ratio, cosine), and its rates."""
+
+    def found(m: int, first: int) -> list[Any]:
+        turned = [mp.chebyt(m, c) if dimension == 2 else mp.legendre(m, c) for _, _, c in samples]
+        return [
+            1 - mp.fsum(mp.mpf(w) * mp.mpf(s) ** p * x
+                        for (w, s, _), x in zip(samples, turned, strict=True))
+            for p in range(first, first + TERMS)
+        ]  # fmt: skip
+
+    return CollisionLaw.from_samples(*zip(*samples, strict=True), dimension), found
+
+
+def bounces(e: float, et: float, dimension: int = 2) -> tuple[CollisionLaw, Any]:
+    """Disks or spheres, and their rates."""
+    return CollisionLaw(e, et, dimension), lambda m, first: rates(e, et, dimension, m, first)
+
+
+LAWS = {
+    "smooth disks": bounces(0.7, 1.0),
+    "smooth spheres": bounces(0.7, 1.0, 3),
+    "rough disks": bounces(0.7, 0.4),
+    "rough spheres": bounces(0.3, 0.8, 3),
+    "elastic normal to the sphere": bounces(1.0, 0.6, 3),
+    "samples": sampled(2, (0.25, 0.9, 0.5), (0.75, 0.4, -0.8)),
+    "samples in space": sampled(3, (0.5, 1.0, 0.25), (0.5, 0.1, -1.0)),
+    "elastic spheres": (
+        CollisionLaw(1.0, dimension=3), lambda m, first: [mp.mpf(min(m, 1))] * TERMS,
+    ),
+    "elastic disks": (
+        CollisionLaw(1.0), lambda m, first: [1 + mp.mpf(1) / (4 * m * m - 1)] * TERMS,
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(params=LAWS)
+def law(request: Any) -> tuple[CollisionLaw, Any]:
+    """Every kind of law, with 1 - E[s^p cos(m chi)] in mpmath."""
+    return LAWS[request.param]
+
+
+def test_every_output_of_a_beam_of_one_speed(law: tuple[CollisionLaw, Any]) -> None:
+    """Every tracer begins with (U, 0): all outputs as power series in T = U t/l."""
+    bounce, decay = law
+    space = bounce.dimension == 3
+    t = np.array([0.1, 1.0, 4.0, 10.0])
+    path = PATH if space else PLANE
     with mp.workdps(60):
-        zero, one, two = (rates(e, et, dimension, m) for m in range(3))
+        zero, one, two = (decay(m, 0) for m in range(3))
         # along the start, <r^2>, second harmonic, third order, <r^4>: the wave number expanded
         chi = series(one, [], constant=1)
         square = series(zero, [(2, chi)])
-        factors = {2: (0.25, 0.125, 0.5, 64), 3: (mp.mpf(2) / 3, mp.mpf(1) / 6, mp.mpf(2) / 5, 40)}
-        a, b, c, d = factors[dimension]
+        third = mp.mpf(1) / 3
+        a, b, c, d = (2 * third, third / 2, 6 * third / 5, 40) if space else (0.25, 0.125, 0.5, 64)
         second = series(two, [(a, chi)])
-        third = series(one, [(b, square), (c, second)])
-        fourth = series(zero, [(d, third)])
-        energy = series(rates(e, et, dimension, 0, 2), [])
-        path = PLANE if dimension == 2 else PATH
-        t = np.array([0.1, 1.0, 4.0, 10.0])
-        exact = [[float(mp.polyval(y[::-1], x)) for x in t] for y in (square, fourth, energy)]
-    scene = Scene(
-        e, tangential_restitution=et, dimension=dimension, initial="monoenergetic", times=t * path,
-        outputs=("thermal_speed", "msd", "kurtosis"),
+        fourth = series(zero, [(d, series(one, [(b, square), (c, second)]))])
+        slope = [k * x for k, x in enumerate(square)]
+        coefficients = {
+            "x": chi, "square": square, "fourth": fourth, "slope": slope,
+            "collisions": series(zero, [], constant=1), "v": series(decay(1, 1), []),
+            "v^2": series(decay(0, 2), []), "v^4": series(decay(0, 4), []),
+            "turned": series(decay(2, 2), []),
+        }  # fmt: skip
+        exact = {
+            name: np.array([float(mp.polyval(y[::-1], x)) for x in t])
+            for name, y in coefficients.items()
+        }
+    outputs = (
+        "thermal_speed", "temperature", "a2", "collisions", "msd", "kurtosis", "mean_velocity",
+        "velocity_tensor", "velocity_autocorrelation", "diffusion_coefficient", "mean_displacement",
     )  # fmt: skip
+    scene = Scene(bounce, initial=Beam(), times=t * path, outputs=outputs)
     found = solve(scene, rtol=1e-11)
     assert found.status is SolverStatus.CONVERGED
-    assert np.allclose(found.msd / path**2, exact[0], rtol=2e-11, atol=0.0)
-    assert np.allclose(found.kurtosis, np.divide(exact[1], np.square(exact[0])), rtol=6e-11)
-    assert np.allclose(found.thermal_speed**2, exact[2], rtol=4e-11, atol=0.0)
-
-
-def test_elastic_spheres() -> None:
-    """Isotropic scattering: <r^2> = 2 (T - 1 + e^-T), and <r^4> by an inverse Laplace transform."""
-    t = np.array([1e-3, 0.5, 3.0, 30.0, 1e6])
-    scene = Scene(
-        1.0, dimension=3, initial="monoenergetic", times=t * PATH,
-        outputs=("msd", "kurtosis", "diffusion_coefficient"),
-    )  # fmt: skip
-    found = solve(scene)
-    with mp.workdps(40):
-        square = [2 * (x - 1 + mp.exp(-x)) for x in map(mp.mpf, t)]
-        # 40/(3 p^2 (p+1)^2) (1/p + 4/(5 (p+1))), inverted by hand
-        fourth = [
-            mp.mpf(40) / 3 * (
-                x**2 / 2 - 2 * x + 3 - (x + 3) * mp.exp(-x)
-                + mp.mpf(4) / 5 * (x - 3 + (x**2 / 2 + 2 * x + 3) * mp.exp(-x))
-            )
-            for x in map(mp.mpf, t)
-        ]  # fmt: skip
-        kurtosis = [float(f / s**2) for f, s in zip(fourth, square, strict=True)]
-    assert np.allclose(found.msd / PATH**2, np.array(square, dtype=float), rtol=1e-12)
-    assert np.allclose(found.kurtosis, kurtosis, rtol=1e-11)
-    assert found.diffusion_coefficient[-1] == pytest.approx(PATH / 3.0, rel=1e-5)
-
-
-def test_rates_that_nearly_agree() -> None:
-    """The elastic <r^4> has a formula for equal decay rates and one for others: no step between."""
-
-    def kurtosis(cosine: float) -> float:
-        # harmonics 1 and 2 decay by 1 - c and 1 - P_2(c)
-        law = CollisionLaw.from_samples([0.5, 0.5], [1.0, 1.0], [cosine, -0.9], 3)
-        scene = Scene(law, times=[3.0 * PATH], initial="monoenergetic", outputs="kurtosis")
-        return float(solve(scene).kurtosis[0])
-
-    steps = np.linspace(0.0, 0.9, 181)
-    values = np.array([kurtosis(float(c)) for c in steps])
-    assert np.abs(np.diff(values, 4)).max() < 1e-6 * np.ptp(values)
+    dimension, energy = bounce.dimension, exact["v^2"]
+    along = energy * 0.5 + 0.5 * exact["turned"]
+    if space:
+        along = (energy + 2.0 * exact["turned"]) / 3.0
+    expected = {
+        "thermal_speed": np.sqrt(energy),
+        "temperature": energy / dimension,
+        "a2": exact["v^4"] * dimension / ((dimension + 2.0) * energy**2) - 1.0,
+        "collisions": exact["collisions"],
+        "msd": path**2 * exact["square"],
+        "kurtosis": exact["fourth"] / exact["square"] ** 2,
+        "diffusion_coefficient": exact["slope"] / t * path / (2.0 * dimension),
+        "msd_slope": exact["slope"] * path**2,
+    }
+    for name, values in expected.items():
+        plus = 1.0 if name == "a2" else 0.0
+        np.testing.assert_allclose(getattr(found, name) + plus, values + plus, rtol=1e-11)
+    tensor = found.velocity_tensor
+    np.testing.assert_allclose(np.trace(tensor, axis1=1, axis2=2), energy, rtol=1e-11)
+    assert not found.mean_velocity[:, 1:].any()
+    assert not found.mean_displacement[:, 1:].any()
+    # relative to powers of the thermal speed, or to a free path
+    for value, values, unit in (
+        (found.mean_velocity[:, 0], exact["v"], np.sqrt(energy)),
+        (found.velocity_autocorrelation, exact["v"], np.sqrt(energy)),
+        (tensor[:, 0, 0], along, energy),
+        (found.mean_displacement[:, 0], exact["x"] * path, path),
+    ):
+        assert np.max(np.abs(value - values) / unit) <= 1e-11
 
 
 def test_starts_in_space() -> None:
-    """Maxwell: <v^2> = 3, a2 = 0; a beam along x: <v> along x, traces as they must be."""
+    """Maxwell: <v^2> = 3, a2 = 0; and a Maxwell distribution with a drift."""
     t = [0.0, 5.0]
     maxwell = solve(
         Scene(0.7, dimension=3, times=t, outputs=("thermal_speed", "temperature", "a2"))
@@ -138,12 +176,6 @@ def test_starts_in_space() -> None:
     assert maxwell.thermal_speed[0] == pytest.approx(math.sqrt(3.0), rel=1e-10)
     assert maxwell.temperature[0] == pytest.approx(1.0, rel=1e-10)
     assert maxwell.a2[0] == pytest.approx(0.0, abs=1e-10)
-    outputs = ("mean_velocity", "velocity_tensor", "thermal_speed", "mean_displacement")
-    beam = solve(Scene(0.7, dimension=3, initial=Beam(), times=t, outputs=outputs))
-    assert np.allclose(beam.mean_velocity[0], [1.0, 0.0, 0.0])
-    assert np.allclose(beam.velocity_tensor[0], np.diag([1.0, 0.0, 0.0]))
-    assert np.allclose(np.trace(beam.velocity_tensor[1]), beam.thermal_speed[1] ** 2)
-    assert beam.mean_displacement.shape == (2, 3)
 
     def maxwell_speed(v: Any) -> Any:
         return math.sqrt(2.0 / math.pi) * v**2 * np.exp(-0.5 * v**2)
@@ -180,7 +212,17 @@ def test_one_ratio_goes_on_oscillating() -> None:
 
 @pytest.mark.parametrize(
     ("e", "et", "dimension"),
-    [(1e-4, 0.5, 3), (0.01, 0.5, 3), (0.0, 0.8, 3), (1e-10, 0.5, 2), (0.9, 0.95, 3)],
+    [
+        (1e-4, 0.5, 3),
+        (0.01, 0.5, 3),
+        (0.0, 0.8, 3),
+        (1e-10, 0.5, 2),
+        (0.9, 0.95, 3),
+        (0.0, 1.0, 2),
+        (1e-8, 1.0, 2),
+        (0.5, 1.0, 2),
+        (0.999, 1.0, 2),
+    ],
 )
 def test_late_slope_where_directions_are_forgotten_slowly(
     e: float, et: float, dimension: int

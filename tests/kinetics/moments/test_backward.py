@@ -1,6 +1,6 @@
 """The backward equation: its error estimate, its first guess of nodes, and high moments."""
 
-import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,14 +21,12 @@ from kinetics.moments.backward import (
     DISPLACEMENT_ALONG_START,
     MEAN_COLLISIONS,
     MSD_SLOPE,
-    QUARTIC_DISPLACEMENT,
     SQUARED_DISPLACEMENT,
     BackwardEquation,
     Observable,
-    panel_width,
+    quartic_displacement,
     speed_power,
 )
-from kinetics.moments.resolution import decay_of
 from kinetics.states.state import State
 
 OBSERVABLES = (
@@ -42,18 +40,22 @@ OBSERVABLES = (
     MEAN_COLLISIONS,
     DISPLACEMENT_ALONG_START,
     SQUARED_DISPLACEMENT,
-    QUARTIC_DISPLACEMENT,
+    quartic_displacement(2),
     MSD_SLOPE,
 )
 RESTITUTIONS = (0.0, 0.15, 0.35, 0.55, 0.7, 0.8, 0.92, 0.98, 0.9999)
 
 
+def evaluate(equation: BackwardEquation, y: Observable, x: Any) -> Any:
+    """y(X) at X = x, on the panels."""
+    return equation.reduced(y, equation.locate(x))[1]
+
+
 def relative_error(equation: BackwardEquation, exact: BackwardEquation, y: Observable) -> float:
     x = np.linspace(-1.99, 20.0, 800)
-    truth = exact.evaluate(y, x)
-    power = y.harmonic and not (y.sources or y.constant)
-    scale = exact.evaluate(speed_power(y.degree), x) if power else truth
-    return float(np.max(np.abs(equation.evaluate(y, x) - truth) / np.abs(scale)))
+    truth = evaluate(exact, y, x)
+    scale = evaluate(exact, speed_power(y.degree), x) if y.harmonic and y.is_power else truth
+    return float(np.max(np.abs(evaluate(equation, y, x) - truth) / np.abs(scale)))
 
 
 @pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
@@ -69,24 +71,8 @@ def test_the_estimate_covers_the_error(e: float) -> None:
                 assert error <= equation.error_estimate(y) <= 150.0 * error, (nodes, y)
 
 
-@pytest.mark.parametrize("e", slow_but(RESTITUTIONS[::2], RESTITUTIONS))
-def test_the_first_guess_of_nodes_is_nearly_right(e: float) -> None:
-    law = CollisionLaw(e)
-    for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
-        for y in OBSERVABLES:
-            nodes = decay_of(law, y).nodes_for(rtol)
-            assert BackwardEquation(law, 22.0, nodes + 1).error_estimate(y) <= rtol, (rtol, y)
-            if nodes > 8:
-                assert BackwardEquation(law, 22.0, nodes - 3).error_estimate(y) > rtol, (rtol, y)
-
-
-def test_panels_are_narrow_for_high_powers() -> None:
-    assert panel_width(4.0) == panel_width(0.0) == 1.0
-    assert panel_width(-40.0) == panel_width(40.0) == pytest.approx(0.1)
-
-
-@pytest.mark.parametrize("e", [0.0, 0.5, 0.9, 0.999])
-@pytest.mark.parametrize("p", [8.0, 12.0, 20.0, 30.0, 40.0])
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.999])
+@pytest.mark.parametrize("p", [8.0, 20.0, 40.0])
 @pytest.mark.parametrize("rtol", [1e-4, 1e-10])
 def test_high_moments_of_the_late_state(e: float, p: float, rtol: float) -> None:
     # T = 1e16: what is left of the start is below 1e-13 (e = 0.999: kappa T = 1e13)
@@ -143,35 +129,3 @@ def test_many_times_are_interpolated_and_stay_right(e: float, start: State) -> N
             assert np.all(np.abs(dense - alone) <= max(0.1 * rtol, 1e-13) * size), name
         third, alone = many.moment(3.0)[some], few.moment(3.0)
         assert np.all(np.abs(third / alone - 1.0) <= max(0.1 * rtol, 1e-13))
-
-
-def test_loss_rates_of_an_array_of_powers() -> None:
-    law = CollisionLaw(0.6)
-    p = np.array([0.0, 0.5, 3.0, 11.0])
-    for m in (0, 1, 4):
-        each = [law.harmonic_decay_rate(float(x), m) for x in p]
-        assert all(isinstance(x, float) for x in each)
-        assert law.harmonic_decay_rate(p, m) == pytest.approx(each, rel=1e-13)
-
-
-def test_observables_know_with_which_power_they_begin() -> None:
-    powers = {
-        speed_power(3.0): 3.0,
-        MEAN_COLLISIONS: 1.0,
-        DISPLACEMENT_ALONG_START: 1.0,
-        SQUARED_DISPLACEMENT: 2.0,
-        QUARTIC_DISPLACEMENT: 4.0,
-        MSD_SLOPE: 2.0,
-    }
-    for y, power in powers.items():
-        assert y.first_power == power
-
-
-def test_more_nodes_keep_the_initial_state() -> None:
-    from kinetics.moments.velocity import Averages
-
-    averages = Averages(CollisionLaw(0.7), 1.0, Gaussian(), np.array([1.0]), 1e-8)
-    speeds = averages.speeds
-    assert averages.with_nodes(12).speeds is speeds
-    assert averages.with_nodes(12).equation.nodes == 12
-    assert math.isclose(float(speeds.weight.sum()), 1.0)

@@ -1,15 +1,12 @@
 """Averages after N collisions: direct sums, particles, and what is refused."""
 
-import json
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from kinetics import AngularHarmonics, Beam, CollisionLaw, InputError, Scene, load, solve
-from kinetics.cli import cli
 from kinetics.moments.by_collision import ByCollision
 from particles import BoltzmannGrad, simulate
 
@@ -46,13 +43,9 @@ def test_the_start_does_not_matter_to_the_displacement() -> None:
     exact = [sum(c**k for k in range(n)) for n in NUMBERS]
     np.testing.assert_allclose(beam.mean_displacement[:, 0], exact, rtol=1e-13)
     assert np.all(beam.mean_displacement[:, 1:] == 0.0)
+    turned = after(CollisionLaw(0.4), initial=Beam(0.7)).mean_displacement
+    np.testing.assert_allclose(np.arctan2(turned[:, 1], turned[:, 0]), 0.7, rtol=1e-13)
     np.testing.assert_allclose(beam.harmonic(0.0, 1).real, c ** np.array(NUMBERS), rtol=1e-13)
-
-
-def test_a_beam_at_an_angle() -> None:
-    beam = after(CollisionLaw(0.4), initial=Beam(0.7))
-    angle = np.arctan2(beam.mean_displacement[:, 1], beam.mean_displacement[:, 0])
-    np.testing.assert_allclose(angle, 0.7, rtol=1e-13)
 
 
 def check(values: Any, expected: float) -> None:
@@ -132,14 +125,3 @@ def test_what_does_not_exist_is_refused() -> None:
         _ = stopping.mean_time
     with pytest.raises(InputError, match=r"^collision_numbers: a2 overflows"):
         _ = after(CollisionLaw(0.1), [10**6]).a2
-
-
-def test_the_command_prints_them() -> None:
-    arguments = ["solve", "-e", "0.6", "--times", "", "--collision-numbers", "0,3"]
-    text = CliRunner().invoke(cli, arguments).output
-    found = json.loads(CliRunner().invoke(cli, [*arguments, "--json"]).output)["by_collision"]
-    exact = solve(Scene(0.6, collision_numbers=[0, 3])).by_collision
-    assert found["collision_numbers"] == [0, 3]
-    for name in ("thermal_speed", "a2", "msd"):
-        np.testing.assert_allclose(found[name], getattr(exact, name), rtol=1e-12)
-        assert f"{getattr(exact, name)[1]:.6g}" in text

@@ -52,53 +52,29 @@ def errors(solution: Solution, rows: Any) -> dict[str, float]:
 @pytest.mark.parametrize("e", ["0.0", "0.05", "0.4", "0.7", "0.9", "0.99"])
 @pytest.mark.parametrize("name", ["monoenergetic", "gaussian"])
 def test_averages_at_times_up_to_1e8(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
-    scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
-    solution = solve(scene)
-    found = errors(solution, numbers["evolution"][e][name])
-    assert max(found.values()) <= 1e-10, found
-    assert solution.status is SolverStatus.CONVERGED
-    assert solution.error_estimate <= 1e-10
-
-
-@pytest.mark.parametrize("e", ["0.05", "0.7"])
-@pytest.mark.parametrize("name", ["table", "samples", "exponential"])
-def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
-    scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
-    found = errors(solve(scene), numbers["evolution"][e][name])
-    assert max(found.values()) <= 1e-10, found
-
-
-@pytest.mark.parametrize("e", ["0.05", "0.7"])
-def test_a_start_with_a_tail_v_to_the_minus_6(e: str, formulas: ModuleType, numbers: Any) -> None:
-    times = formulas.TIMES
-    scene = Scene(float(e), times=times, initial=state("power_law", formulas), outputs=MEANS)
-    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e]["power_law"])
-    assert max(found.values()) <= 2e-12, found
-
-
-@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10, 1e-12])
-def test_what_is_asked_and_not_1000_times_less(
-    rtol: float, formulas: ModuleType, numbers: Any
-) -> None:
-    worst = 0.0
-    for e in ("0.0", "0.4", "0.7"):
-        for name in ("monoenergetic", "gaussian"):
-            scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
-            solution = solve(scene, rtol=rtol)
-            assert solution.status is SolverStatus.CONVERGED
-            found = max(errors(solution, numbers["evolution"][e][name]).values())
-            assert found <= rtol, (e, name)
-            worst = max(worst, found)
-    assert worst >= 1e-3 * rtol
-
-
-@pytest.mark.parametrize("e", ["0.0", "0.4", "0.9"])
-def test_other_moments(e: str, formulas: ModuleType, numbers: Any) -> None:
-    for name in ("monoenergetic", "gaussian"):
-        solution = solve(Scene(float(e), times=formulas.TIMES, initial=name), rtol=1e-12)
+    """As accurate as asked for; and at 1e-6 not 1000 times more so, which would cost time."""
+    rows = numbers["evolution"][e][name]
+    for rtol in (1e-6, 1e-8, 1e-10, 1e-12):
+        scene = Scene(float(e), times=formulas.TIMES, initial=name, outputs=MEANS)
+        solution = solve(scene, rtol=rtol)
+        assert solution.status is SolverStatus.CONVERGED
+        assert solution.error_estimate <= rtol
+        worst = max(errors(solution, rows).values())
+        assert worst <= rtol
+        assert worst >= 1e-9 or rtol < 1e-6
         for p in (1.0, 2.5, 6.0):
-            reference = numbers["evolution"][e][name][f"v^{p:g}"]
-            np.testing.assert_allclose(solution.moment(p), reference, rtol=1e-11)
+            if f"v^{p:g}" in rows:
+                tolerance = max(rtol, 1e-11)
+                np.testing.assert_allclose(solution.moment(p), rows[f"v^{p:g}"], rtol=tolerance)
+
+
+@pytest.mark.parametrize("e", ["0.05", "0.7"])
+@pytest.mark.parametrize("name", ["table", "samples", "exponential", "power_law"])
+def test_other_starts(e: str, name: str, formulas: ModuleType, numbers: Any) -> None:
+    """The last one has a tail v^-6: <v^4> is 1/4 of its way from diverging."""
+    scene = Scene(float(e), times=formulas.TIMES, initial=state(name, formulas), outputs=MEANS)
+    found = errors(solve(scene, rtol=1e-12), numbers["evolution"][e][name])
+    assert max(found.values()) <= 2e-12, found
 
 
 def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
@@ -115,7 +91,7 @@ def test_slow_tracers_weigh_in_negative_moments(formulas: ModuleType) -> None:
                     assert value == pytest.approx(float(exact), rel=1e-11, abs=0.0)
 
 
-@pytest.mark.parametrize("m", range(1, 9))
+@pytest.mark.parametrize("m", [1, 2, 5, 8])
 @pytest.mark.parametrize("e", ["0.2", "0.7"])
 def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any) -> None:
     """<v^2 cos(m phi)> with nu_m(p) = 1 - E[s^p cos(m chi)] in place of lambda(p)."""
@@ -125,11 +101,15 @@ def test_harmonics_of_a_beam(e: str, m: int, formulas: ModuleType, numbers: Any)
     assert np.max(np.abs(difference) / v2) <= 1e-9
 
 
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
 def test_early_times_and_the_start(e: float, name: str) -> None:
     times = [0.0, 1e-300, 1e-12, 1e-6]
-    solution = solve(Scene(e, times=times, initial=name, outputs=MEANS))
+    outputs = (*MEANS, "kurtosis", "mean_displacement", "diffusion_coefficient")
+    solution = solve(Scene(e, times=times, initial=name, outputs=outputs))
+    kurtosis = 2.0 if name == "gaussian" else 1.0  # of the flights
+    assert solution.kurtosis == pytest.approx([kurtosis] * 4, rel=1e-6)
+    assert not solution.mean_displacement.any()
     v2 = 2.0 if name == "gaussian" else 1.0
     assert solution.thermal_speed[:2] == pytest.approx([math.sqrt(v2)] * 2, rel=1e-11, abs=0.0)
     assert solution.a2[:2] + 1 == pytest.approx(
@@ -141,6 +121,7 @@ def test_early_times_and_the_start(e: float, name: str) -> None:
     for k, t in enumerate(times[1:3], start=1):
         assert solution.collisions[k] == pytest.approx(mean * t / 12.5, rel=1e-10, abs=0.0)
         assert solution.msd[k] == pytest.approx(v2 * t * t, rel=1e-10, abs=1e-300)
+        assert solution.diffusion_coefficient[k] == pytest.approx(0.5 * v2 * t, rel=1e-10, abs=0.0)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.4, 0.9, 0.99])
@@ -187,15 +168,6 @@ def test_any_table_cools_for_ever(e: float, rise: list[float], heights: list[flo
     )
 
 
-@pytest.mark.parametrize("e", [0.0, 0.05, 0.5, 0.95, 0.999])
-def test_temperature_never_grows_and_mass_is_kept(e: float) -> None:
-    times = np.geomspace(1e-6, 1e12, 400)
-    for name in ("gaussian", "monoenergetic"):
-        solution = solve(Scene(e, times=times, initial=name, outputs=("temperature",)))
-        assert np.all(np.diff(solution.temperature) <= 0.0)
-        assert np.max(np.abs(solution.moment(0.0) - 1.0)) <= 1e-13
-
-
 @pytest.mark.parametrize("scale", [1e-150, 1e150])
 def test_a_change_of_units_changes_nothing(scale: float) -> None:
     """Speeds times scale, times over scale: v0 times scale, the rest as it was."""
@@ -235,30 +207,21 @@ def test_many_samples_are_averaged_as_if_one_by_one() -> None:
         assert found.msd[k] == pytest.approx(one.msd[at].mean(), rel=1e-11, abs=0)
 
 
-@pytest.mark.parametrize("name", ["gaussian", "monoenergetic"])
-def test_elastic_speeds_are_kept_and_diffuse(name: str) -> None:
-    """<r^2> = 2 (v l)^2/nu^2 (x - 1 + exp(-x)), x = nu v t/l, nu = 4/3; so D = (3/8) <v> l."""
-    times = np.array([0.0, 1e-9, 1.0, 30.0, 1e3, 1e8])
-    solution = solve(Scene(1.0, times=times, initial=name, outputs=MEANS), rtol=1e-13)
-    v2, mean = (2.0, math.sqrt(math.pi / 2)) if name == "gaussian" else (1.0, 1.0)
-    np.testing.assert_allclose(solution.temperature, 0.5 * v2, rtol=1e-12)
-    np.testing.assert_allclose(solution.collisions, mean * times / 12.5, rtol=1e-12)
-    if name == "monoenergetic":
-        with mp.workdps(40):
-            for t, found in zip(times[1:], solution.msd[1:], strict=True):
-                x = mp.mpf(4) / 3 * mp.mpf(t) / mp.mpf("12.5")
-                exact = 2 * mp.mpf("12.5") ** 2 * (x - 1 + mp.exp(-x)) * mp.mpf(9) / 16
-                assert found == pytest.approx(float(exact), rel=1e-12, abs=0.0)
-    # <r^2>/4t -> D, with corrections l^2/t
-    constant = 2 * 12.5**2 * 9 / 16
-    diffusion = (solution.msd[-1] + constant) / (4 * times[-1])
-    assert diffusion == pytest.approx(3 / 8 * mean * 12.5, rel=1e-12, abs=0.0)
+def test_moments_that_do_not_exist() -> None:
+    for e, initial, p, message in (
+        (0.5, "gaussian", -2.0, "p > -2"),
+        (0.0, "monoenergetic", -1.0, "p > -1"),
+        (0.0, "gaussian", -1.0, "p > -1"),
+        *((0.5, "gaussian", p, "^p: got ") for p in (math.nan, 41.0, "x", None)),
+    ):
+        with pytest.raises(InputError, match=message):
+            solve(Scene(e, times=[1.0], initial=initial)).moment(p)
 
 
 def test_elastic_harmonics_relax_at_their_own_rates(formulas: ModuleType) -> None:
     times = np.array([0.0, 5.0, 60.0])
     solution = solve(Scene(1.0, times=times, initial=Beam(direction=0.3)), rtol=1e-12)
-    for m in range(1, 9):
+    for m in (1, 2, 5, 8):
         with mp.workdps(30):
             nu = float(1 - formulas.ratio_power_cosine(1.0, 0, m))
         exact = np.exp(-nu * times / 12.5 - 0.3j * m)
@@ -274,45 +237,3 @@ def test_nearly_elastic_is_nearly_elastic() -> None:
             np.testing.assert_allclose(
                 getattr(near, name), getattr(elastic, name), rtol=1e3 * (1 - e) + 1e-11, atol=1e-6
             )
-
-
-def test_density_and_diameter_only_set_the_mean_free_path() -> None:
-    times = np.array([1.0, 50.0, 1e4])
-    plain = solve(Scene(0.5, times=times, outputs=MEANS))
-    other = solve(Scene(0.5, number_density=0.01, diameter=2.0, times=2 * times, outputs=MEANS))
-    np.testing.assert_allclose(other.thermal_speed, plain.thermal_speed, rtol=1e-13)
-    np.testing.assert_allclose(other.msd, 4 * plain.msd, rtol=1e-12)
-
-
-@pytest.mark.parametrize("p", [math.nan, 41.0, "x", None])
-def test_bad_moment(p: Any) -> None:
-    with pytest.raises(InputError, match=r"^p: got "):
-        solve(Scene(0.5, times=[1.0])).moment(p)
-
-
-def test_moments_that_do_not_exist() -> None:
-    with pytest.raises(InputError, match="p > -2"):
-        solve(Scene(0.5, times=[1.0])).moment(-2.0)
-    with pytest.raises(InputError, match="p > -1"):
-        solve(Scene(0.0, times=[1.0], initial="monoenergetic")).moment(-1.0)
-
-
-@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("e", ["0.0", "0.9", "0.99"])
-def test_higher_moments_at_the_tolerance_asked(
-    e: str, rtol: float, formulas: ModuleType, numbers: Any
-) -> None:
-    rows = numbers["evolution"][e]["monoenergetic"]
-    scene = Scene(float(e), times=formulas.TIMES, initial="monoenergetic", outputs=MEANS)
-    solution = solve(scene, rtol=rtol)
-    assert max(errors(solution, rows).values()) <= rtol
-    np.testing.assert_allclose(solution.moment(6.0), rows["v^6"], rtol=rtol)
-
-
-@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
-def test_a_heavy_tail_at_the_tolerance_asked(
-    rtol: float, formulas: ModuleType, numbers: Any
-) -> None:
-    initial = state("power_law", formulas)
-    solution = solve(Scene(0.7, times=formulas.TIMES, initial=initial, outputs=MEANS), rtol=rtol)
-    assert max(errors(solution, numbers["evolution"]["0.7"]["power_law"]).values()) <= rtol
