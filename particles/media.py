@@ -1,5 +1,6 @@
 """Where the scatterers stand. A medium is frozen data that validates itself when it is made."""
 
+import os
 from dataclasses import dataclass, field
 from math import cbrt, pi, sqrt
 from os import PathLike
@@ -279,6 +280,8 @@ class Positions(Value):
         that cannot be read, is not text or holds no positions.
         """
         name = check_path("path", path)
+        if os.path.exists(name) and not os.path.isfile(name):
+            raise ValueError(f"{name}: is a folder, a device or a pipe; it must be a file")
         try:
             with open(name, encoding="utf-8-sig") as file:
                 lines = [line for line in file.read().splitlines() if line.strip()]

@@ -1,5 +1,6 @@
 """Where scatterers stand: distances, densities, equilibrium, what cells list; bad media."""
 
+import os
 import re
 from itertools import product
 from pathlib import Path
@@ -188,6 +189,11 @@ def test_positions_from_csv(tmp_path: Path) -> None:
         assert "\n" not in str(caught.value)
     with pytest.raises(ValueError, match=r"none.csv: cannot be read \(No such file"):
         Positions.from_csv(tmp_path / "none.csv", 10.0)
+    (tmp_path / "zero.csv").symlink_to("/dev/zero")
+    os.mkfifo(tmp_path / "pipe.csv")
+    for name in ("zero.csv", "pipe.csv"):  # neither ends
+        with pytest.raises(ValueError, match="it must be a file"):
+            Positions.from_csv(tmp_path / name, 10.0)
 
 
 def test_a_set_of_positions_for_each_configuration() -> None:
