@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy.special import erf
+from scipy import stats
 
 import particles
 from particles import (
@@ -20,32 +20,49 @@ TIMES = [0.0, 1.0, 30.0, 1000.0]
 EVERYTHING = particles.OBSERVABLES
 
 
-def test_the_initial_state_is_the_gaussian_asked_for() -> None:
-    ensemble = simulate(
-        BoltzmannGrad(0.04), 0.5, times=[0.0], media=100, tracers=1000, seed=2,
-        observables=["velocities", "speed_histogram", "velocity_component_histogram"],
-    )  # fmt: skip
-    v = ensemble.velocities[0]
-    assert v.shape == (100_000, 2)
-    # 4 sigma: of the mean 1/sqrt(n), of the variance sqrt(2/n), of the correlation 1/sqrt(n).
-    assert np.all(abs(v.mean(axis=0)) < 4 / np.sqrt(len(v)))
-    assert np.all(abs(v.var(axis=0) - 1) < 4 * np.sqrt(2 / len(v)))
-    assert abs(np.mean(v[:, 0] * v[:, 1])) < 4 / np.sqrt(len(v))
-    assert abs(ensemble.thermal_speed.value[0] - np.sqrt(2)) < 4 * ensemble.thermal_speed.error[0]
-    assert abs(ensemble.a2.value[0]) < 4 * ensemble.a2.error[0]
-    # Rayleigh and half-normal laws, bin by bin where 100 counts are expected.
-    for histogram, law in (
-        (ensemble.speed_histogram, lambda x: 1 - np.exp(-x * x / 2)),
-        (ensemble.velocity_component_histogram, lambda x: erf(x / np.sqrt(2))),
+def check(values: np.ndarray, expected: float) -> None:
+    """The mean of independent values is the expected one within 4 standard errors."""
+    error = values.std(ddof=1) / np.sqrt(values.size)
+    assert abs(values.mean() - expected) < 4 * error, (values.mean(), expected, error)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_initial_state_is_the_one_asked_for(dimension: int) -> None:
+    d = dimension
+    for initial, second, fourth, mixed in (
+        ("gaussian", 1.0, 3.0, 1.0),
+        ("monoenergetic", 1 / d, 3 / (d * (d + 2)), 1 / (d * (d + 2))),
     ):
-        p = np.diff(law(histogram.edges))
-        seen = histogram.probability.value[0]
-        busy = p * len(v) > 100
-        sigma = np.sqrt(p * (1 - p) / len(v))
-        assert busy.sum() > 50
-        assert np.all(abs(seen - p)[busy] < 4.5 * sigma[busy])
-        total = seen.sum() + histogram.below[0] + histogram.above[0]
-        assert total == pytest.approx(1, abs=1e-12)
+        run = simulate(
+            BoltzmannGrad(0.04, dimension=d), 0.5, initial, times=[0.0], media=100, tracers=1000,
+            seed=2, observables=["velocities", "speed_histogram", "velocity_component_histogram"],
+        )  # fmt: skip
+        v = run.velocities[0]
+        assert v.shape == (100_000, d)
+        for k in range(d):
+            check(v[:, k], 0.0)
+            check(v[:, k] ** 2, second)
+            check(v[:, k] ** 4, fourth)
+            check(v[:, k] * v[:, k - 1], 0.0)
+            check(v[:, k] ** 2 * v[:, k - 1] ** 2, mixed)
+        if initial == "monoenergetic":
+            np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1.0, rtol=1e-14)
+            continue
+        assert abs(run.thermal_speed.value[0] - np.sqrt(d)) < 4 * run.thermal_speed.error[0]
+        assert abs(run.a2.value[0]) < 4 * run.a2.error[0]
+        # Bin by bin where 100 counts are expected.
+        for histogram, law in (
+            (run.speed_histogram, stats.chi(d)),
+            (run.velocity_component_histogram, stats.halfnorm),
+        ):
+            p = np.diff(law.cdf(histogram.edges))
+            seen = histogram.probability.value[0]
+            busy = p * len(v) > 100
+            sigma = np.sqrt(p * (1 - p) / len(v))
+            assert busy.sum() > 50
+            assert np.all(abs(seen - p)[busy] < 4.5 * sigma[busy])
+            total = seen.sum() + histogram.below[0] + histogram.above[0]
+            assert total == pytest.approx(1, abs=1e-12)
 
 
 def test_errors_come_from_configurations() -> None:
@@ -75,22 +92,6 @@ def test_one_configuration_has_no_error_bar() -> None:
     ensemble = simulate(Poisson(0.1, 1000), 0.7, times=[1.0], media=1, tracers=10)
     assert np.isinf(ensemble.msd.error).all()
     assert np.isfinite(ensemble.msd.value).all()
-
-
-@pytest.mark.parametrize(("dimension", "path"), [(2, 12.5), (3, 1 / (np.pi * 0.04))])
-def test_boltzmann_grad_free_paths_are_exponential(dimension: int, path: float) -> None:
-    ensemble = simulate(
-        BoltzmannGrad(0.04, dimension=dimension), 0.7, media=100, tracers=100, max_collisions=20,
-        observables=["free_path_histogram"],
-    )  # fmt: skip
-    assert abs(ensemble.mean_free_path.value - path) < 3 * ensemble.mean_free_path.error
-    histogram, n = ensemble.free_path_histogram, 200_000
-    p = -np.diff(np.exp(-histogram.edges / path))
-    assert ensemble.collision_total == n
-    busy = p * n > 100
-    sigma = np.sqrt(p * (1 - p) / n)
-    assert busy.sum() > 50
-    assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
 
 
 def test_a_collision_cap_says_whom_it_leaves_out() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from particles import OBSERVABLES, BoltzmannGrad, simulate
 from particles.estimators import jackknife, share
 
 
@@ -32,3 +33,56 @@ def test_the_jackknife_of_a_mean_is_its_standard_error(n: int) -> None:
     estimate = jackknife(sums, lambda s: s[1] / s[0])
     assert float(estimate.value) == pytest.approx(values.mean(), rel=1e-13)
     assert float(estimate.error) == pytest.approx(values.std(ddof=1) / np.sqrt(n), rel=1e-10)
+
+
+@pytest.mark.parametrize("field", [0.0, 0.3])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_estimates_are_those_of_the_raw_data(dimension: int, field: float) -> None:
+    given = np.random.default_rng(4).normal(size=(3, 50, dimension))
+    refused = {"velocity_component_histogram"} if field else set()
+    run = simulate(
+        BoltzmannGrad(0.05, diameter=2.0, dimension=dimension), 0.6, given, [0.0, 2.0, 60.0],
+        media=3, tracers=50, field=field, observables=sorted({*OBSERVABLES} - refused),
+    )  # fmt: skip
+    r, v = run.positions, run.velocities
+    assert r.shape == v.shape == (3, 150, dimension)
+    np.testing.assert_allclose(v[0], given.reshape(150, dimension), rtol=1e-14)
+    r2, v2 = (r**2).sum(axis=2), (v**2).sum(axis=2)
+    means = {
+        "msd": r2.mean(axis=1),
+        "thermal_speed": np.sqrt(v2.mean(axis=1)),
+        "velocity_autocorrelation": (v * v[0]).sum(axis=2).mean(axis=1),
+    }
+    if field:
+        about = r - r.mean(axis=1, keepdims=True)
+        spread = np.einsum("tni,tnj->tij", about, about) / 150
+        means |= {
+            "drift": v[:, :, 0].mean(axis=1),
+            "mean_velocity": v.mean(axis=1),
+            "velocity_tensor": np.einsum("tni,tnj->tij", v, v) / 150,
+            "mean_displacement": r.mean(axis=1),
+            "dispersion": spread,
+            "dispersion_parallel": spread[:, 0, 0],
+            "dispersion_perpendicular": spread[:, 1:, 1:].trace(axis1=1, axis2=2) / (dimension - 1),
+        }
+    for name, expected in means.items():
+        estimate = getattr(run, name)
+        assert name in run.outputs
+        np.testing.assert_allclose(estimate.value, expected, rtol=1e-9, atol=1e-9, err_msg=name)
+        assert estimate.error.shape == expected.shape
+    if not field:
+        kurtosis = (r2**2).mean(axis=1)[1:] / r2.mean(axis=1)[1:] ** 2
+        np.testing.assert_allclose(run.kurtosis.value[1:], kurtosis, rtol=1e-12)
+        a2 = dimension / (dimension + 2) * (v2**2).mean(axis=1) / v2.mean(axis=1) ** 2 - 1
+        np.testing.assert_allclose(run.a2.value, a2, rtol=1e-11)
+    values = {"speed": np.sqrt(v2), "velocity_component": abs(v[:, :, 0]), "displacement": r2**0.5}
+    for name in [f"{one}_histogram" for one in values if f"{one}_histogram" not in refused]:
+        histogram = getattr(run, name)
+        for k in (1, 2):
+            counts = np.histogram(values[name.removesuffix("_histogram")][k], histogram.edges)[0]
+            np.testing.assert_allclose(histogram.probability.value[k], counts / 150, atol=1e-14)
+    # The last flight ends at the last time.
+    ln_v, ln_t, x, y, _, *z = run.finals.T
+    np.testing.assert_allclose(np.stack((x, y, *z), axis=1), r[-1], rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(np.exp(2 * ln_v), v2[-1], rtol=1e-11)
+    np.testing.assert_allclose(np.exp(ln_t), 60.0, rtol=1e-12)

@@ -10,15 +10,12 @@ import pytest
 from marking import slow_but
 
 from particles import (
-    OBSERVABLES,
     BoltzmannGrad,
     HardSpheres,
     simulate,
 )
 
 DISKS, SPHERES = BoltzmannGrad(0.5), BoltzmannGrad(1 / np.pi, dimension=3)
-# All but what a field refuses.
-EVERYTHING = sorted({*OBSERVABLES} - {"velocity_component_histogram"})
 # The steady state by a spectral solution, to its digits: medium, e -> <v_x>, <v^2>, <v_x^2>, <v>.
 TABLE = [
     (DISKS, 0.0, (0.985849365, 1.66747853, 1.39179697, 1.12644819)),
@@ -166,52 +163,6 @@ def test_a_field_the_other_way_turns_everything_round() -> None:
     assert np.array_equal(one.positions, -other.positions)
     assert np.array_equal(one.velocities, -other.velocities)
     assert np.array_equal(one.drift.value, -other.drift.value)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_estimates_are_those_of_the_raw_data(dimension: int) -> None:
-    medium = BoltzmannGrad(0.05, diameter=2.0, dimension=dimension)
-    run = simulate(
-        medium, 0.6, times=[0.0, 2.0, 60.0], media=3, tracers=50, field=0.3, observables=EVERYTHING
-    )
-    r, v = run.positions, run.velocities
-    close = dict(rtol=1e-11, atol=1e-12)
-    np.testing.assert_allclose(run.mean_velocity.value, v.mean(axis=1), **close)
-    np.testing.assert_allclose(run.drift.value, v[:, :, 0].mean(axis=1), **close)
-    tensor = np.einsum("tni,tnj->tij", v, v) / 150
-    np.testing.assert_allclose(run.velocity_tensor.value, tensor, **close)
-    np.testing.assert_allclose(run.mean_displacement.value, r.mean(axis=1), **close)
-    about = r - r.mean(axis=1, keepdims=True)
-    variance = np.einsum("tni,tnj->tij", about, about) / 150
-    np.testing.assert_allclose(run.dispersion.value, variance, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(run.dispersion_parallel.value, variance[:, 0, 0], rtol=1e-9)
-    across = variance[:, 1:, 1:].trace(axis1=1, axis2=2) / (dimension - 1)
-    np.testing.assert_allclose(run.dispersion_perpendicular.value, across, rtol=1e-9)
-    np.testing.assert_allclose(run.msd.value, (r**2).sum(axis=2).mean(axis=1), **close)
-    np.testing.assert_allclose(run.thermal_speed.value**2, (v**2).sum(2).mean(1), **close)
-    ln_v, ln_t, x, y, *rest = run.finals.T
-    place = np.stack((x, y, *rest[1:]), axis=1)
-    np.testing.assert_allclose(place, r[-1], **close)
-    np.testing.assert_allclose(np.exp(2 * ln_v), (v[-1] ** 2).sum(axis=1), **close)
-    np.testing.assert_allclose(np.exp(ln_t), 60.0, rtol=1e-14)
-    for name in ("drift", "velocity_tensor", "dispersion"):
-        assert name in run.outputs
-        assert getattr(run, name).error.shape == getattr(run, name).value.shape
-
-
-def test_free_paths_are_exponential_along_the_parabola() -> None:
-    run = simulate(
-        DISKS, 0.3, "rest", media=50, tracers=100, max_collisions=40, field=2.0,
-        observables=["free_path_histogram"],
-    )  # fmt: skip
-    assert run.statuses.collision_cap == 5000
-    assert abs(run.mean_free_path.value - 1.0) < 4 * run.mean_free_path.error
-    histogram = run.free_path_histogram
-    p, n = -np.diff(np.exp(-histogram.edges)), 200_000
-    busy = p * n > 100
-    sigma = np.sqrt(p * (1 - p) / n)
-    assert busy.sum() > 50
-    assert np.all(abs(histogram.probability.value[0] - p)[busy] < 4.5 * sigma[busy])
 
 
 BAD = [

@@ -18,25 +18,33 @@ from particles import (
 
 
 @pytest.mark.parametrize(
-    ("medium", "rate"),
-    [(Poisson(0.1, 1000), 2.0), (PoissonSpheres(0.2, count=3000), np.pi)],
-)
-def test_first_flights_among_overlapping_scatterers_are_exponential(
-    medium: Any, rate: float
-) -> None:
-    # Only scatterers that do not cover the start are in the way, so the chance of a path x is
-    # exp(-rate rho x), but for the finite number of scatterers; 4.5 sigma in each bin. Tracers of
-    # one medium share the scatterers about the start: the spread over media is the error.
-    run = simulate(
-        medium, 1.0, media=400, tracers=50, max_collisions=1, seed=5,
-        observables=["free_path_histogram"],
-    )  # fmt: skip
-    histogram = run.free_path_histogram
-    p = -np.diff(np.exp(-rate * medium.number_density * histogram.edges))
-    found = histogram.probability
-    busy = p * run.collision_total > 60
+    ("medium", "path", "run"),
+    [
+        (Poisson(0.1, 1000), 5.0, dict(restitution=1.0, media=400, tracers=50, max_collisions=1)),
+        (PoissonSpheres(0.2, count=3000), 5 / np.pi,
+         dict(restitution=1.0, media=400, tracers=50, max_collisions=1)),
+        (BoltzmannGrad(0.04), 12.5, dict(media=100, tracers=100, max_collisions=20)),
+        (BoltzmannGrad(0.04, dimension=3), 25 / np.pi,
+         dict(media=100, tracers=100, max_collisions=20)),
+        (BoltzmannGrad(0.5), 1.0,
+         dict(media=50, tracers=100, max_collisions=40, initial="rest", field=2.0)),
+    ],
+)  # fmt: skip
+def test_free_paths_are_exponential(medium: Any, path: float, run: dict[str, Any]) -> None:
+    # Of overlapping scatterers the first ones only: those that do not cover the start are in the
+    # way. Tracers of one medium share them, so the spread over media is the error; 4.5 sigma in
+    # each bin. In a field the length is that along the parabola.
+    found = simulate(medium, **dict(restitution=0.7) | run, seed=5,
+                     observables=["free_path_histogram"])  # fmt: skip
+    histogram = found.free_path_histogram
+    p = -np.diff(np.exp(-histogram.edges / path))
+    busy = p * found.collision_total > 60
     assert busy.sum() > 30
-    assert np.all(abs(found.value[0] - p)[busy] < 4.5 * found.error[0][busy])
+    shares = histogram.probability
+    assert np.all(abs(shares.value[0] - p)[busy] < 4.5 * shares.error[0][busy])
+    if isinstance(medium, BoltzmannGrad):
+        assert found.statuses.collision_cap == run["media"] * run["tracers"]
+        assert abs(found.mean_free_path.value - path) < 4 * found.mean_free_path.error
 
 
 @pytest.mark.parametrize("density", [0.01, 0.2])
