@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -359,6 +359,11 @@ class CollisionLaw:
         return self._finite(p, rate)[()]
 
     # -- returns to the scatterer before, in a medium ----------------------------------------------
+
+    @cached_property
+    def without_medium(self) -> CollisionLaw:
+        """The same bounce among scatterers that are never met again."""
+        return replace(self, medium=None)
 
     def returns(self, m: int) -> tuple[float, float]:
         """eps (-1)^m, and x = -ln e, of the bounces straight back; both are 0 where none comes.

@@ -23,8 +23,10 @@ Orders of the theory ("density_order"):
     m = 0 and p = 0 for the others. For m > 2, and for e < 0.2, where many tracers end in corners
     of two disks, it is the leading order.
 "second" : with a term of the order (n ln n)^2 in the harmonic m = 1, fitted to simulations. The
-    default, because it is the nearest: <r^2> from 100 l/U on is within .8, .9 and 3.4 per cent of
-    simulations at n = .02, .04 and .1 (measured by tests/kinetics/measurements/density.py)
+    default, because it is the nearest: <r^2> is within .8, 1 and 3.5 per cent of simulations at
+    n = .02, .04 and .1 (measured by tests/kinetics/measurements/density.py)
+
+Averages over time know that returns take time (`kinetics.moments.delayed`); distributions do not.
 
 The operator is no jump process: at low speeds (c < .1) and high densities the speed density may
 fall below zero.
@@ -48,11 +50,9 @@ SCATTERERS = ("dilute", "overlapping", "hard disks")
 ORDERS = ("leading", "first", "second")
 HIGHEST_DENSITY = 0.3  # n = rho d^2 above which nothing is tried
 TESTED_DENSITY = 0.1  # and above which nothing was compared with simulations
-SETTLED = 30.0  # in l/U: the returns need some free paths to build up
+SETTLED = 30.0  # in l/U: distributions have returns at once, which need some free paths
 _TINY = 1e-300  # densities below it are beyond the range of doubles
-# times n: by how much <r^2> is too small at most, as the event-driven program DynamO has it (e = 1,
-# n = .1, 2 l/U), and by how much the kurtosis is off
-_EARLY, _EARLY_KURTOSIS = 2.1, 0.6
+_EARLY = 0.4  # times n: by how much F(k, t) is off before then (e = .4, n = .04, 2 l/U)
 _LEAST_RESTITUTION = 0.2  # of the constants of the first order
 _LAST_COOLING = 0.9  # above it C(e; 0) is held: eps lambda_0 vanishes with 1 - e
 # Returns of returns must add up, eps |lambda| < 1: reached above the tested densities only.
@@ -152,8 +152,8 @@ class Medium:
             found += f"; n = {self.density:g} is outside the range where the correction for the "
             found += f"density was tested (up to {TESTED_DENSITY:g})"
         if first < SETTLED:
-            found += f"; before {SETTLED:g} l/U <r^2> is too small, by up to {_EARLY:g} n of "
-            found += f"itself, and the kurtosis off by up to {_EARLY_KURTOSIS:g} n"
+            found += f"; before {SETTLED:g} l/U distributions take returns to be at once: "
+            found += f"F(k, t) is off by up to {_EARLY:g} n"
         return found
 
 

@@ -175,7 +175,12 @@ class BackwardEquation:
 
     def __post_init__(self) -> None:
         end = min(self.highest, self._saturation)
-        self.count = max(1, math.ceil((end - START) / self.width))
+        self.count = max(1, math.ceil((end - self.start) / self.width))
+
+    @property
+    def start(self) -> float:
+        """X where the panels begin."""
+        return START
 
     @property
     def _saturation(self) -> float:
@@ -203,11 +208,15 @@ class BackwardEquation:
                 self._shifts[points] = PanelShifts(self.rule, q.log_loss)
             factor, lost = q.harmonic(m)[None], q.harmonic_loss(m)[None]
             loss, gain = self._shifts[points].kernel(q.weight, factor, lost)
-            eps, delay = self.law.returns(m)
+            eps, shift = self.law.returns(m) if self._at_once(m) else (0.0, 0.0)
             if eps:
-                loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), delay)
+                loss, gain = with_returns(self.rule, loss, gain, np.array([eps]), shift)
             self._kernels[m] = loss[0], gain[0]
         return self._kernels[m]
+
+    def _at_once(self, m: int) -> bool:
+        """Whether returns to a scatterer take no time, in harmonic m."""
+        return True
 
     def solve(self, y: Observable) -> FloatArray:
         """Values at the nodes of all panels, shape (n_panels, nodes)."""
@@ -215,26 +224,36 @@ class BackwardEquation:
             self._solved[y] = self._solve(y)
         return self._solved[y]
 
-    def _solve(self, y: Observable) -> FloatArray:
-        sources = [(factor, self.solve(other)) for factor, other in y.sources]
+    def _known(
+        self, y: Observable, reach: int, apart: bool = False
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """X at the nodes, (reach + n_panels, nodes), y below the panels, and what drives it.
+
+        y is flat, with the point where the first panel begins as its last. apart: without the
+        first term of the series.
+        """
         series = self.series(y)
+        # the panels below, and the point where the first one begins
+        x = self.start + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
+        below = np.append(x[:reach], self.start)
+        rest = np.append(0.0, series[1:]) if apart else series
+        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
+        drive = np.full((self.count, self.nodes), y.constant)
+        for factor, other in y.sources:
+            drive += factor * self.solve(other)
+        return x, known, drive
+
+    def _solve(self, y: Observable) -> FloatArray:
         # where bounces can stop a tracer, E[s^p] of T^p itself needs more of them than the kernel
         # has: that term is taken out, its average is known, and the rest begins with T^(p+1)
         apart = y.degree < 0.0 and math.isfinite(self.law.lowest_power)
         loss, gain = self._kernel(y.harmonic)
         n = self.nodes
         reach = gain.shape[1] // n
-        # the panels below, and the point where the first one begins
-        x = START + self.width * (np.arange(-reach, self.count)[:, None] + self.rule.local)
-        below = np.append(x[:reach], START)
-        rest = np.append(0.0, series[1:]) if apart else series
-        known = np.exp(y.degree * below) * np.polynomial.polynomial.polyval(np.exp(below), rest)
+        x, known, drive = self._known(y, reach, apart)
         table = np.empty((reach + self.count, n))
         table[:reach] = known[:-1].reshape(reach, n)
         rate = np.exp(x[reach:])
-        drive = np.full((self.count, n), y.constant)
-        for factor, values in sources:
-            drive += factor * values
         if apart:
             term = np.exp(y.degree * x[reach:])
             drive -= self.law.harmonic_decay_rate(y.degree, y.harmonic) * term
@@ -265,7 +284,8 @@ class BackwardEquation:
             for factor, other in y.sources:
                 known = self.series(other)[:_TERMS]
                 drive[: known.size] += factor * known
-            rates = self.law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
+            law = self.law if self._at_once(y.harmonic) else self.law.without_medium
+            rates = law.harmonic_decay_rate(y.degree + np.arange(_TERMS), y.harmonic)
             a = [1.0 if y.is_power else 0.0]
             for k, (source, rate) in enumerate(zip(drive.tolist(), rates.tolist(), strict=True)):
                 a.append((source - rate * a[k]) / (k + 1.0))
@@ -290,7 +310,7 @@ class BackwardEquation:
     def locate(self, x: FloatArray) -> Places:
         """Where X = x lies, for every observable; any shape, -inf allowed."""
         flat = x.ravel()
-        level = (flat - START) / self.width
+        level = (flat - self.start) / self.width
         low = level < 0.0
         level = level[~low]
         index = np.minimum(level.astype(int), self.count - 1)
@@ -311,7 +331,10 @@ class BackwardEquation:
         value = np.einsum("ij,ij->i", places.shares, values[places.index]) / places.total
         beyond = places.level > self.count
         if beyond.any():
-            value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
+            if self.law.is_elastic and observable.harmonic and observable.is_power:
+                value[beyond] = 0.0  # it has decayed
+            else:
+                value[beyond] = self._asymptote(values, observable.growth, places.level[beyond])
         return np.asarray(small), value
 
     def _asymptote(self, values: FloatArray, growth: int, level: FloatArray) -> FloatArray:

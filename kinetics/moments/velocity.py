@@ -25,6 +25,7 @@ from kinetics.moments.backward import (
     panel_width,
     speed_power,
 )
+from kinetics.moments.delayed import DelayedReturns
 from kinetics.numerics import FloatArray
 from kinetics.numerics.panels import panel_rule
 from kinetics.states.quadrature import LogMeasure
@@ -99,9 +100,18 @@ class Averages:
         """Speeds are kept, and their powers need not be solved."""
         return self.law.is_elastic
 
+    @property
+    def returns(self) -> bool:
+        """Whether scatterers are met again."""
+        return bool(self.law.medium is not None and self.law.restitution)
+
+    def _relaxes(self, y: Observable) -> bool:
+        """Whether y is a power of speeds that are kept, and its harmonic decays at one rate."""
+        return self.elastic and y.is_power and not (self.returns and y.harmonic)
+
     def error_estimate(self, y: Observable) -> float:
         """Relative, of averages of y over all panels, that is over all times."""
-        return 0.0 if self.elastic and y.is_power else self.equation.error_estimate(y)
+        return 0.0 if self._relaxes(y) else self.equation.error_estimate(y)
 
     def measure(self, m: int) -> LogMeasure | None:
         """Harmonic m of the initial state as weighted points; None where it is zero."""
@@ -155,9 +165,8 @@ class Averages:
         highest = float(self.speeds.x.max() + self.log_stretch[-1])
         largest = min(max(abs(self.degree), abs(self.lowest)), 4.0)  # narrower panels do the rest
         first = math.ceil(_NODES + _PER_POWER * largest - _PER_DIGIT * math.log10(self.rtol))
-        return BackwardEquation(
-            self.law, max(highest, START), self.nodes or first, self.width, self.harmonic
-        )
+        kind = DelayedReturns if self.returns else BackwardEquation
+        return kind(self.law, max(highest, START), self.nodes or first, self.width, self.harmonic)
 
     def power(self, p: float, m: int = 0) -> NDArray[Any]:
         """<(v/v_ref)^p exp(-i m phi)>, v_ref = exp(log_reference), shape (n_times,)."""
@@ -180,7 +189,7 @@ class Averages:
         w = found.weight
         if start:
             w = w * np.exp(start * (found.x - self.log_first))
-        if self.elastic and y.is_power:
+        if self._relaxes(y):
             # a speed is kept, and harmonic m relaxes at its own rate, 1 - E[cos(m chi)]
             with np.errstate(under="ignore", over="ignore"):
                 kept = np.exp(y.degree * (found.x - self.log_reference[:, None]))
