@@ -33,7 +33,8 @@ _CORRIDOR = 0.6  # per l: how fast near loops are cut off, exp(-R (1 + |delta|/4
 _LOOPS = 1.5  # b in l, which loops of the size of l are spread over
 _LONGEST = 60.0  # loop in l: e^-36 of the near ones are longer
 _SHARPEST = 3.0  # e-folds below n: how sharp what follows the first returns is
-_FIRST = 8.0  # e-folds below 2 n: (e^-8)^4 of the near loops are shorter
+_SETTLED = 30.0  # longest loops after which time is left in abundance
+_FIRST = 7.0  # e-folds below 2 n: e^-28 of the near loops are shorter
 
 Operator = tuple[int, FloatArray, FloatArray, FloatArray]
 """Of a panel: the first panel that loops lead to; what they bring from there on, to itself, near
@@ -97,8 +98,12 @@ class DelayedReturns(BackwardEquation):
         Up to half of the longest one in ln y; then in ln of what is left to the longest, because
         the first returns are a sharp event in the time that is left.
         """
-        top = np.minimum(np.exp(x) / self._pace, _LONGEST)[:, None]
         points = self.nodes
+        if x[0] > math.log(_SETTLED * _LONGEST * self._pace):
+            u, w = equal_panels(math.log(_LONGEST / self._shortest), points)
+            y = np.tile(self._shortest * np.exp(u), (x.size, 1))
+            return y, w * y
+        top = np.minimum(np.exp(x) / self._pace, _LONGEST)[:, None]
         log_half = math.log(0.5 * _LONGEST / self._shortest)
         u, w = equal_panels(log_half, points)
         span = np.maximum(np.log(0.5 * top / self._shortest), 0.0) / log_half
@@ -129,12 +134,12 @@ class DelayedReturns(BackwardEquation):
                 rows = self.rule.shares(np.clip(level - index, 0.0, 1.0).ravel())
                 rows = (rows / rows.sum(axis=1)[:, None]).reshape(*y.shape, -1)
                 blocks = [
-                    np.einsum("kiq,iqj->kij", np.where(low | (index != k), 0.0, weight), rows)
+                    np.where(low | (index != k), 0.0, weight).swapaxes(0, 1) @ rows
                     for k in range(first, j + 1)
                 ]
                 used = low.any(axis=0)
                 before = np.where(low, weight, 0.0)[:, :, used], early[:, used]
-                found.append((first, np.concatenate(blocks, axis=2), *before))
+                found.append((first, np.concatenate(blocks, axis=2).swapaxes(0, 1), *before))
             self._operators[p] = found
         return self._operators[p]
 
