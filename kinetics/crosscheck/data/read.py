@@ -46,10 +46,7 @@ def read_sample(
     for k, source in enumerate(sources, 1):
         if show_progress and len(sources) > 1 and sys.stderr.isatty():
             print(f"file {k} of {len(sources)}", end="\r", file=sys.stderr)
-        if summaries.is_ensemble(source):
-            parts.append(summaries.read_ensemble(source))
-        else:
-            parts.append(read(source, asked))
+        parts.append(read(source, asked))
         if len(sources) > 1 and not isinstance(parts[-1], Tracks):
             bad(names[k - 1], "an Ensemble or a table of averages of several", "the only file")
     names, law = tuple(where.split(", ")), Law(dimension=asked.dimension or 2)

@@ -9,7 +9,7 @@ correlated.
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,19 +111,6 @@ def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
 
 
 # -- runs of the simulator -------------------------------------------------------------------------
-
-
-def is_ensemble(path: Any) -> TypeGuard[Path]:
-    """Whether a source is a file of `lorentz simulate` or Ensemble.save."""
-    if not isinstance(path, Path) or path.suffix.lower() not in (".h5", ".hdf5", ".h5md"):
-        return False
-    import h5py
-
-    try:
-        with h5py.File(path if path.is_file() else "", "r") as file:
-            return "plan" in file and "done" in file.attrs
-    except (OSError, ValueError):
-        return False  # the reader of columns says what is wrong
 
 
 def read_ensemble(path: Path) -> Sample:

@@ -187,7 +187,7 @@ def h5md(path: Path, run: Run, change: str) -> None:
     [
         ("one image", "image"), ("no edges", "image"), ("no box", "image"),
         ("two groups", "groups"),
-        ("other times", "times"), ("few labels", "id"), ("text", "value"), ("link", "value"),
+        ("other times", "times"), ("few labels", "label"), ("text", "value"), ("link", "value"),
         ("huge", "declare"),
     ],
 )  # fmt: skip
