@@ -239,7 +239,7 @@ def _sample_of(data: Any) -> Sample:
         refuse("data", data, "it must be a file, several files, columns or a run of simulate")
     from kinetics.crosscheck.data.summaries import from_ensemble
 
-    return from_ensemble(data).rescaled(1.0, data.medium.diameter)
+    return from_ensemble(data)
 
 
 def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:

@@ -121,11 +121,11 @@ def read_ensemble(path: Path) -> Sample:
         run = Ensemble.load(path)
     except ValueError as error:
         raise InputError(" ".join(str(error).split())) from None
-    return from_ensemble(run, name_of(Path(path.name))).rescaled(1.0, run.medium.diameter)
+    return from_ensemble(run, name_of(Path(path.name)))
 
 
 def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
-    """The sums of a particle run, in its own unit of length.
+    """The sums of a particle run, lengths in d.
 
     With stored velocities and positions densities are compared too. InputError for a run
     without output times or with fewer than two groups.
@@ -161,7 +161,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         if isinstance(ensemble.medium, kind):
             told["scatterers"] = scatterers
     law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
-    return replace(found, free=free, told=told, law=law)
+    found = replace(found, free=free, told=told, law=law)
+    return found.rescaled(1.0, ensemble.medium.diameter)
 
 
 def _from_sums(ensemble: "Ensemble", name: str, times: Any) -> Sample:
