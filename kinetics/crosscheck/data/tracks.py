@@ -234,7 +234,11 @@ def from_columns(
     for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
-            bad(f"{where}: row {k}", f"{name} = {values[name][k]}", "a finite number")
+            who = f"row {k}"
+            if "tracer" in found:  # by its own label
+                label = np.asarray(columns[names[found["tracer"]]])[k]
+                who = f"tracer {label} at time {values['time'][k]:g}"
+            bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
     if "x" not in values:
         return Averages(values, units)
     if asked.type is not None:

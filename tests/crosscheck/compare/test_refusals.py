@@ -138,6 +138,14 @@ def test_columns_that_cannot_be_used(run: Run, change: dict[str, Any], words: st
         compare(data, 0.75, 0.04)
 
 
+def test_a_tracer_without_one_of_its_numbers_is_refused(run: Run) -> None:
+    """One without any has ended."""
+    data = {"times": TIMES, "positions": run[0].copy(), "velocities": run[1]}
+    data["positions"][2, 7, 0] = np.nan
+    with pytest.raises(InputError, match="tracer 7 at time 20: got x = nan"):
+        compare(data, 0.75, 0.04)
+
+
 @pytest.mark.parametrize("kind", ["xyz", "dump", "csv", "npz"])
 def test_wrapped_positions_are_refused(tmp_path: Path, run: Run, kind: str) -> None:
     both = inside(run)[0], run[1]
