@@ -36,20 +36,7 @@ if TYPE_CHECKING:
     from kinetics import Solution
     from particles import Ensemble
 
-HISTOGRAM_TIMES = 6
-"""Times at which densities are compared, at most: each takes the solver some 0.1 s."""
-COLLISIONS_BEFORE, DISPLACEMENT_TIMES = 3.0, 3
-"""Time in l/U from which on the density of the displacement is compared, at most at so many times,
-the last: before, sharp fronts take the solver long, and few tracers have collided."""
-DENSITY_RTOL, DISPLACEMENT_RTOL = 1e-6, 1e-4
-"""Asked of the solver for densities; those of the displacement cost more."""
-_GAUSSIAN_ABOVE = 1e-3
-"""p-value from which on speeds at time 0 may be a Gaussian's."""
 _SCAN = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-_OTHER_UNIT = 0.2
-"""|ln| of U in the data's unit from which on it was forgotten."""
-_COMPLETE = 3
-"""Times with all tracers that are enough to leave out those at which some are missing."""
 SCATTERERS = ("dilute", "hard disks", "overlapping")
 _NO_DENSITIES = (
     "At a finite density the theory of distributions is less certain than the averages': these are "
@@ -252,7 +239,7 @@ def _sample_of(data: Any) -> Sample:
         refuse("data", data, "it must be a file, several files, columns or a run of simulate")
     from kinetics.crosscheck.data.summaries import from_ensemble
 
-    return from_ensemble(data).rescaled(1.0, data.medium.diameter)
+    return from_ensemble(data)
 
 
 def _parameters(both: judge.Both, wrong_unit: bool) -> dict[str, Parameter]:
@@ -287,13 +274,14 @@ def _densities(point: Point, sample: Sample) -> "dict[str, Solution]":
     if sample.tabulated or not sample.law.smooth_disks or point.scatterers != "dilute":
         return {}
     later, found = sample.times[sample.times > 0], {}
-    times = later[spread_out(later.size, HISTOGRAM_TIMES)]
+    times = later[spread_out(later.size, 6)]  # each takes the solver some 0.1 s
     if times.size:
-        found[theory.SPEED] = theory.solved(point, sample.law, times, (theory.SPEED,), DENSITY_RTOL)
-    late = times[times > COLLISIONS_BEFORE * point.path][-DISPLACEMENT_TIMES:]
-    # From hundreds of single speeds it would take long.
+        found[theory.SPEED] = theory.solved(point, sample.law, times, (theory.SPEED,), 1e-6)
+    # before three l/U sharp fronts take the solver long, and few tracers have collided; from
+    # hundreds of single speeds it would take long
+    late = times[times > 3 * point.path][-3:]
     if late.size and not point.own_start:
-        known = theory.solved(point, sample.law, late, (theory.DISPLACEMENT,), DISPLACEMENT_RTOL)
+        known = theory.solved(point, sample.law, late, (theory.DISPLACEMENT,), 1e-4)
         if known.status is SolverStatus.CONVERGED:  # or it would be judged wrongly
             found[theory.DISPLACEMENT] = known
     return found
@@ -322,24 +310,19 @@ def _start(sample: Sample, initial: str) -> Any:
     if initial == "auto":
         if np.all(np.abs(squares - 1) < 1e-6):
             return "monoenergetic"
-        if squares.size > 1 and gaussian_p_value(sample) >= _GAUSSIAN_ABOVE:
+        at_start = Expectation(sample, ("thermal_speed", "a2"))
+        away = at_start.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
+        test = hotelling(away, at_start.replicates[:, :, 0])
+        if squares.size > 1 and test and test.p_value >= 1e-3:
             return "gaussian"
     if field:
         refuse("initial", initial, "in a field the start must be rest, gaussian or monoenergetic")
     return theory.SampledStart(sample.start)
 
 
-def gaussian_p_value(sample: Sample) -> float:
-    """p-value of <v^2> and <v^4> at time 0 under the Gaussian start."""
-    expectation = Expectation(sample.at([0]), ("thermal_speed", "a2"))
-    data = expectation.values[:, 0] - [np.sqrt(sample.law.dimension), 0.0]
-    result = hotelling(data, expectation.replicates[:, :, 0])
-    return 0.0 if result is None else result.p_value
-
-
 def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
     """The sample and its start. U is taken from the data where no unit was told, speeds at time 0
-    are of a named start, and those of U = 1 are far from them.
+    are of a named start, and those of U = 1 are far from them, by a fifth.
     """
     start = _start(sample, initial)
     if initial != "auto" or not isinstance(start, theory.SampledStart) or sample.units:
@@ -347,7 +330,7 @@ def _own_unit(sample: Sample, initial: str) -> tuple[Sample, Any]:
     squares, counts = start.bins.squares, start.bins.counts
     unit = math.sqrt(float(squares @ counts) / counts.sum() / sample.law.dimension)
     changed = sample.rescaled(unit, 1.0)
-    if abs(math.log(unit)) < _OTHER_UNIT or _start(changed, initial) != "gaussian":
+    if abs(math.log(unit)) < 0.2 or _start(changed, initial) != "gaussian":
         return sample, start
     words = f"U is taken as {numeral(unit, '.4g')} of the data's unit of speed: with it the speeds "
     words += "at time 0 are a Gaussian's. Another U is told by --speed-unit."
@@ -369,7 +352,7 @@ def _fits(
     usable = judge.with_spread(errors(expectation.replicates), expectation.values)
     usable &= sample.times > 0  # the start does not depend on what is looked for
     complete = sample.samples == sample.samples.max()
-    if np.count_nonzero(complete & (sample.times > 0)) >= _COMPLETE:
+    if np.count_nonzero(complete & (sample.times > 0)) >= 3:
         usable &= complete  # the tracers that are left may be no fair sample
     components = components_of(names, usable, groups, len(free))
     starts: list[list[float]] = [[]]

@@ -276,88 +276,81 @@ CAUSES = (
 
 # -- units that do not belong together -------------------------------------------------------------
 
-_FAR, _MOST = 2.0, 0.5
-"""Factor by which speeds are in another unit, and the share of tracers that have not collided."""
-_WRONG_ABOVE = 0.005
-"""|ln(|r|/(|v| t))| from which on units do not belong together."""
 _NO_OTHER = "No other cause is looked for."
 _PUT_RIGHT = f"put it right by --time-unit, --length-unit or --speed-unit. {_NO_OTHER}"
+
+
+def _found(name: str, headline: str, text: str, value: float, error: Any = None) -> Explanation:
+    """What the data show by themselves, without a fit."""
+    return Explanation(name, "found", text, True, value, error, headline=headline)
 
 
 def wrong_unit(sample: Sample, start: Any) -> Explanation | None:
     """What is said where units do not belong together; None where they do, or cannot be known.
 
-    Tracers that have not collided are at r = v t. Speeds never rise, so that larger ones than at a
-    named start cannot be; smaller ones cannot be while most tracers have not collided. A factor of
-    two is asked for: less may be another start.
+    Tracers that have not collided are at r = v t: |ln(r/(v t))| above .005 is a wrong unit. Speeds
+    never rise, so that larger ones than at a named start cannot be; smaller ones cannot be while
+    most tracers have not collided. A factor of two is asked for: less may be another start.
     """
     flights, field, unit = sample.flights, sample.law.field, sample.units.get("time", (1.0, ""))
-    if not field and flights and abs(math.log(flights[0].ratio)) > _WRONG_ABOVE:
-        at, straight = flights[0].time, "tracers that fly straight have r = {} v t"
-        straight = straight.format(numeral(flights[0].ratio, ".5g"))
+    if not field and flights and abs(math.log(flights[0].ratio)) > 0.005:
+        at, value = flights[0].time, 1 / flights[0].ratio
+        straight = f"tracers that fly straight have r = {numeral(flights[0].ratio, '.5g')} v t"
         # the true times of two: in proportion, if it is a unit; with the same offset, if the clock
         true = [one.time * one.ratio for one in flights]
-        if (
-            len(true) > 1
-            and abs(math.log(abs(np.diff(true)[0] / (flights[1].time - at)))) < _WRONG_ABOVE
-        ):
+        slope = abs(np.diff(true)[0] / (flights[1].time - at)) if len(true) > 1 else math.inf
+        if abs(math.log(slope)) < 0.005:
             value = (at - true[0]) * unit[0]
             headline = f"{straight} at t = {numeral(at, '.4g')}, as if the clock were "
             headline += f"{numeral(value, '.4g')} {unit[1] or 'd/U'} ahead"
             text = f"{headline[0].upper()}{headline[1:]}; shift the times. {_NO_OTHER}"
-            return Explanation("time offset", "found", text, True, value, headline=headline)
-        value = 1 / flights[0].ratio
+            return _found("time offset", headline, text, value)
         headline = f"{straight}, as if times were {numeral(value, '.5g')} times too long"
         text = f"At t = {numeral(at, '.4g')}, {headline}; {_PUT_RIGHT}"
-        return Explanation("time unit", "found", text, True, value, headline=headline)
+        return _found("time unit", headline, text, value)
     if field or not isinstance(start, str):
         return None
     most = np.sqrt(sample.law.dimension) if start == "gaussian" else 1.0
     total = sample.sums[:, 0].sum(axis=0)
     ratio = float(sample.speed_scale[0] * np.sqrt(total[V2] / total[N]) / most)
-    early = any(one.share > _MOST and one.time <= sample.times[:2].max() for one in flights)
-    if not (ratio > _FAR or (ratio < 1 / _FAR and early)):
+    early = any(one.share > 0.5 and one.time <= sample.times[:2].max() for one in flights)
+    if 0.5 <= ratio <= 2.0 or (ratio < 0.5 and not early):
         return None
     headline = f"speeds at the first time are {ratio:.4g} times those of the start"
     text = f"At t = {numeral(sample.times[0], '.4g')}, {headline}; {_PUT_RIGHT}"
-    return Explanation("speed unit", "found", text, True, ratio, headline=headline)
+    return _found("speed unit", headline, text, ratio)
 
 
 # -- notes -----------------------------------------------------------------------------------------
 
-_FAR_SLOWER = 8.0
-"""A trapped tracer is that many times slower than the upper end of the lowest bin: a wrong
-restitution, density or start, which shift all speeds a little, cannot put a tracer there."""
-_FEWEST_TRAPPED = 5
-
 
 def _traps(both: Both) -> Explanation | None:
-    """Tracers at the last time that are far slower than the theory's slowest, or at rest."""
+    """Tracers at the last time that are far slower than the theory's slowest, or at rest.
+
+    Eight times slower than the upper end of the lowest bin: a wrong restitution, density or start,
+    which shift all speeds a little, cannot put a tracer there. Five of them at least.
+    """
     rest, most = int(both.sample.at_rest.max()), int(both.sample.samples.max())
     binned = both.sample.speeds
     for h in [h for h in both.histograms if h.name == SPEED and binned][-1:]:
         assert binned is not None
         edges, density = binned.edges[h.index], both.densities[SPEED]
-        cut = int(np.searchsorted(edges, h.edges[1] / _FAR_SLOWER))
+        cut = int(np.searchsorted(edges, h.edges[1] / 8))
         at = int(np.argmin(np.abs(density.times - h.time)))
         count = int(binned.by_group[:, h.index, : cut + 1].sum())
         expected = float(bin_shares(density, SPEED, at, edges)[: cut + 1].sum()) * h.samples
-        excess = count - expected
-        if count < _FEWEST_TRAPPED or excess < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
+        if count < 5 or count - expected < DIFFERS_ABOVE * math.sqrt(max(expected, count)):
             break
-        share, error = excess / h.samples, math.sqrt(count) / h.samples
+        share, error = (count - expected) / h.samples, math.sqrt(count) / h.samples
         text = (
             f"At t = {numeral(h.time, '.4g')}, {count} tracers are slower than "
             f"{numeral(edges[cut], '.3g')} U, {_pm(share, error, '.2%', '.2%')} of all too many; "
             f"{rest} have speed zero: caught between scatterers, or stopped by a program."
         )
         headline = f"{_pm(share, error, '.2%', '.2%')} of the tracers are at rest, or nearly"
-        return Explanation("traps", "found", text, True, share, error, headline=headline)
+        return _found("traps", headline, text, share, error)
     text = f"{rest} tracers have speed zero at some time, which only trapped ones have."
-    headline = f"{rest} tracers come to rest"
-    return (
-        Explanation("traps", "found", text, True, rest / most, headline=headline) if rest else None
-    )
+    return _found("traps", f"{rest} tracers come to rest", text, rest / most) if rest else None
 
 
 def _never(both: Both) -> Explanation | None:
@@ -365,9 +358,9 @@ def _never(both: Both) -> Explanation | None:
     rest, most = int(both.sample.at_rest.min()), int(both.sample.samples.max())
     if not rest or both.sample.times.size < 2:
         return None
-    text = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move: are these the "
-    text += "scatterers? Choose the tracers by --type, or leave the others out."
-    return Explanation("scatterers", "found", text, True, rest / most, headline=text.split(":")[0])
+    headline = f"{numeral(rest / most, '.2%')} of the particles ({rest}) never move"
+    text = f"{headline}: are these the scatterers? Choose the tracers by --type, or leave the "
+    return _found("scatterers", headline, f"{text}others out.", rest / most)
 
 
 def _missing(both: Both) -> Explanation | None:

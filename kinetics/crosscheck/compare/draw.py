@@ -68,22 +68,9 @@ def draw(result: Any, figure: str, ax: Any) -> None:
     ax.set(xlabel=labels[0], ylabel=labels[1])
     for side, is_log in zip("xy", log, strict=True):
         if is_log:
-            _logarithmic(ax, side)
+            ax.set(**{f"{side}scale": "log"})
     ax.set_title(title, fontsize="medium")
     ax.legend(fontsize="small", frameon=False)
-
-
-def _logarithmic(ax: Any, name: str) -> None:
-    """An axis with powers of ten, and ticks between them where they are few."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    ax.set(**{f"{name}scale": "log"})
-    side = getattr(ax, f"{name}axis")
-    low, high = side.get_view_interval()
-    side.set_minor_formatter(NullFormatter())
-    if high < 100 * low:
-        side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def drawn(result: Any, names: Sequence[str], kind: str = "svg") -> bytes:

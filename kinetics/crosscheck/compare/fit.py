@@ -35,8 +35,6 @@ WIDEST = 12.0
 """|ln| of the factor by which a positive parameter may differ from what was told."""
 _STEP = 1e-4
 """Of a parameter, for derivatives: the solver's error of 1e-7 is 1e-3 of a slope of order 1."""
-_TRIED = 2
-"""Starts from which the least squares are looked for: those with the smallest sums of squares."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +142,7 @@ def fit(
             at = np.clip(np.asarray(start, float), low, high)
             if np.all(np.isfinite(left := difference(at))) and (found := weights(at)) is not None:
                 tried.append((float(np.sum((found @ left) ** 2)), at, found))
-        tried = sorted(tried, key=lambda one: one[0])[:_TRIED]
+        tried = sorted(tried, key=lambda one: one[0])[:2]
         ended = [_descended(difference, found, at, low, high) for _, at, found in tried]
         if not (reached := [one for one in ended if one is not None]):
             return None
@@ -165,14 +163,17 @@ def fit(
         size = theory.ravel()[chosen]
         steep: Any = white @ (slope[chosen] / size[:, None])
         influence = np.linalg.pinv(steep) @ white / size
-        spread = np.linalg.pinv(steep.T @ steep) * _inflation(groups, len(white) - best.size)
+        # weights from a covariance that is estimated make errors larger
+        rest = min(len(white) - best.size, groups - 3)
+        spread = np.linalg.pinv(steep.T @ steep)
+        spread *= (groups - 1) * (groups - 2) / (groups - 1 - rest) / (groups - 2 - rest)
         if one_by_one:  # errors for the worst correlation
             spread = np.diag(np.abs(influence) @ errors(replicates)) ** 2
     parts = (at, tuple(free), theory, known, spread, slope, influence, chosen)
     differences, widening = expectation.replicates - theory, 0.0
     if not one_by_one:
         differences = Fit(*parts).moved(differences)
-    rest = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
+    left_of = stabilised(names, theory, differences).reshape(groups, -1)[:, tested]
     if known is not None:
         # of the data themselves: the same for all that is fitted in a medium
         spread_of = stabilised(names, theory, expectation.replicates - theory)
@@ -183,7 +184,7 @@ def fit(
         usable = np.any(passed != 0, axis=0)
         known = passed[:, usable] @ known[np.ix_(usable, usable)] @ passed[:, usable].T
     left = stabilised(names, theory, expectation.values - theory).ravel()[tested]
-    after = statistics.hotelling(left, rest, known, one_by_one)
+    after = statistics.hotelling(left, left_of, known, one_by_one)
     return Fit(*parts, after, widening)
 
 
@@ -211,12 +212,6 @@ def _ends(name: str, told: Point) -> tuple[float, float]:
     middle = float(np.log(getattr(told, name)))
     low = middle - WIDEST
     return (max(low, -np.log(2 * DENSEST)) if dense and name == "path" else low), middle + WIDEST
-
-
-def _inflation(groups: int, freedom: int) -> float:
-    """Factor on the variance of a parameter, for weights from a covariance that is estimated."""
-    first = (groups - 1) / max(groups - 1 - freedom, 1)
-    return first * (groups - 2) / max(groups - 2 - freedom, 1)
 
 
 def _descended(

@@ -14,6 +14,7 @@ from kinetics.crosscheck.compare.result import ComparisonTest, Explanation, Row
 from kinetics.crosscheck.compare.statistics import ChiSquare
 from kinetics.crosscheck.compare.theory import (
     OBSERVABLES,
+    RTOL,
     SPEED,
     Expectation,
     bin_shares,
@@ -37,9 +38,6 @@ MOST_IN_A_BIN = 1 / 12
 _MOST_BINS = 40
 _AT_ZERO = ("drift", "thermal_speed", "a2")
 """The averages that say something at time 0."""
-_SAME = 1e-6
-"""Relative difference up to which data without spread agree with the theory: ten times the
-tolerance that the solver is given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +188,8 @@ def rows_of(both: Both) -> Iterator[Row]:
                 # One tracer is always like itself, and falls before its first collision as others.
                 verdict, error = Verdict.UNDEFINED, 0.0
             else:
-                same = abs(value - theory) <= _SAME * max(abs(value), abs(theory), 1e-300)
+                # within ten times the tolerance that the solver is given
+                same = abs(value - theory) <= 10 * RTOL * max(abs(value), abs(theory), 1e-300)
                 verdict, error = Verdict.AGREES if same else Verdict.DIFFERS, 0.0
             yield Row(name, time, value, error, theory, sigmas, verdict, corrected, count)
     looks_in = {n: sum(h.share.size for h in both.histograms if h.name == n) for n in OBSERVABLES}

@@ -136,13 +136,6 @@ def solved(
         return solve(scene, rtol=rtol or (FIELD_RTOL if law.field else RTOL))
 
 
-def average_of(solution: "Solution", name: str) -> Array:
-    """An average over time, (n_times,), by its name here."""
-    seen = OBSERVABLES[name]
-    place: Any = (..., *seen.component)
-    return np.asarray(np.asarray(getattr(solution, seen.output or name))[place])
-
-
 def observed(sums: Array, speed: Any, length: Any, names: Sequence[str], law: Law) -> Array:
     """The averages of sums (..., n_times, 5), one after another: (..., len(names), n_times).
 
@@ -176,8 +169,12 @@ class Expectation:
             late = np.where(self.sample.times > 0, point.time_offset, 0.0)
             times = np.maximum(self.sample.times * clock + late, 0.0)
             solution = solved(point, self.sample.law, times, self.names)
-            found = np.stack([average_of(solution, name) for name in self.names])
-            self._solved[key] = found
+            each = []
+            for name in self.names:
+                seen = OBSERVABLES[name]
+                place: Any = (..., *seen.component)
+                each.append(np.asarray(getattr(solution, seen.output or name))[place])
+            self._solved[key] = np.stack(each)
         return self._measured(self._solved[key], point)
 
     def _measured(self, values: Array, point: Point) -> Array:

@@ -1,8 +1,8 @@
 """Files of particle data: a format is one function and one row of `FORMATS`, at the end.
 
 A function is given the path, its name for messages and what was asked (`tracks.Asked`); it returns
-what `tracks.from_columns` makes of columns, or `Tracks`. Nothing in a file is executed, links into
-other files are not followed, and sizes are checked before memory is asked for.
+what `tracks.from_columns` makes of columns, or the Sample of an Ensemble. Nothing in a file is
+executed, links into other files are not followed, and sizes are checked before memory is asked for.
 """
 
 import csv
@@ -11,7 +11,6 @@ import re
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -19,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from kinetics.crosscheck.data import tracks as t
+from kinetics.crosscheck.data.sample import Sample
 from kinetics.crosscheck.data.tracks import AXES, SPEEDS, Asked, Tracks, bad, require_memory
-from kinetics.crosscheck.data.units import stated
 from kinetics.errors import InputError, short
 
-Read = Tracks | t.Averages
+Read = Tracks | t.Averages | Sample
 FRAMES = ("times", "positions", "velocities")
 """The names of arrays of frames, (n_times,) and twice (n_times, n_tracers, dimension)."""
 _BLOCK, _LONGEST = 8 << 20, 1 << 20
@@ -31,7 +30,7 @@ _BLOCK, _LONGEST = 8 << 20, 1 << 20
 
 
 def read(source: Path | t.Table, asked: Asked) -> Read:
-    """Tracks, or a table of averages, from a file or from columns in memory.
+    """Tracks, a table of averages or a Sample, from a file or from columns in memory.
 
     InputError in one line for a file that is missing, damaged or of another format, without a
     column, or with a value that is not a finite number.
@@ -39,17 +38,15 @@ def read(source: Path | t.Table, asked: Asked) -> Read:
     where = t.name_of(source)
     try:
         if isinstance(source, t.Table):
-            found = _arrays(where, source.columns, asked)
-        else:
-            ending = source.suffix.lower()
-            if source.name.lower().endswith((".csv.gz", ".tsv.gz")):
-                ending = ".csv"
-            if ending not in FORMATS:
-                bad(where, f"ending {ending!r}", f"a file {', '.join(FORMATS)} or .csv.gz")
-            if not source.is_file():
-                bad(where, "not a file" if source.exists() else "no such file", "a file")
-            found = FORMATS[ending](source, where, asked)
-        return t.checked(where, found, asked) if isinstance(found, Tracks) else found
+            return _arrays(where, source.columns, asked)
+        ending = source.suffix.lower()
+        if source.name.lower().endswith((".csv.gz", ".tsv.gz")):
+            ending = ".csv"
+        if ending not in FORMATS:
+            bad(where, f"ending {ending!r}", f"a file {', '.join(FORMATS)} or .csv.gz")
+        if not source.is_file():
+            bad(where, "not a file" if source.exists() else "no such file", "a file")
+        return FORMATS[ending](source, where, asked)
     except InputError:
         raise
     except Exception as error:  # the libraries raise errors of nearly any class
@@ -59,10 +56,10 @@ def read(source: Path | t.Table, asked: Asked) -> Read:
 
 def _arrays(where: str, arrays: Mapping[str, Any], asked: Asked) -> Read:
     """Columns of one length, or arrays of frames, by the names of the file."""
-    if not {*FRAMES} <= {*arrays}:
-        return t.from_columns(where, list(arrays), arrays, asked)
-    times, place, velocity = (np.asarray(arrays[name]) for name in FRAMES)
-    return Tracks(times, place, velocity, np.arange(place.shape[1] if place.ndim > 1 else 0))
+    if {*FRAMES} <= {*arrays}:
+        frames = t.columns_of(where, *(arrays[name] for name in FRAMES))
+        return t.of_frames(where, [frames], asked)
+    return t.from_columns(where, list(arrays), arrays, asked)
 
 
 def _chosen(where: str, names: Sequence[str], asked: Asked) -> list[str]:
@@ -93,42 +90,33 @@ def _csv(path: Path, where: str, asked: Asked) -> Read:
         names = header.split(separator := max(",;\t", key=header.count))
         start, found = file.tell(), t.find_columns(where, names, asked)
         require_memory(where, 0.3 * path.stat().st_size)  # 17 digits and a comma are 8 bytes
-        numbers = {one: k for one, k in found.items() if one not in t.LABELS}
+        numbers = {names[k]: k for one, k in found.items() if one not in t.LABELS}
+        read = arrow.ReadOptions(column_names=names, block_size=_BLOCK)
+        parse = arrow.ParseOptions(
+            delimiter=separator,
+            invalid_row_handler=lambda row: "error" if _says(row.text) else "skip",
+        )
         for label in (pa.int64(), pa.string()):
-            kinds = {
-                names[k]: pa.float64() if one in numbers else label for one, k in found.items()
-            }
-            stream = (
-                pa.PythonFile(file, "r") if path.suffix.lower() == ".gz" else pa.OSFile(str(path))
+            kinds = dict.fromkeys((names[k] for k in found.values()), label)
+            kinds |= dict.fromkeys(numbers, pa.float64())
+            convert = arrow.ConvertOptions(
+                column_types=kinds, include_columns=list(kinds), null_values=[]
             )
-            stream.seek(start)
+            file.seek(start)
             with suppress(pa.ArrowInvalid):
                 batches = []
-                for batch in arrow.open_csv(
-                    stream,
-                    arrow.ReadOptions(column_names=names, block_size=_BLOCK),
-                    arrow.ParseOptions(
-                        delimiter=separator,
-                        invalid_row_handler=lambda row: "error" if _says(row.text) else "skip",
-                    ),
-                    arrow.ConvertOptions(
-                        column_types=kinds, include_columns=list(kinds), null_values=[]
-                    ),
-                ):
+                for batch in arrow.open_csv(pa.PythonFile(file, "r"), read, parse, convert):
                     batches.append(batch)
                     require_memory(where, float(batch.nbytes * len(batches)))
                 table = pa.Table.from_batches(batches)
                 columns = {name: table.column(name).to_numpy() for name in kinds}
-                if "x" not in found or all(
-                    np.isfinite(columns[names[k]]).all() for k in numbers.values()
-                ):
+                if "x" not in found or all(np.isfinite(columns[name]).all() for name in numbers):
                     return t.from_columns(where, names, columns, asked)
         file.seek(start)
         texts = ((line, raw.decode("utf-8", "replace").strip("\r\n")) for line, raw in lines)
         split = (
-            (line, next(csv.reader([text], delimiter=separator)))
-            for line, text in texts if _says(text)
-        )  # fmt: skip
+            (n, next(csv.reader([one], delimiter=separator))) for n, one in texts if _says(one)
+        )
         _require_rows(where, split, names, numbers)
     bad(where, "no rows, or an unreadable text", "rows of numbers")
 
@@ -191,6 +179,10 @@ def _hdf5(path: Path, where: str, asked: Asked) -> Read:
     import h5py
 
     with h5py.File(path, "r") as file:
+        if "plan" in file and "done" in file.attrs:
+            from kinetics.crosscheck.data.summaries import read_ensemble
+
+            return read_ensemble(path)
         if _own(file, "h5md") and _own(file, "particles"):
             return _h5md(where, file["particles"], asked)
         names = {}
@@ -241,8 +233,7 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
         bad(where, f"{len(groups)} groups with position and velocity", "one")
     (group,) = groups
     place, velocity = (_dataset(where, group, name) for name in both)
-    times, same = (_times(where, group[name], len(place), asked) for name in both)
-    if not np.array_equal(times, same):
+    if not np.array_equal(*(_times(where, group[name], len(place), asked) for name in both)):
         bad(where, "positions and velocities at different times", "at the same times")
     units = {"x": _unit_of(place), "vx": _unit_of(velocity)}
     if "time" in group["position"]:
@@ -260,25 +251,11 @@ def _h5md(where: str, particles: Any, asked: Asked) -> Read:
         r, box = r + image * box[: shape[2]], None
     elif box is not None and np.any(sides != "periodic"):
         box = None
-    labels = {"id": np.arange(shape[1])}
-    for name in (name for name in ("id", "medium", "species") if name in group):
-        labels[name] = np.asarray(_dataset(where, group, name))
-        if labels[name].shape not in (shape[:2], shape[1:2]) or np.any(labels[name] % 1 != 0):
-            bad(f"{where}: {name}", labels[name].shape, f"a whole number for each of {shape[1]}")
-        labels[name] = labels[name].astype(np.int64)
-    if labels["id"].ndim == 2:  # particles may change places from frame to frame
-        order = np.argsort(labels["id"], axis=1, kind="stable")
-        r, v = (np.take_along_axis(a, order[..., None], 1) for a in (r, v))
-        every = np.take_along_axis(labels["id"], order, 1)
-        if np.any(every != every[0]):
-            bad(f"{where}: id", "others in other frames", "the same labels at all times")
-        labels |= {k: a[0][order[0]] if a.ndim == 2 else a for k, a in labels.items()}
-    chosen = np.ones(shape[1], bool)
-    if asked.type is not None:
-        chosen = t.of_type(where, labels.get("species", np.full(shape[1], "-")), asked)
-    medium = labels["medium"][chosen] if "medium" in labels else None
-    said = stated(where, units)
-    return Tracks(times, r[:, chosen], v[:, chosen], labels["id"][chosen], medium, box, said)
+    ours = {"id": "tracer", "medium": "medium", "species": "type"}
+    labels = {ours[name]: _dataset(where, group, name)[()] for name in ours if name in group}
+    times = _times(where, group["position"], shape[0], asked)
+    columns = t.columns_of(where, times, r, v, **labels)
+    return t.of_frames(where, [columns], asked, units, box)
 
 
 def _times(where: str, element: Any, count: int, asked: Asked) -> Any:
@@ -309,13 +286,12 @@ class _Lines:
     def next(self) -> str:
         """The next line; empty at the end of the file."""
         self._number += 1
-        return str(self._file.readline(_LONGEST)).strip("\n")
+        return self._file.readline(_LONGEST)
 
     def __iter__(self) -> Iterator[str]:
         """The lines from here on that are not blank, to the end of the file."""
         with self._file:
-            while line := self._file.readline(_LONGEST):
-                self._number += 1
+            while line := self.next():
                 if line.strip():
                     yield line.strip()
 
@@ -345,23 +321,6 @@ class _Lines:
         numbers = {name: k for name, (k, kind) in used.items() if kind is float}
         _require_rows(self._name, enumerate(rows, first), names, numbers, "nan")
         bad(self.where, f"the end of the file after {len(rows)} rows", f"{count} rows")
-
-
-def _of_frames(
-    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked, units: Any = (), box: Any = None
-) -> Read:
-    """Tracks of the columns of frames, by our names; units of length, speed and time."""
-    import pandas as pd
-
-    if not frames:
-        bad(where, "no frames", "a file of this format")
-    rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
-    # tracers without any number have ended
-    rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
-    found = t.from_columns(where, list(rows), rows, replace(asked, columns=None))
-    assert isinstance(found, Tracks)
-    said = stated(where, dict(zip(("x", "vx", "time"), units, strict=False)))
-    return replace(found, box=box, units=said)
 
 
 _STYLES = {
@@ -405,7 +364,8 @@ def _lammps(path: Path, where: str, asked: Asked) -> Read:
     if head:
         bad(where, "a last frame without atoms", "whole frames")
     box = np.array(boxes.pop()) if len(boxes) == 1 and None not in boxes else None
-    return _of_frames(where, frames, asked, units, box)
+    said = dict(zip(("x", "vx", "time"), units, strict=True))
+    return t.of_frames(where, frames, asked, said, box)
 
 
 def _lammps_frame(
@@ -463,7 +423,7 @@ def _xyz(path: Path, where: str, asked: Asked) -> Read:
         wanted = [*needed, *(v for v in ("tracer", "vz") if v in names and v not in needed)]
         frame = {"tracer": np.arange(count)} | lines.table(count, names, wanted)
         frames.append(frame | {"time": np.full(count, time)})
-    return _of_frames(where, frames, asked)
+    return t.of_frames(where, frames, asked)
 
 
 def _gsd(path: Path, where: str, asked: Asked) -> Read:
@@ -485,16 +445,11 @@ def _gsd(path: Path, where: str, asked: Asked) -> Read:
         for name in ("image", "position", "velocity")
     )
     times = asked.times_of(where, None, [frame.configuration.step for frame in frames])
-    chosen = np.ones(place.shape[1], bool)
-    if asked.type is not None:
-        kinds = np.asarray(frames[0].particles.types or ["A"])
-        chosen = t.of_type(where, kinds[frames[0].particles.typeid], asked)
+    kinds = np.asarray(frames[0].particles.types or ["A"])[frames[0].particles.typeid]
+    columns = t.columns_of(where, times, place + image * edges, velocity, type=kinds)
     # image flags that are all 0 may be none: then positions may be wrapped
     free = np.any(image) or not np.all(edges > 0) or np.any(boxes != boxes[0])
-    return Tracks(
-        times, (place + image * edges)[:, chosen], velocity[:, chosen],
-        np.flatnonzero(chosen), box=None if free else boxes[0, :d],
-    )  # fmt: skip
+    return t.of_frames(where, [columns], asked, box=None if free else boxes[0])
 
 
 FORMATS: dict[str, Callable[[Path, str, Asked], Read]] = {

@@ -16,12 +16,6 @@ from kinetics.crosscheck.data.tracks import unwrapped as _unwrapped
 from kinetics.crosscheck.data.units import are_own, conversion
 from kinetics.crosscheck.words import numeral
 
-_LARGEST = 1e70
-"""Speeds and displacements in U and d, and 1/speeds at the start: fourth powers are doubles."""
-_WIDELY = 20.0
-"""Tracers that must have left the region of time 0, were positions not wrapped: then that none
-has is no chance."""
-
 
 def read_sample(
     sources: Sequence[Path | Table], show_progress: bool = False, **told: Any
@@ -46,10 +40,7 @@ def read_sample(
     for k, source in enumerate(sources, 1):
         if show_progress and len(sources) > 1 and sys.stderr.isatty():
             print(f"file {k} of {len(sources)}", end="\r", file=sys.stderr)
-        if summaries.is_ensemble(source):
-            parts.append(summaries.read_ensemble(source))
-        else:
-            parts.append(read(source, asked))
+        parts.append(read(source, asked))
         if len(sources) > 1 and not isinstance(parts[-1], Tracks):
             bad(names[k - 1], "an Ensemble or a table of averages of several", "the only file")
     names, law = tuple(where.split(", ")), Law(dimension=asked.dimension or 2)
@@ -108,12 +99,15 @@ def _sizes(place: Any) -> list[float]:
 
 
 def _require_not_wrapped(where: str, place: Any, far: float) -> None:
-    """InputError where tracers move far, and yet none leaves the region of time 0."""
+    """InputError where tracers move far, and yet none leaves the region of time 0.
+
+    Twenty should have left it, were positions not wrapped: that none has is no chance.
+    """
     low, high = place[0].min(axis=0), place[0].max(axis=0)
     n, size = place.shape[1], float((high - low).min())
     # The farthest tracer is not quite at the edge of the region that they come from.
     away = np.nanmax(np.abs(place - (low + high) / 2), axis=(0, 1))
-    if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= _WIDELY * size > 0:
+    if np.all(away <= (high - low) * (0.5 + 5 / n)) and n * far >= 20 * size > 0:
         got = f"some that look wrapped in a box, within {low} to {high}, for moves of {far:.4g}"
         bad(f"{where}: positions", got, "unwrapped, or in frames of less than half a box each")
 
@@ -183,7 +177,8 @@ def _scaled(sample: Sample, asked: Asked, units: Mapping[str, str]) -> Sample:
     found = sample.rescaled(unit, asked.diameter, time_unit)
     found = replace(found, warnings=warnings, units=own)
     speed, length = float(found.speed_scale.max()), float(found.length_scale.max())
-    if max(speed, length, 0 if start is None else 1 / float(found.speed_scale[0])) > _LARGEST:
+    largest = 1e70  # of speeds and displacements, and 1/speeds: fourth powers are doubles
+    if max(speed, length, 0 if start is None else 1 / float(found.speed_scale[0])) > largest:
         got = f"speeds of {speed:.3g} U and displacements of {length:.3g} d"
-        bad(", ".join(sample.names), got, f"below {_LARGEST:g}; give --speed-unit and --diameter")
+        bad(", ".join(sample.names), got, f"below {largest:g}; give --speed-unit and --diameter")
     return found

@@ -28,10 +28,6 @@ _LOWEST, _PER_OCTAVE, _BINS = -10, 12, 192
 """Bins of speeds and displacements: log2 of the lowest edge over the root mean square, bins per
 octave, their number: edges 6 % apart, from a thousandth of the root mean square to 64 times it."""
 _START_LOWEST, _START_PER_OCTAVE, _START_BINS = -30, 64, 64 * 40
-_SAME = 2e-3
-"""Width in ln(|r|/(|v| t)) within which tracers fly alike: numbers may have few digits."""
-_LEAST_SHARE, _FEWEST = 0.05, 20
-"""Tracers that must fly alike. Those that have collided put some 0.5 % into such a width."""
 
 
 class Flights(NamedTuple):
@@ -55,10 +51,6 @@ class Binned:
 
     edges: Array
     by_group: Counts
-
-    def at(self, keep: Any) -> "Binned":
-        """The counts at the times with these indices."""
-        return Binned(self.edges[keep], self.by_group[:, keep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,15 +157,6 @@ class Sample:
             start=start and replace(start, squares=start.squares / speed**2),
         )  # fmt: skip
 
-    def at(self, keep: Any) -> "Sample":
-        """The sample at the times with these indices."""
-        names = ("times", "speed_scale", "length_scale", "at_rest")
-        return replace(
-            self, sums=self.sums[:, keep], speeds=self.speeds and self.speeds.at(keep),
-            displacements=self.displacements and self.displacements.at(keep),
-            **{name: getattr(self, name)[keep] for name in names},
-        )  # fmt: skip
-
 
 # -- from tracks to a sample -----------------------------------------------------------------------
 
@@ -210,21 +193,22 @@ def reduced(
             sums[:, k, column] = np.bincount(mine, power, MOST_GROUPS)
         for out, values in zip(counts, (v, r), strict=True):
             bins = _bins(values, _LOWEST, _PER_OCTAVE, _BINS)
-            out[:, k] = _counted(mine % HISTOGRAM_GROUPS, bins, out[:, k].shape)
+            cells = mine % HISTOGRAM_GROUPS * (_BINS + 2) + bins
+            out[:, k] = np.bincount(cells, minlength=out[:, k].size).reshape(out[:, k].shape)
         at_rest[k] = np.count_nonzero(v == 0)
         if time == 0:
             start = _start_bins(v, scales[0, k])
     used = sums[..., N].sum(axis=1) > 0
 
-    def binned(found: Any, scale: Any) -> Binned:
-        by_group = found[found.any(axis=(1, 2))]
-        edges = scale[:, None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
-        return Binned(edges, by_group)
-
+    edges = scales[..., None] * 2.0 ** (_LOWEST + np.arange(_BINS + 1) / _PER_OCTAVE)
+    speeds, displacements = (
+        Binned(e, by_group[by_group.any(axis=(1, 2))])
+        for e, by_group in zip(edges, counts, strict=True)
+    )
     seen = tuple(sorted(filter(None, flights), key=lambda one: -one.share)[:2])
     return Sample(
-        names, tracks.times, sums[used], scales[0], scales[1], binned(counts[0], scales[0]),
-        binned(counts[1], scales[1]), start, at_rest, grouping, flights=seen,
+        names, tracks.times, sums[used], scales[0], scales[1], speeds, displacements, start,
+        at_rest, grouping, flights=seen,
     )  # fmt: skip
 
 
@@ -245,11 +229,6 @@ def _bins(values: Any, lowest: float, per_octave: float, bins: int) -> Any:
     return np.clip(place, -1, bins).astype(np.int64) + 1
 
 
-def _counted(group: Any, bins: Any, shape: tuple[int, int]) -> Counts:
-    cells = np.bincount(group * shape[1] + bins, minlength=shape[0] * shape[1])
-    return np.asarray(cells.reshape(shape))
-
-
 def _start_bins(v: Any, unit: float) -> StartBins:
     place = _bins(v, _START_LOWEST, _START_PER_OCTAVE, _START_BINS)
     counts, sums = np.bincount(place), np.bincount(place, v * v)
@@ -259,14 +238,17 @@ def _start_bins(v: Any, unit: float) -> StartBins:
 
 
 def straight_flights(time: float, distance: Any, speed: Any) -> Flights | None:
-    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one."""
+    """The ratio |r|/(|v| t) that most tracers (n,) share; None where too few share one.
+
+    They fly alike within .002 in its logarithm, as numbers may have few digits; twenty at least,
+    and 5 % of all: those that have collided put some 0.5 % into such a width.
+    """
     moving = (distance > 0) & (speed > 0) & (time > 0)
-    if np.count_nonzero(moving) < _FEWEST:
+    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time or 1.0))
+    alike = np.searchsorted(ratio, ratio + 0.002) - np.arange(ratio.size)
+    count = int(alike.max(initial=0))
+    if count < max(20, 0.05 * distance.size):
         return None
-    ratio = np.sort(np.log(distance[moving]) - np.log(speed[moving]) - np.log(time))
-    alike = np.searchsorted(ratio, ratio + _SAME) - np.arange(ratio.size)
-    first, count = int(np.argmax(alike)), int(alike.max())
-    if count < max(_FEWEST, _LEAST_SHARE * distance.size):
-        return None
+    first = int(np.argmax(alike))
     middle = float(np.exp(np.median(ratio[first : first + count])))
     return Flights(float(time), middle, count / distance.size)

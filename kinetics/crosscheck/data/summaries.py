@@ -9,7 +9,7 @@ correlated.
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,19 +113,6 @@ def _sums(columns: Mapping[str, Array], law: Law) -> tuple[Array, list[str]]:
 # -- runs of the simulator -------------------------------------------------------------------------
 
 
-def is_ensemble(path: Any) -> TypeGuard[Path]:
-    """Whether a source is a file of `lorentz simulate` or Ensemble.save."""
-    if not isinstance(path, Path) or path.suffix.lower() not in (".h5", ".hdf5", ".h5md"):
-        return False
-    import h5py
-
-    try:
-        with h5py.File(path if path.is_file() else "", "r") as file:
-            return "plan" in file and "done" in file.attrs
-    except (OSError, ValueError):
-        return False  # the reader of columns says what is wrong
-
-
 def read_ensemble(path: Path) -> Sample:
     """The sample of a finished run in a file, lengths in d; InputError for a damaged one."""
     from particles import Ensemble
@@ -134,11 +121,11 @@ def read_ensemble(path: Path) -> Sample:
         run = Ensemble.load(path)
     except ValueError as error:
         raise InputError(" ".join(str(error).split())) from None
-    return from_ensemble(run, name_of(Path(path.name))).rescaled(1.0, run.medium.diameter)
+    return from_ensemble(run, name_of(Path(path.name)))
 
 
 def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
-    """The sums of a particle run, in its own unit of length.
+    """The sums of a particle run, lengths in d.
 
     With stored velocities and positions densities are compared too. InputError for a run
     without output times or with fewer than two groups.
@@ -174,7 +161,8 @@ def from_ensemble(ensemble: "Ensemble", name: str = "ensemble") -> Sample:
         if isinstance(ensemble.medium, kind):
             told["scatterers"] = scatterers
     law = Law(ensemble.tangential_restitution, ensemble.medium.dimension, ensemble.field)
-    return replace(found, free=free, told=told, law=law)
+    found = replace(found, free=free, told=told, law=law)
+    return found.rescaled(1.0, ensemble.medium.diameter)
 
 
 def _from_sums(ensemble: "Ensemble", name: str, times: Any) -> Sample:

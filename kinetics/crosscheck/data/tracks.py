@@ -1,7 +1,6 @@
 """Anybody's particle data as one dense array: tracers at common times, whatever file they are from.
 
 A format (`formats`) gives columns, one row for each tracer at each time, which `from_columns` turns
-into `Tracks` or, for a table of averages, `Averages`; or frames, which are Tracks already.
 """
 
 import re
@@ -235,12 +234,21 @@ def from_columns(
     for name in ("time", *AXES, *SPEEDS) if "x" in values else ("time",):
         if name in values and not np.all(good := np.isfinite(values[name])):
             k = int(np.argmin(good))
-            bad(f"{where}: row {k}", f"{name} = {values[name][k]}", "a finite number")
+            who = f"row {k}"
+            if "tracer" in found:  # by its own label
+                label = np.asarray(columns[names[found["tracer"]]])[k]
+                who = f"tracer {label} at time {values['time'][k]:g}"
+            bad(f"{where}: {who}", f"{name} = {values[name][k]}", "a finite number")
     if "x" not in values:
         return Averages(values, units)
     if asked.type is not None:
-        chosen = of_type(where, values.pop("type"), asked)
+        texts = np.asarray(values.pop("type")).astype(str)
+        chosen = texts == str(asked.type)
+        if not np.any(chosen):
+            bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
         values = {name: column[chosen] for name, column in values.items()}
+    if asked.dimension != 3 and np.any(values.pop("vz", 0)):
+        bad(where, "velocities with z components", "none, or say dimension 3")
     return replace(_dense(where, values, asked), units=units)
 
 
@@ -261,15 +269,6 @@ def _column(where: str, name: str, values: Any) -> Any:
     if values.dtype.kind == "f" and not np.all((np.abs(values) < 2.0**63) & (values % 1 == 0)):
         bad(here, "others", "whole numbers below 2^63")
     return values.astype(np.int64, copy=False)
-
-
-def of_type(where: str, kinds: Any, asked: Asked) -> Any:
-    """Which have the type that is asked for (n,); InputError where none has."""
-    texts = np.asarray(kinds).astype(str)
-    chosen = texts == str(asked.type)
-    if not np.any(chosen):
-        bad(f"{where}: type", short(asked.type), f"one of {', '.join(np.unique(texts)[:9])}")
-    return chosen
 
 
 def _dense(where: str, c: dict[str, Any], asked: Asked) -> Tracks:
@@ -327,36 +326,42 @@ def binned(where: str, time: Any, asked: Asked) -> tuple[Any, Any]:
 # -- frames ----------------------------------------------------------------------------------------
 
 
-def checked(where: str, found: Tracks, asked: Asked) -> Tracks:
-    """Tracks whose shapes and values can be used, by rising time; else InputError."""
-    arrays = [np.asarray(one) for one in (found.times, found.place, found.velocity)]
-    labels = [np.asarray(one) for one in (found.tracer, found.medium) if one is not None]
-    times, place, velocity = arrays
-    d, shape = asked.dimension or 2, (*place.shape, 0)[:2]
-    shapes = [one.shape[:2] for one in (*arrays, *labels)]
-    if shapes != [shape[:1], shape, shape, *[shape[1:]] * len(labels)] or place.ndim != 3:
-        got = ", ".join(str(one.shape) for one in (*arrays, *labels))
+def columns_of(where: str, times: Any, place: Any, velocity: Any, **labels: Any) -> dict[str, Any]:
+    """Columns, (T n,) each, of times (T,), places and velocities (T, n, d).
+
+    labels: (n,) or (T, n); without `tracer` the k-th of each frame is the same tracer.
+    """
+    times, place, velocity = (np.asarray(one) for one in (times, place, velocity))
+    shape = (*place.shape, 0, 0)[:2]
+    labels = {"tracer": np.arange(shape[1])} | {k: np.asarray(a) for k, a in labels.items()}
+    fit = velocity.shape[:2] == shape and velocity.ndim == place.ndim == 3
+    fit &= all(one.shape in (shape, shape[1:]) for one in labels.values())
+    if times.shape != shape[:1] or not fit or max(place.shape[2], velocity.shape[2]) > 3:
+        of_labels = ", ".join(f"{k} {a.shape}" for k, a in labels.items())
+        got = f"{times.shape}, {place.shape}, {velocity.shape} and {of_labels}"
         bad(f"{where}: shapes", got, "(T,), (T, n, d), (T, n, d) and (n,) for each label")
-    if times.size > MOST_TIMES or any(one.dtype.kind not in "iuf" for one in arrays):
-        bad(where, f"{times.size} times", f"at most {MOST_TIMES} different times, and all numbers")
-    if min(place.shape[2], velocity.shape[2]) < d or np.any(np.nan_to_num(velocity[..., d:])):
-        bad(where, f"no z components, or other than {d}", "as many as `dimension 3` or 2 says")
-    order = np.argsort(times, kind="stable")
-    times = times[order].astype(float)
-    known = np.all(np.isfinite(times) & (times >= 0))
-    if not known or np.any(np.diff(times) <= SAME_TIME * times[1:]):
-        bad(f"{where}: times", short(times), "different finite numbers, not negative")
-    if np.any(order[1:] < order[:-1]):
-        place, velocity = place[order], velocity[order]
-    place, velocity = (a[..., :d].astype(float, copy=False) for a in (place, velocity))
-    wrong = ~np.isfinite(place).all(axis=2) | ~np.isfinite(velocity).all(axis=2)
-    if np.any(wrong):  # a tracer without any number has ended
-        wrong &= ~(np.isnan(place).all(axis=2) & np.isnan(velocity).all(axis=2))
-        for k, i in np.argwhere(wrong):
-            got = f"{place[k, i]} and {velocity[k, i]}"
-            bad(f"{where}: tracer {i} at time {times[k]:g}", got, "finite numbers")
-    box = None if found.box is None else np.asarray(found.box, float)[:d]
-    return replace(found, times=times, place=place, velocity=velocity, box=box)
+    found = {"time": np.repeat(times, shape[1])}
+    for names, vectors in ((AXES, place), (SPEEDS, velocity)):
+        found |= dict(zip(names, vectors.reshape(-1, vectors.shape[2]).T, strict=False))
+    return found | {k: np.broadcast_to(a, shape).ravel() for k, a in labels.items()}
+
+
+def of_frames(
+    where: str, frames: Sequence[Mapping[str, Any]], asked: Asked,
+    units: Mapping[str, str] | None = None, box: Any = None,
+) -> Tracks:  # fmt: skip
+    """Tracks of the columns of frames, by our names; units of x, vx and time."""
+    import pandas as pd
+
+    if not frames:
+        bad(where, "no frames", "a file of this format")
+    rows = pd.concat([pd.DataFrame(frame) for frame in frames], join="inner", ignore_index=True)
+    # tracers without any number have ended
+    rows = rows.dropna(how="all", subset=[name for name in (*AXES, *SPEEDS) if name in rows])
+    found = from_columns(where, list(rows), rows, replace(asked, columns=None))
+    assert isinstance(found, Tracks)
+    box = None if box is None else np.asarray(box, float)[: found.place.shape[2]]
+    return replace(found, box=box, units=stated(where, units or {}))
 
 
 def unwrapped(tracks: Tracks) -> tuple[Tracks, bool]:
@@ -398,20 +403,15 @@ def joined(parts: Sequence[Tracks], names: Sequence[str], asked: Asked) -> Track
     index, times = binned(names[0], np.concatenate([part.times for part in parts]), asked)
     rows = np.split(index, np.cumsum([part.times.size for part in parts])[:-1])
     if any(np.unique(at).size < at.size for at in rows):
-        bad(
-            "bin_times", asked.bin_times, "a fraction that puts each time into one bin of all files"
-        )
-
-    def side_by_side(name: str) -> Any:
-        values = [getattr(part, name) for part in parts]
-        if values[0] is None or name in ("tracer", "medium"):
-            return None if values[0] is None else np.concatenate(values)
-        for k, (one, at) in enumerate(zip(values, rows, strict=True)):
-            values[k] = np.full((times.size, *one.shape[1:]), np.nan)
-            values[k][at] = one
-        return np.concatenate(values, axis=1)
-
+        allowed = "a fraction that puts each time into one bin of all files"
+        bad("bin_times", asked.bin_times, allowed)
     file = np.repeat(np.arange(len(parts)), [part.place.shape[1] for part in parts])
-    names = ("place", "velocity", "tracer", "medium")
-    every = {name: side_by_side(name) for name in names}
-    return Tracks(times, **every, units=first.units, file=file)
+    place, velocity = np.full((2, times.size, file.size, first.place.shape[2]), np.nan)
+    for k, (part, at) in enumerate(zip(parts, rows, strict=True)):
+        place[np.ix_(at, file == k)] = part.place
+        velocity[np.ix_(at, file == k)] = part.velocity
+    tracer, medium = (
+        None if getattr(first, name) is None else np.concatenate([getattr(p, name) for p in parts])
+        for name in ("tracer", "medium")
+    )
+    return Tracks(times, place, velocity, tracer, medium, units=first.units, file=file)

@@ -143,8 +143,7 @@ def test_units_that_do_not_belong_together_are_found() -> None:
 
 
 @pytest.mark.parametrize(
-    ("medium", "e"),
-    [("hard disks", 0.7), pytest.param("overlapping", 0.9, marks=pytest.mark.slow)],
+    ("medium", "e"), [("hard disks", 0.7), pytest.param("overlapping", 0.9, marks=pytest.mark.slow)]
 )
 def test_a_finite_density_explains_without_a_fitted_number(medium: str, e: float) -> None:
     where: Any = {"hard disks": HardDisks(DENSITY, 5000), "overlapping": Poisson(DENSITY)}[medium]
